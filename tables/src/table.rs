@@ -1,0 +1,179 @@
+//! A ray-shift table in memory.
+//!
+//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane travel direction, v = n x u,
+//! in edge lengths. Array axes are `[incidence, azimuth, shift_v, shift_u]`.
+
+use ndarray::{Array2, Array3, Array4, Array5};
+
+/// What became of a ray. The names and their order are those of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(usize)]
+pub enum Fate {
+    /// Came back by a path whose linear map is -I, shift inside the histogram.
+    Retroreflected,
+    /// Left the cell after one reflection.
+    LeftAfter1,
+    /// Left the cell after two reflections.
+    LeftAfter2,
+    /// Left antiparallel by a path whose linear map is not -I.
+    AntiparallelOther,
+    /// Left in another direction after three reflections or more.
+    Deviated,
+    /// Went through a facet where total internal reflection failed.
+    Transmitted,
+    /// Absorbed by a facet or the front face.
+    Absorbed,
+    /// Hit nothing.
+    Missed,
+    /// Retroreflected, but the shift lies outside the histogram.
+    OutOfRange,
+    /// Was stopped after the greatest number of reflections.
+    BounceLimit,
+}
+
+impl Fate {
+    /// All fates, in the order of the file.
+    pub const ALL: [Fate; 10] = [
+        Fate::Retroreflected,
+        Fate::LeftAfter1,
+        Fate::LeftAfter2,
+        Fate::AntiparallelOther,
+        Fate::Deviated,
+        Fate::Transmitted,
+        Fate::Absorbed,
+        Fate::Missed,
+        Fate::OutOfRange,
+        Fate::BounceLimit,
+    ];
+
+    /// The name in the file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Fate::Retroreflected => "retroreflected",
+            Fate::LeftAfter1 => "left_after_1",
+            Fate::LeftAfter2 => "left_after_2",
+            Fate::AntiparallelOther => "antiparallel_other",
+            Fate::Deviated => "deviated",
+            Fate::Transmitted => "transmitted",
+            Fate::Absorbed => "absorbed",
+            Fate::Missed => "missed",
+            Fate::OutOfRange => "out_of_range",
+            Fate::BounceLimit => "bounce_limit",
+        }
+    }
+}
+
+/// The directions and bins of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    /// Incidence angles outside the sheet, degrees, ascending, 0 <= theta < 90.
+    pub incidence_deg: Vec<f64>,
+    /// Azimuths, degrees, ascending; the single value NaN for a mean over all azimuths.
+    pub azimuth_deg: Vec<f64>,
+    /// Bins along each of u and v.
+    pub bins: usize,
+    /// The histogram covers u, v in [-range, range], edge lengths.
+    pub range: f64,
+}
+
+impl Axes {
+    /// Bin width, edge lengths.
+    pub fn bin_width(&self) -> f64 {
+        2.0 * self.range / self.bins as f64
+    }
+
+    /// Centre of bin `i`, edge lengths.
+    pub fn bin_centre(&self, i: usize) -> f64 {
+        (i as f64 + 0.5) * self.bin_width() - self.range
+    }
+
+    /// (directions along incidence, directions along azimuth).
+    pub fn shape(&self) -> (usize, usize) {
+        (self.incidence_deg.len(), self.azimuth_deg.len())
+    }
+}
+
+/// One facet sequence of an exact bake: the rays that enter through `polygon` leave shifted by `matrix * p + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Corners of the polygon of entry points in the incidence frame (u, v), counter-clockwise, edge lengths, relative
+    /// to the apex's perpendicular foot on the entrance plane.
+    pub polygon: Vec<[f64; 2]>,
+    /// Linear part of the shift map, row-major [[uu, uv], [vu, vv]].
+    pub matrix: [[f64; 2]; 2],
+    /// Constant part of the shift map, edge lengths.
+    pub offset: [f64; 2],
+    /// Share of the launched power that this path returns (1 for lossless reflections).
+    pub weight: f64,
+}
+
+/// What `bake --method exact` found: the polygons and maps behind the histogram.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Exact {
+    /// Area of the entrance, square edge lengths; eta = sum of weight x polygon area / entrance area.
+    pub entrance_area: f64,
+    /// Retroreflecting paths of each direction: index = incidence * azimuths + azimuth.
+    pub paths: Vec<Vec<Path>>,
+}
+
+/// Where a table comes from: all that is needed to bake it again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    /// Program and version.
+    pub generator: String,
+    /// Name of the cell's design.
+    pub design: String,
+    /// SHA-256 of the mesh, lower-case hex.
+    pub mesh_hash: String,
+    /// Length of one edge in file units.
+    pub edge_length: f64,
+    /// Unit of `edge_length`; "file unit" where the file names none.
+    pub edge_length_unit: String,
+    /// First edge (azimuth 0) in the file's frame.
+    pub azimuth_zero: [f64; 3],
+    /// Refractive index behind the flat front face; 1 where there is none.
+    pub refractive_index: f64,
+    /// `mirror` or `tir`.
+    pub back: String,
+    /// `none` or `fresnel`.
+    pub losses: String,
+    /// Reflectance of each facet, 1 where losses are left out.
+    pub reflectance: f64,
+    /// `rays` or `exact`.
+    pub method: String,
+    /// `random` or `sobol`; `none` for the exact method.
+    pub sampler: String,
+    /// Seed of the samples.
+    pub seed: u64,
+    /// Largest deviation of the path's linear map from -I that counts as retroreflected, degrees.
+    pub angular_tolerance_deg: f64,
+    /// L1 error asked for, 0 where a number of rays was.
+    pub tolerance: f64,
+    /// Lattice vectors in the cell frame, edge lengths, where the cell is periodic.
+    pub lattice: Option<[[f64; 2]; 2]>,
+}
+
+/// A ray-shift table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Directions and bins.
+    pub axes: Axes,
+    /// Conditional probability `[incidence, azimuth, v, u]`: sums to 1 per direction, or all 0 where nothing returns.
+    pub histogram: Array4<f64>,
+    /// Rays per bin `[incidence, azimuth, randomisation, v, u]`; `None` for an exact table.
+    pub counts: Option<Array5<u64>>,
+    /// Retroreflected fraction eta `[incidence, azimuth]` (out_of_range counts as retroreflected).
+    pub retroreflected: Array2<f64>,
+    /// Standard error of `retroreflected`; 0 for an exact table.
+    pub standard_error: Array2<f64>,
+    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of [`Fate::ALL`]; sums to 1.
+    pub fate: Array3<f64>,
+    /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.
+    pub fate_counts: Option<Array4<u64>>,
+    /// Rays launched `[incidence, azimuth]`; 0 for an exact table.
+    pub rays: Array2<u64>,
+    /// Polygons and maps of an exact table.
+    pub exact: Option<Exact>,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
