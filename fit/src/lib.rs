@@ -1,1 +1,4 @@
 //! placeholder
+
+pub mod captures;
+pub mod photo;

@@ -1,0 +1,358 @@
+//! The manifest of a measured campaign, captures.toml: which photograph was taken how.
+//!
+//! Lengths are in mm, angles are kept in degrees as the manifest gives them and handed out in radians. In a photograph
+//! x runs along columns to the right and y along rows downward; angles in it run from +x towards +y. Every key is
+//! checked here, so that whatever comes out is finite and in range and every image exists.
+
+mod error;
+pub mod keys;
+mod spectrum;
+
+use std::path::{Path, PathBuf};
+
+use crate::photo::{self, Channel, Decode, Photo, Transfer};
+pub use error::Error;
+use keys::{Bounds, Document, Place, Section};
+pub use spectrum::{Line, Spectrum, SpectrumError};
+
+/// Keys of [setup] that every capture may override, then those of a photograph, then those of a capture.
+const SHARED: [&str; 5] = [
+    "path_mm",
+    "roi",
+    "tangential_axis_deg",
+    "transfer",
+    "channel",
+];
+const SETUP: [&str; 4] = [
+    "pixel_pitch_mm",
+    "half_mirror_transmittance",
+    "half_mirror_reflectance",
+    "wavelength_nm",
+];
+const SHOT: [&str; 5] = ["image", "exposure", "roi", "transfer", "channel"];
+const CAPTURE: [&str; 5] = [
+    "floating_distance_mm",
+    "incidence_deg",
+    "azimuth_deg",
+    "path_mm",
+    "tangential_axis_deg",
+];
+
+/// A rectangle of a photograph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Roi {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns, at least 1.
+    pub width: usize,
+    /// Rows, at least 1.
+    pub height: usize,
+}
+
+impl Roi {
+    /// Whether all of it lies in a picture of `width` x `height` pixels.
+    pub fn fits(&self, width: usize, height: usize) -> bool {
+        let within = |first: usize, size: usize, whole| {
+            first.checked_add(size).is_some_and(|end| end <= whole)
+        };
+        within(self.x, self.width, width) && within(self.y, self.height, height)
+    }
+}
+
+impl std::fmt::Display for Roi {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            formatter,
+            "roi = [{}, {}, {}, {}]",
+            self.x, self.y, self.width, self.height
+        )
+    }
+}
+
+/// What all captures have in common.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Side of one pixel in the aerial-image plane, mm, > 0.
+    pub pixel_pitch_mm: f64,
+    /// Transmittance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a warning.
+    pub half_mirror_transmittance: f64,
+    /// Reflectance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a warning.
+    pub half_mirror_reflectance: f64,
+    /// Wavelengths of the source, for the `wave` kernel.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// One photograph and how to read it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// The file, resolved against the manifest's folder; it existed when the manifest was read.
+    pub image: PathBuf,
+    /// Exposure relative to the reference, > 0.
+    pub exposure: f64,
+    /// Region that holds the edge; the whole picture, or an edge found in it, where left out.
+    pub roi: Option<Roi>,
+    /// Transfer and channel.
+    pub decode: Decode,
+    /// Line of the manifest that names the image.
+    pub place: Place,
+}
+
+impl Shot {
+    /// Reads the photograph and checks that the region lies in it.
+    ///
+    /// # Errors
+    /// [`Error::Photo`], [`Error::RoiOutside`].
+    pub fn load(&self) -> Result<Photo, Error> {
+        let photo = photo::load(&self.image, &self.decode)?;
+        match self.roi {
+            Some(roi) if !roi.fits(photo.width, photo.height) => Err(Error::RoiOutside {
+                place: self.place.clone(),
+                roi,
+                image: self.image.clone(),
+                width: photo.width,
+                height: photo.height,
+            }),
+            _ => Ok(photo),
+        }
+    }
+}
+
+/// One photograph of the mid-air edge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capture {
+    /// The photograph.
+    pub shot: Shot,
+    /// Floating distance, mm, > 0.
+    pub floating_distance_mm: f64,
+    /// Optical path from the sheet to the image along the principal ray, mm, > 0, where it differs from the floating
+    /// distance; see [`Capture::range_mm`].
+    pub path_mm: Option<f64>,
+    /// Incidence on the sheet, outside, degrees, 0 <= theta < 90.
+    pub incidence_deg: f64,
+    /// Azimuth about the sheet's normal, degrees; `None` for a table that is a mean over azimuths.
+    pub azimuth_deg: Option<f64>,
+    /// Direction of the tangential axis (in the plane of incidence) in the photograph, degrees from +x towards +y.
+    pub tangential_axis_deg: f64,
+}
+
+impl Capture {
+    /// R of the model, mm: `path_mm` where given, else the floating distance.
+    pub fn range_mm(&self) -> f64 {
+        self.path_mm.unwrap_or(self.floating_distance_mm)
+    }
+
+    /// Incidence, radians.
+    pub fn incidence_rad(&self) -> f64 {
+        self.incidence_deg.to_radians()
+    }
+
+    /// Azimuth, radians.
+    pub fn azimuth_rad(&self) -> Option<f64> {
+        self.azimuth_deg.map(f64::to_radians)
+    }
+
+    /// Direction of the tangential axis, radians.
+    pub fn tangential_axis_rad(&self) -> f64 {
+        self.tangential_axis_deg.to_radians()
+    }
+}
+
+/// A checked campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// The manifest.
+    pub file: PathBuf,
+    /// What all captures share.
+    pub setup: Setup,
+    /// The source edge itself, with no retroreflector in the path.
+    pub reference: Option<Shot>,
+    /// The captures, in the order of the manifest; never empty.
+    pub captures: Vec<Capture>,
+    /// What was assumed, one sentence each, for the user.
+    pub warnings: Vec<String>,
+}
+
+/// Reads and checks a manifest. Photographs are not decoded here, only looked for: see [`Shot::load`].
+///
+/// `exposure` is 1 for the reference where left out. A capture must give it where there is a reference, because mu is a
+/// ratio of the two; without one it has no use and is 1.
+///
+/// # Errors
+/// The first thing that is wrong, as an [`Error`] that names the line.
+pub fn load(file: &Path) -> Result<Campaign, Error> {
+    let document = Document::read(file)?;
+    let table = document.parse()?;
+    let root = Section::root(&document, &table, &["setup", "reference", "capture"])?;
+    let known: Vec<_> = SETUP.iter().chain(&SHARED).copied().collect();
+    let setup_keys = root.required("setup", root.section("setup", &known)?)?;
+    let mut warnings = Vec::new();
+    let setup = read_setup(&setup_keys, file, &mut warnings)?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let shared = Shared {
+        keys: &setup_keys,
+        folder,
+    };
+
+    let reference = match root.section("reference", &SHOT)? {
+        Some(keys) => {
+            let exposure = keys.number("exposure", Bounds::POSITIVE)?.unwrap_or(1.0);
+            Some(shared.shot(&keys, exposure)?)
+        }
+        None => {
+            warnings.push(format!(
+                "{} has no [reference]: the camera is taken for its pixel box alone, and mu cannot be found.",
+                file.display()
+            ));
+            None
+        }
+    };
+    let known: Vec<_> = SHOT.iter().chain(&CAPTURE).copied().collect();
+    let mut captures: Vec<Capture> = Vec::new();
+    for keys in root.sections("capture", &known)? {
+        let given = keys.number("exposure", Bounds::POSITIVE)?;
+        let exposure = if reference.is_some() {
+            keys.required("exposure", given)?
+        } else {
+            given.unwrap_or(1.0)
+        };
+        captures.push(shared.capture(&keys, exposure)?);
+    }
+    if captures.is_empty() {
+        return Err(Error::NoCaptures {
+            file: file.to_owned(),
+        });
+    }
+    for (index, capture) in captures.iter().enumerate() {
+        if captures[..index]
+            .iter()
+            .any(|other| other.shot.image == capture.shot.image)
+        {
+            warnings.push(format!(
+                "{}: image {} is named by an earlier capture too, and counts twice.",
+                capture.shot.place,
+                capture.shot.image.display()
+            ));
+        }
+    }
+    Ok(Campaign {
+        file: file.to_owned(),
+        setup,
+        reference,
+        captures,
+        warnings,
+    })
+}
+
+fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Result<Setup, Error> {
+    let pixel_pitch_mm = keys.required(
+        "pixel_pitch_mm",
+        keys.number("pixel_pitch_mm", Bounds::POSITIVE)?,
+    )?;
+    let transmittance = keys.number("half_mirror_transmittance", Bounds::SHARE)?;
+    let reflectance = keys.number("half_mirror_reflectance", Bounds::SHARE)?;
+    if transmittance.is_none() || reflectance.is_none() {
+        warnings.push(format!(
+            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it is taken for 1, and mu includes it.",
+            file.display()
+        ));
+    }
+    let key = "wavelength_nm";
+    let spectrum = match keys.text(key) {
+        Ok(None) => None,
+        Ok(Some(text)) => Some(Spectrum::parse(text)),
+        // Not a string: a number is as good, and the message of `number` covers the rest.
+        Err(_) => keys
+            .number(key, Bounds::FINITE)?
+            .map(Spectrum::monochromatic),
+    };
+    let spectrum = spectrum.transpose().map_err(|source| Error::Spectrum {
+        place: keys.place_of(key),
+        source,
+    })?;
+    Ok(Setup {
+        pixel_pitch_mm,
+        half_mirror_transmittance: transmittance.unwrap_or(1.0),
+        half_mirror_reflectance: reflectance.unwrap_or(1.0),
+        spectrum,
+    })
+}
+
+/// What a photograph takes from [setup] where its own table does not say.
+struct Shared<'k, 'd> {
+    keys: &'k Section<'d>,
+    folder: &'k Path,
+}
+
+impl Shared<'_, '_> {
+    fn shot(&self, keys: &Section<'_>, exposure: f64) -> Result<Shot, Error> {
+        let image = self
+            .folder
+            .join(keys.required("image", keys.text("image")?)?);
+        let place = keys.place_of("image");
+        if !image.is_file() {
+            return Err(Error::ImageMissing { place, image });
+        }
+        let roi = read_roi(keys)?.or(read_roi(self.keys)?);
+        let transfer = read_transfer(keys)?.or(read_transfer(self.keys)?);
+        let channel = keys
+            .text("channel")?
+            .or(self.keys.text("channel")?)
+            .map(Channel::from_name)
+            .unwrap_or_default();
+        Ok(Shot {
+            image,
+            exposure,
+            roi,
+            decode: Decode { transfer, channel },
+            place,
+        })
+    }
+
+    fn capture(&self, keys: &Section<'_>, exposure: f64) -> Result<Capture, Error> {
+        let number = |key, bounds| keys.number(key, bounds);
+        let own_or_shared = |key, bounds| {
+            Ok::<_, Error>(keys.number(key, bounds)?.or(self.keys.number(key, bounds)?))
+        };
+        let distance = number("floating_distance_mm", Bounds::POSITIVE)?;
+        let incidence = number("incidence_deg", Bounds::INCIDENCE)?;
+        Ok(Capture {
+            floating_distance_mm: keys.required("floating_distance_mm", distance)?,
+            incidence_deg: keys.required("incidence_deg", incidence)?,
+            azimuth_deg: number("azimuth_deg", Bounds::TURN)?,
+            path_mm: own_or_shared("path_mm", Bounds::POSITIVE)?,
+            tangential_axis_deg: own_or_shared("tangential_axis_deg", Bounds::TURN)?.unwrap_or(0.0),
+            shot: self.shot(keys, exposure)?,
+        })
+    }
+}
+
+fn read_transfer(keys: &Section<'_>) -> Result<Option<Transfer>, Error> {
+    keys.choice("transfer", &Transfer::NAMES, Transfer::from_name)
+}
+
+fn read_roi(keys: &Section<'_>) -> Result<Option<Roi>, Error> {
+    let Some([x, y, width, height]) =
+        keys.whole_array::<4>("roi", "four whole numbers [x, y, width, height]")?
+    else {
+        return Ok(None);
+    };
+    for (side, name) in [(width, "width of roi"), (height, "height of roi")] {
+        if side == 0 {
+            let must_be = Bounds::POSITIVE.words;
+            return Err(Error::OutOfRange {
+                place: keys.place_of("roi"),
+                key: name.to_owned(),
+                value: 0.0,
+                must_be,
+            });
+        }
+    }
+    Ok(Some(Roi {
+        x,
+        y,
+        width,
+        height,
+    }))
+}
