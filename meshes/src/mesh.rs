@@ -1,20 +1,123 @@
 //! Indexed triangles as a file holds them: file units, file frame.
 
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
 use glam::DVec3;
+use sha2::{Digest, Sha256};
+
+use crate::error::{Counted, Error, Fault};
+
+/// Largest file or buffer that is read, bytes.
+pub const MAX_BYTES: u64 = 1 << 29;
+/// Largest number of vertices and of triangles that is accepted: past it, memory rather than geometry decides.
+pub const MAX_ELEMENTS: usize = 1 << 23;
 
 /// Triangles in file units and the file's own frame, with what the file says about them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertex positions, file units.
+    /// Vertex positions relative to `origin`, file units, in the order of the file.
     pub positions: Vec<DVec3>,
+    /// Where `positions` are counted from in the file's frame, file units. Zero for OBJ; the first mesh node's origin
+    /// for glTF, so that exact local vertices keep their digits under a large node translation.
+    pub origin: DVec3,
     /// Vertex indices, wound counter-clockwise seen from the light (hollow facets) or outward (closed prisms).
     pub triangles: Vec<[u32; 3]>,
+    /// Number (from 1) of the file's face that each triangle was cut from; empty where every face is a triangle.
+    pub faces: Vec<u32>,
     /// Lattice vectors of a periodic cell, file units.
     pub lattice: Option<[DVec3; 2]>,
+    /// Edge length that the file states (`# edge_length` comment, `extras.edge_length`), file units: truncated cells.
+    pub edge_length: Option<f64>,
     /// Refractive index that the file gives (`KHR_materials_ior`).
     pub refractive_index: Option<f64>,
     /// Name of the design, from the file (`# design ...` comment, `extras.design`) or its stem.
     pub design: String,
     /// SHA-256 of the file's bytes and of every buffer that it refers to, lower-case hex.
     pub hash: String,
+}
+
+impl Mesh {
+    /// Number, from 1, of the file's face that triangle `triangle` belongs to.
+    pub fn face_number(&self, triangle: usize) -> u32 {
+        // u32 holds every triangle: MAX_ELEMENTS is below it.
+        self.faces
+            .get(triangle)
+            .copied()
+            .unwrap_or(triangle as u32 + 1)
+    }
+
+    /// Corners of triangle `triangle`, relative to `origin`, file units.
+    ///
+    /// # Panics
+    /// If the triangle or one of its indices is out of range; [`crate::check::vertices`] excludes the latter.
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
+    }
+}
+
+/// Reads an OBJ, glTF or GLB file, by its extension.
+///
+/// # Errors
+/// The file is missing, has another extension, is larger than [`MAX_BYTES`] or [`MAX_ELEMENTS`], or is malformed.
+pub fn load(path: &Path) -> Result<Mesh, Error> {
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    let bytes = match extension.as_str() {
+        "obj" | "gltf" | "glb" => {
+            read_bounded(path, MAX_BYTES).map_err(|fault| Error::new(path, fault))?
+        }
+        _ => return Err(Error::new(path, Fault::UnknownExtension { extension })),
+    };
+    let mut mesh = match extension.as_str() {
+        "obj" => crate::obj::parse(&bytes),
+        _ => crate::gltf::parse(&bytes, path.parent()),
+    }
+    .map_err(|fault| Error::new(path, fault))?;
+    if mesh.design.is_empty() {
+        mesh.design = path
+            .file_stem()
+            .map(|stem| stem.to_string_lossy().into_owned())
+            .unwrap_or_default();
+    }
+    Ok(mesh)
+}
+
+/// Reads a file of at most `limit` bytes; the size is checked before and while reading (it may be a pipe).
+pub(crate) fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
+    let file = File::open(path).map_err(Fault::Unreadable)?;
+    let metadata = file.metadata().map_err(Fault::Unreadable)?;
+    if metadata.len() > limit {
+        return Err(Fault::TooLarge {
+            what: Counted::Bytes,
+            found: metadata.len(),
+            limit,
+        });
+    }
+    let mut bytes = Vec::new();
+    file.take(limit + 1)
+        .read_to_end(&mut bytes)
+        .map_err(Fault::Unreadable)?;
+    if bytes.len() as u64 > limit {
+        return Err(Fault::TooLarge {
+            what: Counted::Bytes,
+            found: bytes.len() as u64,
+            limit,
+        });
+    }
+    Ok(bytes)
+}
+
+/// SHA-256 over the concatenation of `parts`, lower-case hex.
+pub(crate) fn sha256<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
+    let mut hasher = Sha256::new();
+    parts.into_iter().for_each(|part| hasher.update(part));
+    hasher
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }

@@ -1,0 +1,295 @@
+//! Parametric cells.
+//!
+//! All have their first apex at the origin and the cube's axes along x, y, z (where no dihedral error bends them), the
+//! light towards +x +y +z, and the vertices in the order apex, then the ends of its three edges. With the edge length
+//! of 3 that is the default, every coordinate of the ideal cells is an integer: exact in text and in f32.
+
+use glam::{DMat3, DVec3};
+
+use crate::error::Fault;
+use crate::mesh::{Mesh, sha256};
+use crate::write;
+
+/// Kinds of cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// One cube corner, triangular aperture through the ends of its edges.
+    Triangular,
+    /// A cube corner and its copy turned by 180 degrees about the normal: a rhombic aperture that tiles the plane.
+    TriangularPair,
+    /// Three square facets, hexagonal outline, rim not planar: one period of a lattice.
+    FullCube,
+    /// A pair of cube corners tilted against the sheet's normal, cut by the sheet's plane.
+    Canted,
+}
+
+impl Shape {
+    /// All shapes, in the order of [`list`].
+    pub const ALL: [Self; 4] = [
+        Self::Triangular,
+        Self::TriangularPair,
+        Self::FullCube,
+        Self::Canted,
+    ];
+
+    /// Name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangular => "triangular",
+            Self::TriangularPair => "triangular-pair",
+            Self::FullCube => "full-cube",
+            Self::Canted => "canted",
+        }
+    }
+
+    /// One line for a list.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Triangular => "one cube corner with a triangular aperture",
+            Self::TriangularPair => {
+                "a cube corner and its copy turned by 180 degrees: a rhombic aperture that tiles"
+            }
+            Self::FullCube => {
+                "three square facets with a hexagonal outline and a rim that is not planar, periodic"
+            }
+            Self::Canted => {
+                "a pair of cube corners tilted against the sheet's normal, with a planar rim"
+            }
+        }
+    }
+
+    /// The shape of that name.
+    ///
+    /// # Errors
+    /// [`Fault::UnknownDesign`], which names them all.
+    pub fn from_name(name: &str) -> Result<Self, Fault> {
+        Self::ALL
+            .into_iter()
+            .find(|shape| shape.name() == name)
+            .ok_or_else(|| Fault::UnknownDesign {
+                name: name.to_owned(),
+                known: Self::ALL.map(Self::name).join(", "),
+            })
+    }
+}
+
+/// Names and descriptions of all designs.
+pub fn list() -> [(&'static str, &'static str); 4] {
+    Shape::ALL.map(|shape| (shape.name(), shape.description()))
+}
+
+/// A parametric cell: a shape and its deviations from the ideal.
+///
+/// ```
+/// use meshes::design::{Design, Shape};
+/// let mesh = Design { dihedral_error_rad: [1e-4, 0.0, 0.0], ..Design::new(Shape::TriangularPair) }.mesh()?;
+/// assert_eq!(mesh.triangles.len(), 6);
+/// # Ok::<(), meshes::Fault>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Design {
+    /// Kind of cell.
+    pub shape: Shape,
+    /// Length of the longest edge from the apex before truncation, file units; 3 by default.
+    pub edge_length: f64,
+    /// Errors of the dihedral angles at edges 1, 2 and 3 (between the two facets that share the edge), rad; positive is
+    /// wider than 90 degrees. At most 0.1 either way.
+    pub dihedral_error_rad: [f64; 3],
+    /// How much lower the top is than the ideal one, as a part of its height above the apex; from 0 to below 1, and
+    /// below 0.5 for the full cube, whose three top corners are cut off flat and closed by mirrors. The others keep
+    /// their shape and become smaller, which only the recorded edge length tells.
+    pub truncation: f64,
+    /// [`Shape::Canted`]: angle of the sheet's normal against the cube's axis, rad, towards edge 1 where positive;
+    /// between -0.6 and 0.9; 0.15 by default. Others: 0.
+    pub cant_rad: f64,
+}
+
+impl Design {
+    /// The ideal cell of that shape.
+    pub fn new(shape: Shape) -> Self {
+        let cant_rad = if shape == Shape::Canted { 0.15 } else { 0.0 };
+        Self {
+            shape,
+            edge_length: 3.0,
+            dihedral_error_rad: [0.0; 3],
+            truncation: 0.0,
+            cant_rad,
+        }
+    }
+
+    /// The cell as a mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
+    ///
+    /// Accuracy: dihedral errors to 2e-16 rad, heights and lengths to 4e-16 of the edge length.
+    ///
+    /// # Errors
+    /// [`Fault::DesignOption`] and [`Fault::DesignOptionUnused`].
+    pub fn mesh(&self) -> Result<Mesh, Fault> {
+        self.check()?;
+        let legs = legs(self.dihedral_error_rad).map(|leg| leg * self.edge_length);
+        let mut mesh = match self.shape {
+            Shape::Triangular => corner(legs.map(|leg| leg * (1.0 - self.truncation))),
+            Shape::TriangularPair => pair(legs.map(|leg| leg * (1.0 - self.truncation))),
+            Shape::FullCube => full_cube(legs, 2.0 * self.truncation),
+            Shape::Canted => pair(self.canted(legs).map(|leg| leg * (1.0 - self.truncation))),
+        };
+        mesh.design = self.shape.name().to_owned();
+        mesh.edge_length = (self.truncation > 0.0).then_some(self.edge_length);
+        mesh.hash = sha256([write::obj(&mesh).as_bytes()]);
+        Ok(mesh)
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        let inside = |option, value: f64, least: f64, most: f64| {
+            // NaN is outside too.
+            if (least..=most).contains(&value) {
+                Ok(())
+            } else {
+                Err(Fault::DesignOption {
+                    option,
+                    value,
+                    least,
+                    most,
+                })
+            }
+        };
+        inside("edge length", self.edge_length, 1e-30, 1e30)?;
+        for error in self.dihedral_error_rad {
+            inside("dihedral error", error, -0.1, 0.1)?;
+        }
+        inside(
+            "truncation",
+            self.truncation,
+            0.0,
+            if self.shape == Shape::FullCube {
+                0.49
+            } else {
+                0.99
+            },
+        )?;
+        if self.shape == Shape::Canted {
+            return inside("cant", self.cant_rad, -0.6, 0.9);
+        }
+        if self.cant_rad != 0.0 {
+            return Err(Fault::DesignOptionUnused {
+                design: self.shape.name(),
+                option: "a cant",
+            });
+        }
+        Ok(())
+    }
+
+    /// Legs cut off by the plane whose normal is canted, the longest of them an edge length long.
+    fn canted(&self, legs: [DVec3; 3]) -> [DVec3; 3] {
+        let axis = rim_normal(legs).normalize();
+        let towards = (legs[0] - axis * axis.dot(legs[0])).normalize();
+        let normal = axis * self.cant_rad.cos() + towards * self.cant_rad.sin();
+        let rise = legs.map(|leg| leg.dot(normal));
+        let height = rise[0].min(rise[1]).min(rise[2]);
+        [0, 1, 2].map(|k| legs[k] * (height / rise[k]))
+    }
+}
+
+/// Unit edges from the apex for the given dihedral errors: those nearest to x, y, z (symmetric square root).
+///
+/// Spherical trigonometry gives the angle between two edges from the three dihedral angles A = 90 deg + error:
+/// cos a = (cos A + cos B cos C) / (sin B sin C). That is the Gram matrix G of the edges; they are G^(1/2).
+fn legs(error: [f64; 3]) -> [DVec3; 3] {
+    let [a, b, c] = error;
+    let between =
+        |opposite: f64, d: f64, e: f64| (-opposite.sin() + d.sin() * e.sin()) / (d.cos() * e.cos());
+    // The angle between edges 2 and 3 lies opposite edge 1.
+    let (g23, g31, g12) = (between(a, b, c), between(b, c, a), between(c, a, b));
+    let excess = DMat3::from_cols(
+        DVec3::new(0.0, g12, g31),
+        DVec3::new(g12, 0.0, g23),
+        DVec3::new(g31, g23, 0.0),
+    );
+    // G^(1/2) = I + S with S = (E - S S) / 2, iterated on the excess E alone so that 1e-9 keeps its digits.
+    let mut root = excess * 0.5;
+    for _ in 0..60 {
+        root = (excess - root * root) * 0.5;
+    }
+    [
+        DVec3::X + root.x_axis,
+        DVec3::Y + root.y_axis,
+        DVec3::Z + root.z_axis,
+    ]
+}
+
+/// A normal of the plane through the ends of three edges, away from the apex; not of unit length, so that integers stay.
+fn rim_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+fn corner([a, b, c]: [DVec3; 3]) -> Mesh {
+    let positions = vec![DVec3::ZERO, a, b, c];
+    Mesh {
+        positions,
+        triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]],
+        ..Mesh::default()
+    }
+}
+
+/// The copy is turned about the normal through the middle of the aperture edge from end 1 to end 2, which the two share.
+fn pair(legs: [DVec3; 3]) -> Mesh {
+    let [a, b, c] = legs;
+    let n = rim_normal(legs);
+    let turned = |p: DVec3| n * (2.0 * n.dot(p) / n.length_squared()) - p;
+    let (middle, turned_middle) = ((a + b) * 0.5, turned((a + b) * 0.5));
+    let copy = |p: DVec3| middle + (turned(p) - turned_middle);
+    let positions = vec![DVec3::ZERO, a, b, c, copy(DVec3::ZERO), copy(c)];
+    // The copy's ends 1 and 2 are the ends 2 and 1.
+    let triangles = vec![
+        [0, 1, 2],
+        [0, 2, 3],
+        [0, 3, 1],
+        [4, 2, 1],
+        [4, 1, 5],
+        [4, 5, 2],
+    ];
+    Mesh {
+        positions,
+        triangles,
+        ..Mesh::default()
+    }
+}
+
+/// `cut`: part of each upper edge that is cut off at the top corners.
+fn full_cube([a, b, c]: [DVec3; 3], cut: f64) -> Mesh {
+    let lattice = Some([a - b, b - c]);
+    if cut == 0.0 {
+        let positions = vec![DVec3::ZERO, a, b, c, a + b, b + c, c + a];
+        let triangles = vec![
+            [0, 1, 4],
+            [0, 4, 2],
+            [0, 2, 5],
+            [0, 5, 3],
+            [0, 3, 6],
+            [0, 6, 1],
+        ];
+        return Mesh {
+            positions,
+            triangles,
+            lattice,
+            ..Mesh::default()
+        };
+    }
+    let keep = 1.0 - cut;
+    let mut positions = vec![DVec3::ZERO, a, b, c];
+    let mut triangles = Vec::new();
+    for (first, second, u, v) in [(1, 2, a, b), (2, 3, b, c), (3, 1, c, a)] {
+        let next = positions.len() as u32;
+        positions.extend([u + v * keep, v + u * keep]);
+        triangles.extend([[0, first, next], [0, next, next + 1], [0, next + 1, second]]);
+    }
+    // The flat top over a + b: the third of its corners lies on the edge towards a + b - c, in a neighbouring cell.
+    let next = positions.len() as u32;
+    positions.push(a + b - c * cut);
+    triangles.push([5, 4, next]);
+    Mesh {
+        positions,
+        triangles,
+        lattice,
+        ..Mesh::default()
+    }
+}
