@@ -1,5 +1,45 @@
 //! Ray-shift tables: axes, counts, fates, provenance, and the HDF5 file they live in.
+//!
+//! A [`Table`] holds, for each direction of incidence, how far a corner-cube sheet displaces the rays that it returns.
+//! [`read()`] and [`write()`] move it from and to a file (`FORMAT.md` beside this crate), [`merge()`] adds the rays of
+//! tables, [`Table::direction`] looks one direction up and [`Direction::otf_along`] is its Fourier transform.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! let table = tables::read(Path::new("table.h5"))?;
+//! let direction = table.direction(20.0, Some(30.0))?;
+//! let otf = direction.otf_along([1.0, 0.0], &[0.0, 0.1, 0.2]);
+//! println!("{} of the rays return; |S(0.2)| = {}", direction.eta, otf[2].norm());
+//! # Ok::<(), tables::Error>(())
+//! ```
+//!
+//! Frame and unit everywhere: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane
+//! travel direction, v = n x u, in edge lengths; angles in degrees.
 
+#![deny(unsafe_code)]
+
+pub mod check;
+pub mod content;
+pub mod counts;
+pub mod error;
+mod layout;
+pub mod lookup;
+pub mod merge;
+pub mod polygon;
+pub mod read;
+mod scales;
+mod seal;
 pub mod table;
+pub mod transform;
+pub mod write;
 
+pub use check::Invalid;
+pub use counts::l1;
+pub use error::Error;
+pub use layout::VERSION;
+pub use lookup::{Direction, NoDirection};
+pub use merge::{Mismatch, merge, merge_shards};
+pub use read::read;
 pub use table::{Axes, Exact, Fate, Path, Provenance, Table};
+pub use write::{Reservation, reserve, write};

@@ -64,7 +64,9 @@ impl Fate {
 }
 
 /// The directions and bins of a table.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// Two axes are equal when every value is; the NaN azimuth of a mean table equals itself.
+#[derive(Debug, Clone)]
 pub struct Axes {
     /// Incidence angles outside the sheet, degrees, ascending, 0 <= theta < 90.
     pub incidence_deg: Vec<f64>,
@@ -76,7 +78,27 @@ pub struct Axes {
     pub range: f64,
 }
 
+impl PartialEq for Axes {
+    fn eq(&self, other: &Self) -> bool {
+        let same = |a: &[f64], b: &[f64]| {
+            a.len() == b.len()
+                && a.iter()
+                    .zip(b)
+                    .all(|(a, b)| a == b || (a.is_nan() && b.is_nan()))
+        };
+        same(&self.incidence_deg, &other.incidence_deg)
+            && same(&self.azimuth_deg, &other.azimuth_deg)
+            && self.bins == other.bins
+            && self.range == other.range
+    }
+}
+
 impl Axes {
+    /// Whether the table holds the mean over all azimuths instead of single ones.
+    pub fn is_mean(&self) -> bool {
+        matches!(self.azimuth_deg[..], [azimuth] if azimuth.is_nan())
+    }
+
     /// Bin width, edge lengths.
     pub fn bin_width(&self) -> f64 {
         2.0 * self.range / self.bins as f64

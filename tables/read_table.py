@@ -1,0 +1,32 @@
+"""Reads a ray-shift table (FORMAT.md, version 1) with h5py and numpy alone. Usage: read_table.py TABLE.h5"""
+import sys
+
+import h5py
+
+
+def read_table(name):
+    """Returns a dict: axes, arrays and attributes by their names in the file, and 'paths' of an exact table."""
+    with h5py.File(name, "r") as file:
+        table = {key: value for key, value in file.attrs.items()}
+        if table.get("format") != "retroreflective ray-shift table":
+            raise ValueError(f"{name}: not a ray-shift table")
+        if not 1 <= table["version"] <= 1:
+            raise ValueError(f"{name}: format version {table['version']}, this reader knows 1")
+        table.update({key: data[()] for key, data in file.items() if isinstance(data, h5py.Dataset)})
+        table["fate_name"] = file["fate_name"].asstr()[()].tolist()
+        if "exact" in file:
+            group = {key: data[()] for key, data in file["exact"].items()}
+            start, azimuths = group["polygon_start"].astype(int), len(table["azimuth_deg"])
+            table["entrance_area"] = file["exact"].attrs["entrance_area"]
+            table["paths"] = [
+                {"incidence": int(d) // azimuths, "azimuth": int(d) % azimuths, "weight": group["path_weight"][k],
+                 "polygon": group["polygon_vertex"][start[k]:start[k + 1]],
+                 "matrix": group["path_matrix"][k], "offset": group["path_offset"][k]}
+                for k, d in enumerate(group["path_direction"])]
+        return table
+
+
+if __name__ == "__main__":
+    read = read_table(sys.argv[1])
+    for i, incidence in enumerate(read["incidence_deg"]):
+        print(f"{incidence:6.2f} deg:", *(f"{eta:.5f}" for eta in read["retroreflected"][i]))

@@ -1,0 +1,495 @@
+//! The rules that every table obeys, in memory and on disk.
+//!
+//! Tolerance: a fraction is rounded to 2^-53 of itself, so a sum of n fractions that should be 1 is off by at most
+//! about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows 1e-9, which is also what the areas of
+//! polygons with coordinates of some edge lengths keep with room to spare.
+
+use ndarray::{Array2, Array4, Array5, Axis};
+
+use crate::content::Flat;
+use crate::table::{Axes, Exact, Fate, Table};
+
+/// Allowed rounding of sums that should be 1 and of areas that should be eta.
+pub const SUM: f64 = 1e-9;
+
+/// More rays than this are not exact in f64.
+pub const MOST_RAYS: u64 = 1 << 53;
+
+/// A rule that a table breaks. Directions are (index along incidence, index along azimuth).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Invalid {
+    /// An axis without values.
+    #[error("{axis} is empty")]
+    EmptyAxis {
+        /// Name of the axis.
+        axis: &'static str,
+    },
+    /// A value of an axis out of its range.
+    #[error("{axis} is {value} at index {index}, outside of {allowed}")]
+    AxisValue {
+        /// Name of the axis.
+        axis: &'static str,
+        /// Index of the value.
+        index: usize,
+        /// The value.
+        value: f64,
+        /// The range in words.
+        allowed: &'static str,
+    },
+    /// An axis that does not ascend.
+    #[error("{axis} does not ascend at index {index}")]
+    AxisOrder {
+        /// Name of the axis.
+        axis: &'static str,
+        /// Index of the first value that is not above the one before it.
+        index: usize,
+    },
+    /// Arrays of different shapes.
+    #[error("{array} has shape {found:?}, the axes ask for {expected:?}")]
+    Shape {
+        /// Name of the array.
+        array: &'static str,
+        /// Shape that follows from the axes.
+        expected: Vec<usize>,
+        /// Shape that is there.
+        found: Vec<usize>,
+    },
+    /// A value that is NaN, infinite or outside of its range.
+    #[error("{array} is {value} at flat index {index}, outside of {allowed}")]
+    Value {
+        /// Name of the array.
+        array: &'static str,
+        /// Index in row-major order.
+        index: usize,
+        /// The value.
+        value: f64,
+        /// The range in words.
+        allowed: &'static str,
+    },
+    /// A histogram that neither sums to 1 nor is empty.
+    #[error(
+        "histogram sums to {sum} at direction {direction:?}, expected 1, or 0 where nothing returns"
+    )]
+    HistogramSum {
+        /// The direction.
+        direction: (usize, usize),
+        /// The sum.
+        sum: f64,
+    },
+    /// A histogram with entries where nothing is retroreflected.
+    #[error("histogram is not empty at direction {direction:?} where retroreflected is 0")]
+    HistogramOfNothing {
+        /// The direction.
+        direction: (usize, usize),
+    },
+    /// Fates that do not sum to 1.
+    #[error("fate sums to {sum} at direction {direction:?}, expected 1")]
+    FateSum {
+        /// The direction.
+        direction: (usize, usize),
+        /// The sum.
+        sum: f64,
+    },
+    /// eta is not what the fates say.
+    #[error(
+        "retroreflected is {eta} at direction {direction:?}, fate retroreflected + out_of_range is {fates}"
+    )]
+    EtaOfFates {
+        /// The direction.
+        direction: (usize, usize),
+        /// eta.
+        eta: f64,
+        /// What the fates sum to.
+        fates: f64,
+    },
+    /// A histogram and a fate that count different rays.
+    #[error(
+        "counts sum to {counts} at direction {direction:?}, randomisation {randomisation}, fate_counts says {fates} retroreflected"
+    )]
+    CountSum {
+        /// The direction.
+        direction: (usize, usize),
+        /// The randomisation.
+        randomisation: usize,
+        /// Sum over bins.
+        counts: u128,
+        /// Rays of fate retroreflected.
+        fates: u64,
+    },
+    /// Launched rays that the fates do not account for.
+    #[error("rays is {rays} at direction {direction:?}, fate_counts sums to {fates}")]
+    RaySum {
+        /// The direction.
+        direction: (usize, usize),
+        /// Rays launched.
+        rays: u64,
+        /// Sum over fates and randomisations.
+        fates: u128,
+    },
+    /// More rays than f64 counts exactly.
+    #[error("fate_counts sums to {rays} at direction {direction:?}, above 2^53")]
+    TooManyRays {
+        /// The direction.
+        direction: (usize, usize),
+        /// Sum over fates and randomisations.
+        rays: u128,
+    },
+    /// Only one of `counts` and `fate_counts` is there.
+    #[error("{present} is there without {missing}")]
+    HalfCounts {
+        /// The one that is there.
+        present: &'static str,
+        /// The one that is not.
+        missing: &'static str,
+    },
+    /// A polygon of fewer than three corners or of negative area.
+    #[error(
+        "path {path} of direction {direction} has a polygon of {corners} corners and area {area}"
+    )]
+    Polygon {
+        /// Index of the direction, incidence * azimuths + azimuth.
+        direction: usize,
+        /// Index of the path within the direction.
+        path: usize,
+        /// Number of corners.
+        corners: usize,
+        /// Signed area, square edge lengths.
+        area: f64,
+    },
+    /// Polygons whose areas do not sum to eta.
+    #[error(
+        "polygons of direction {direction:?} return {polygons} of the power, retroreflected says {eta}"
+    )]
+    PolygonSum {
+        /// The direction.
+        direction: (usize, usize),
+        /// Sum of weight x area / entrance area.
+        polygons: f64,
+        /// eta.
+        eta: f64,
+    },
+}
+
+/// Checks every rule; `Ok` says that the table can be written, read and used without further checks.
+pub fn check(table: &Table) -> Result<(), Invalid> {
+    axes(&table.axes)?;
+    shapes(table)?;
+    values(table)?;
+    if let (Some(bins), Some(fates)) = (&table.counts, &table.fate_counts) {
+        counts(bins, fates, &table.rays)?;
+    }
+    sums(table)?;
+    if let Some(exact) = &table.exact {
+        polygons(table, exact)?;
+    }
+    Ok(())
+}
+
+/// Checks the axes alone, before anything of their size is allocated.
+pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
+    axis(
+        "incidence_deg",
+        &axes.incidence_deg,
+        "0 <= angle < 90",
+        |x| (0.0..90.0).contains(&x),
+    )?;
+    if !axes.is_mean() {
+        axis(
+            "azimuth_deg",
+            &axes.azimuth_deg,
+            "-360 < angle <= 360 (NaN alone for a mean)",
+            |x| x > -360.0 && x <= 360.0,
+        )?;
+    }
+    if axes.bins == 0 {
+        return Err(Invalid::EmptyAxis { axis: "shift_u" });
+    }
+    axis("shift_range", &[axes.range], "0 < range < 1e6", |x| {
+        x > 0.0 && x < 1e6
+    })
+}
+
+fn axis(
+    axis: &'static str,
+    values: &[f64],
+    allowed: &'static str,
+    within: impl Fn(f64) -> bool,
+) -> Result<(), Invalid> {
+    if values.is_empty() {
+        return Err(Invalid::EmptyAxis { axis });
+    }
+    if let Some((index, &value)) = values.iter().enumerate().find(|&(_, &x)| !within(x)) {
+        return Err(Invalid::AxisValue {
+            axis,
+            index,
+            value,
+            allowed,
+        });
+    }
+    match values.windows(2).position(|pair| pair[0] >= pair[1]) {
+        Some(index) => Err(Invalid::AxisOrder {
+            axis,
+            index: index + 1,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn shapes(table: &Table) -> Result<(), Invalid> {
+    let (i, j) = table.axes.shape();
+    let (b, f) = (table.axes.bins, Fate::ALL.len());
+    let same = |array, found: &[usize], expected: &[usize]| {
+        if found == expected {
+            Ok(())
+        } else {
+            Err(Invalid::Shape {
+                array,
+                expected: expected.to_vec(),
+                found: found.to_vec(),
+            })
+        }
+    };
+    same("histogram", table.histogram.shape(), &[i, j, b, b])?;
+    same("retroreflected", table.retroreflected.shape(), &[i, j])?;
+    same("standard_error", table.standard_error.shape(), &[i, j])?;
+    same("fate", table.fate.shape(), &[i, j, f])?;
+    same("rays", table.rays.shape(), &[i, j])?;
+    match (&table.counts, &table.fate_counts) {
+        (Some(counts), Some(fate_counts)) => {
+            let r = counts.shape()[2];
+            if r == 0 {
+                return Err(Invalid::EmptyAxis {
+                    axis: "randomisation",
+                });
+            }
+            same("counts", counts.shape(), &[i, j, r, b, b])?;
+            same("fate_counts", fate_counts.shape(), &[i, j, r, f])
+        }
+        (None, None) => Ok(()),
+        (Some(_), None) => Err(Invalid::HalfCounts {
+            present: "counts",
+            missing: "fate_counts",
+        }),
+        (None, Some(_)) => Err(Invalid::HalfCounts {
+            present: "fate_counts",
+            missing: "counts",
+        }),
+    }
+}
+
+fn values(table: &Table) -> Result<(), Invalid> {
+    // Sums of fractions may pass 1 by their rounding.
+    let fraction = |x: f64| (0.0..=1.0 + SUM).contains(&x);
+    let error = |x: f64| (0.0..=1.0).contains(&x);
+    within("histogram", table.histogram.iter(), "0 to 1", fraction)?;
+    within(
+        "retroreflected",
+        table.retroreflected.iter(),
+        "0 to 1",
+        fraction,
+    )?;
+    within("fate", table.fate.iter(), "0 to 1", fraction)?;
+    within(
+        "standard_error",
+        table.standard_error.iter(),
+        "0 to 1",
+        error,
+    )?;
+    let p = &table.provenance;
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    within(
+        "edge_length",
+        [&p.edge_length],
+        "finite positive numbers",
+        positive,
+    )?;
+    within(
+        "refractive_index",
+        [&p.refractive_index],
+        "finite positive numbers",
+        positive,
+    )?;
+    within(
+        "azimuth_zero",
+        &p.azimuth_zero,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within("reflectance", [&p.reflectance], "0 to 1", error)?;
+    within(
+        "angular_tolerance_deg",
+        [&p.angular_tolerance_deg],
+        "0 to 180",
+        |x| (0.0..=180.0).contains(&x),
+    )?;
+    within("tolerance", [&p.tolerance], "finite numbers from 0", |x| {
+        x.is_finite() && x >= 0.0
+    })?;
+    let lattice: &[f64] = p.lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
+    within("lattice", lattice, "finite numbers", f64::is_finite)
+}
+
+fn within<'a>(
+    array: &'static str,
+    values: impl IntoIterator<Item = &'a f64>,
+    allowed: &'static str,
+    allow: impl Fn(f64) -> bool,
+) -> Result<(), Invalid> {
+    match values.into_iter().enumerate().find(|&(_, &x)| !allow(x)) {
+        Some((index, &value)) => Err(Invalid::Value {
+            array,
+            index,
+            value,
+            allowed,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Checks counts against fates and rays, in u128 because hostile counts overflow u64.
+pub(crate) fn counts(
+    counts: &Array5<u64>,
+    fate_counts: &Array4<u64>,
+    launched: &Array2<u64>,
+) -> Result<(), Invalid> {
+    let (incidences, azimuths) = launched.dim();
+    for direction in (0..incidences).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
+        let (i, j) = direction;
+        let mut rays = 0_u128;
+        for randomisation in 0..counts.shape()[2] {
+            let bins = counts
+                .index_axis(Axis(0), i)
+                .index_axis_move(Axis(0), j)
+                .index_axis_move(Axis(0), randomisation);
+            let sum: u128 = bins.iter().map(|&n| u128::from(n)).sum();
+            let fates = fate_counts[[i, j, randomisation, Fate::Retroreflected as usize]];
+            if sum != u128::from(fates) {
+                return Err(Invalid::CountSum {
+                    direction,
+                    randomisation,
+                    counts: sum,
+                    fates,
+                });
+            }
+            rays += (0..Fate::ALL.len())
+                .map(|k| u128::from(fate_counts[[i, j, randomisation, k]]))
+                .sum::<u128>();
+        }
+        if rays > u128::from(MOST_RAYS) {
+            return Err(Invalid::TooManyRays { direction, rays });
+        }
+        if rays != u128::from(launched[[i, j]]) {
+            return Err(Invalid::RaySum {
+                direction,
+                rays: launched[[i, j]],
+                fates: rays,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn sums(table: &Table) -> Result<(), Invalid> {
+    let (incidences, azimuths) = table.axes.shape();
+    let near = |a: f64, b: f64| (a - b).abs() <= SUM;
+    for direction in (0..incidences).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
+        let (i, j) = direction;
+        // A shard launches nothing in the directions of the others.
+        let idle = table.counts.is_some() && table.rays[[i, j]] == 0;
+        let fate = table
+            .fate
+            .index_axis(Axis(0), i)
+            .index_axis_move(Axis(0), j);
+        let sum = fate.sum();
+        if !near(sum, 1.0) && !(idle && sum == 0.0) {
+            return Err(Invalid::FateSum { direction, sum });
+        }
+        let eta = table.retroreflected[[i, j]];
+        let fates = fate[Fate::Retroreflected as usize] + fate[Fate::OutOfRange as usize];
+        if !near(eta, fates) {
+            return Err(Invalid::EtaOfFates {
+                direction,
+                eta,
+                fates,
+            });
+        }
+        let sum = table
+            .histogram
+            .index_axis(Axis(0), i)
+            .index_axis_move(Axis(0), j)
+            .sum();
+        if sum != 0.0 && !near(sum, 1.0) {
+            return Err(Invalid::HistogramSum { direction, sum });
+        }
+        if eta == 0.0 && sum != 0.0 {
+            return Err(Invalid::HistogramOfNothing { direction });
+        }
+    }
+    Ok(())
+}
+
+fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
+    let (incidences, azimuths) = table.axes.shape();
+    // A mean over azimuths has no polygons of its own: none, or those of no direction.
+    if exact.paths.len() != incidences * azimuths {
+        return Err(Invalid::Shape {
+            array: "exact paths",
+            expected: vec![incidences * azimuths],
+            found: vec![exact.paths.len()],
+        });
+    }
+    within(
+        "entrance_area",
+        [&exact.entrance_area],
+        "finite positive numbers",
+        |x| x.is_finite() && x > 0.0,
+    )?;
+    let flat = Flat::new(exact);
+    within(
+        "path_matrix",
+        &flat.matrix,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within(
+        "path_offset",
+        &flat.offset,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within("path_weight", &flat.weight, "0 to 1", |x| {
+        (0.0..=1.0).contains(&x)
+    })?;
+    within(
+        "polygon_vertex",
+        &flat.vertex,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    for (direction, paths) in exact.paths.iter().enumerate() {
+        let mut returned = 0.0;
+        for (index, path) in paths.iter().enumerate() {
+            let area = crate::polygon::area(&path.polygon);
+            // A sliver's area may round to just below 0.
+            if path.polygon.len() < 3 || area < -SUM * exact.entrance_area {
+                return Err(Invalid::Polygon {
+                    direction,
+                    path: index,
+                    corners: path.polygon.len(),
+                    area,
+                });
+            }
+            returned += path.weight * area / exact.entrance_area;
+        }
+        let here = (direction / azimuths, direction % azimuths);
+        let eta = table.retroreflected[[here.0, here.1]];
+        if !table.axes.is_mean() && (returned - eta).abs() > SUM {
+            return Err(Invalid::PolygonSum {
+                direction: here,
+                polygons: returned,
+                eta,
+            });
+        }
+    }
+    Ok(())
+}

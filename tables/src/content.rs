@@ -1,0 +1,184 @@
+//! The content hash: what a table says, whatever the file, the threads or the shards that it came from.
+//!
+//! SHA-256 over items in a fixed order; an item is its name in UTF-8, a zero byte, the length of its value in bytes as a
+//! little-endian u64, and the value, little-endian (`FORMAT.md` lists the items). Derived datasets are left out: they
+//! follow from the counts and are checked against them on reading.
+
+use sha2::{Digest, Sha256};
+
+use crate::table::{Exact, Provenance, Table};
+
+/// Version-independent tag that starts the hashed content.
+const TAG: &str = "retroreflective ray-shift table";
+
+impl Table {
+    /// SHA-256 of the content, 64 lower-case hex digits.
+    ///
+    /// Covers axes, counts and fates by randomisation (or, without counts, histogram, eta and fate fractions), the
+    /// polygons of an exact table and the whole provenance. Two tables of equal hash are equal.
+    pub fn content_hash(&self) -> String {
+        let mut items = Items(Sha256::new());
+        items.text("format", TAG);
+        items.floats("incidence_deg", self.axes.incidence_deg.iter().copied());
+        items.floats("azimuth_deg", self.axes.azimuth_deg.iter().copied());
+        items.integers("bins", [self.axes.bins as u64].into_iter());
+        items.floats("shift_range", [self.axes.range].into_iter());
+        match (&self.counts, &self.fate_counts) {
+            (Some(counts), Some(fate_counts)) => {
+                items.integers("counts", counts.iter().copied());
+                items.integers("fate_counts", fate_counts.iter().copied());
+            }
+            _ => {
+                items.floats("histogram", self.histogram.iter().copied());
+                items.floats("retroreflected", self.retroreflected.iter().copied());
+                items.floats("fate", self.fate.iter().copied());
+            }
+        }
+        if let Some(exact) = &self.exact {
+            items.exact(exact);
+        }
+        items.provenance(&self.provenance);
+        hex(items.0.finalize().as_ref())
+    }
+}
+
+/// Lower-case hex digits of bytes.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+struct Items(Sha256);
+
+impl Items {
+    fn head(&mut self, name: &str, bytes: usize) {
+        self.0.update(name.as_bytes());
+        self.0.update([0]);
+        self.0.update((bytes as u64).to_le_bytes());
+    }
+
+    fn text(&mut self, name: &str, value: &str) {
+        self.head(name, value.len());
+        self.0.update(value.as_bytes());
+    }
+
+    fn words(&mut self, name: &str, values: impl ExactSizeIterator<Item = [u8; 8]>) {
+        self.head(name, 8 * values.len());
+        let mut buffer = Vec::with_capacity(1 << 16);
+        for value in values {
+            buffer.extend_from_slice(&value);
+            if buffer.len() == 1 << 16 {
+                self.0.update(&buffer);
+                buffer.clear();
+            }
+        }
+        self.0.update(&buffer);
+    }
+
+    fn integers(&mut self, name: &str, values: impl ExactSizeIterator<Item = u64>) {
+        self.words(name, values.map(u64::to_le_bytes));
+    }
+
+    /// The only NaN of a table is the azimuth of a mean; its payload bits differ between machines.
+    fn floats(&mut self, name: &str, values: impl ExactSizeIterator<Item = f64>) {
+        self.words(
+            name,
+            values.map(|x| {
+                if x.is_nan() {
+                    0x7ff8_0000_0000_0000_u64.to_le_bytes()
+                } else {
+                    x.to_le_bytes()
+                }
+            }),
+        );
+    }
+
+    fn exact(&mut self, exact: &Exact) {
+        let flat = Flat::new(exact);
+        self.floats("entrance_area", [exact.entrance_area].into_iter());
+        self.integers("path_direction", flat.direction.iter().copied());
+        self.floats("path_matrix", flat.matrix.iter().copied());
+        self.floats("path_offset", flat.offset.iter().copied());
+        self.floats("path_weight", flat.weight.iter().copied());
+        self.integers("polygon_start", flat.start.iter().copied());
+        self.floats("polygon_vertex", flat.vertex.iter().copied());
+    }
+
+    fn provenance(&mut self, provenance: &Provenance) {
+        let Provenance {
+            generator,
+            design,
+            mesh_hash,
+            edge_length,
+            edge_length_unit,
+            azimuth_zero,
+            refractive_index,
+            back,
+            losses,
+            reflectance,
+            method,
+            sampler,
+            seed,
+            angular_tolerance_deg,
+            tolerance,
+            lattice,
+        } = provenance;
+        self.text("generator", generator);
+        self.text("design", design);
+        self.text("mesh_hash", mesh_hash);
+        self.floats("edge_length", [*edge_length].into_iter());
+        self.text("edge_length_unit", edge_length_unit);
+        self.floats("azimuth_zero", azimuth_zero.iter().copied());
+        self.floats("refractive_index", [*refractive_index].into_iter());
+        self.text("back", back);
+        self.text("losses", losses);
+        self.floats("reflectance", [*reflectance].into_iter());
+        self.text("method", method);
+        self.text("sampler", sampler);
+        self.integers("seed", [*seed].into_iter());
+        self.floats(
+            "angular_tolerance_deg",
+            [*angular_tolerance_deg].into_iter(),
+        );
+        self.floats("tolerance", [*tolerance].into_iter());
+        let lattice: &[f64] = lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
+        self.floats("lattice", lattice.iter().copied());
+    }
+}
+
+/// The ragged paths of an exact table as flat arrays, the way they are stored and hashed.
+#[derive(Debug, Default)]
+pub(crate) struct Flat {
+    /// Direction of each path, incidence * azimuths + azimuth, ascending.
+    pub direction: Vec<u64>,
+    /// Four numbers a path, row-major.
+    pub matrix: Vec<f64>,
+    /// Two numbers a path.
+    pub offset: Vec<f64>,
+    /// One number a path.
+    pub weight: Vec<f64>,
+    /// Path k has the vertices start[k] .. start[k + 1].
+    pub start: Vec<u64>,
+    /// Two numbers a vertex.
+    pub vertex: Vec<f64>,
+}
+
+impl Flat {
+    /// Flattens direction by direction, path by path, vertex by vertex.
+    pub fn new(exact: &Exact) -> Flat {
+        let mut flat = Flat {
+            start: vec![0],
+            ..Flat::default()
+        };
+        for (direction, paths) in exact.paths.iter().enumerate() {
+            for path in paths {
+                flat.direction.push(direction as u64);
+                flat.matrix.extend(path.matrix.as_flattened());
+                flat.offset.extend(path.offset);
+                flat.weight.push(path.weight);
+                flat.vertex.extend(path.polygon.as_flattened());
+                flat.start.push(flat.vertex.len() as u64 / 2);
+            }
+        }
+        flat
+    }
+}

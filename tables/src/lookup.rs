@@ -1,0 +1,246 @@
+//! One direction of a table: exactly, or interpolated between those around it.
+//!
+//! What is interpolated is eta x histogram, bilinear in the two angles (model: across a cutoff the conditional histogram
+//! jumps, eta x histogram does not). The result is a mixture of the neighbouring distributions, each in its own
+//! incidence frame; its error is that of the table's spacing, which the standard error does not include.
+
+use ndarray::Array2;
+
+use crate::error::Error;
+use crate::table::{Path, Table};
+
+/// Angles closer than this are the same direction, degrees.
+pub const SAME_DEG: f64 = 1e-9;
+
+/// What the sheet does with rays of one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// Angle of incidence, degrees.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees; NaN for the mean over all azimuths.
+    pub azimuth_deg: f64,
+    /// Retroreflected fraction, `out_of_range` included; 0 is a legal answer.
+    pub eta: f64,
+    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`.
+    pub probability: Array2<f64>,
+    /// The histogram covers u, v in [-range, range], edge lengths.
+    pub range: f64,
+    /// Standard error of `eta` from the numbers of rays; the error of the interpolation is not in it.
+    pub standard_error: f64,
+    /// Whether the table holds the direction only by interpolation.
+    pub interpolated: bool,
+    /// The paths behind the distribution, where the table is exact and holds the direction itself.
+    pub paths: Option<Vec<Path>>,
+}
+
+/// A direction that the table neither holds nor brackets.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoDirection {
+    /// The angle is outside of what the table covers.
+    #[error(
+        "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the nearest direction in it \
+         is incidence {nearest_incidence_deg} deg, azimuth {nearest_azimuth_deg} deg: use that or bake the direction"
+    )]
+    Outside {
+        /// Incidence asked for, degrees.
+        incidence_deg: f64,
+        /// Azimuth asked for, degrees; NaN where a mean table was asked.
+        azimuth_deg: f64,
+        /// Incidence of the nearest direction, degrees.
+        nearest_incidence_deg: f64,
+        /// Azimuth of the nearest direction, degrees.
+        nearest_azimuth_deg: f64,
+    },
+    /// No azimuth was given, and the table is not a mean over azimuths.
+    #[error(
+        "the table holds single azimuths ({first_deg} to {last_deg} deg); give azimuth_deg, or bake with --azimuth mean"
+    )]
+    AzimuthNeeded {
+        /// First azimuth of the table, degrees.
+        first_deg: f64,
+        /// Last azimuth of the table, degrees.
+        last_deg: f64,
+    },
+    /// An angle is NaN or infinite.
+    #[error(
+        "incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is no direction; give finite angles"
+    )]
+    NotFinite {
+        /// Incidence asked for, degrees.
+        incidence_deg: f64,
+        /// Azimuth asked for, degrees.
+        azimuth_deg: f64,
+    },
+}
+
+/// Two places of an axis and the share of the second.
+type Bracket = (usize, usize, f64);
+
+impl Table {
+    /// The direction of that incidence and azimuth, degrees: the table's own within 1e-9 deg, else interpolated between
+    /// its neighbours.
+    ///
+    /// Azimuths are periodic in 360 deg. Between the last and the first azimuth there is interpolation only where that
+    /// gap is no wider than the widest other one, that is, where the table goes all around. A table of the mean over
+    /// azimuths answers every azimuth, or none, with the mean.
+    ///
+    /// # Errors
+    /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that it holds; where the
+    /// azimuth is left out and the table is not a mean; where an angle is not finite.
+    ///
+    /// ```
+    /// # use ndarray::{Array4, Array5};
+    /// # use tables::{Axes, Fate, Provenance, Table};
+    /// # let axes = Axes { incidence_deg: vec![0.0, 10.0], azimuth_deg: vec![0.0], bins: 2, range: 2.0 };
+    /// # let counts = Array5::from_shape_fn((2, 1, 1, 2, 2), |(i, ..)| if i == 0 { 2 } else { 1 });
+    /// # let mut fates = Array4::zeros((2, 1, 1, Fate::ALL.len()));
+    /// # for i in 0..2 {
+    /// #     fates[[i, 0, 0, Fate::Retroreflected as usize]] = [8, 4][i];
+    /// #     fates[[i, 0, 0, Fate::Missed as usize]] = [2, 6][i];
+    /// # }
+    /// # let provenance = Provenance {
+    /// #     generator: String::new(), design: String::new(), mesh_hash: String::new(), edge_length: 1.0,
+    /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0, back: "mirror".into(),
+    /// #     losses: "none".into(), reflectance: 1.0, method: "rays".into(), sampler: "random".into(), seed: 1,
+    /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None,
+    /// # };
+    /// # let table = Table::from_counts(axes, counts, fates, provenance);
+    /// // eta is 0.8 at 0 deg and 0.4 at 10 deg
+    /// let direction = table.direction(5.0, Some(0.0))?;
+    /// assert!(direction.interpolated && (direction.eta - 0.6).abs() < 1e-15);
+    /// assert!(table.direction(11.0, Some(0.0)).unwrap_err().to_string().contains("nearest direction in it is incidence 10"));
+    /// # Ok::<(), tables::Error>(())
+    /// ```
+    pub fn direction(
+        &self,
+        incidence_deg: f64,
+        azimuth_deg: Option<f64>,
+    ) -> Result<Direction, Error> {
+        let azimuths = &self.axes.azimuth_deg;
+        let asked = if self.axes.is_mean() {
+            f64::NAN
+        } else {
+            azimuth_deg.ok_or_else(|| NoDirection::AzimuthNeeded {
+                first_deg: azimuths[0],
+                last_deg: azimuths[azimuths.len() - 1],
+            })?
+        };
+        if !incidence_deg.is_finite() || !(asked.is_finite() || self.axes.is_mean()) {
+            return Err(NoDirection::NotFinite {
+                incidence_deg,
+                azimuth_deg: asked,
+            }
+            .into());
+        }
+        let across = if self.axes.is_mean() {
+            Some((0, 0, 0.0))
+        } else {
+            around(azimuths, asked)
+        };
+        match (between(&self.axes.incidence_deg, incidence_deg), across) {
+            (Some(along), Some(across)) => Ok(self.mixture(along, across, incidence_deg, asked)),
+            _ => Err(self.outside(incidence_deg, asked).into()),
+        }
+    }
+
+    fn mixture(
+        &self,
+        along: Bracket,
+        across: Bracket,
+        incidence_deg: f64,
+        azimuth_deg: f64,
+    ) -> Direction {
+        let shares = |(a, b, t): Bracket| [(a, 1.0 - t), (b, t)];
+        let mut eta = 0.0;
+        let mut variance = 0.0;
+        let mut probability = Array2::zeros((self.axes.bins, self.axes.bins));
+        for (i, p) in shares(along) {
+            for (j, q) in shares(across) {
+                let share = p * q;
+                if share > 0.0 {
+                    eta += share * self.retroreflected[[i, j]];
+                    variance += (share * self.standard_error[[i, j]]).powi(2);
+                    probability.scaled_add(share, &self.probability(i, j));
+                }
+            }
+        }
+        let interpolated = along.2 > 0.0 || across.2 > 0.0;
+        let held = along.0 * self.axes.azimuth_deg.len() + across.0;
+        let paths = self
+            .exact
+            .as_ref()
+            .filter(|_| !interpolated && !self.axes.is_mean());
+        Direction {
+            incidence_deg,
+            azimuth_deg,
+            eta,
+            probability,
+            range: self.axes.range,
+            standard_error: variance.sqrt(),
+            interpolated,
+            paths: paths.and_then(|exact| exact.paths.get(held).cloned()),
+        }
+    }
+
+    fn outside(&self, incidence_deg: f64, azimuth_deg: f64) -> NoDirection {
+        let nearest = |values: &[f64], distance: &dyn Fn(f64) -> f64| {
+            values
+                .iter()
+                .copied()
+                .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+                .unwrap_or(f64::NAN)
+        };
+        NoDirection::Outside {
+            incidence_deg,
+            azimuth_deg,
+            nearest_incidence_deg: nearest(&self.axes.incidence_deg, &|x| {
+                (x - incidence_deg).abs()
+            }),
+            nearest_azimuth_deg: nearest(&self.axes.azimuth_deg, &|x| turn(x - azimuth_deg).abs()),
+        }
+    }
+}
+
+/// The place of `x` in an ascending axis, if it is in it or between two of its values.
+fn between(axis: &[f64], x: f64) -> Option<Bracket> {
+    if let Some(held) = axis.iter().position(|&held| (held - x).abs() <= SAME_DEG) {
+        return Some((held, held, 0.0));
+    }
+    let above = axis.iter().position(|&value| value > x)?;
+    let below = above.checked_sub(1)?;
+    Some((
+        below,
+        above,
+        (x - axis[below]) / (axis[above] - axis[below]),
+    ))
+}
+
+/// The place of an azimuth among ascending azimuths, periodic in 360 deg.
+fn around(axis: &[f64], x: f64) -> Option<Bracket> {
+    if let Some(held) = axis
+        .iter()
+        .position(|&held| turn(held - x).abs() <= SAME_DEG)
+    {
+        return Some((held, held, 0.0));
+    }
+    // Relative to the first azimuth, in one turn. Azimuths of more than a turn would have no order.
+    let x = (x - axis[0]).rem_euclid(360.0);
+    let relative: Vec<f64> = axis.iter().map(|value| value - axis[0]).collect();
+    let last = relative.len() - 1;
+    if let Some(place) = between(&relative, x) {
+        return Some(place);
+    }
+    let gap = 360.0 - relative[last];
+    let widest = relative
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .fold(0.0, f64::max);
+    (last > 0 && gap > 0.0 && gap <= widest + SAME_DEG)
+        .then(|| (last, 0, (x - relative[last]) / gap))
+}
+
+/// The angle in (-180, 180] that differs by whole turns, degrees.
+fn turn(angle: f64) -> f64 {
+    let angle = angle.rem_euclid(360.0);
+    if angle > 180.0 { angle - 360.0 } else { angle }
+}

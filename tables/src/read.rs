@@ -1,0 +1,92 @@
+//! A table from its file, checked to the last bit before it is used.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use crate::error::Error;
+use crate::layout;
+use crate::seal::{self, Seal};
+use crate::table::Table;
+
+/// Longest file that is read: the largest table that fits the memory limit, incompressible.
+const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
+
+/// First bytes of every HDF5 file.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+/// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes before allocation, finite
+/// values, the rules of [`crate::check`], counts against what is derived from them, and the content hash.
+///
+/// The result follows from the counts where there are any, so that two readers hold the same bits. Links that leave the
+/// file, unknown filters and inflated chunks are refused.
+///
+/// # Errors
+/// A variant of [`Error`] for each of these, naming the file, the dataset or attribute and the remedy.
+///
+/// ```
+/// let error = tables::read(std::path::Path::new("Cargo.toml")).unwrap_err();
+/// assert!(error.to_string().contains("is not an HDF5 file"));
+/// ```
+pub fn read(path: &Path) -> Result<Table, Error> {
+    guard(path)?;
+    let failed = |source| Error::Hdf5 {
+        file: path.to_owned(),
+        place: "file".to_owned(),
+        source,
+    };
+    let file = hdf5::File::open(path).map_err(failed)?;
+    let (table, stored) = layout::load(&file, path)?;
+    let computed = table.content_hash();
+    if stored != computed {
+        return Err(Error::ContentHash {
+            file: path.to_owned(),
+            stored,
+            computed,
+        });
+    }
+    Ok(table)
+}
+
+/// What can be told without the HDF5 library, which is not made for damaged files.
+fn guard(path: &Path) -> Result<(), Error> {
+    let failed = |source| Error::Open {
+        file: path.to_owned(),
+        source,
+    };
+    // Opening a pipe would wait for its writer.
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(Error::NotAFile {
+            file: path.to_owned(),
+        });
+    }
+    let mut file = File::open(path).map_err(failed)?;
+    let bytes = file.seek(SeekFrom::End(0)).map_err(failed)?;
+    if bytes > MOST_BYTES {
+        return Err(Error::FileSize {
+            file: path.to_owned(),
+            bytes,
+            limit: MOST_BYTES,
+        });
+    }
+    let mut start = Vec::new();
+    file.rewind().map_err(failed)?;
+    (&mut file)
+        .take(SIGNATURE.len() as u64)
+        .read_to_end(&mut start)
+        .map_err(failed)?;
+    if start != SIGNATURE {
+        return Err(Error::NotHdf5 {
+            file: path.to_owned(),
+            bytes,
+        });
+    }
+    match seal::check(&mut file).map_err(failed)? {
+        Seal::Intact | Seal::Absent => Ok(()),
+        Seal::Broken { stored, computed } => Err(Error::Damaged {
+            file: path.to_owned(),
+            stored,
+            computed,
+        }),
+    }
+}

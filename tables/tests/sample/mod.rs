@@ -1,0 +1,160 @@
+//! Tables of made-up numbers, of every kind that the format knows.
+
+use ndarray::{Array2, Array3, Array4, Array5};
+use tables::{Axes, Exact, Fate, Path, Provenance, Table};
+
+/// A generator of reproducible numbers (splitmix64).
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    pub fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+pub fn provenance() -> Provenance {
+    Provenance {
+        generator: "bake 0.1.0".to_owned(),
+        design: "triangular-pair".to_owned(),
+        mesh_hash: "00ff".repeat(16),
+        edge_length: 0.08,
+        edge_length_unit: "mm".to_owned(),
+        azimuth_zero: [1.0, -0.5, 0.25],
+        refractive_index: 1.49,
+        back: "mirror".to_owned(),
+        losses: "none".to_owned(),
+        reflectance: 1.0,
+        method: "rays".to_owned(),
+        sampler: "sobol".to_owned(),
+        seed: 7,
+        angular_tolerance_deg: 0.5,
+        tolerance: 0.0,
+        lattice: Some([[1.0, 0.0], [0.5, 0.75]]),
+    }
+}
+
+pub fn axes() -> Axes {
+    Axes {
+        incidence_deg: vec![0.0, 10.0, 45.5],
+        azimuth_deg: vec![0.0, 30.0],
+        bins: 8,
+        range: 2.0,
+    }
+}
+
+/// Counts in every direction but the last, where nothing returns.
+pub fn rays(randomisations: usize, seed: u64) -> Table {
+    let axes = axes();
+    let ((i, j), b) = (axes.shape(), axes.bins);
+    let mut numbers = Numbers(seed);
+    let mut counts = Array5::from_shape_fn((i, j, randomisations, b, b), |_| numbers.below(1000));
+    counts
+        .slice_mut(ndarray::s![i - 1, j - 1, .., .., ..])
+        .fill(0);
+    let mut fates = Array4::from_shape_fn((i, j, randomisations, Fate::ALL.len()), |_| {
+        numbers.below(9000)
+    });
+    for i in 0..i {
+        for j in 0..j {
+            for r in 0..randomisations {
+                fates[[i, j, r, Fate::Retroreflected as usize]] =
+                    counts.slice(ndarray::s![i, j, r, .., ..]).sum();
+            }
+        }
+    }
+    fates
+        .slice_mut(ndarray::s![i - 1, j - 1, .., Fate::OutOfRange as usize])
+        .fill(0);
+    let mut provenance = provenance();
+    provenance.seed = seed;
+    Table::from_counts(axes, counts, fates, provenance)
+}
+
+/// The mean over azimuths.
+pub fn mean() -> Table {
+    let source = rays(2, 11);
+    let pick = |a: &Array5<u64>| a.slice(ndarray::s![.., ..1, .., .., ..]).to_owned();
+    let axes = Axes {
+        azimuth_deg: vec![f64::NAN],
+        ..source.axes.clone()
+    };
+    let fates = source
+        .fate_counts
+        .as_ref()
+        .unwrap()
+        .slice(ndarray::s![.., ..1, .., ..])
+        .to_owned();
+    Table::from_counts(
+        axes,
+        pick(source.counts.as_ref().unwrap()),
+        fates,
+        source.provenance,
+    )
+}
+
+/// An exact table of two paths a direction and none in the last.
+pub fn exact() -> Table {
+    let axes = axes();
+    let ((i, j), b) = (axes.shape(), axes.bins);
+    let mut provenance = provenance();
+    (provenance.method, provenance.sampler) = ("exact".to_owned(), "none".to_owned());
+    let mut numbers = Numbers(3);
+    let mut paths = Vec::new();
+    let mut eta = Array2::zeros((i, j));
+    let mut fate = Array3::zeros((i, j, Fate::ALL.len()));
+    let mut histogram = Array4::zeros((i, j, b, b));
+    for direction in 0..i * j {
+        let at = (direction / j, direction % j);
+        let empty = direction + 1 == i * j;
+        let mut here = Vec::new();
+        for _ in 0..if empty { 0 } else { 2 } {
+            let size = 0.1 + 0.5 * numbers.unit();
+            here.push(Path {
+                polygon: vec![
+                    [0.0, 0.0],
+                    [size, 0.0],
+                    [0.5 * size, size],
+                    [0.0, 0.5 * size],
+                ],
+                matrix: [[-2.0, 0.1 * numbers.unit()], [0.0, -2.0]],
+                offset: [numbers.unit(), -numbers.unit()],
+                weight: 1.0,
+            });
+            eta[at] += (0.5 + 0.25 - 0.125 - 0.125 + 0.125) * size * size;
+        }
+        fate[[at.0, at.1, Fate::Retroreflected as usize]] = eta[at];
+        fate[[at.0, at.1, Fate::Missed as usize]] = 1.0 - eta[at];
+        if !empty {
+            histogram[[at.0, at.1, 1, 2]] = 0.25;
+            histogram[[at.0, at.1, 3, 4]] = 0.75;
+        }
+        paths.push(here);
+    }
+    Table {
+        axes,
+        histogram,
+        counts: None,
+        retroreflected: eta,
+        standard_error: Array2::zeros((i, j)),
+        fate,
+        fate_counts: None,
+        rays: Array2::zeros((i, j)),
+        exact: Some(Exact {
+            entrance_area: 1.0,
+            paths,
+        }),
+        provenance,
+    }
+}
