@@ -1,1 +1,19 @@
-//! placeholder
+//! Traces rays through a corner-cube cell into a ray-shift table.
+//!
+//! A sample (seed, index) becomes a point of the entrance ([`launch`]), a ray, a path ([`path`]) and a count
+//! ([`tally`]); [`run`] does it for all directions on all threads. Everything happens in the cell frame, in edge
+//! lengths and radians; degrees exist at the door only ([`plan`]).
+#![forbid(unsafe_code)]
+
+pub mod bvh;
+pub mod kernel;
+pub mod launch;
+pub mod optics;
+pub mod path;
+pub mod plan;
+pub mod ray;
+pub mod run;
+pub mod scene;
+pub mod sequence;
+pub mod tally;
+pub mod triangle;

@@ -1,0 +1,86 @@
+//! Nearest hit among many facets: a two-wide bounding volume hierarchy. The only file that names the BVH crate.
+//!
+//! The crate works in f32. Here it only chooses the candidates: its boxes are padded by more than the error of an f32
+//! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets
+//! finds, bit for bit (tested). Its wide variant has an absolute epsilon near surfaces and is not used.
+
+use crate::ray::Ray;
+use crate::scene::Nearest;
+use crate::triangle::Facet;
+use glam::{DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::ray::{Ray as RayF32, RayHit};
+use std::time::Duration;
+
+/// A hierarchy over a list of facets.
+pub struct Hierarchy {
+    tree: Bvh2,
+    centre: DVec3,
+    /// Radius of a ball about `centre` that holds every facet, edge lengths.
+    radius: f64,
+    /// Padding of the boxes, edge lengths.
+    padding: f64,
+}
+
+impl Hierarchy {
+    /// Builds the hierarchy over `facets` (at least one).
+    pub fn new(facets: &[Facet]) -> Self {
+        let corners = || facets.iter().flat_map(|facet| facet.corners);
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = (low + high) / 2.0;
+        let radius = corners()
+            .map(|corner| corner.distance(centre))
+            .fold(0.0, f64::max);
+        // An f32 position within 2 radii of the centre is off by at most 2^-23 radii, its ray at the far side by
+        // 2^-23 x 2 radii more, and the box test rounds thrice: 2^-19 radii hold all of it four times over.
+        let padding = radius * (-19f64).exp2();
+        let boxes: Vec<Aabb> = facets
+            .iter()
+            .map(|facet| {
+                let corners = facet.corners.map(|corner| single(corner - centre));
+                let mut bounds = Aabb::from_points(&corners);
+                bounds.min -= Vec3A::splat(padding as f32);
+                bounds.max += Vec3A::splat(padding as f32);
+                bounds
+            })
+            .collect();
+        let mut build_time = Duration::ZERO;
+        let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut build_time);
+        Hierarchy {
+            tree,
+            centre,
+            radius,
+            padding,
+        }
+    }
+
+    /// The nearest of `facets` (those it was built over) along `ray`, up to `limit` edge lengths.
+    pub fn nearest(&self, facets: &[Facet], ray: &Ray, limit: f64) -> Nearest {
+        // A ray from afar starts, for the f32 boxes, where it comes near: f32 digits are for the cell, not for the way.
+        let origin = ray.origin - self.centre;
+        let skipped = (-origin.dot(ray.direction) - 2.0 * self.radius).max(0.0);
+        let start = origin + ray.direction * skipped;
+        let far = |distance: f64| ((distance - skipped) * (1.0 + 1e-6) + self.padding) as f32;
+        let mut nearest = Nearest::within(limit);
+        let single_ray = RayF32::new(
+            single(start),
+            single(ray.direction),
+            0.0,
+            far(limit).min(f32::MAX),
+        );
+        self.tree
+            .ray_traverse(single_ray, &mut RayHit::none(), |_, slot| {
+                let facet = self.tree.primitive_indices[slot] as usize;
+                nearest.offer(facet, &facets[facet], ray);
+                far(nearest.distance)
+            });
+        nearest
+    }
+}
+
+fn single(v: DVec3) -> Vec3A {
+    v.as_vec3a()
+}

@@ -1,0 +1,58 @@
+//! Reflection and refraction at a plane: pure functions of directions.
+
+use glam::{DMat3, DVec3};
+
+/// The direction after a mirror reflection at a plane with unit normal `normal` (either sign). Length is kept.
+pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - normal * (2.0 * direction.dot(normal))
+}
+
+/// The linear map of a mirror reflection at a plane with unit normal `normal`: I - 2 n n^T.
+pub fn reflection(normal: DVec3) -> DMat3 {
+    let [x, y, z] = normal.to_array();
+    DMat3::IDENTITY - DMat3::from_cols(normal * (2.0 * x), normal * (2.0 * y), normal * (2.0 * z))
+}
+
+/// Snell: sine of the angle inside a medium of refractive index `index`, from the sine outside (vacuum).
+pub fn refracted_sine(outside_sine: f64, index: f64) -> f64 {
+    outside_sine / index
+}
+
+/// Whether a ray inside a medium of refractive index `index` is totally reflected at a facet against vacuum;
+/// `cosine` is that of its angle from the facet's normal, either sign. At the critical angle itself it still is.
+pub fn totally_reflected(cosine: f64, index: f64) -> bool {
+    (1.0 - cosine * cosine) * index * index >= 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reflection_matrix_and_reflect_agree() {
+        let mut cases = 0;
+        for i in 0..50 {
+            let t = i as f64;
+            let n = DVec3::new(t.sin(), (1.7 * t).cos(), 0.3 + (2.3 * t).sin()).normalize();
+            let d = DVec3::new((0.4 * t).cos(), (3.1 * t).sin(), -0.7).normalize();
+            let r = reflect(d, n);
+            assert!((reflection(n) * d - r).length() < 1e-15);
+            // A unit vector keeps its length, and the normal component changes sign: each of a dozen roundings, those
+            // of the normal's own length counted four times, adds at most half an epsilon.
+            assert!((r.length() - 1.0).abs() < 8.0 * f64::EPSILON);
+            assert!((r.dot(n) + d.dot(n)).abs() < 8.0 * f64::EPSILON);
+            cases += 1;
+        }
+        assert_eq!(cases, 50);
+    }
+
+    #[test]
+    fn critical_angle_of_acrylic() {
+        // asin(1/1.49) = 42.1554 deg
+        let cos_deg = |a: f64| a.to_radians().cos();
+        assert!(totally_reflected(cos_deg(42.16), 1.49));
+        assert!(!totally_reflected(cos_deg(42.15), 1.49));
+        assert!(!totally_reflected(1.0, 1.49));
+        assert!(totally_reflected(0.0, 1.49));
+    }
+}

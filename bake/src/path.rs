@@ -1,0 +1,114 @@
+//! One ray from the entrance to its fate: the tracer that everything faster is checked against.
+
+use crate::optics::{reflect, reflection, totally_reflected};
+use crate::ray::Direction;
+use crate::scene::{Event, Scene};
+use glam::{DMat3, DVec2, DVec3};
+use tables::Fate;
+
+/// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones take up to about
+/// ten.
+pub const BOUNCE_LIMIT: u32 = 64;
+
+/// What facets do to light, and what counts as retroreflected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rules {
+    /// Refractive index behind the flat front face; 1 for a hollow cell.
+    pub refractive_index: f64,
+    /// Whether facets reflect at every angle (a mirror coating) or only totally.
+    pub mirror_back: bool,
+    /// Largest angle of the rotation -M, M the path's linear map, that counts as retroreflected, rad.
+    pub angular_tolerance_rad: f64,
+}
+
+/// What became of one ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Its fate; a table calls it out_of_range instead where the shift lies outside the histogram.
+    pub fate: Fate,
+    /// Shift p' - p on the entrance plane in the incidence frame (u, v), edge lengths; zero unless retroreflected.
+    pub shift: DVec2,
+    /// Reflections.
+    pub bounces: u32,
+}
+
+/// Whether the linear map `map` of a path is -I within the rotation angle `tolerance_rad`.
+///
+/// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map is never near.
+pub fn is_retroreflecting(map: DMat3, tolerance_rad: f64) -> bool {
+    let defect = map + DMat3::IDENTITY;
+    let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
+    let sine = libm::sin(tolerance_rad / 2.0);
+    squared <= 8.0 * sine * sine
+}
+
+/// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched along `travel`.
+///
+/// All angles are those inside the cell. Light that a front face would reflect back inside counts as leaving.
+pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, tolerance_rad: f64) -> Fate {
+    if bounces == 0 {
+        return Fate::Missed;
+    }
+    if is_retroreflecting(map, tolerance_rad) {
+        return Fate::Retroreflected;
+    }
+    // |a + b| = 2 sin(w/2) for unit vectors at an angle w from antiparallel.
+    if (map * travel + travel).length() <= 2.0 * libm::sin(tolerance_rad / 2.0) {
+        return Fate::AntiparallelOther;
+    }
+    match bounces {
+        1 => Fate::LeftAfter1,
+        2 => Fate::LeftAfter2,
+        _ => Fate::Deviated,
+    }
+}
+
+/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
+pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) -> Outcome {
+    let mut ray = scene.enter(point, direction.travel);
+    let mut map = DMat3::IDENTITY;
+    let mut prism = [0i32, 0i32];
+    let mut bounces = 0;
+    let ended = |fate, bounces| Outcome {
+        fate,
+        shift: DVec2::ZERO,
+        bounces,
+    };
+    loop {
+        match scene.next(&ray) {
+            Event::Hit { front: false, .. } => return ended(Fate::Absorbed, bounces),
+            Event::Hit {
+                arrival,
+                normal,
+                prism: crossed,
+                ..
+            } => {
+                if bounces == BOUNCE_LIMIT {
+                    return ended(Fate::BounceLimit, bounces);
+                }
+                let cosine = arrival.direction.dot(normal);
+                if !rules.mirror_back && !totally_reflected(cosine, rules.refractive_index) {
+                    return ended(Fate::Transmitted, bounces);
+                }
+                bounces += 1;
+                prism = [prism[0] + crossed[0], prism[1] + crossed[1]];
+                map = reflection(normal) * map;
+                ray = arrival;
+                ray.direction = reflect(ray.direction, normal);
+            }
+            Event::Endless => return ended(Fate::BounceLimit, bounces),
+            Event::Out => break,
+        }
+    }
+    let fate = fate_of_leaving(map, direction.travel, bounces, rules.angular_tolerance_rad);
+    if fate != Fate::Retroreflected {
+        return ended(fate, bounces);
+    }
+    let exit = ray.origin + ray.direction * ((scene.height() - ray.origin.z) / ray.direction.z);
+    let shift = exit.truncate() + scene.displacement(prism) - point;
+    Outcome {
+        fate,
+        shift: direction.to_frame(shift),
+        bounces,
+    }
+}

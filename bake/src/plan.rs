@@ -1,0 +1,602 @@
+//! From raw arguments to a checked plan. Every default of `bake trace` is stated here, once.
+
+use crate::path::Rules;
+use crate::sequence::Sampler;
+use std::num::NonZeroUsize;
+use tables::Axes;
+use thiserror::Error;
+
+/// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct points.
+pub const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
+
+/// Bins along an axis at most.
+const BINS_LIMIT: usize = 4096;
+
+/// Directions of a table at most.
+const DIRECTIONS_LIMIT: usize = 100_000;
+
+/// Defaults of `bake trace`, as a user types them.
+pub mod default {
+    /// `--incidence`
+    pub const INCIDENCE: &str = "0:45:5";
+    /// `--azimuth`
+    pub const AZIMUTH: &str = "0";
+    /// `--rays` per direction
+    pub const RAYS: u64 = 4_194_304;
+    /// `--bins`
+    pub const BINS: usize = 128;
+    /// `--range`, edge lengths
+    pub const RANGE: f64 = 2.0;
+    /// `--angular-tolerance`, degrees
+    pub const ANGULAR_TOLERANCE_DEG: f64 = 0.5;
+    /// `--seed`
+    pub const SEED: u64 = 1;
+    /// Independent randomisations of a low-discrepancy sequence: enough for a standard error good to 18 %.
+    pub const RANDOMISATIONS: u64 = 16;
+}
+
+/// How the distribution of shifts is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// The exact method where the cell allows it, else rays.
+    Auto,
+    /// Sampled rays.
+    Rays,
+    /// Beams: no sampling, planar facets only.
+    Exact,
+}
+
+/// What facets are backed with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Back {
+    /// A mirror: reflects at every angle.
+    Mirror,
+    /// Nothing: reflects where reflection is total.
+    Tir,
+}
+
+impl Back {
+    /// The name in a table.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Back::Mirror => "mirror",
+            Back::Tir => "tir",
+        }
+    }
+}
+
+/// How much work to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effort {
+    /// That many rays per direction.
+    Rays(u64),
+    /// Rays until the estimated L1 error of every direction is below this.
+    Tolerance(f64),
+}
+
+/// The options of `bake trace` that shape the table, as typed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// `--incidence`
+    pub incidence: String,
+    /// `--azimuth`
+    pub azimuth: String,
+    /// `--refractive-index`, where given
+    pub refractive_index: Option<f64>,
+    /// `--back`
+    pub back: Back,
+    /// `--method`
+    pub method: Method,
+    /// `--sampler`
+    pub sampler: Sampler,
+    /// `--rays`, where given
+    pub rays: Option<u64>,
+    /// `--tolerance`, where given
+    pub tolerance: Option<f64>,
+    /// `--bins`
+    pub bins: usize,
+    /// `--range`
+    pub range: f64,
+    /// `--angular-tolerance`, degrees
+    pub angular_tolerance_deg: f64,
+    /// `--seed`
+    pub seed: u64,
+    /// `--threads`, where given
+    pub threads: Option<usize>,
+}
+
+impl Default for Request {
+    fn default() -> Self {
+        Request {
+            incidence: default::INCIDENCE.into(),
+            azimuth: default::AZIMUTH.into(),
+            refractive_index: None,
+            back: Back::Mirror,
+            method: Method::Auto,
+            sampler: Sampler::Sobol,
+            rays: None,
+            tolerance: None,
+            bins: default::BINS,
+            range: default::RANGE,
+            angular_tolerance_deg: default::ANGULAR_TOLERANCE_DEG,
+            seed: default::SEED,
+            threads: None,
+        }
+    }
+}
+
+/// A checked bake: nothing in it can be out of range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Directions and bins; an azimuth of NaN stands for the mean over all.
+    pub axes: Axes,
+    /// Refractive index asked for; the cell's own where `None`.
+    pub refractive_index: Option<f64>,
+    /// What facets are backed with.
+    pub back: Back,
+    /// How to bake.
+    pub method: Method,
+    /// How samples are spread.
+    pub sampler: Sampler,
+    /// How much work to do.
+    pub effort: Effort,
+    /// Independent randomisations per direction.
+    pub randomisations: usize,
+    /// Largest rotation that counts as retroreflected, degrees.
+    pub angular_tolerance_deg: f64,
+    /// Seed of the samples.
+    pub seed: u64,
+    /// Threads, all processors where `None`.
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// Why a request is not a plan. Each names the option, what was given and what to give instead.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PlanError {
+    /// A list of angles that cannot be read.
+    #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), start:stop:step (0:45:5){}",
+        if *.option == "--azimuth" { " or mean" } else { "" })]
+    Angle {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        text: String,
+        /// The part that cannot be read.
+        part: String,
+    },
+    /// A range of angles that is empty or too long.
+    #[error(
+        "{option} {text}: the step does not lead from start to stop in 1 to {DIRECTIONS_LIMIT} angles; give start:stop:step with start <= stop and step > 0"
+    )]
+    Steps {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        text: String,
+    },
+    /// An angle outside its range.
+    #[error("{option} {value}: the angle must be {range}")]
+    AngleRange {
+        /// The option.
+        option: &'static str,
+        /// The angle, degrees.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A number outside its range.
+    #[error("{option} {value}: give a number {range}")]
+    Number {
+        /// The option.
+        option: &'static str,
+        /// The number.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A whole number outside its range.
+    #[error("{option} {value}: give a whole number from 1 to {most}")]
+    Count {
+        /// The option.
+        option: &'static str,
+        /// The number.
+        value: u64,
+        /// The greatest it may be.
+        most: u64,
+    },
+    /// Two options that exclude each other.
+    #[error("{first} and {second} exclude each other; leave one of them out")]
+    Both {
+        /// One option.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// An error estimate without independent randomisations.
+    #[error(
+        "--tolerance needs --sampler sobol, whose error is estimated from independent randomisations; leave out --sampler random, or give --rays"
+    )]
+    ToleranceSampler,
+    /// Too many directions.
+    #[error(
+        "--incidence and --azimuth make {directions} directions; a table holds at most {DIRECTIONS_LIMIT}: give fewer angles"
+    )]
+    Directions {
+        /// Number of directions.
+        directions: usize,
+    },
+}
+
+impl Plan {
+    /// Checks a request.
+    ///
+    /// # Errors
+    /// The first option that is out of range, or two that exclude each other.
+    pub fn new(request: &Request) -> Result<Self, PlanError> {
+        let incidence_deg = angles("--incidence", &request.incidence)?;
+        if let Some(&value) = incidence_deg
+            .iter()
+            .find(|&&angle| !(0.0..90.0).contains(&angle))
+        {
+            return Err(PlanError::AngleRange {
+                option: "--incidence",
+                value,
+                range: "from 0 to below 90 degrees",
+            });
+        }
+        let azimuth_deg = match request.azimuth.trim() {
+            "mean" => vec![f64::NAN],
+            text => angles("--azimuth", text)?,
+        };
+        if let Some(&value) = azimuth_deg.iter().find(|angle| angle.abs() > 360.0) {
+            return Err(PlanError::AngleRange {
+                option: "--azimuth",
+                value,
+                range: "from -360 to 360 degrees",
+            });
+        }
+        let directions = incidence_deg.len() * azimuth_deg.len();
+        if directions > DIRECTIONS_LIMIT {
+            return Err(PlanError::Directions { directions });
+        }
+        count("--bins", request.bins as u64, BINS_LIMIT as u64)?;
+        positive(
+            "--range",
+            request.range,
+            1e6,
+            "above 0 and at most 1e6 edge lengths",
+        )?;
+        positive(
+            "--angular-tolerance",
+            request.angular_tolerance_deg,
+            180.0,
+            "above 0 and at most 180 degrees",
+        )?;
+        if let Some(value) = request
+            .refractive_index
+            .filter(|m| !(1.0..=10.0).contains(m))
+        {
+            return Err(PlanError::Number {
+                option: "--refractive-index",
+                value,
+                range: "from 1 to 10",
+            });
+        }
+        let most = match request.sampler {
+            Sampler::Sobol => RAYS_PER_RANDOMISATION * default::RANDOMISATIONS,
+            Sampler::Random => 1 << 48,
+        };
+        let effort = match (request.rays, request.tolerance) {
+            (Some(_), Some(_)) => {
+                return Err(PlanError::Both {
+                    first: "--rays",
+                    second: "--tolerance",
+                });
+            }
+            (_, Some(_)) if request.sampler == Sampler::Random => {
+                return Err(PlanError::ToleranceSampler);
+            }
+            (_, Some(tolerance)) => {
+                positive(
+                    "--tolerance",
+                    tolerance,
+                    2.0,
+                    "above 0 and at most 2, the greatest L1 distance",
+                )?;
+                Effort::Tolerance(tolerance)
+            }
+            (rays, None) => {
+                let rays = rays.unwrap_or(default::RAYS);
+                count("--rays", rays, most)?;
+                Effort::Rays(rays)
+            }
+        };
+        let threads = request
+            .threads
+            .map(|threads| {
+                let wrong = PlanError::Count {
+                    option: "--threads",
+                    value: threads as u64,
+                    most: 4096,
+                };
+                NonZeroUsize::new(threads)
+                    .filter(|threads| threads.get() <= 4096)
+                    .ok_or(wrong)
+            })
+            .transpose()?;
+        let randomisations = match (request.sampler, effort) {
+            (Sampler::Random, _) => 1,
+            (Sampler::Sobol, Effort::Rays(rays)) => rays.min(default::RANDOMISATIONS) as usize,
+            (Sampler::Sobol, Effort::Tolerance(_)) => default::RANDOMISATIONS as usize,
+        };
+        Ok(Plan {
+            axes: Axes {
+                incidence_deg,
+                azimuth_deg,
+                bins: request.bins,
+                range: request.range,
+            },
+            refractive_index: request.refractive_index,
+            back: request.back,
+            method: request.method,
+            sampler: request.sampler,
+            effort,
+            randomisations,
+            angular_tolerance_deg: request.angular_tolerance_deg,
+            seed: request.seed,
+            threads,
+        })
+    }
+
+    /// Whether the table is a mean over all azimuths.
+    pub fn is_azimuth_mean(&self) -> bool {
+        self.axes.azimuth_deg[..]
+            .first()
+            .is_some_and(|azimuth| azimuth.is_nan())
+    }
+
+    /// The refractive index behind the front face of `cell`: the one asked for, else the file's, else none.
+    pub fn index_of(&self, cell: &meshes::Cell) -> f64 {
+        self.refractive_index
+            .or(cell.refractive_index)
+            .unwrap_or(1.0)
+    }
+
+    /// What facets of `cell` do to light.
+    pub fn rules(&self, cell: &meshes::Cell) -> Rules {
+        Rules {
+            refractive_index: self.index_of(cell),
+            mirror_back: self.back == Back::Mirror,
+            angular_tolerance_rad: self.angular_tolerance_deg.to_radians(),
+        }
+    }
+
+    /// What contradicts itself without being wrong, for the user.
+    pub fn warnings(&self, cell: &meshes::Cell) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let (Some(asked), Some(own)) = (self.refractive_index, cell.refractive_index)
+            && asked != own
+        {
+            warnings.push(format!(
+                "--refractive-index {asked} overrides the {own} that the mesh file gives"
+            ));
+        }
+        warnings
+    }
+}
+
+/// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
+fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
+    let number = |part: &str| {
+        let wrong = || PlanError::Angle {
+            option,
+            text: text.into(),
+            part: part.trim().into(),
+        };
+        part.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|angle| angle.is_finite())
+            .ok_or_else(wrong)
+    };
+    let mut angles = if text.contains(':') {
+        let [start, stop, step] = text.split(':').map(number).collect::<Result<Vec<_>, _>>()?[..]
+        else {
+            return Err(PlanError::Steps {
+                option,
+                text: text.into(),
+            });
+        };
+        // Half a thousandth of a step forgives the rounding of steps such as 0.1.
+        let steps = ((stop - start) / step + 5e-4).floor();
+        if !(step > 0.0 && (0.0..DIRECTIONS_LIMIT as f64).contains(&steps)) {
+            return Err(PlanError::Steps {
+                option,
+                text: text.into(),
+            });
+        }
+        (0..=steps as u32)
+            .map(|i| start + f64::from(i) * step)
+            .collect()
+    } else {
+        text.split(',').map(number).collect::<Result<Vec<_>, _>>()?
+    };
+    angles.sort_by(f64::total_cmp);
+    angles.dedup();
+    // -0 is 0.
+    Ok(angles.into_iter().map(|angle| angle + 0.0).collect())
+}
+
+fn positive(
+    option: &'static str,
+    value: f64,
+    most: f64,
+    range: &'static str,
+) -> Result<(), PlanError> {
+    if value > 0.0 && value <= most {
+        Ok(())
+    } else {
+        Err(PlanError::Number {
+            option,
+            value,
+            range,
+        })
+    }
+}
+
+fn count(option: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
+    if (1..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(PlanError::Count {
+            option,
+            value,
+            most,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_and_ranges() {
+        assert_eq!(angles("--incidence", "0:45:5").unwrap().len(), 10);
+        assert_eq!(angles("--incidence", "0:0.3:0.1").unwrap().len(), 4);
+        assert_eq!(
+            angles("--incidence", "30, 0,15,0").unwrap(),
+            [0.0, 15.0, 30.0]
+        );
+        assert_eq!(
+            angles("--azimuth", "-0").unwrap()[0].to_bits(),
+            0f64.to_bits()
+        );
+    }
+
+    #[test]
+    fn defaults_make_a_plan() {
+        let plan = Plan::new(&Request::default()).unwrap();
+        assert_eq!(plan.axes.shape(), (10, 1));
+        assert_eq!(plan.effort, Effort::Rays(4_194_304));
+        assert_eq!(plan.randomisations, 16);
+    }
+
+    /// Each bad option with the sentence that it gets.
+    #[test]
+    fn bad_options_name_option_value_and_remedy() {
+        let base = Request::default;
+        let text = |incidence: &str| Request {
+            incidence: incidence.into(),
+            ..base()
+        };
+        let cases = [
+            (text("0:45"), "--incidence 0:45: the step does not lead"),
+            (text("0:45:-5"), "--incidence 0:45:-5: the step"),
+            (
+                text("0,x"),
+                "--incidence 0,x: \"x\" is not an angle in degrees; give a list",
+            ),
+            (text("nan"), "--incidence nan: \"nan\" is not an angle"),
+            (text(""), "\"\" is not an angle"),
+            (
+                text("90"),
+                "--incidence 90: the angle must be from 0 to below 90",
+            ),
+            (text("-1"), "--incidence -1: the angle must be"),
+            (
+                Request {
+                    azimuth: "all".into(),
+                    ..base()
+                },
+                "or mean",
+            ),
+            (
+                Request {
+                    azimuth: "400".into(),
+                    ..base()
+                },
+                "--azimuth 400: the angle must be from -360",
+            ),
+            (
+                Request { bins: 0, ..base() },
+                "--bins 0: give a whole number from 1 to 4096",
+            ),
+            (
+                Request {
+                    range: 0.0,
+                    ..base()
+                },
+                "--range 0: give a number above 0",
+            ),
+            (
+                Request {
+                    range: f64::NAN,
+                    ..base()
+                },
+                "--range NaN: give a number above 0",
+            ),
+            (
+                Request {
+                    rays: Some(0),
+                    ..base()
+                },
+                "--rays 0: give a whole number",
+            ),
+            (
+                Request {
+                    rays: Some(1),
+                    tolerance: Some(0.1),
+                    ..base()
+                },
+                "--rays and --tolerance exclude",
+            ),
+            (
+                Request {
+                    tolerance: Some(-1.0),
+                    ..base()
+                },
+                "--tolerance -1: give a number above 0",
+            ),
+            (
+                Request {
+                    tolerance: Some(0.1),
+                    sampler: Sampler::Random,
+                    ..base()
+                },
+                "--tolerance needs --sampler",
+            ),
+            (
+                Request {
+                    refractive_index: Some(0.5),
+                    ..base()
+                },
+                "--refractive-index 0.5: give a number from 1",
+            ),
+            (
+                Request {
+                    angular_tolerance_deg: 0.0,
+                    ..base()
+                },
+                "--angular-tolerance 0: give a number above 0",
+            ),
+            (
+                Request {
+                    threads: Some(0),
+                    ..base()
+                },
+                "--threads 0: give a whole number from 1",
+            ),
+        ];
+        let mut refused = 0;
+        for (request, sentence) in &cases {
+            let error = Plan::new(request).expect_err(sentence).to_string();
+            assert!(
+                error.contains(sentence),
+                "\"{error}\" should say \"{sentence}\""
+            );
+            refused += 1;
+        }
+        assert_eq!(refused, 19);
+    }
+}

@@ -1,0 +1,298 @@
+//! The bake itself: runs of rays over all threads, integer sums, the table. Prints nothing.
+
+use crate::kernel::Kernel;
+use crate::launch::Launch;
+use crate::plan::{Effort, Plan, RAYS_PER_RANDOMISATION};
+use crate::scene::{Index, Scene};
+use crate::sequence::Stream;
+use crate::tally::{Bins, Sums, Tally};
+use meshes::Cell;
+use ndarray::{Array2, Array3, Array4, Array5, Axis};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+use tables::{Fate, Provenance, Table};
+use thiserror::Error;
+
+/// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
+const RUN: u64 = 1 << 18;
+
+/// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
+const FIRST_ROUND: u64 = 1 << 12;
+
+/// Why a bake failed.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The threads could not be started.
+    #[error("cannot start {threads} threads ({source}); give fewer with --threads")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// What the system said.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The tolerance is out of reach.
+    #[error(
+        "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
+         after {rays} rays; give a --tolerance above that, or fewer --bins"
+    )]
+    Tolerance {
+        /// Incidence of the worst direction, degrees.
+        incidence_deg: f64,
+        /// Its azimuth, degrees.
+        azimuth_deg: f64,
+        /// Estimated error reached.
+        reached: f64,
+        /// Rays spent on that direction.
+        rays: u64,
+    },
+}
+
+/// A piece of work: samples of one randomisation of one direction.
+struct Run {
+    direction: usize,
+    randomisation: usize,
+    samples: Range<u64>,
+}
+
+/// Everything about one direction that its rays share.
+struct Bundle {
+    kernel: Kernel,
+    streams: Vec<Stream>,
+    sums: Mutex<Sums>,
+}
+
+/// Traces rays through `cell` as planned. `progress` is told, from any thread, how many rays were done since the last
+/// call. The table is the same, byte for byte, whatever the number of threads.
+///
+/// # Errors
+/// [`RunError`]: no threads, or a tolerance out of reach.
+pub fn rays(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
+    let threads = plan.threads.map_or(0, |threads| threads.get());
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|source| RunError::Threads { threads, source })?;
+    pool.install(|| {
+        let bundles = bundles(cell, plan, Index::Auto);
+        let bins = Bins::new(plan.axes.bins, plan.axes.range);
+        match plan.effort {
+            Effort::Rays(rays) => {
+                let every: Vec<usize> = (0..bundles.len()).collect();
+                let share =
+                    |randomisation: usize| 0..share(rays, plan.randomisations, randomisation);
+                run(&bundles, &bins, &every, &share, progress);
+            }
+            Effort::Tolerance(tolerance) => until(&bundles, &bins, plan, tolerance, progress)?,
+        }
+        Ok(table(cell, plan, bundles))
+    })
+}
+
+/// Rays of randomisation number `which` when `rays` are shared by `among`.
+fn share(rays: u64, among: usize, which: usize) -> u64 {
+    let among = among as u64;
+    rays / among + u64::from((which as u64) < rays % among)
+}
+
+fn bundles(cell: &Cell, plan: &Plan, index: Index) -> Vec<Bundle> {
+    let scene = std::sync::Arc::new(Scene::new(cell, index));
+    let launch = Launch::new(&cell.entrance);
+    let bins = Bins::new(plan.axes.bins, plan.axes.range);
+    let rules = plan.rules(cell);
+    let directions = plan
+        .axes
+        .incidence_deg
+        .iter()
+        .flat_map(|&i| plan.axes.azimuth_deg.iter().map(move |&a| (i, a)));
+    directions
+        .map(|(incidence_deg, azimuth_deg)| Bundle {
+            kernel: Kernel::new(&scene, &launch, &rules, &bins, incidence_deg, azimuth_deg),
+            streams: (0..plan.randomisations as u64)
+                .map(|r| Stream::new(plan.sampler, plan.seed, incidence_deg, azimuth_deg, r))
+                .collect(),
+            sums: Mutex::new(Sums::new(&bins, plan.randomisations)),
+        })
+        .collect()
+}
+
+/// Traces the samples `share(randomisation)` of every randomisation of the directions named.
+fn run(
+    bundles: &[Bundle],
+    bins: &Bins,
+    directions: &[usize],
+    share: &(dyn Fn(usize) -> Range<u64> + Sync),
+    progress: &(dyn Fn(u64) + Sync),
+) {
+    let mut runs = Vec::new();
+    for &direction in directions {
+        for randomisation in 0..bundles[direction].streams.len() {
+            let Range { start, end } = share(randomisation);
+            let cuts = (start..end).step_by(RUN as usize);
+            runs.extend(cuts.map(|from| Run {
+                direction,
+                randomisation,
+                samples: from..end.min(from + RUN),
+            }));
+        }
+    }
+    runs.par_iter().for_each_init(
+        || Tally::new(bins),
+        |tally, run| {
+            let bundle = &bundles[run.direction];
+            tally.clear();
+            bundle.kernel.trace(
+                &bundle.streams[run.randomisation],
+                run.samples.clone(),
+                tally,
+            );
+            // Nothing can panic while the lock is held, so a poisoned lock still guards whole sums.
+            bundle
+                .sums
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .add(run.randomisation, tally);
+            progress(run.samples.end - run.samples.start);
+        },
+    );
+}
+
+/// Doubles the rays of each direction until its estimated error is below `tolerance`.
+fn until(
+    bundles: &[Bundle],
+    bins: &Bins,
+    plan: &Plan,
+    tolerance: f64,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<(), RunError> {
+    let mut open: Vec<usize> = (0..bundles.len()).collect();
+    let mut samples = 0..FIRST_ROUND;
+    while !open.is_empty() {
+        if samples.end > RAYS_PER_RANDOMISATION {
+            let worst = open[0];
+            let sums = bundles[worst]
+                .sums
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner);
+            return Err(RunError::Tolerance {
+                incidence_deg: plan.axes.incidence_deg[worst / plan.axes.azimuth_deg.len()],
+                azimuth_deg: plan.axes.azimuth_deg[worst % plan.axes.azimuth_deg.len()],
+                reached: sums.l1_error(),
+                rays: sums.rays(),
+            });
+        }
+        let round = samples.clone();
+        run(bundles, bins, &open, &|_| round.clone(), progress);
+        let error = |direction: usize| {
+            bundles[direction]
+                .sums
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .l1_error()
+        };
+        let errors: Vec<f64> = open.par_iter().map(|&direction| error(direction)).collect();
+        open = open
+            .into_iter()
+            .zip(errors)
+            .filter(|(_, error)| *error >= tolerance)
+            .map(|(d, _)| d)
+            .collect();
+        samples = samples.end..samples.end * 2;
+    }
+    Ok(())
+}
+
+fn table(cell: &Cell, plan: &Plan, bundles: Vec<Bundle>) -> Table {
+    let axes = plan.axes.clone();
+    let ((ni, na), nb, nr) = (axes.shape(), axes.bins, plan.randomisations);
+    let nf = Fate::ALL.len();
+    let mut histogram = Array4::zeros((ni, na, nb, nb));
+    let mut counts = Array5::zeros((ni, na, nr, nb, nb));
+    let mut retroreflected = Array2::zeros((ni, na));
+    let mut standard_error = Array2::zeros((ni, na));
+    let mut fate = Array3::zeros((ni, na, nf));
+    let mut fate_counts = Array4::zeros((ni, na, nr, nf));
+    let mut launched = Array2::zeros((ni, na));
+    for (direction, bundle) in bundles.into_iter().enumerate() {
+        let at = (direction / na, direction % na);
+        let sums = bundle
+            .sums
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
+        let rays = sums.rays();
+        launched[at] = rays;
+        retroreflected[at] = sums.retroreflected();
+        standard_error[at] = sums.standard_error();
+        for (f, &name) in Fate::ALL.iter().enumerate() {
+            fate[[at.0, at.1, f]] = sums.of(name) as f64 / rays.max(1) as f64;
+            for r in 0..nr {
+                fate_counts[[at.0, at.1, r, f]] = sums.fates[r][f];
+            }
+        }
+        let inside = sums.of(Fate::Retroreflected).max(1) as f64;
+        for (i, &count) in sums.counts.iter().enumerate() {
+            let (r, v, u) = (i / (nb * nb), i / nb % nb, i % nb);
+            counts[[at.0, at.1, r, v, u]] = count;
+            histogram[[at.0, at.1, v, u]] += count as f64;
+        }
+        let mut conditional = histogram.index_axis_mut(Axis(0), at.0);
+        conditional
+            .index_axis_mut(Axis(0), at.1)
+            .mapv_inplace(|sum: f64| sum / inside);
+    }
+    let (sampler, method) = (plan.sampler.name().into(), "rays".into());
+    Table {
+        histogram,
+        counts: Some(counts),
+        retroreflected,
+        standard_error,
+        fate,
+        fate_counts: Some(fate_counts),
+        rays: launched,
+        exact: None,
+        provenance: provenance(cell, plan, method, sampler),
+        axes,
+    }
+}
+
+/// Where a table of `cell` baked by `method` comes from.
+pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> Provenance {
+    Provenance {
+        generator: concat!("bake ", env!("CARGO_PKG_VERSION")).into(),
+        design: cell.design.clone(),
+        mesh_hash: cell.mesh_hash.clone(),
+        edge_length: cell.edge_length,
+        edge_length_unit: "file unit".into(),
+        azimuth_zero: cell.azimuth_zero.to_array(),
+        refractive_index: plan.index_of(cell),
+        back: plan.back.name().into(),
+        losses: "none".into(),
+        reflectance: 1.0,
+        method,
+        sampler,
+        seed: plan.seed,
+        angular_tolerance_deg: plan.angular_tolerance_deg,
+        tolerance: match plan.effort {
+            Effort::Tolerance(tolerance) => tolerance,
+            Effort::Rays(_) => 0.0,
+        },
+        lattice: cell
+            .entrance
+            .lattice
+            .map(|lattice| lattice.map(|vector| vector.to_array())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_add_up() {
+        for rays in [1, 15, 16, 17, 4_194_304, (1 << 34) + 5] {
+            let among = rays.min(16) as usize;
+            let sum: u64 = (0..among).map(|which| share(rays, among, which)).sum();
+            assert_eq!(sum, rays);
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! All facets of a cell, ready to be hit: the nearest facet of a ray, across cell walls where the cell is periodic.
+//!
+//! A periodic cell is walked prism by prism. The list of facets holds every copy that overlaps the prism over the
+//! lattice parallelogram, so a ray needs that one list, seen from the prism that it is in. A prism is an exact pair
+//! of integers: no ray is pushed over a wall by an epsilon, and none is lost at one.
+
+use crate::bvh::Hierarchy;
+use crate::ray::Ray;
+use crate::triangle::Facet;
+use glam::{DMat2, DVec2, DVec3};
+use meshes::Cell;
+
+/// From this number of facets on, the hierarchy is faster than a loop over all (measured by
+/// `examples/crossover.rs`: the two break even between 12 and 24 facets).
+const HIERARCHY_FROM: usize = 24;
+
+/// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray along a groove
+/// would never stop.
+const PRISM_LIMIT: u32 = 1_000_000;
+
+/// The facets of a cell, indexed for speed.
+pub struct Scene {
+    /// Facets; of a periodic cell every copy that overlaps the prism of the lattice parallelogram.
+    facets: Vec<Facet>,
+    hierarchy: Option<Hierarchy>,
+    walls: Option<Walls>,
+    /// Height of the entrance plane over the apex, edge lengths.
+    height: f64,
+    /// Height of the lowest corner.
+    bottom: f64,
+    /// Greatest distance of an origin in the cell from any corner, edge lengths: the scale of rounding errors.
+    reach: f64,
+}
+
+/// How to look for the nearest facet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Index {
+    /// Whichever is faster for the number of facets.
+    Auto,
+    /// A loop over all facets: the oracle.
+    Loop,
+    /// The bounding volume hierarchy.
+    Hierarchy,
+}
+
+/// The walls between the prisms of a periodic cell.
+struct Walls {
+    lattice: [DVec2; 2],
+    /// From the plane to lattice coordinates.
+    lattice_from_plane: DMat2,
+    /// Corner of the parallelogram that has lattice coordinates (0, 0).
+    corner: DVec2,
+}
+
+/// The nearest facet so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearest {
+    /// Index of the facet, where there is one.
+    pub facet: Option<usize>,
+    /// Its distance, or the limit of the search, edge lengths.
+    pub distance: f64,
+    /// Whether it is met from the front.
+    pub front: bool,
+}
+
+impl Nearest {
+    /// Nothing yet; only facets up to `limit` edge lengths away count.
+    pub fn within(limit: f64) -> Self {
+        Nearest {
+            facet: None,
+            distance: limit,
+            front: false,
+        }
+    }
+
+    /// Takes `facet` if `ray` meets it nearer than what is known. Ties go to the lower index, so the answer does not
+    /// depend on the order of the offers.
+    #[inline]
+    pub fn offer(&mut self, index: usize, facet: &Facet, ray: &Ray) {
+        if let Some(contact) = facet.meet(ray) {
+            let tie =
+                contact.distance == self.distance && self.facet.is_none_or(|known| index < known);
+            if contact.distance < self.distance || tie {
+                *self = Nearest {
+                    facet: Some(index),
+                    distance: contact.distance,
+                    front: contact.front,
+                };
+            }
+        }
+    }
+}
+
+/// What a ray comes to next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// A facet.
+    Hit {
+        /// Distance from the ray's origin, edge lengths.
+        distance: f64,
+        /// The hit in the prism of the first cell, with the error bound of its position; direction as before.
+        arrival: Ray,
+        /// Unit normal of the facet's front.
+        normal: DVec3,
+        /// Whether it is met from the front.
+        front: bool,
+        /// Prism of the hit, relative to that of the ray's origin, in lattice vectors.
+        prism: [i32; 2],
+    },
+    /// No facet: the ray is out of the sheet.
+    Out,
+    /// A ray that runs along the sheet without end.
+    Endless,
+}
+
+impl Scene {
+    /// The scene of a cell. Facets of zero area are left out: no ray can meet them.
+    pub fn new(cell: &Cell, index: Index) -> Self {
+        let own: Vec<Facet> = cell
+            .facets
+            .iter()
+            .filter_map(|&corners| Facet::new(corners))
+            .collect();
+        let walls = cell.entrance.lattice.map(|lattice| Walls {
+            lattice,
+            lattice_from_plane: DMat2::from_cols(lattice[0], lattice[1]).inverse(),
+            corner: cell
+                .entrance
+                .polygon
+                .first()
+                .copied()
+                .unwrap_or(DVec2::ZERO),
+        });
+        let facets = match &walls {
+            None => own,
+            Some(walls) => walls.copies(&own),
+        };
+        let hierarchy = match index {
+            Index::Auto => facets.len() >= HIERARCHY_FROM,
+            Index::Loop => false,
+            Index::Hierarchy => !facets.is_empty(),
+        }
+        .then(|| Hierarchy::new(&facets));
+        let height = cell.entrance.height;
+        let corners = || facets.iter().flat_map(|facet| facet.corners);
+        let entrance = || cell.entrance.polygon.iter().map(|p| p.extend(height));
+        let low = corners()
+            .chain(entrance())
+            .fold(DVec3::INFINITY, DVec3::min);
+        let high = corners()
+            .chain(entrance())
+            .fold(DVec3::NEG_INFINITY, DVec3::max);
+        Scene {
+            facets,
+            hierarchy,
+            walls,
+            height,
+            bottom: low.z,
+            reach: (high - low).length(),
+        }
+    }
+
+    /// Facets tested, copies included.
+    pub fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// Whether hits are found by the hierarchy.
+    pub fn has_hierarchy(&self) -> bool {
+        self.hierarchy.is_some()
+    }
+
+    /// Height of the entrance plane over the apex, edge lengths.
+    pub fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// A ray that enters at `point` of the entrance plane.
+    pub fn enter(&self, point: DVec2, direction: DVec3) -> Ray {
+        Ray::new(point.extend(self.height), direction, self.reach)
+    }
+
+    /// The displacement of `prism` lattice vectors; zero where the cell is not periodic.
+    pub fn displacement(&self, prism: [i32; 2]) -> DVec2 {
+        self.walls
+            .as_ref()
+            .map_or(DVec2::ZERO, |walls| walls.displacement(prism))
+    }
+
+    /// What `ray` comes to next.
+    pub fn next(&self, ray: &Ray) -> Event {
+        match &self.walls {
+            None => {
+                let nearest = self.nearest(ray, f64::INFINITY);
+                nearest.facet.map_or(Event::Out, |facet| {
+                    self.hit(ray, ray, facet, &nearest, [0, 0])
+                })
+            }
+            Some(walls) => self.walk(walls, ray),
+        }
+    }
+
+    fn nearest(&self, ray: &Ray, limit: f64) -> Nearest {
+        if let Some(hierarchy) = &self.hierarchy {
+            return hierarchy.nearest(&self.facets, ray, limit);
+        }
+        let mut nearest = Nearest::within(limit);
+        for (index, facet) in self.facets.iter().enumerate() {
+            nearest.offer(index, facet, ray);
+        }
+        nearest
+    }
+
+    /// Goes from prism to prism until a facet is met inside the prism that the ray is in.
+    fn walk(&self, walls: &Walls, ray: &Ray) -> Event {
+        let end = if ray.direction.z > 0.0 {
+            self.height
+        } else {
+            self.bottom
+        };
+        let last = (end - ray.origin.z) / ray.direction.z;
+        let start = walls.lattice_from_plane * (ray.origin.truncate() - walls.corner);
+        let rate = walls.lattice_from_plane * ray.direction.truncate();
+        let mut prism = [0i32, 0i32];
+        for _ in 0..PRISM_LIMIT {
+            let exit = |axis: usize| {
+                let wall = f64::from(prism[axis]) + if rate[axis] > 0.0 { 1.0 } else { 0.0 };
+                if rate[axis] == 0.0 {
+                    f64::INFINITY
+                } else {
+                    (wall - start[axis]) / rate[axis]
+                }
+            };
+            let axis = usize::from(exit(1) < exit(0));
+            // A facet that overlaps the wall is in both lists, so a hit at the wall, give or take rounding, is found
+            // from one prism or the other.
+            let limit = exit(axis).max(0.0) * (1.0 + 1e-12) + 1e-12;
+            let local = Ray {
+                origin: ray.origin - walls.displacement(prism).extend(0.0),
+                ..*ray
+            };
+            let away = f64::from(prism[0].abs().max(prism[1].abs()));
+            // Far from its start the ray is known less well.
+            let slack = ray.slack * (1.0 + away);
+            let local = Ray {
+                slack,
+                grain: ray.grain * (1.0 + away),
+                ..local
+            };
+            let nearest = self.nearest(&local, limit);
+            if let Some(facet) = nearest.facet {
+                return self.hit(ray, &local, facet, &nearest, prism);
+            }
+            // `last` is NaN or negative only where rounding puts the origin outside the sheet already.
+            if !(exit(axis) <= last) {
+                return Event::Out;
+            }
+            prism[axis] += if rate[axis] > 0.0 { 1 } else { -1 };
+        }
+        Event::Endless
+    }
+
+    fn hit(
+        &self,
+        ray: &Ray,
+        local: &Ray,
+        facet: usize,
+        nearest: &Nearest,
+        prism: [i32; 2],
+    ) -> Event {
+        let facet = &self.facets[facet];
+        let origin = local.origin + local.direction * nearest.distance;
+        let slack = facet.slack_after(ray, nearest.distance, self.reach);
+        Event::Hit {
+            distance: nearest.distance,
+            arrival: Ray {
+                slack,
+                ..Ray::new(origin, ray.direction, self.reach)
+            },
+            normal: facet.normal,
+            front: nearest.front,
+            prism,
+        }
+    }
+}
+
+impl Walls {
+    fn displacement(&self, prism: [i32; 2]) -> DVec2 {
+        self.lattice[0] * f64::from(prism[0]) + self.lattice[1] * f64::from(prism[1])
+    }
+
+    /// Every copy of `own` that overlaps the prism of the parallelogram, walls included.
+    fn copies(&self, own: &[Facet]) -> Vec<Facet> {
+        let mut copies = Vec::new();
+        for facet in own {
+            let flat = facet
+                .corners
+                .map(|corner| self.lattice_from_plane * (corner.truncate() - self.corner));
+            let low = flat[0].min(flat[1]).min(flat[2]);
+            let high = flat[0].max(flat[1]).max(flat[2]);
+            // Copies by (i, j) reach into [0, 1]^2 when low + i <= 1 and high + i >= 0.
+            let first = |high: f64| (-high - WALL).ceil() as i32;
+            let last = |low: f64| (1.0 - low + WALL).floor() as i32;
+            for i in first(high.x)..=last(low.x) {
+                for j in first(high.y)..=last(low.y) {
+                    let corners =
+                        flat.map(|corner| corner + DVec2::new(f64::from(i), f64::from(j)));
+                    if overlaps_unit_square(corners) {
+                        copies.push(facet.moved(self.displacement([i, j]).extend(0.0)));
+                    }
+                }
+            }
+        }
+        copies
+    }
+}
+
+/// How near to a wall a facet must come to be in both lists, lattice coordinates.
+const WALL: f64 = 1e-9;
+
+/// Whether a triangle in lattice coordinates overlaps [0, 1]^2: no edge of it separates the two (its bounding box
+/// does not, where this is called).
+fn overlaps_unit_square(corners: [DVec2; 3]) -> bool {
+    let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+    (0..3).all(|i| {
+        let (from, to, other) = (corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
+        let outward = (to - from).perp();
+        let outward = if outward.dot(other - from) > 0.0 {
+            -outward
+        } else {
+            outward
+        };
+        square
+            .iter()
+            .any(|&point| outward.dot(point - from) <= WALL * outward.length())
+    })
+}

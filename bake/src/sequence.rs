@@ -1,0 +1,273 @@
+//! Points of the unit square as pure functions of (stream, index): plain random and low-discrepancy.
+//!
+//! A **stream** is one independent randomisation for one direction. Coordinates are 32-bit integers, read as the
+//! centres of 2^32 equal cells, so that no sample falls on the end of the interval and means have no bias.
+//!
+//! - random: Philox2x32-10 (Salmon et al. 2011), a counter-based generator: any index costs the same;
+//! - sobol: the first three dimensions of the Sobol sequence (Joe and Kuo 2008), Owen-scrambled by the hash of Laine
+//!   and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points from a multiple of 2^k on are a
+//!   (0, k, 2)-net in the first two dimensions.
+
+/// How the points of a stream are spread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampler {
+    /// Independent points.
+    Random,
+    /// Owen-scrambled Sobol points.
+    Sobol,
+}
+
+impl Sampler {
+    /// The name in a table and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Sampler::Random => "random",
+            Sampler::Sobol => "sobol",
+        }
+    }
+}
+
+/// One independent randomisation of the samples of one direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stream {
+    /// How the points are spread.
+    pub sampler: Sampler,
+    /// Scrambling seeds of the three dimensions (sobol) or key and counter tweak (random).
+    pub keys: [u32; 3],
+}
+
+impl Stream {
+    /// Stream number `randomisation` of the direction given by its angles in degrees, for `seed`.
+    ///
+    /// It depends on the angles themselves, not on their place in a list: a direction has the same samples in
+    /// every table that names it.
+    pub fn new(
+        sampler: Sampler,
+        seed: u64,
+        incidence_deg: f64,
+        azimuth_deg: f64,
+        randomisation: u64,
+    ) -> Self {
+        // Adding 0 turns -0 into 0, which is the same angle.
+        let words = [
+            (incidence_deg + 0.0).to_bits(),
+            (azimuth_deg + 0.0).to_bits(),
+            randomisation,
+        ];
+        let hash = words
+            .iter()
+            .fold(mix(seed), |hash, &word| mix(hash ^ mix(word)));
+        let more = mix(hash ^ 0x5851_f42d_4c95_7f2d);
+        Stream {
+            sampler,
+            keys: [hash as u32, (hash >> 32) as u32, more as u32],
+        }
+    }
+
+    /// Point `index` of the stream: two coordinates, as cells of [0, 1) cut in 2^32.
+    #[inline]
+    pub fn pair(&self, index: u64) -> [u32; 2] {
+        match self.sampler {
+            Sampler::Random => philox(
+                [index as u32, (index >> 32) as u32 ^ self.keys[1]],
+                self.keys[0],
+            ),
+            Sampler::Sobol => {
+                // The index counts within one randomisation; the plan keeps it below 2^32.
+                let index = index as u32;
+                [
+                    scramble(index, self.keys[0]),
+                    scramble(pascal(index), self.keys[1]),
+                ]
+            }
+        }
+    }
+
+    /// A third coordinate of point `index`.
+    #[inline]
+    pub fn third(&self, index: u64) -> u32 {
+        match self.sampler {
+            // The top bit of the counter is free (an index stays below 2^62): it names the second block.
+            Sampler::Random => philox(
+                [
+                    index as u32,
+                    (index >> 32) as u32 ^ self.keys[1] ^ 0x8000_0000,
+                ],
+                self.keys[0],
+            )[0],
+            Sampler::Sobol => scramble(third_dimension(index as u32), self.keys[2]),
+        }
+    }
+}
+
+/// The centre of cell `cell` of [0, 1) cut in 2^32, less 1/2: in (-1/2, 1/2), exact.
+#[inline(always)]
+pub fn centred(cell: u32) -> f64 {
+    (f64::from((cell ^ 0x8000_0000) as i32) + 0.5) * (1.0 / 4_294_967_296.0)
+}
+
+/// A bijective mix of 64 bits (the finaliser of SplitMix64).
+fn mix(word: u64) -> u64 {
+    let word = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    word ^ (word >> 31)
+}
+
+/// Philox2x32 with ten rounds.
+#[inline(always)]
+pub(crate) fn philox(counter: [u32; 2], key: u32) -> [u32; 2] {
+    let [mut low, mut high] = counter;
+    let mut key = key;
+    for _ in 0..10 {
+        let product = u64::from(low) * 0xd256_d193;
+        low = (product >> 32) as u32 ^ key ^ high;
+        high = product as u32;
+        key = key.wrapping_add(0x9e37_79b9);
+    }
+    [low, high]
+}
+
+/// Owen scrambling of the point whose digits are the bits of `reversed`, lowest bit first.
+#[inline(always)]
+pub(crate) fn scramble(reversed: u32, seed: u32) -> u32 {
+    let mut x = reversed;
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+/// Second dimension of the Sobol sequence, lowest bit first: the Pascal matrix modulo 2, which is a Kronecker power,
+/// so five steps stand for 32 columns.
+#[inline(always)]
+pub(crate) fn pascal(index: u32) -> u32 {
+    let mut x = index;
+    x ^= (x >> 1) & 0x5555_5555;
+    x ^= (x >> 2) & 0x3333_3333;
+    x ^= (x >> 4) & 0x0f0f_0f0f;
+    x ^= (x >> 8) & 0x00ff_00ff;
+    x ^= (x >> 16) & 0x0000_ffff;
+    x
+}
+
+/// Third dimension of the Sobol sequence, lowest bit first.
+fn third_dimension(index: u32) -> u32 {
+    let mut digits = 0;
+    for (bit, column) in THIRD.iter().enumerate() {
+        digits ^= column & 0u32.wrapping_sub((index >> bit) & 1);
+    }
+    digits.reverse_bits()
+}
+
+/// Direction numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
+const THIRD: [u32; 32] = {
+    let mut columns = [0u32; 32];
+    columns[0] = 1 << 31;
+    columns[1] = 3 << 30;
+    let mut i = 2;
+    while i < 32 {
+        columns[i] = columns[i - 1] ^ columns[i - 2] ^ (columns[i - 2] >> 2);
+        i += 1;
+    }
+    columns
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known answers of the Random123 distribution (kat_vectors).
+    #[test]
+    fn philox_known_answers() {
+        assert_eq!(philox([0, 0], 0), [0xff1d_ae59, 0x6cd1_0df2]);
+        assert_eq!(
+            philox([0xffff_ffff, 0xffff_ffff], 0xffff_ffff),
+            [0x2c3f_628b, 0xab4f_d7ad]
+        );
+        assert_eq!(
+            philox([0x243f_6a88, 0x85a3_08d3], 0x1319_8a2e),
+            [0xdd7c_e038, 0xf62a_4c12]
+        );
+    }
+
+    /// The first points of the plain sequence, as Joe and Kuo's program prints them.
+    #[test]
+    fn sobol_first_points() {
+        let points = [
+            (0.0, 0.0, 0.0),
+            (0.5, 0.5, 0.5),
+            (0.25, 0.75, 0.75),
+            (0.75, 0.25, 0.25),
+        ];
+        // scipy.stats.qmc.Sobol(3, scramble=False) gives the same set in Gray-code order.
+        for (index, point) in [0u32, 1, 2, 3].into_iter().zip(points) {
+            let plain = [index, pascal(index), third_dimension(index)]
+                .map(|digits| f64::from(digits.reverse_bits()) / 4_294_967_296.0);
+            let expected = match index {
+                0 | 1 => [point.0, point.1, point.2],
+                // natural order: 2 = (0.25, 0.75, ..), 3 = (0.75, 0.25, ..)
+                _ => [point.0, point.1, plain[2]],
+            };
+            assert_eq!(plain, expected, "point {index}");
+        }
+    }
+
+    /// Every elementary box of area 2^-10 holds exactly one of 1024 consecutive points: a (0, 10, 2)-net, which
+    /// Owen scrambling must keep.
+    #[test]
+    fn scrambled_sobol_is_a_net() {
+        let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);
+        let mut boxes = 0;
+        for shape in 0..=10 {
+            let mut seen = vec![0u32; 1024];
+            for index in 1024 * 5..1024 * 6 {
+                let [x, y] = stream.pair(index);
+                let (columns, rows) = (shape, 10 - shape);
+                let column = (u64::from(x) << columns) >> 32;
+                let row = (u64::from(y) << rows) >> 32;
+                seen[((column << rows) + row) as usize] += 1;
+            }
+            assert!(
+                seen.iter().all(|&count| count == 1),
+                "boxes 2^-{shape} wide"
+            );
+            boxes += seen.len();
+        }
+        assert_eq!(boxes, 11 * 1024);
+    }
+
+    #[test]
+    fn third_dimension_is_equidistributed() {
+        let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);
+        let mut seen = [0u32; 256];
+        (0..256).for_each(|index| seen[(stream.third(index) >> 24) as usize] += 1);
+        assert_eq!(seen, [1; 256]);
+    }
+
+    /// Streams differ: no two of 2,000 (directions x randomisations x seeds) share a key triple.
+    #[test]
+    fn streams_are_distinct() {
+        let mut keys = std::collections::HashSet::new();
+        for seed in 0..5 {
+            for angle in 0..25 {
+                for randomisation in 0..16 {
+                    keys.insert(
+                        Stream::new(Sampler::Sobol, seed, f64::from(angle), 30.0, randomisation)
+                            .keys,
+                    );
+                }
+            }
+        }
+        assert_eq!(keys.len(), 2000);
+    }
+
+    #[test]
+    fn centred_is_symmetric_and_inside() {
+        assert_eq!(centred(0), -0.5 + 0.5 / 4_294_967_296.0);
+        assert_eq!(centred(u32::MAX), 0.5 - 0.5 / 4_294_967_296.0);
+        assert_eq!(centred(0x8000_0000), 0.5 / 4_294_967_296.0);
+    }
+}

@@ -1,0 +1,236 @@
+//! Integer counts of fates and shifts: sums in any order give the same bytes.
+
+use crate::path::Outcome;
+use glam::DVec2;
+use tables::Fate;
+
+/// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bins {
+    /// Bins along each axis.
+    pub count: usize,
+    /// Bins per edge length.
+    pub density: f64,
+}
+
+impl Bins {
+    /// `count` bins along each axis over [-range, range] edge lengths.
+    pub fn new(count: usize, range: f64) -> Self {
+        Bins {
+            count,
+            density: count as f64 / (2.0 * range),
+        }
+    }
+
+    /// Number of bins.
+    pub fn len(&self) -> usize {
+        self.count * self.count
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The shift in units of bins from the lower end of the histogram.
+    pub fn position(&self, shift: DVec2) -> DVec2 {
+        shift * self.density + DVec2::splat(self.count as f64 / 2.0)
+    }
+
+    /// The bin of a shift, v slow, u fast; `None` outside the histogram.
+    pub fn find(&self, shift: DVec2) -> Option<usize> {
+        let at = self.position(shift);
+        let end = self.count as f64;
+        let within = at.x >= 0.0 && at.y >= 0.0 && at.x < end && at.y < end;
+        within.then(|| at.y as usize * self.count + at.x as usize)
+    }
+}
+
+/// Counts of one run of rays of one direction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tally {
+    /// Rays by bin, v slow, u fast.
+    pub histogram: Vec<u32>,
+    /// Rays by fate, in the order of [`Fate::ALL`].
+    pub fates: [u64; Fate::ALL.len()],
+}
+
+impl Tally {
+    /// Empty counts. A tally takes at most 2^32 - 1 rays, which the runs are cut to.
+    pub fn new(bins: &Bins) -> Self {
+        Tally {
+            histogram: vec![0; bins.len()],
+            fates: [0; Fate::ALL.len()],
+        }
+    }
+
+    /// Back to zero.
+    pub fn clear(&mut self) {
+        self.histogram.fill(0);
+        self.fates.fill(0);
+    }
+
+    /// Counts one ray.
+    pub fn count(&mut self, bins: &Bins, outcome: &Outcome) {
+        let fate = if outcome.fate != Fate::Retroreflected {
+            outcome.fate
+        } else if let Some(bin) = bins.find(outcome.shift) {
+            self.histogram[bin] += 1;
+            Fate::Retroreflected
+        } else {
+            Fate::OutOfRange
+        };
+        self.fates[fate as usize] += 1;
+    }
+}
+
+/// Sums of one direction, by randomisation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sums {
+    /// Rays by `[randomisation, v, u]`.
+    pub counts: Vec<u64>,
+    /// Rays by randomisation and fate.
+    pub fates: Vec<[u64; Fate::ALL.len()]>,
+    /// Rays launched by randomisation.
+    pub launched: Vec<u64>,
+}
+
+impl Sums {
+    /// Empty sums of `randomisations`.
+    pub fn new(bins: &Bins, randomisations: usize) -> Self {
+        Sums {
+            counts: vec![0; bins.len() * randomisations],
+            fates: vec![[0; Fate::ALL.len()]; randomisations],
+            launched: vec![0; randomisations],
+        }
+    }
+
+    /// Adds the counts of one run to a randomisation.
+    pub fn add(&mut self, randomisation: usize, tally: &Tally) {
+        let size = tally.histogram.len();
+        let counts = &mut self.counts[randomisation * size..][..size];
+        for (sum, &count) in counts.iter_mut().zip(&tally.histogram) {
+            *sum += u64::from(count);
+        }
+        for (sum, &count) in self.fates[randomisation].iter_mut().zip(&tally.fates) {
+            *sum += count;
+        }
+        self.launched[randomisation] += tally.fates.iter().sum::<u64>();
+    }
+
+    /// Rays launched in all.
+    pub fn rays(&self) -> u64 {
+        self.launched.iter().sum()
+    }
+
+    /// Rays of `fate` in all.
+    pub fn of(&self, fate: Fate) -> u64 {
+        self.fates.iter().map(|fates| fates[fate as usize]).sum()
+    }
+
+    /// Retroreflected fraction eta; rays outside the histogram count. 0 where nothing was launched.
+    pub fn retroreflected(&self) -> f64 {
+        let back = self.of(Fate::Retroreflected) + self.of(Fate::OutOfRange);
+        if back == 0 {
+            0.0
+        } else {
+            back as f64 / self.rays() as f64
+        }
+    }
+
+    /// Standard error of [`Sums::retroreflected`]: from the spread of the randomisations where there are several,
+    /// from the binomial distribution where there is one.
+    pub fn standard_error(&self) -> f64 {
+        let eta = self.retroreflected();
+        let runs = self.launched.len();
+        if runs < 2 {
+            return (eta * (1.0 - eta) / self.rays().max(1) as f64).sqrt();
+        }
+        let fraction = |(fates, &launched): (&[u64; Fate::ALL.len()], &u64)| {
+            let back = fates[Fate::Retroreflected as usize] + fates[Fate::OutOfRange as usize];
+            back as f64 / launched.max(1) as f64
+        };
+        let squares: f64 = self
+            .fates
+            .iter()
+            .zip(&self.launched)
+            .map(fraction)
+            .map(|x| (x - eta) * (x - eta))
+            .sum();
+        (squares / (runs * (runs - 1)) as f64).sqrt()
+    }
+
+    /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a normal variable with
+    /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial.
+    ///
+    /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less than one ray.
+    pub fn l1_error(&self) -> f64 {
+        let runs = self.launched.len();
+        let size = self.counts.len() / runs.max(1);
+        let rays = self.rays().max(1) as f64;
+        let sigma = |bin: usize| {
+            let sum: u64 = (0..runs).map(|run| self.counts[run * size + bin]).sum();
+            if sum == 0 {
+                return 0.0;
+            }
+            let mean = sum as f64 / rays;
+            if runs < 2 {
+                return (mean * (1.0 - mean) / rays).sqrt();
+            }
+            let squares: f64 = (0..runs)
+                .map(|run| {
+                    self.counts[run * size + bin] as f64 / self.launched[run].max(1) as f64 - mean
+                })
+                .map(|x| x * x)
+                .sum();
+            (squares / (runs * (runs - 1)) as f64).sqrt()
+        };
+        (2.0 / std::f64::consts::PI).sqrt() * (0..size).map(sigma).sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_hold_their_lower_edge() {
+        let bins = Bins::new(4, 2.0);
+        assert_eq!(bins.find(DVec2::new(-2.0, -2.0)), Some(0));
+        assert_eq!(bins.find(DVec2::new(-1.0, -2.0)), Some(1));
+        assert_eq!(bins.find(DVec2::new(-2.0, -1.0)), Some(4));
+        assert_eq!(bins.find(DVec2::new(1.999_999, 1.999_999)), Some(15));
+        assert_eq!(bins.find(DVec2::new(2.0, 0.0)), None);
+        assert_eq!(bins.find(DVec2::new(0.0, -2.000_001)), None);
+        assert_eq!(bins.find(DVec2::new(f64::NAN, 0.0)), None);
+    }
+
+    #[test]
+    fn every_ray_is_counted_once() {
+        let bins = Bins::new(8, 1.0);
+        let mut tally = Tally::new(&bins);
+        let fates = [
+            Fate::Missed,
+            Fate::Retroreflected,
+            Fate::Retroreflected,
+            Fate::Deviated,
+        ];
+        for (i, fate) in fates.into_iter().enumerate() {
+            tally.count(
+                &bins,
+                &Outcome {
+                    fate,
+                    shift: DVec2::splat(0.6 * i as f64),
+                    bounces: 0,
+                },
+            );
+        }
+        let mut sums = Sums::new(&bins, 1);
+        sums.add(0, &tally);
+        assert_eq!(sums.rays(), 4);
+        assert_eq!(sums.of(Fate::Retroreflected), 1);
+        assert_eq!(sums.of(Fate::OutOfRange), 1, "a shift of 1.2 lies outside");
+        assert_eq!(sums.retroreflected(), 0.5);
+        assert_eq!(sums.standard_error(), 0.25, "sqrt(0.5 x 0.5 / 4)");
+    }
+}
