@@ -1,1 +1,3 @@
 //! The `bake` program.
+
+fn main() {}
