@@ -193,11 +193,7 @@ pub enum Fault {
     )]
     CoincidentFace { face: u32, first: u32 },
     #[error(
-        "faces {face} and {first} lie in one plane and overlap; delete one of them or cut it where they meet"
-    )]
-    OverlappingFaces { face: u32, first: u32 },
-    #[error(
-        "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave at most two on it"
+        "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave at most two on it (faces laid on others?)"
     )]
     NonManifoldEdge {
         a: usize,

@@ -1,8 +1,291 @@
-//! glTF
-use crate::error::Fault;
-use crate::mesh::Mesh;
+//! glTF 2.0, as JSON with its buffers or as GLB.
+//!
+//! The `gltf` crate parses and validates the document; node transforms are accumulated here in f64 (its own product is
+//! f32), quaternions renormalised, and the winding turned over where a transform mirrors. Positions are kept relative
+//! to the origin of the first node that has a mesh: exact local vertices under a node translation of 10^6 stay exact.
+
 use std::path::Path;
-/// Parse
-pub fn parse(_bytes: &[u8], _folder: Option<&Path>) -> Result<Mesh, Fault> {
-    Err(Fault::Empty)
+
+use ::gltf::mesh::Mode;
+use ::gltf::scene::Transform;
+use ::gltf::{Document, Gltf, Node};
+use glam::{DMat3, DQuat, DVec3};
+use serde_json::Value;
+
+use crate::buffer::Buffers;
+use crate::error::{Counted, Fault};
+use crate::glb;
+use crate::mesh::{MAX_ELEMENTS, Mesh, sha256};
+
+/// A node's frame in the scene.
+#[derive(Clone, Copy)]
+struct Placement {
+    linear: DMat3,
+    translation: DVec3,
+}
+
+/// Parses the bytes of a .gltf or .glb file; `folder` is where buffers in files of their own are looked for.
+///
+/// Only the default scene is read (the first one, where none is named), all its mesh nodes merged in depth-first
+/// order. Skins, morph targets and materials other than `KHR_materials_ior` do not shape a mirror and are ignored.
+///
+/// # Errors
+/// Malformed containers, documents, buffers and accessors, cycles and scenes without triangles: see [`Fault`].
+pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
+    let (json, binary) = if glb::is_binary(bytes) {
+        glb::chunks(bytes)?
+    } else {
+        (bytes, None)
+    };
+    let document = Gltf::from_slice(json).map_err(Fault::Gltf)?.document;
+    let buffers = Buffers::resolve(&document, binary, folder)?;
+    let external = buffers
+        .contents
+        .iter()
+        .zip(&buffers.external)
+        .filter(|(_, external)| **external);
+    let hash =
+        sha256(std::iter::once(bytes).chain(external.map(|(content, _)| content.as_slice())));
+    let mut mesh = Mesh {
+        hash,
+        ..Mesh::default()
+    };
+    extras(&document, &mut mesh)?;
+    merge_scene(&document, &buffers, &mut mesh)?;
+    if mesh.triangles.is_empty() {
+        return Err(Fault::Empty);
+    }
+    Ok(mesh)
+}
+
+/// Appends every mesh of the scene, depth first.
+fn merge_scene(document: &Document, buffers: &Buffers, mesh: &mut Mesh) -> Result<(), Fault> {
+    let scenes = document.scenes().len();
+    let scene = document
+        .default_scene()
+        .or_else(|| document.scenes().next())
+        .ok_or(Fault::NoScene { scenes })?;
+    let root = Placement {
+        linear: DMat3::IDENTITY,
+        translation: DVec3::ZERO,
+    };
+    let mut visited = vec![false; document.nodes().len()];
+    let mut origin = None;
+    // A stack of our own: a hostile scene may be deeper than the thread's.
+    let mut open: Vec<(Node<'_>, Placement)> = scene.nodes().map(|node| (node, root)).collect();
+    open.reverse();
+    while let Some((node, parent)) = open.pop() {
+        if std::mem::replace(&mut visited[node.index()], true) {
+            return Err(Fault::NodeRevisited { node: node.index() });
+        }
+        let here = placed(&node, parent)?;
+        if node.mesh().is_some() {
+            let origin = *origin.get_or_insert(here.translation);
+            mesh.origin = origin;
+            append(&node, here, origin, buffers, mesh)?;
+        }
+        let first = open.len();
+        open.extend(node.children().map(|child| (child, here)));
+        open[first..].reverse();
+    }
+    Ok(())
+}
+
+/// The frame of a node under its parent's.
+fn placed(node: &Node<'_>, parent: Placement) -> Result<Placement, Fault> {
+    let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let (linear, translation) = match node.transform() {
+        Transform::Matrix {
+            matrix: [x, y, z, t],
+        } => {
+            let column = |c: [f32; 4]| wide([c[0], c[1], c[2]]);
+            (DMat3::from_cols(column(x), column(y), column(z)), column(t))
+        }
+        Transform::Decomposed {
+            translation,
+            rotation,
+            scale,
+        } => {
+            // f32 leaves a quaternion 1e-7 off unit length: a scale and shear that nobody asked for.
+            let rotation = DQuat::from_array(rotation.map(f64::from)).normalize();
+            (
+                DMat3::from_quat(rotation) * DMat3::from_diagonal(wide(scale)),
+                wide(translation),
+            )
+        }
+    };
+    let here = Placement {
+        linear: parent.linear * linear,
+        translation: parent.linear * translation + parent.translation,
+    };
+    let size = here
+        .linear
+        .to_cols_array()
+        .iter()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    // An underflowing determinant is caught too: the comparison is relative to the largest entry.
+    let flattened = (here.linear * (1.0 / size)).determinant().abs() < 1e-18;
+    if !(here.linear.is_finite() && here.translation.is_finite()) || size == 0.0 || flattened {
+        return Err(Fault::NodeTransform { node: node.index() });
+    }
+    Ok(here)
+}
+
+/// Appends the primitives of a node's mesh.
+fn append(
+    node: &Node<'_>,
+    here: Placement,
+    origin: DVec3,
+    buffers: &Buffers,
+    mesh: &mut Mesh,
+) -> Result<(), Fault> {
+    let Some(source) = node.mesh() else {
+        return Ok(());
+    };
+    let index = source.index();
+    let mirrored = here.linear.determinant() < 0.0;
+    let offset = here.translation - origin;
+    for primitive in source.primitives() {
+        let wrong = |what| {
+            move |reason| Fault::Accessor {
+                mesh: index,
+                what,
+                reason,
+            }
+        };
+        let accessor = primitive
+            .get(&::gltf::Semantic::Positions)
+            .ok_or(wrong("positions")("it has none"))?;
+        within(Counted::Vertices, mesh.positions.len(), accessor.count())?;
+        let local = buffers.positions(&accessor).map_err(wrong("positions"))?;
+        let indices = match primitive.indices() {
+            Some(accessor) => {
+                within(
+                    Counted::Triangles,
+                    3 * mesh.triangles.len(),
+                    accessor.count() / 3,
+                )?;
+                buffers.indices(&accessor).map_err(wrong("indices"))?
+            }
+            None => (0..local.len() as u32).collect(),
+        };
+        let triangles = triangles(primitive.mode(), &indices)
+            .map_err(|mode| Fault::NotTriangles { mesh: index, mode })?;
+        within(Counted::Triangles, mesh.triangles.len(), triangles.len())?;
+        let first = mesh.positions.len() as u32;
+        for [a, b, c] in triangles {
+            let face = mesh.triangles.len() as u32 + 1;
+            if let Some(&vertex) = [a, b, c].iter().find(|&&v| v as usize >= local.len()) {
+                return Err(Fault::IndexOutOfRange {
+                    face,
+                    vertex: u64::from(vertex) + 1,
+                    vertices: local.len(),
+                });
+            }
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            mesh.triangles.push(corners.map(|v| first + v));
+        }
+        mesh.positions.extend(
+            local
+                .iter()
+                .map(|p| here.linear * DVec3::from_array(p.map(f64::from)) + offset),
+        );
+        // The decimal digits that were typed: 1.49 rather than the f32 next to it.
+        let typed = |index: f32| index.to_string().parse().unwrap_or(f64::from(index));
+        mesh.refractive_index = mesh
+            .refractive_index
+            .or(primitive.material().ior().map(typed));
+    }
+    Ok(())
+}
+
+/// Checks a count before anything of its size is allocated.
+fn within(what: Counted, have: usize, more: usize) -> Result<(), Fault> {
+    let found = have.saturating_add(more) as u64;
+    let limit = MAX_ELEMENTS as u64;
+    if found > limit {
+        Err(Fault::TooLarge { what, found, limit })
+    } else {
+        Ok(())
+    }
+}
+
+/// Triangles of a primitive, wound as glTF 2.0 says.
+///
+/// # Errors
+/// The mode's name, where it draws no triangles.
+fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, &'static str> {
+    Ok(match mode {
+        Mode::Triangles => indices.as_chunks::<3>().0.to_vec(),
+        Mode::TriangleStrip => {
+            let windows = indices.windows(3).enumerate();
+            windows
+                .map(|(i, w)| {
+                    if i % 2 == 0 {
+                        [w[0], w[1], w[2]]
+                    } else {
+                        [w[1], w[0], w[2]]
+                    }
+                })
+                .collect()
+        }
+        Mode::TriangleFan => indices
+            .get(1..)
+            .unwrap_or_default()
+            .windows(2)
+            .map(|w| [indices[0], w[0], w[1]])
+            .collect(),
+        Mode::Points => return Err("points"),
+        Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Err("lines"),
+    })
+}
+
+/// Reads `lattice`, `design` and `edge_length` from the extras of the document, its asset or its scene, first found.
+fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
+    let root = document.as_json();
+    let scene = document
+        .default_scene()
+        .or_else(|| document.scenes().next());
+    let places = [
+        root.extras.as_ref(),
+        root.asset.extras.as_ref(),
+        scene.as_ref().and_then(|s| s.extras().as_ref()),
+    ];
+    for place in places.into_iter().flatten() {
+        let Ok(Value::Object(entries)) = serde_json::from_str::<Value>(place.get()) else {
+            continue;
+        };
+        if let (None, Some(lattice)) = (mesh.lattice, entries.get("lattice")) {
+            let wanted = "six finite numbers ax, ay, az, bx, by, bz in file units";
+            let numbers: Option<Vec<f64>> = lattice
+                .as_array()
+                .map(|a| a.iter().filter_map(Value::as_f64).collect());
+            let Some([ax, ay, az, bx, by, bz]) = numbers
+                .as_deref()
+                .and_then(|n| <[f64; 6]>::try_from(n).ok())
+            else {
+                return Err(Fault::Extras {
+                    key: "lattice",
+                    wanted,
+                });
+            };
+            mesh.lattice = Some([DVec3::new(ax, ay, az), DVec3::new(bx, by, bz)]);
+        }
+        if let (None, Some(length)) = (mesh.edge_length, entries.get("edge_length")) {
+            let length = length.as_f64().filter(|l| l.is_finite() && *l > 0.0);
+            let wrong = Fault::Extras {
+                key: "edge_length",
+                wanted: "a positive number of file units",
+            };
+            mesh.edge_length = Some(length.ok_or(wrong)?);
+        }
+        if let (true, Some(design)) = (mesh.design.is_empty(), entries.get("design")) {
+            let wrong = Fault::Extras {
+                key: "design",
+                wanted: "a string",
+            };
+            mesh.design = design.as_str().ok_or(wrong)?.to_owned();
+        }
+    }
+    Ok(())
 }

@@ -14,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 pub mod apex;
+pub mod buffer;
 pub mod cell;
 pub mod check;
 pub mod design;

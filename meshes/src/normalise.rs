@@ -62,13 +62,15 @@ fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Fault> {
     check::surface(&surface)?;
     let mut warnings = Vec::new();
     let closed = is_closed(&surface)?;
-    let facing = if closed {
-        opened(&surface, &mut warnings)?
+    let turned = if closed {
+        Some(opened(&surface, &mut warnings)?)
     } else {
         facing_light(&surface, &mut warnings)?
     };
-    drop(surface);
-    placed(&facing, closed, options, warnings)
+    match turned {
+        None => placed(&surface, closed, options, warnings),
+        Some(mesh) => placed(&Surface::new(&mesh), closed, options, warnings),
+    }
 }
 
 /// Whether the surface has no boundary; it must then be one body.
@@ -116,11 +118,11 @@ fn opened(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mesh, Fau
     prism::open(surface, corner.as_ref())
 }
 
-/// A hollow surface, turned over where it has peaks and no hollow corner.
+/// A hollow surface turned over, where it has peaks and no hollow corner; `None` where it already faces the light.
 ///
 /// # Errors
 /// [`Fault::MixedWinding`] where one part has hollow corners and another one only peaks.
-fn facing_light(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mesh, Fault> {
+fn facing_light(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Option<Mesh>, Fault> {
     let fans = Fans::new(surface);
     let corners = fans.corners();
     let hollow = corners.iter().filter(|corner| corner.hollow).count();
@@ -129,7 +131,7 @@ fn facing_light(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mes
             "all facets are wound clockwise seen from the light: the mesh was turned over"
                 .to_owned(),
         );
-        return Ok(prism::flipped(surface.mesh));
+        return Ok(Some(prism::flipped(surface.mesh)));
     }
     let (part, parts) = surface.parts();
     if parts > 1 && hollow < corners.len() {
@@ -160,7 +162,7 @@ fn facing_light(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mes
             });
         }
     }
-    Ok(surface.mesh.clone())
+    Ok(None)
 }
 
 /// Origin, axes and unit of a cell, in the file's frame (positions relative to the mesh's origin).
@@ -183,14 +185,14 @@ impl Frame {
 }
 
 fn placed(
-    mesh: &Mesh,
+    surface: &Surface<'_>,
     closed: bool,
     options: &CellOptions,
     mut warnings: Vec<String>,
 ) -> Result<Cell, Fault> {
-    let surface = Surface::new(mesh);
+    let mesh = surface.mesh;
     let lattice = options.lattice.or(mesh.lattice);
-    let frame = frame(&surface, lattice, options)?;
+    let frame = frame(surface, lattice, options)?;
     let (largest, rounding) = (
         surface.rounding / f64::EPSILON,
         surface.rounding / frame.edge_length,
@@ -212,7 +214,7 @@ fn placed(
         .collect();
     let entrance = match lattice {
         Some(lattice) => periodic_entrance(&frame, lattice, &facets, &mut warnings),
-        None => rim_entrance(&surface, &points, rounding)?,
+        None => rim_entrance(surface, &points, rounding)?,
     };
     Ok(Cell {
         facets,

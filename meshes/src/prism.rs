@@ -9,6 +9,9 @@ use crate::surface::{Surface, root};
 
 /// Triangles of a front face are flat to this part of the mesh's extent.
 const FLAT: f64 = 1e-6;
+/// A front face looks away from the apex within this angle's cosine (53 deg): more than any useful cant, less than the
+/// 54.7 deg of a block's other faces.
+const OPPOSITE_COS: f64 = 0.6;
 /// Neighbouring triangles are looked at as one face below this angle, rad.
 const SMOOTH: f64 = 1e-4;
 
@@ -83,7 +86,7 @@ pub fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Faul
     let front = faces.into_iter().find(|&face| {
         let normal = area[face as usize].normalize_or_zero();
         // The corner's axis points out of the prism, away from the light.
-        let opposite = corner.is_none_or(|corner| normal.dot(corner.axis) < -0.3);
+        let opposite = corner.is_none_or(|corner| normal.dot(corner.axis) < -OPPOSITE_COS);
         let on = mesh.corners(face as usize)[0];
         let height = |v: u32| normal.dot(mesh.positions[v as usize] - on);
         let flat = || {

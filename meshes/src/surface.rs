@@ -106,21 +106,20 @@ impl<'a> Surface<'a> {
             .collect()
     }
 
-    /// Vector area of the surface, file units squared: the sum of the triangles' normals times their areas. It depends
-    /// on the boundary alone, is normal to a planar rim, and points to the light.
+    /// Vector area of the surface, file units squared: the sum of the triangles' normals times their areas. It is normal
+    /// to a planar rim and points to the light.
+    ///
+    /// It depends on the boundary alone, and is summed there: over 9600 triangles instead, rounding reached 6e-14.
     pub fn vector_area(&self) -> DVec3 {
-        let base = self
-            .mesh
-            .positions
-            .get(self.welded[0][0] as usize)
-            .copied()
-            .unwrap_or_default();
-        let mut area = DVec3::ZERO;
-        for triangle in 0..self.welded.len() {
-            let [a, b, c] = self.mesh.corners(triangle).map(|p| p - base);
-            area += (b - a).cross(c - a) * 0.5;
-        }
-        area
+        let boundary = self.boundary();
+        let at = |vertex: u32| self.mesh.positions[vertex as usize];
+        let Some(base) = boundary.first().map(|&(from, _)| at(from)) else {
+            return DVec3::ZERO;
+        };
+        boundary
+            .into_iter()
+            .map(|(from, to)| (at(from) - base).cross(at(to) - base) * 0.5)
+            .sum()
     }
 
     /// Connected part of each triangle (through edges shared by two triangles), and the number of parts.

@@ -1,0 +1,226 @@
+//! Files that users might hand over: the bad ones with the message that each must get, the good ones with their cell.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions, load_cell, normalise};
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests")
+        .join(name)
+}
+
+#[test]
+fn every_bad_file_gets_its_message() {
+    let text = std::fs::read_to_string(folder("bad/expected.toml")).expect("the table of messages");
+    let expected: BTreeMap<String, Vec<String>> = toml::from_str(&text).expect("a table of lists");
+    let listed = std::fs::read_dir(folder("bad")).expect("a folder").count() - 1;
+    assert_eq!(
+        listed,
+        expected.len(),
+        "a file without a message, or a message without a file"
+    );
+    let mut cases = 0;
+    let mut wrong = Vec::new();
+    for (file, parts) in &expected {
+        let path = folder("bad").join(file);
+        assert!(path.exists() && !parts.is_empty(), "{file}");
+        cases += 1;
+        match load_cell(&path, &CellOptions::default()) {
+            Ok(_) => wrong.push(format!("{file}: accepted")),
+            Err(error) => {
+                let message = error.to_string();
+                let named =
+                    message.starts_with(&path.display().to_string()) && !message.contains('\n');
+                if !named || !parts.iter().all(|part| message.contains(part.as_str())) {
+                    wrong.push(format!("{file}: {message}, expected {parts:?}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(cases, 71);
+}
+
+#[test]
+fn a_missing_file_and_bad_options_are_told() {
+    let missing = load_cell(&folder("bad/there_is_none.obj"), &CellOptions::default());
+    assert!(
+        missing
+            .expect_err("no such file")
+            .to_string()
+            .contains("cannot be read")
+    );
+    let cases: [(CellOptions, &str); 6] = [
+        (
+            CellOptions {
+                edge_length: Some(0.0),
+                ..CellOptions::default()
+            },
+            "edge length 0 is not usable",
+        ),
+        (
+            CellOptions {
+                edge_length: Some(-1.0),
+                ..CellOptions::default()
+            },
+            "edge length -1 is not usable",
+        ),
+        (
+            CellOptions {
+                edge_length: Some(f64::NAN),
+                ..CellOptions::default()
+            },
+            "edge length NaN is not usable",
+        ),
+        (
+            CellOptions {
+                azimuth_zero: Some(DVec3::ONE),
+                ..CellOptions::default()
+            },
+            "azimuth zero 1,1,1 has no direction",
+        ),
+        (
+            CellOptions {
+                azimuth_zero: Some(DVec3::ZERO),
+                ..CellOptions::default()
+            },
+            "azimuth zero 0,0,0 has no direction",
+        ),
+        (
+            CellOptions {
+                lattice: Some([DVec3::X, DVec3::Y]),
+                ..CellOptions::default()
+            },
+            "degrees off the plane",
+        ),
+    ];
+    for (options, part) in cases {
+        let message = load_cell(&folder("good/binary.glb"), &options)
+            .expect_err("a bad option")
+            .to_string();
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+/// The facets of two cells, as sets, vertex sets compared: file order and triangulation starts do not matter.
+fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
+    let near = |f: &[DVec3; 3], g: &[DVec3; 3]| {
+        (0..3).any(|k| (0..3).all(|i| f[i].distance(g[(i + k) % 3]) <= tolerance))
+    };
+    a.facets.len() == b.facets.len() && a.facets.iter().all(|f| b.facets.iter().any(|g| near(f, g)))
+}
+
+#[test]
+fn every_good_file_is_its_cell() {
+    let design = |shape| {
+        let mesh = Design::new(shape).mesh().expect("a design");
+        normalise(&mesh, Path::new("design"), &CellOptions::default()).expect("a cell")
+    };
+    let (single, pair, full) = (
+        design(Shape::Triangular),
+        design(Shape::TriangularPair),
+        design(Shape::FullCube),
+    );
+    // File, cell, edge length, warnings, closed. Exact f32 or decimal coordinates: rounding alone, 4e-15 (a few
+    // operations on numbers up to 2). The second node of the pair has an f32 quaternion with three equal entries,
+    // exact once renormalised.
+    let cases: [(&str, &Cell, f64, usize, bool); 21] = [
+        ("quads.obj", &full, 3.0, 0, false),
+        ("negative_indices.obj", &single, 3.0, 0, false),
+        ("millimetres.obj", &single, 0.05, 0, false),
+        ("vertex_per_face.obj", &single, 3.0, 0, false),
+        ("continued_lines.obj", &single, 3.0, 0, false),
+        ("weighted_vertices.obj", &single, 3.0, 0, false),
+        ("inverted.obj", &single, 3.0, 1, false),
+        ("pair.obj", &pair, 3.0, 0, false),
+        ("prism.obj", &single, 3.0, 0, true),
+        ("prism_inverted.obj", &single, 3.0, 1, true),
+        ("prism_with_index.gltf", &single, 3.0, 0, true),
+        ("embedded.gltf", &single, 3.0, 0, false),
+        ("external.gltf", &single, 3.0, 0, false),
+        ("far_node.gltf", &single, 6.0, 0, false),
+        ("mirrored_node.gltf", &single, 3.0, 0, false),
+        ("matrix_node.gltf", &single, 6.0, 0, false),
+        ("pair_of_nodes.gltf", &pair, 3.0, 0, false),
+        ("fan.gltf", &single, 3.0, 0, false),
+        ("byte_indices.gltf", &single, 3.0, 0, false),
+        ("binary.glb", &single, 3.0, 0, false),
+        ("concave_polygon.obj", &single, 3.0, 0, false),
+    ];
+    for (file, expected, edge_length, warnings, closed) in &cases {
+        let cell = load_cell(&folder("good").join(file), &CellOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"));
+        assert!(
+            (cell.edge_length / edge_length - 1.0).abs() < 4e-15,
+            "{file}: {}",
+            cell.edge_length
+        );
+        assert!(
+            (cell.entrance.height - expected.entrance.height).abs() < 4e-15,
+            "{file}"
+        );
+        assert_eq!(
+            cell.entrance.polygon.len(),
+            expected.entrance.polygon.len(),
+            "{file}"
+        );
+        assert_eq!(
+            (cell.warnings.len(), cell.closed),
+            (*warnings, *closed),
+            "{file}: {:?}",
+            cell.warnings
+        );
+        assert_eq!(
+            cell.refractive_index,
+            file.contains("index.gltf").then_some(1.49),
+            "{file}"
+        );
+        assert_eq!(cell.mesh_hash.len(), 64, "{file}");
+        if *file == "concave_polygon.obj" {
+            let area: f64 = cell
+                .facets
+                .iter()
+                .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
+                .sum();
+            assert!(
+                (area - 1.5).abs() < 4e-15 && cell.facets.len() == 5,
+                "{file}: {area}"
+            );
+        } else {
+            assert!(
+                same_facets(&cell, expected, 4e-15),
+                "{file}: {:?}",
+                cell.facets
+            );
+        }
+    }
+    let buffers = 1;
+    assert_eq!(
+        std::fs::read_dir(folder("good")).expect("a folder").count(),
+        cases.len() + buffers
+    );
+}
+
+/// A changed buffer must change the hash, though the document stays the same.
+#[test]
+fn the_hash_covers_external_buffers() {
+    let copy = tempfile::tempdir().expect("a temporary folder");
+    for file in ["external.gltf", "external buffer.bin"] {
+        std::fs::copy(folder("good").join(file), copy.path().join(file)).expect("a copy");
+    }
+    let hash = || {
+        meshes::load(&copy.path().join("external.gltf"))
+            .expect("a mesh")
+            .hash
+    };
+    let before = hash();
+    let buffer = copy.path().join("external buffer.bin");
+    let mut bytes = std::fs::read(&buffer).expect("the buffer");
+    bytes[14] ^= 1;
+    std::fs::write(&buffer, bytes).expect("a changed buffer");
+    assert_ne!(before, hash());
+}

@@ -1,0 +1,272 @@
+//! A cell does not depend on where, how large and in which order its mesh lies in the file.
+
+use std::path::Path;
+
+use glam::{DQuat, DVec3};
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions, Mesh, normalise, obj, write};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+
+fn cell(mesh: &Mesh) -> Cell {
+    normalise(mesh, Path::new("mesh"), &CellOptions::default())
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The mesh with its vertices and triangles in another order, and other first corners.
+fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
+    let mut state = seed | 1;
+    let mut below = |n: usize| {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 33) as usize % n
+    };
+    let mut order: Vec<usize> = (0..mesh.positions.len()).collect();
+    (1..order.len())
+        .rev()
+        .for_each(|i| order.swap(i, below(i + 1)));
+    let mut place = vec![0u32; order.len()];
+    order
+        .iter()
+        .enumerate()
+        .for_each(|(new, &old)| place[old] = new as u32);
+    let mut triangles: Vec<[u32; 3]> = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| place[v as usize]))
+        .collect();
+    (1..triangles.len())
+        .rev()
+        .for_each(|i| triangles.swap(i, below(i + 1)));
+    triangles.iter_mut().for_each(|t| t.rotate_left(below(3)));
+    let positions = order.iter().map(|&old| mesh.positions[old]).collect();
+    Mesh {
+        positions,
+        triangles,
+        ..mesh.clone()
+    }
+}
+
+fn placed(mesh: &Mesh, rotation: DQuat, scale: f64, offset: DVec3) -> Mesh {
+    let positions = mesh
+        .positions
+        .iter()
+        .map(|&p| rotation * p * scale + offset)
+        .collect();
+    let lattice = mesh.lattice.map(|l| l.map(|v| rotation * v * scale));
+    Mesh {
+        positions,
+        lattice,
+        ..mesh.clone()
+    }
+}
+
+/// Largest distance between corresponding facet corners and entrance corners.
+fn distance(a: &Cell, b: &Cell) -> f64 {
+    assert_eq!(a.facets.len(), b.facets.len());
+    assert_eq!(a.entrance.polygon.len(), b.entrance.polygon.len());
+    let facets = a
+        .facets
+        .iter()
+        .flatten()
+        .zip(b.facets.iter().flatten())
+        .map(|(p, q)| p.distance(*q));
+    let entrance = a
+        .entrance
+        .polygon
+        .iter()
+        .zip(&b.entrance.polygon)
+        .map(|(p, q)| p.distance(*q));
+    facets
+        .chain(entrance)
+        .fold((a.entrance.height - b.entrance.height).abs(), f64::max)
+}
+
+fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
+    let near = |f: &[DVec3; 3], g: &[DVec3; 3]| {
+        (0..3).any(|k| (0..3).all(|i| f[i].distance(g[(i + k) % 3]) <= tolerance))
+    };
+    a.facets.len() == b.facets.len() && a.facets.iter().all(|f| b.facets.iter().any(|g| near(f, g)))
+}
+
+/// Random rigid placement, scale 1e-6 to 1e6, offset up to 1e6 edge lengths, vertex order; dihedral errors to 1e-2.
+///
+/// Tolerance: the test's own placement and the file round each coordinate to half a unit in the last place, 1.1e-16 of
+/// the distance from the origin r (edge lengths), in 3 axes: 1.9e-16 r for a vertex. A corner less the apex: twice
+/// that. The frame turns by the errors of its two directions, each at most 3 vertices' error over a lever of 0.7, seen
+/// at corners up to 2 away: at most 17 times a vertex's error. Together under 20 * 1.9e-16 r = 3.8e-15 r, plus
+/// 1e-14 for the arithmetic on numbers of order 1 (some forty operations).
+#[test]
+fn a_cell_does_not_depend_on_its_placement() {
+    let mut runner = TestRunner::new_with_rng(
+        Config {
+            cases: 400,
+            failure_persistence: None,
+            ..Config::default()
+        },
+        proptest::test_runner::TestRng::deterministic_rng(
+            proptest::test_runner::RngAlgorithm::ChaCha,
+        ),
+    );
+    let inputs = (
+        0..4usize,
+        prop::array::uniform4(-1.0..1.0f64),
+        -6.0..6.0f64,
+        (
+            prop::array::uniform3(-1.0..1.0f64),
+            prop::option::of(0.0..6.0f64),
+        ),
+        (any::<u64>(), prop::array::uniform3(-1e-2..1e-2f64)),
+    );
+    let cases = std::cell::Cell::new(0);
+    let worst = std::cell::Cell::new(0.0f64);
+    let far_worst = std::cell::Cell::new(0.0f64);
+    runner
+        .run(
+            &inputs,
+            |(shape, quaternion, decade, (direction, far), (seed, dihedral_error_rad))| {
+                prop_assume!(DQuat::from_array(quaternion).length() > 0.1);
+                let mesh = Design {
+                    dihedral_error_rad,
+                    ..Design::new(Shape::ALL[shape])
+                }
+                .mesh()
+                .expect("a design");
+                let mesh = shuffled(&mesh, seed);
+                let scale = 10f64.powf(decade) / 3.0;
+                let edges_away = far.map_or(0.0, |f| 10f64.powf(f));
+                let offset = DVec3::from_array(direction) * edges_away * 3.0 * scale;
+                let moved = placed(
+                    &mesh,
+                    DQuat::from_array(quaternion).normalize(),
+                    scale,
+                    offset,
+                );
+                // Through the text, too: it must carry every digit.
+                let read = obj::parse(write::obj(&moved).as_bytes()).expect("our own text");
+                prop_assert_eq!(&read.positions, &moved.positions);
+                let away = moved
+                    .positions
+                    .iter()
+                    .map(|p| p.abs().max_element())
+                    .fold(0.0, f64::max)
+                    / (3.0 * scale);
+                let tolerance = 3.8e-15 * away + 1e-14;
+                let found = distance(&cell(&read), &cell(&mesh));
+                worst.set(worst.get().max(found / tolerance));
+                far_worst.set(far_worst.get().max(found));
+                cases.set(cases.get() + 1);
+                prop_assert!(
+                    found <= tolerance,
+                    "{:?} {} > {} at {}",
+                    Shape::ALL[shape],
+                    found,
+                    tolerance,
+                    away
+                );
+                Ok(())
+            },
+        )
+        .unwrap_or_else(|error| panic!("{error}"));
+    println!(
+        "largest error {:.1e} edge lengths, {:.2} of the tolerance",
+        far_worst.get(),
+        worst.get()
+    );
+    assert_eq!(cases.get(), 400);
+}
+
+/// The ideal single cells look the same from each of their edges, so whichever comes first: the same facets. In the
+/// pair the shared edge turns with the choice, by a third of a turn.
+#[test]
+fn the_order_of_the_file_turns_an_ideal_cell_by_its_symmetry() {
+    let mut cases = 0;
+    for shape in [Shape::Triangular, Shape::TriangularPair, Shape::FullCube] {
+        let mesh = Design::new(shape).mesh().expect("a design");
+        let reference = cell(&mesh);
+        for seed in 0..50 {
+            let found = cell(&shuffled(&mesh, seed * 7919 + 3));
+            let turns = if shape == Shape::TriangularPair { 3 } else { 1 };
+            let same = (0..turns).any(|k| {
+                let turn = DQuat::from_rotation_z(f64::from(k) * std::f64::consts::TAU / 3.0);
+                let facets = found.facets.iter().map(|f| f.map(|p| turn * p)).collect();
+                same_facets(
+                    &Cell {
+                        facets,
+                        ..found.clone()
+                    },
+                    &reference,
+                    4e-15,
+                )
+            });
+            assert!(same, "{shape:?} {seed}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 150);
+}
+
+/// What the files hold, read back.
+#[test]
+fn files_read_back_what_was_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut cases = 0;
+    for shape in Shape::ALL {
+        for (truncation, refractive_index) in [(0.0, None), (0.25, Some(1.49))] {
+            let design = Design {
+                truncation,
+                ..Design::new(shape)
+            };
+            let mesh = Mesh {
+                refractive_index,
+                ..design.mesh().expect("a design")
+            };
+            for extension in ["obj", "glb"] {
+                let path = folder.path().join(format!("cell.{extension}"));
+                write::save(&mesh, &path).expect("a writable folder");
+                let read = meshes::load(&path).expect("our own file");
+                // f32 holds a coordinate to 2^-24 of it, at most 3 * sqrt 2 here.
+                let tolerance = if extension == "obj" {
+                    0.0
+                } else {
+                    4.3 / f64::from(1 << 24)
+                };
+                let off = read
+                    .positions
+                    .iter()
+                    .zip(&mesh.positions)
+                    .map(|(p, q)| (*p - *q).abs().max_element());
+                assert!(
+                    off.fold(0.0, f64::max) <= tolerance,
+                    "{shape:?} {extension}"
+                );
+                assert_eq!(
+                    (&read.triangles, read.lattice),
+                    (&mesh.triangles, mesh.lattice)
+                );
+                assert_eq!(
+                    (&read.design, read.edge_length),
+                    (&mesh.design, mesh.edge_length)
+                );
+                // OBJ has no place for an index.
+                assert_eq!(
+                    read.refractive_index,
+                    refractive_index.filter(|_| extension == "glb")
+                );
+                if extension == "obj" {
+                    assert_eq!(read.hash, mesh.hash);
+                }
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 16);
+    assert_eq!(
+        std::fs::read_dir(folder.path())
+            .expect("the folder")
+            .count(),
+        2,
+        "a temporary file was left behind"
+    );
+}
