@@ -129,33 +129,29 @@ impl<'s, 'm> Fans<'s, 'm> {
 
     /// Ends of the valleys (hollow creases between facets) that start at `vertex`.
     fn valleys(&self, vertex: u32) -> Vec<u32> {
-        let around = self.around(vertex);
         let base = self.position(vertex);
-        let mut ends = Vec::new();
-        for (index, &one) in around.iter().enumerate() {
-            for &other in &around[index + 1..] {
-                let (t, u) = (
-                    self.surface.welded[one as usize],
-                    self.surface.welded[other as usize],
-                );
-                let Some(&end) = t.iter().find(|&&v| v != vertex && u.contains(&v)) else {
-                    continue;
-                };
-                let Some(&far) = u.iter().find(|&&v| v != vertex && v != end) else {
-                    continue;
-                };
-                let (n, m) = (
-                    self.surface.normals[one as usize],
-                    self.surface.normals[other as usize],
-                );
-                if n.dot(m) < SAME_FACET_COS && n.dot(self.position(far) - base) > 0.0 {
-                    ends.push(end);
-                }
-            }
+        // Each edge at the vertex with each of its triangles and that triangle's third vertex, edge by edge.
+        let mut spokes: Vec<(u32, u32, u32)> = Vec::new();
+        for &triangle in self.around(vertex) {
+            let [a, b, c] = self.surface.welded[triangle as usize];
+            let [p, q] = match vertex {
+                v if v == a => [b, c],
+                v if v == b => [c, a],
+                _ => [a, b],
+            };
+            spokes.extend([(p, triangle, q), (q, triangle, p)]);
         }
-        ends.sort_unstable();
-        ends.dedup();
-        ends
+        spokes.sort_unstable();
+        let valley = |pair: &[(u32, u32, u32)]| {
+            let [(end, one, _), (other_end, other, far)] = [pair[0], pair[1]];
+            let (n, m) = (
+                self.surface.normals[one as usize],
+                self.surface.normals[other as usize],
+            );
+            let hollow = n.dot(m) < SAME_FACET_COS && n.dot(self.position(far) - base) > 0.0;
+            (end == other_end && hollow).then_some(end)
+        };
+        spokes.windows(2).filter_map(valley).collect()
     }
 
     /// The three legs of a hollow corner, the one whose outer vertex comes first in the file first; `None` where the

@@ -257,6 +257,10 @@ pub enum Fault {
     )]
     LatticeTilted { degrees: f64 },
     #[error(
+        "the facets cover {covered:.4} lattice cells, more than one; give one period and lattice vectors in file units"
+    )]
+    LatticeOverfull { covered: f64 },
+    #[error(
         "edge length {edge_length} is not usable; give a positive number of file units (--edge-length)"
     )]
     EdgeLength { edge_length: f64 },

@@ -37,7 +37,7 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     } else {
         (bytes, None)
     };
-    let document = Gltf::from_slice(json).map_err(Fault::Gltf)?.document;
+    let document = validated(json)?;
     let buffers = Buffers::resolve(&document, binary, folder)?;
     let external = buffers
         .contents
@@ -56,6 +56,33 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
         return Err(Fault::Empty);
     }
     Ok(mesh)
+}
+
+/// The document, validated by the `gltf` crate. Its validation looks positions up before it checks their index, and
+/// panics on a wrong one: so that is checked first.
+fn validated(json: &[u8]) -> Result<Document, Fault> {
+    let root = Gltf::from_slice_without_validation(json)
+        .map_err(Fault::Gltf)?
+        .document
+        .into_json();
+    let positions = ::gltf::json::validation::Checked::Valid(::gltf::Semantic::Positions);
+    for (mesh, source) in root.meshes.iter().enumerate() {
+        let accessors = source
+            .primitives
+            .iter()
+            .filter_map(|primitive| primitive.attributes.get(&positions));
+        if accessors
+            .into_iter()
+            .any(|accessor| accessor.value() >= root.accessors.len())
+        {
+            return Err(Fault::Accessor {
+                mesh,
+                what: "positions",
+                reason: "their accessor does not exist",
+            });
+        }
+    }
+    Document::from_json(root).map_err(Fault::Gltf)
 }
 
 /// Appends every mesh of the scene, depth first.

@@ -17,6 +17,8 @@ use crate::surface::Surface;
 pub const PLANAR: f64 = 1e-6;
 /// A lattice may lean this much against the surface, rad: vectors typed with few digits do.
 const LATTICE_TILT: f64 = 0.02;
+/// Facets may cover more than their lattice cell by this part of it: lattice vectors typed with few digits.
+const OVERFULL: f64 = 1e-3;
 /// Least number of digits: rounding past this part of an edge is an error, past a hundredth of it a warning.
 const DIGITS: f64 = 1e-6;
 
@@ -213,7 +215,7 @@ fn placed(
         .map(|t| t.map(|v| points[v as usize]))
         .collect();
     let entrance = match lattice {
-        Some(lattice) => periodic_entrance(&frame, lattice, &facets, &mut warnings),
+        Some(lattice) => periodic_entrance(&frame, lattice, &facets, &mut warnings)?,
         None => rim_entrance(surface, &points, rounding)?,
     };
     Ok(Cell {
@@ -266,7 +268,7 @@ fn frame(
         z: azimuth_zero.z,
     };
     let azimuth_zero = azimuth_zero.try_normalize().ok_or_else(no_direction)?;
-    // Twice: one projection leaves 1e-16 over the length of what it leaves.
+    // Projected twice: once leaves 1e-16 over the length of what it leaves.
     let flat = azimuth_zero - normal * normal.dot(azimuth_zero);
     let x = flat
         .try_normalize()
@@ -325,7 +327,7 @@ fn periodic_entrance(
     lattice: [DVec3; 2],
     facets: &[[DVec3; 3]],
     warnings: &mut Vec<String>,
-) -> Entrance {
+) -> Result<Entrance, Fault> {
     let [a, b] = lattice.map(|v| frame.direction(v).truncate());
     let [a, b] = if a.perp_dot(b) < 0.0 { [b, a] } else { [a, b] };
     let height = facets
@@ -345,10 +347,13 @@ fn periodic_entrance(
         DVec2::ZERO
     };
     let period = a.perp_dot(b);
-    if (covered / period - 1.0).abs() > 1e-6 {
+    let covered = covered / period;
+    if covered > 1.0 + OVERFULL {
+        return Err(Fault::LatticeOverfull { covered });
+    }
+    if (covered - 1.0).abs() > PLANAR {
         warnings.push(format!(
-            "the facets cover {:.6} of the lattice cell: give one period, without gaps",
-            covered / period
+            "the facets cover {covered:.6} of the lattice cell: the rest is open"
         ));
     }
     let polygon = vec![
@@ -357,11 +362,11 @@ fn periodic_entrance(
         middle + (a + b) / 2.0,
         middle + (b - a) / 2.0,
     ];
-    Entrance {
+    Ok(Entrance {
         height,
         polygon,
         lattice: Some([a, b]),
-    }
+    })
 }
 
 fn rim_entrance(surface: &Surface<'_>, points: &[DVec3], rounding: f64) -> Result<Entrance, Fault> {

@@ -18,31 +18,29 @@ const MAX_TESTED_CORNERS: usize = 4096;
 pub fn vertices(surface: &Surface<'_>) -> Result<Vec<u32>, Fault> {
     let boundary = surface.boundary();
     let mut next: HashMap<u32, u32> = HashMap::with_capacity(boundary.len());
+    let mut starts: Vec<u32> = Vec::with_capacity(boundary.len());
     for &(from, to) in &boundary {
         if next.insert(from, to).is_some() {
             return Err(Fault::RimCrossed {
                 vertex: from as usize + 1,
             });
         }
+        starts.push(from);
     }
-    let Some(&first) = boundary.iter().map(|(from, _)| from).min() else {
-        return Ok(Vec::new());
-    };
-    let rim: Vec<u32> = walk(&mut next, first);
-    let mut loops = 1;
-    let mut second = None;
-    while let Some(&start) = next.keys().min() {
-        second.get_or_insert(start);
-        walk(&mut next, start);
-        loops += 1;
+    starts.sort_unstable();
+    let mut rims: Vec<Vec<u32>> = Vec::new();
+    for start in starts {
+        if next.contains_key(&start) {
+            rims.push(walk(&mut next, start));
+        }
     }
-    match second {
-        Some(vertex) => Err(Fault::SeveralRims {
-            loops,
-            vertex: vertex as usize + 1,
-        }),
-        None => Ok(rim),
+    if let Some(second) = rims.get(1) {
+        return Err(Fault::SeveralRims {
+            loops: rims.len(),
+            vertex: second[0] as usize + 1,
+        });
     }
+    Ok(rims.into_iter().next().unwrap_or_default())
 }
 
 fn walk(next: &mut HashMap<u32, u32>, start: u32) -> Vec<u32> {
@@ -91,12 +89,15 @@ pub fn polygon(
         }
     }
     let corners: Vec<DVec2> = kept.iter().map(|&k| flat[k]).collect();
-    if corners.len() <= MAX_TESTED_CORNERS {
-        if let Some(edge) = polygon::first_crossing(&corners) {
-            return Err(Fault::RimCrossed {
-                vertex: vertices[kept[edge]] as usize + 1,
-            });
-        }
+    let tested = if corners.len() <= MAX_TESTED_CORNERS {
+        polygon::first_crossing(&corners)
+    } else {
+        None
+    };
+    if let Some(edge) = tested {
+        return Err(Fault::RimCrossed {
+            vertex: vertices[kept[edge]] as usize + 1,
+        });
     }
     Ok((height, corners))
 }

@@ -23,8 +23,8 @@ pub fn weld(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
     for &vertex in mesh.triangles.iter().flatten() {
         used[vertex as usize] = true;
     }
-    // Cells much wider than the tolerance: a vertex rarely has to look into a neighbouring one.
-    let cell = (tolerance * 1024.0).max(f64::MIN_POSITIVE);
+    // Twice as many cells to look into as vertices, and at most some 500 representatives in one.
+    let cell = (tolerance * 8.0).max(f64::MIN_POSITIVE);
     let key = |p: DVec3| (p / cell).floor().to_array().map(|x| x as i64);
     let mut first_in: HashMap<[i64; 3], u32> = HashMap::with_capacity(mesh.positions.len());
     let mut next_in = vec![u32::MAX; mesh.positions.len()];

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, normalise};
+use meshes::{Cell, CellOptions, load_cell, normalise, write};
 
 fn cell(design: Design) -> Cell {
     normalise(
@@ -79,18 +79,7 @@ fn the_full_cube_tiles_by_its_lattice() {
     );
     assert!((a.perp_dot(b) - 3f64.sqrt()).abs() < ROUNDING);
     // Every outer edge of the hexagon is an outer edge of a neighbour, at the same heights, run the other way.
-    let outer: Vec<[DVec3; 2]> = cell
-        .facets
-        .iter()
-        .enumerate()
-        .map(|(i, f)| {
-            if i % 2 == 0 {
-                [f[1], f[2]]
-            } else {
-                [f[1], f[2]]
-            }
-        })
-        .collect();
+    let outer: Vec<[DVec3; 2]> = cell.facets.iter().map(|f| [f[1], f[2]]).collect();
     let mut matched = 0;
     for [p, q] in &outer {
         for [r, s] in &outer {
@@ -194,4 +183,52 @@ fn truncation_lowers_the_top_and_keeps_the_edge_length() {
         }
     }
     assert_eq!(cases, 12);
+}
+
+/// The files of the `designs` folder are what the code writes, and the folder's README has their hashes.
+///
+/// To make them anew after a wanted change: `UPDATE_DESIGNS=1 cargo test -p meshes --test designs`, and copy the hashes
+/// that the test then prints.
+#[test]
+fn the_design_files_are_what_the_code_writes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");
+    let readme =
+        std::fs::read_to_string(folder.join("README.md")).expect("the README of the designs");
+    let fresh = tempfile::tempdir().expect("a temporary folder");
+    let mut cases = 0;
+    let mut missing = Vec::new();
+    for shape in [Shape::Triangular, Shape::TriangularPair, Shape::FullCube] {
+        for extension in ["obj", "glb"] {
+            let name = format!("{}.{extension}", shape.name());
+            let mesh = Design::new(shape).mesh().expect("a design");
+            if std::env::var_os("UPDATE_DESIGNS").is_some() {
+                write::save(&mesh, &folder.join(&name)).expect("a writable folder");
+            }
+            write::save(&mesh, &fresh.path().join(&name)).expect("a writable folder");
+            let kept = std::fs::read(folder.join(&name)).expect("a design file");
+            assert!(
+                kept == std::fs::read(fresh.path().join(&name)).expect("a fresh file"),
+                "{name} is out of date"
+            );
+            let found = load_cell(&folder.join(&name), &CellOptions::default()).expect("a cell");
+            let row = format!(
+                "| `{name}` | {} | {} | `{}` |",
+                found.facets.len(),
+                found.edge_length,
+                found.mesh_hash
+            );
+            if !readme.contains(&row) {
+                missing.push(row);
+            }
+            // Integers: f32 holds them as exactly as f64.
+            assert_eq!(found.facets, cell(Design::new(shape)).facets, "{name}");
+            cases += 1;
+        }
+    }
+    assert!(
+        missing.is_empty(),
+        "not in designs/README.md:\n{}",
+        missing.join("\n")
+    );
+    assert_eq!(cases, 6);
 }

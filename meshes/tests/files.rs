@@ -42,7 +42,7 @@ fn every_bad_file_gets_its_message() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(cases, 71);
+    assert_eq!(cases, 73);
 }
 
 #[test]
