@@ -6,12 +6,17 @@
 #![forbid(unsafe_code)]
 
 pub mod bvh;
+pub mod cli;
+pub mod inspect;
 pub mod kernel;
 pub mod launch;
 pub mod optics;
 pub mod path;
 pub mod plan;
+pub mod plot;
+pub mod progress;
 pub mod ray;
+pub mod report;
 pub mod run;
 pub mod scene;
 pub mod sequence;

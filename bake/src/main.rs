@@ -1,3 +1,8 @@
-//! The `bake` program.
+//! The `bake` program; see `bake --help`.
+#![forbid(unsafe_code)]
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    bake::cli::main(std::env::args_os())
+}

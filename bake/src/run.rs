@@ -2,12 +2,12 @@
 
 use crate::kernel::Kernel;
 use crate::launch::Launch;
-use crate::plan::{Effort, Plan, RAYS_PER_RANDOMISATION};
+use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION};
 use crate::scene::{Index, Scene};
 use crate::sequence::Stream;
 use crate::tally::{Bins, Sums, Tally};
 use meshes::Cell;
-use ndarray::{Array2, Array3, Array4, Array5, Axis};
+use ndarray::{Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -31,6 +31,9 @@ pub enum RunError {
         /// What the system said.
         source: rayon::ThreadPoolBuildError,
     },
+    /// This build has no exact method.
+    #[error("--method exact: this build has no exact method; give --method rays")]
+    NoExactMethod,
     /// The tolerance is out of reach.
     #[error(
         "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
@@ -60,6 +63,17 @@ struct Bundle {
     kernel: Kernel,
     streams: Vec<Stream>,
     sums: Mutex<Sums>,
+}
+
+/// Bakes `cell` as planned, by the method that the plan names or, for `auto`, the best one.
+///
+/// # Errors
+/// As [`rays`].
+pub fn bake(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
+    match plan.method {
+        Method::Auto | Method::Rays => rays(cell, plan, progress),
+        Method::Exact => Err(RunError::NoExactMethod),
+    }
 }
 
 /// Traces rays through `cell` as planned. `progress` is told, from any thread, how many rays were done since the last
@@ -205,54 +219,32 @@ fn until(
 fn table(cell: &Cell, plan: &Plan, bundles: Vec<Bundle>) -> Table {
     let axes = plan.axes.clone();
     let ((ni, na), nb, nr) = (axes.shape(), axes.bins, plan.randomisations);
-    let nf = Fate::ALL.len();
-    let mut histogram = Array4::zeros((ni, na, nb, nb));
     let mut counts = Array5::zeros((ni, na, nr, nb, nb));
-    let mut retroreflected = Array2::zeros((ni, na));
-    let mut standard_error = Array2::zeros((ni, na));
-    let mut fate = Array3::zeros((ni, na, nf));
-    let mut fate_counts = Array4::zeros((ni, na, nr, nf));
-    let mut launched = Array2::zeros((ni, na));
-    for (direction, bundle) in bundles.into_iter().enumerate() {
-        let at = (direction / na, direction % na);
+    let mut fates = Array4::zeros((ni, na, nr, Fate::ALL.len()));
+    let by_direction = counts.exact_chunks_mut((1, 1, nr, nb, nb)).into_iter();
+    let fates_by_direction = fates
+        .exact_chunks_mut((1, 1, nr, Fate::ALL.len()))
+        .into_iter();
+    for ((bundle, mut counts), mut fates) in bundles
+        .into_iter()
+        .zip(by_direction)
+        .zip(fates_by_direction)
+    {
         let sums = bundle
             .sums
             .into_inner()
             .unwrap_or_else(PoisonError::into_inner);
-        let rays = sums.rays();
-        launched[at] = rays;
-        retroreflected[at] = sums.retroreflected();
-        standard_error[at] = sums.standard_error();
-        for (f, &name) in Fate::ALL.iter().enumerate() {
-            fate[[at.0, at.1, f]] = sums.of(name) as f64 / rays.max(1) as f64;
-            for r in 0..nr {
-                fate_counts[[at.0, at.1, r, f]] = sums.fates[r][f];
-            }
-        }
-        let inside = sums.of(Fate::Retroreflected).max(1) as f64;
-        for (i, &count) in sums.counts.iter().enumerate() {
-            let (r, v, u) = (i / (nb * nb), i / nb % nb, i % nb);
-            counts[[at.0, at.1, r, v, u]] = count;
-            histogram[[at.0, at.1, v, u]] += count as f64;
-        }
-        let mut conditional = histogram.index_axis_mut(Axis(0), at.0);
-        conditional
-            .index_axis_mut(Axis(0), at.1)
-            .mapv_inplace(|sum: f64| sum / inside);
+        counts
+            .iter_mut()
+            .zip(sums.counts)
+            .for_each(|(count, sum)| *count = sum);
+        fates
+            .iter_mut()
+            .zip(sums.fates.into_iter().flatten())
+            .for_each(|(count, sum)| *count = sum);
     }
-    let (sampler, method) = (plan.sampler.name().into(), "rays".into());
-    Table {
-        histogram,
-        counts: Some(counts),
-        retroreflected,
-        standard_error,
-        fate,
-        fate_counts: Some(fate_counts),
-        rays: launched,
-        exact: None,
-        provenance: provenance(cell, plan, method, sampler),
-        axes,
-    }
+    let provenance = provenance(cell, plan, "rays".into(), plan.sampler.name().into());
+    Table::from_counts(axes, counts, fates, provenance)
 }
 
 /// Where a table of `cell` baked by `method` comes from.

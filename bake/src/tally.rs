@@ -128,38 +128,6 @@ impl Sums {
         self.fates.iter().map(|fates| fates[fate as usize]).sum()
     }
 
-    /// Retroreflected fraction eta; rays outside the histogram count. 0 where nothing was launched.
-    pub fn retroreflected(&self) -> f64 {
-        let back = self.of(Fate::Retroreflected) + self.of(Fate::OutOfRange);
-        if back == 0 {
-            0.0
-        } else {
-            back as f64 / self.rays() as f64
-        }
-    }
-
-    /// Standard error of [`Sums::retroreflected`]: from the spread of the randomisations where there are several,
-    /// from the binomial distribution where there is one.
-    pub fn standard_error(&self) -> f64 {
-        let eta = self.retroreflected();
-        let runs = self.launched.len();
-        if runs < 2 {
-            return (eta * (1.0 - eta) / self.rays().max(1) as f64).sqrt();
-        }
-        let fraction = |(fates, &launched): (&[u64; Fate::ALL.len()], &u64)| {
-            let back = fates[Fate::Retroreflected as usize] + fates[Fate::OutOfRange as usize];
-            back as f64 / launched.max(1) as f64
-        };
-        let squares: f64 = self
-            .fates
-            .iter()
-            .zip(&self.launched)
-            .map(fraction)
-            .map(|x| (x - eta) * (x - eta))
-            .sum();
-        (squares / (runs * (runs - 1)) as f64).sqrt()
-    }
-
     /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a normal variable with
     /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial.
     ///
@@ -230,7 +198,5 @@ mod tests {
         assert_eq!(sums.rays(), 4);
         assert_eq!(sums.of(Fate::Retroreflected), 1);
         assert_eq!(sums.of(Fate::OutOfRange), 1, "a shift of 1.2 lies outside");
-        assert_eq!(sums.retroreflected(), 0.5);
-        assert_eq!(sums.standard_error(), 0.25, "sqrt(0.5 x 0.5 / 4)");
     }
 }

@@ -1,0 +1,483 @@
+//! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
+
+use crate::plan::{Back, Method, Plan, PlanError, Request, default};
+use crate::progress::Progress;
+use crate::sequence::Sampler;
+use crate::{inspect, plot, report, run};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec3;
+use meshes::design::{Design, Shape};
+use meshes::{CellOptions, Fault};
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use thiserror::Error;
+
+/// Traces a corner-cube mesh into a ray-shift table.
+#[derive(Debug, Parser)]
+#[command(name = "bake", version, max_term_width = 100)]
+#[command(after_help = "Example, from nothing to a picture:\n  \
+    bake design triangular-pair -o pair.obj\n  \
+    bake trace pair.obj -o pair.h5 --refractive-index 1.49\n  \
+    bake inspect pair.h5 --plot pair.png")]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Writes the mesh of a parametric corner-cube cell
+    #[command(
+        after_help = "Example: a pair cell of 0.18 mm edges, one dihedral angle 0.1 mrad too wide\n  \
+        bake design triangular-pair -o pair.obj --edge-length 0.18 --dihedral-error-mrad 0.1,0,0"
+    )]
+    Design(DesignArgs),
+    /// Traces a mesh into a ray-shift table
+    #[command(
+        after_help = "Example: acrylic prisms, 0 to 45 degrees at azimuth 30\n  \
+        bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30"
+    )]
+    Trace(Box<TraceArgs>),
+    /// Says what is in a table
+    #[command(
+        after_help = "Example: a text report, and the histograms as a picture\n  \
+        bake inspect pair.h5 --plot pair.svg"
+    )]
+    Inspect(InspectArgs),
+    /// Compares two tables direction by direction
+    #[command(after_help = "Example: do two seeds agree within their errors?\n  \
+        bake compare seed1.h5 seed2.h5")]
+    Compare(CompareArgs),
+    /// Checks a table: seal, checksums, schema, sums
+    #[command(after_help = "Example:\n  bake verify pair.h5")]
+    Verify(VerifyArgs),
+}
+
+#[derive(Debug, Args)]
+struct DesignArgs {
+    /// Name of the design (see --list)
+    #[arg(required_unless_present = "list")]
+    name: Option<String>,
+    /// Mesh to write: .obj (exact digits) or .glb
+    #[arg(short, long, value_name = "FILE", required_unless_present = "list")]
+    output: Option<PathBuf>,
+    /// Lists the designs
+    #[arg(long)]
+    list: bool,
+    /// Length of an edge from the apex, file units
+    #[arg(long, value_name = "LENGTH")]
+    edge_length: Option<f64>,
+    /// Errors of the dihedral angles at edges 1, 2, 3, mrad; positive is wider than 90 degrees
+    #[arg(
+        long,
+        value_name = "E1,E2,E3",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    dihedral_error_mrad: Vec<f64>,
+    /// How much lower the top is than the ideal one, as a part of its height over the apex
+    #[arg(long, value_name = "PART")]
+    truncation: Option<f64>,
+    /// Angle between the sheet's normal and the cube's axis, degrees (design canted)
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    cant_deg: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+struct TraceArgs {
+    /// Mesh: .obj, .gltf or .glb
+    mesh: PathBuf,
+    /// Table to write (HDF5)
+    #[arg(short, long, value_name = "TABLE.h5")]
+    output: PathBuf,
+    /// Incidence angles outside the sheet, degrees: a list or start:stop:step
+    #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
+    incidence: String,
+    /// Azimuths, degrees: a list, start:stop:step, or mean for the average over all
+    #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
+    azimuth: String,
+    /// Refractive index behind a flat front face [default: the file's, else 1]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    refractive_index: Option<f64>,
+    /// What the facets are backed with
+    #[arg(long, value_enum, default_value_t = Back::Mirror)]
+    back: Back,
+    /// How to find the distribution
+    #[arg(long, value_enum, default_value_t = Method::Auto)]
+    method: Method,
+    /// How samples are spread
+    #[arg(long, value_enum, default_value_t = SamplerName::Sobol)]
+    sampler: SamplerName,
+    /// Rays per direction [default: 4194304]
+    #[arg(long, value_name = "N")]
+    rays: Option<u64>,
+    /// Trace until the estimated L1 error of every direction is below this
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// Histogram bins along u and along v
+    #[arg(long, value_name = "N", default_value_t = default::BINS)]
+    bins: usize,
+    /// The histogram covers u, v from -RANGE to RANGE, edge lengths
+    #[arg(long, default_value_t = default::RANGE, allow_negative_numbers = true)]
+    range: f64,
+    /// Largest deviation of a path's linear map from -I that counts as retroreflected, degrees
+    #[arg(long, value_name = "DEG", default_value_t = default::ANGULAR_TOLERANCE_DEG, allow_negative_numbers = true)]
+    angular_tolerance: f64,
+    /// Lattice vectors of a periodic cell, file units
+    #[arg(long, value_name = "AX,AY,AZ,BX,BY,BZ", allow_hyphen_values = true)]
+    lattice: Option<String>,
+    /// Direction of azimuth 0 in the file's frame
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    azimuth_zero: Option<String>,
+    /// Length of an edge from the apex, file units [default: found from the mesh]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    edge_length: Option<f64>,
+    /// Seed of the samples
+    #[arg(long, default_value_t = default::SEED)]
+    seed: u64,
+    /// Threads [default: all processors]; the table does not depend on it
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Prints the report as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SamplerName {
+    /// Independent points
+    Random,
+    /// Owen-scrambled Sobol points
+    Sobol,
+}
+
+#[derive(Debug, Args)]
+struct InspectArgs {
+    /// Table to read
+    table: PathBuf,
+    /// Draws the histograms into a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct CompareArgs {
+    /// One table
+    first: PathBuf,
+    /// Another of the same directions and bins
+    second: PathBuf,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct VerifyArgs {
+    /// Table to check
+    table: PathBuf,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Why a verb failed.
+#[derive(Debug, Error)]
+enum Failure {
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    #[error("{option} {text}: give {count} numbers separated by commas, such as {example}")]
+    Numbers {
+        option: &'static str,
+        text: String,
+        count: usize,
+        example: &'static str,
+    },
+    #[error(transparent)]
+    Design(Fault),
+    #[error("-o {}: the extension must be .obj or .glb", .0.display())]
+    MeshExtension(PathBuf),
+    #[error(transparent)]
+    Mesh(#[from] meshes::Error),
+    #[error(transparent)]
+    Run(#[from] run::RunError),
+    #[error(transparent)]
+    Table(#[from] tables::Error),
+    #[error(transparent)]
+    Plot(#[from] plot::PlotError),
+    #[error("{} and {}: {reason}; bake both with the same --incidence, --azimuth, --bins and --range",
+        first.display(), second.display())]
+    Axes {
+        first: PathBuf,
+        second: PathBuf,
+        reason: &'static str,
+    },
+    #[error("{}: cannot be written ({source}); choose another place with -o or --plot", file.display())]
+    Write {
+        file: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("the tables differ by more than their errors allow")]
+    Differ,
+}
+
+impl Failure {
+    /// 2 for wrong usage, 1 for work that failed.
+    fn code(&self) -> u8 {
+        match self {
+            Failure::Plan(_)
+            | Failure::Numbers { .. }
+            | Failure::Design(_)
+            | Failure::MeshExtension(_)
+            | Failure::Plot(plot::PlotError::Extension { .. }) => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// Runs the program on its arguments (the program's name first): results to stdout, the rest to stderr.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help is printed to stdout with code 0, wrong usage to stderr with code 2; a closed pipe is no failure.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let done = match cli.verb {
+        Verb::Design(args) => design(&args),
+        Verb::Trace(args) => trace(&args),
+        Verb::Inspect(args) => inspect_table(&args),
+        Verb::Compare(args) => compare(&args),
+        Verb::Verify(args) => verify(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("bake: {failure}");
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+/// Prints a result. A closed pipe (`bake inspect ... | head`) is the reader's wish, not a failure.
+fn print(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}
+
+fn design(args: &DesignArgs) -> Result<(), Failure> {
+    if args.list {
+        let lines =
+            meshes::design::list().map(|(name, description)| format!("{name:16} {description}\n"));
+        print(&lines.concat());
+        return Ok(());
+    }
+    // clap asks for both unless --list is there.
+    let (Some(name), Some(output)) = (&args.name, &args.output) else {
+        return Ok(());
+    };
+    let mut design = Design::new(Shape::from_name(name).map_err(Failure::Design)?);
+    if let Some(length) = args.edge_length {
+        design.edge_length = length;
+    }
+    match args.dihedral_error_mrad[..] {
+        [] => {}
+        [a, b, c] => design.dihedral_error_rad = [a, b, c].map(|error| error * 1e-3),
+        _ => {
+            let text = args
+                .dihedral_error_mrad
+                .iter()
+                .map(f64::to_string)
+                .collect::<Vec<_>>()
+                .join(",");
+            let option = "--dihedral-error-mrad";
+            return Err(Failure::Numbers {
+                option,
+                text,
+                count: 3,
+                example: "0.1,0,0",
+            });
+        }
+    }
+    if let Some(truncation) = args.truncation {
+        design.truncation = truncation;
+    }
+    if let Some(cant_deg) = args.cant_deg {
+        design.cant_rad = cant_deg.to_radians();
+    }
+    let mesh = design.mesh().map_err(Failure::Design)?;
+    let bytes = match extension(output).as_str() {
+        "obj" => meshes::write::obj(&mesh).into_bytes(),
+        _ => return Err(Failure::MeshExtension(output.clone())),
+    };
+    replace(output, &bytes)
+}
+
+fn trace(args: &TraceArgs) -> Result<(), Failure> {
+    let plan = Plan::new(&Request {
+        incidence: args.incidence.clone(),
+        azimuth: args.azimuth.clone(),
+        refractive_index: args.refractive_index,
+        back: args.back,
+        method: args.method,
+        sampler: match args.sampler {
+            SamplerName::Random => Sampler::Random,
+            SamplerName::Sobol => Sampler::Sobol,
+        },
+        rays: args.rays,
+        tolerance: args.tolerance,
+        bins: args.bins,
+        range: args.range,
+        angular_tolerance_deg: args.angular_tolerance,
+        seed: args.seed,
+        threads: args.threads,
+    })?;
+    let lattice = args
+        .lattice
+        .as_deref()
+        .map(|text| numbers::<6>("--lattice", text, "1,0,0,0,1,0"))
+        .transpose()?;
+    let azimuth_zero = args
+        .azimuth_zero
+        .as_deref()
+        .map(|text| numbers::<3>("--azimuth-zero", text, "1,0,0"))
+        .transpose()?;
+    let options = CellOptions {
+        lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
+        azimuth_zero: azimuth_zero.map(DVec3::from_array),
+        edge_length: args.edge_length,
+    };
+    let cell = meshes::load_cell(&args.mesh, &options)?;
+    warn(&cell.warnings);
+    warn(&plan.warnings(&cell));
+    let reservation = tables::reserve(&args.output)?;
+    let progress = Progress::new(&plan);
+    let start = std::time::Instant::now();
+    let table = run::bake(&cell, &plan, &|rays| progress.advance(rays))?;
+    let seconds = start.elapsed().as_secs_f64();
+    progress.finish();
+    reservation.commit(&table)?;
+    let report = report::Trace {
+        table: &table,
+        file: &args.output,
+        seconds,
+    };
+    print(&if args.json {
+        report.json()
+    } else {
+        report.text()
+    });
+    Ok(())
+}
+
+fn inspect_table(args: &InspectArgs) -> Result<(), Failure> {
+    let table = tables::read(&args.table)?;
+    if let Some(file) = &args.plot {
+        replace(file, &plot::histograms(&table, file)?)?;
+    }
+    print(&if args.json {
+        inspect::json(&table)
+    } else {
+        inspect::text(&table)
+    });
+    Ok(())
+}
+
+fn compare(args: &CompareArgs) -> Result<(), Failure> {
+    let [a, b] = [tables::read(&args.first)?, tables::read(&args.second)?];
+    let comparison = report::Comparison::new(&a, &b).map_err(|reason| Failure::Axes {
+        first: args.first.clone(),
+        second: args.second.clone(),
+        reason,
+    })?;
+    print(&if args.json {
+        comparison.json()
+    } else {
+        comparison.text()
+    });
+    if comparison.agrees() {
+        Ok(())
+    } else {
+        Err(Failure::Differ)
+    }
+}
+
+fn verify(args: &VerifyArgs) -> Result<(), Failure> {
+    let table = tables::read(&args.table)?;
+    let (incidences, azimuths) = table.axes.shape();
+    let hash = table.content_hash();
+    print(&if args.json {
+        let value = serde_json::json!({ "valid": true, "content_hash": hash, "directions": incidences * azimuths });
+        format!("{value}\n")
+    } else {
+        format!(
+            "{}: valid, {} directions, content {hash}\n",
+            args.table.display(),
+            incidences * azimuths
+        )
+    });
+    Ok(())
+}
+
+fn numbers<const N: usize>(
+    option: &'static str,
+    text: &str,
+    example: &'static str,
+) -> Result<[f64; N], Failure> {
+    let read = |part: &str| {
+        part.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|number| number.is_finite())
+    };
+    let list: Option<Vec<f64>> = text.split(',').map(read).collect();
+    list.and_then(|list| list.try_into().ok())
+        .ok_or_else(|| Failure::Numbers {
+            option,
+            text: text.into(),
+            count: N,
+            example,
+        })
+}
+
+fn extension(path: &Path) -> String {
+    path.extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase())
+        .unwrap_or_default()
+}
+
+/// Puts a whole file in place: a temporary one beside it, then a rename, so that an old one is never half replaced.
+fn replace(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let failed = |source| Failure::Write {
+        file: file.to_path_buf(),
+        source,
+    };
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".bake-").suffix(".partial");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut temporary = builder.tempfile_in(folder).map_err(failed)?;
+    temporary.write_all(bytes).map_err(failed)?;
+    temporary
+        .persist(file)
+        .map_err(|error| failed(error.error))?;
+    Ok(())
+}

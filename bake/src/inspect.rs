@@ -1,0 +1,86 @@
+//! What is in a table.
+
+use crate::report::{directions_json, directions_text};
+use serde_json::json;
+use std::fmt::Write;
+use tables::Table;
+
+/// For a person.
+pub fn text(table: &Table) -> String {
+    let from = &table.provenance;
+    let axes = &table.axes;
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{name:20} {value}");
+    };
+    line("design", from.design.clone());
+    line("mesh SHA-256", from.mesh_hash.clone());
+    line(
+        "edge length",
+        format!("{} ({})", from.edge_length, from.edge_length_unit),
+    );
+    if let Some([a, b]) = from.lattice {
+        line(
+            "lattice",
+            format!("({}, {}), ({}, {}) edge lengths", a[0], a[1], b[0], b[1]),
+        );
+    }
+    line("refractive index", from.refractive_index.to_string());
+    line("back, losses", format!("{}, {}", from.back, from.losses));
+    let sampler = if from.sampler == "none" {
+        String::new()
+    } else {
+        format!(", {}, seed {}", from.sampler, from.seed)
+    };
+    line("method", format!("{}{sampler}", from.method));
+    line(
+        "angular tolerance",
+        format!("{} deg", from.angular_tolerance_deg),
+    );
+    line(
+        "histogram",
+        format!(
+            "{0} x {0} bins, u and v in [-{1}, {1}] edge lengths",
+            axes.bins, axes.range
+        ),
+    );
+    line(
+        "frame",
+        "u along the in-plane direction of travel, v = n x u; the shift is p' - p".into(),
+    );
+    line("generator", from.generator.clone());
+    line("content SHA-256", table.content_hash());
+    text.push('\n');
+    text.push_str(&directions_text(table));
+    text
+}
+
+/// For a script.
+pub fn json(table: &Table) -> String {
+    let from = &table.provenance;
+    let value = json!({
+        "design": from.design,
+        "mesh_hash": from.mesh_hash,
+        "edge_length": from.edge_length,
+        "edge_length_unit": from.edge_length_unit,
+        "azimuth_zero": from.azimuth_zero,
+        "lattice": from.lattice,
+        "refractive_index": from.refractive_index,
+        "back": from.back,
+        "losses": from.losses,
+        "reflectance": from.reflectance,
+        "method": from.method,
+        "sampler": from.sampler,
+        "seed": from.seed,
+        "angular_tolerance_deg": from.angular_tolerance_deg,
+        "tolerance": from.tolerance,
+        "bins": table.axes.bins,
+        "range": table.axes.range,
+        "randomisations": table.counts.as_ref().map(|counts| counts.shape()[2]),
+        "generator": from.generator,
+        "content_hash": table.content_hash(),
+        "directions": directions_json(table),
+    });
+    format!("{value}\n")
+}

@@ -1,0 +1,125 @@
+//! Pictures of the histograms.
+
+use kuva::backend::png::PngBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::Heatmap;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use std::path::{Path, PathBuf};
+use tables::Table;
+use thiserror::Error;
+
+/// Directions drawn at most; of a larger table every k-th is.
+const PANELS: usize = 24;
+
+/// Pixels of a panel's histogram along each axis at most: bins are pooled above that.
+const CELLS: usize = 64;
+
+/// Why there is no picture.
+#[derive(Debug, Error)]
+pub enum PlotError {
+    /// An extension that names no picture format.
+    #[error("--plot {}: the extension must be .png or .svg", file.display())]
+    Extension {
+        /// The file asked for.
+        file: PathBuf,
+    },
+    /// The plotting crate failed.
+    #[error("{}: the picture cannot be drawn ({reason}); try .svg instead", file.display())]
+    Draw {
+        /// The file asked for.
+        file: PathBuf,
+        /// What the crate says.
+        reason: String,
+    },
+}
+
+/// The histograms of `table` as the bytes of a PNG or SVG file, by the extension of `file`: one panel per direction
+/// with its retroreflected fraction, u to the right, v upward, density per launched ray and square edge length.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
+    let extension = file
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    let png = match extension.as_deref() {
+        Some("png") => true,
+        Some("svg") => false,
+        _ => {
+            return Err(PlotError::Extension {
+                file: file.to_path_buf(),
+            });
+        }
+    };
+    let (incidences, azimuths) = table.axes.shape();
+    let stride = (incidences * azimuths).div_ceil(PANELS);
+    let chosen: Vec<(usize, usize)> = (0..incidences * azimuths)
+        .step_by(stride)
+        .map(|at| (at / azimuths, at % azimuths))
+        .collect();
+    let columns = chosen.len().clamp(1, 5);
+    let (plots, layouts): (Vec<_>, Vec<_>) = chosen.iter().map(|&at| panel(table, at)).unzip();
+    let scene = Figure::new(chosen.len().div_ceil(columns), columns)
+        .with_title(format!(
+            "{}: ray shift p' - p in the incidence frame (u along the direction of travel, v = n x u), edge lengths",
+            table.provenance.design
+        ))
+        .with_title_size(16)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(330.0, 300.0)
+        .render();
+    if !png {
+        return Ok(SvgBackend::new()
+            .with_embedded_font(true)
+            .render_scene(&scene)
+            .into_bytes());
+    }
+    let failed = |reason| PlotError::Draw {
+        file: file.to_path_buf(),
+        reason,
+    };
+    PngBackend::new()
+        .with_scale(1.5)
+        .render_scene(&scene)
+        .map_err(failed)
+}
+
+fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
+    let axes = &table.axes;
+    let pool = axes.bins.div_ceil(CELLS);
+    let cells = axes.bins.div_ceil(pool);
+    let width = axes.bin_width() * pool as f64;
+    let mut density = vec![vec![0.0; cells]; cells];
+    for ((v, u), probability) in table.probability(i, a).indexed_iter() {
+        // Row 0 of a heat map is drawn on top.
+        density[cells - 1 - v / pool][u / pool] += probability / (width * width);
+    }
+    let end = cells as f64 * width - axes.range;
+    let map = Heatmap::new()
+        .with_data(density)
+        .with_x_range(-axes.range, end)
+        .with_y_range(-axes.range, end)
+        .with_cell_size(1.0)
+        .with_legend("per ray");
+    let azimuth = axes.azimuth_deg[a];
+    let azimuth = if azimuth.is_nan() {
+        "mean over azimuths".into()
+    } else {
+        format!("{azimuth}°")
+    };
+    let title = format!(
+        "{}°, {azimuth}: {:.2} % back",
+        axes.incidence_deg[i],
+        100.0 * table.retroreflected[[i, a]]
+    );
+    let plots = vec![Plot::Heatmap(map)];
+    let layout = Layout::auto_from_plots(&plots)
+        .with_title(title)
+        .with_x_label("u")
+        .with_y_label("v")
+        .with_title_size(13);
+    (plots, layout)
+}

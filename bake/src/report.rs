@@ -1,0 +1,227 @@
+//! What a bake and a comparison say: one text for a person, one JSON object for a script.
+
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+use tables::{Fate, Table};
+
+/// Standard errors by which two retroreflected fractions may differ.
+const SIGMAS: f64 = 4.0;
+
+/// Report of `bake trace`.
+pub struct Trace<'a> {
+    /// The table.
+    pub table: &'a Table,
+    /// Where it went.
+    pub file: &'a Path,
+    /// Time of the bake without reading and writing, s.
+    pub seconds: f64,
+}
+
+impl Trace<'_> {
+    /// For a person.
+    pub fn text(&self) -> String {
+        let table = self.table;
+        let rays: u64 = table.rays.sum();
+        let (incidences, azimuths) = table.axes.shape();
+        let directions = incidences * azimuths;
+        let mut text = format!(
+            "{}: {directions} directions, method {}",
+            self.file.display(),
+            table.provenance.method
+        );
+        // Writing to a String cannot fail.
+        let _ = if rays > 0 {
+            let speed = rays as f64 / self.seconds / 1e6;
+            writeln!(
+                text,
+                ", {rays} rays in {:.3} s ({speed:.1} million rays/s)",
+                self.seconds
+            )
+        } else {
+            writeln!(text, ", {:.4} s", self.seconds)
+        };
+        text.push_str(&directions_text(table));
+        text
+    }
+
+    /// For a script.
+    pub fn json(&self) -> String {
+        let rays: u64 = self.table.rays.sum();
+        let value = json!({
+            "table": self.file.display().to_string(),
+            "content_hash": self.table.content_hash(),
+            "method": self.table.provenance.method,
+            "seconds": self.seconds,
+            "rays": rays,
+            "rays_per_second": if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },
+            "directions": directions_json(self.table),
+        });
+        format!("{value}\n")
+    }
+}
+
+/// One line per direction: angles, retroreflected fraction, error, and the other fates that occur.
+pub fn directions_text(table: &Table) -> String {
+    let mut text = String::from("incidence  azimuth  retroreflected  std. error  other fates\n");
+    for ((i, a), &eta) in table.retroreflected.indexed_iter() {
+        let azimuth = table.axes.azimuth_deg[a];
+        let azimuth = if azimuth.is_nan() {
+            "mean".into()
+        } else {
+            azimuth.to_string()
+        };
+        let others: Vec<String> = Fate::ALL
+            .iter()
+            .filter(|&&fate| fate != Fate::Retroreflected)
+            .map(|&fate| (fate.name(), table.fate[[i, a, fate as usize]]))
+            .filter(|(_, share)| *share > 0.0)
+            .map(|(name, share)| format!("{name} {share:.4}"))
+            .collect();
+        let error = table.standard_error[[i, a]];
+        let incidence = table.axes.incidence_deg[i];
+        let _ = writeln!(
+            text,
+            "{incidence:9}  {azimuth:>7}  {eta:14.6}  {error:10.1e}  {}",
+            others.join(", ")
+        );
+    }
+    text
+}
+
+/// The same for a script.
+pub fn directions_json(table: &Table) -> Value {
+    let direction = |((i, a), &eta): ((usize, usize), &f64)| {
+        let fates: serde_json::Map<String, Value> = Fate::ALL
+            .iter()
+            .map(|&fate| (fate.name().into(), json!(table.fate[[i, a, fate as usize]])))
+            .collect();
+        json!({
+            "incidence_deg": table.axes.incidence_deg[i],
+            // JSON has no NaN: null stands for the mean over all azimuths.
+            "azimuth_deg": table.axes.azimuth_deg[a],
+            "retroreflected": eta,
+            "standard_error": table.standard_error[[i, a]],
+            "rays": table.rays[[i, a]],
+            "fates": fates,
+        })
+    };
+    table.retroreflected.indexed_iter().map(direction).collect()
+}
+
+/// Two tables of the same axes, direction by direction.
+pub struct Comparison {
+    rows: Vec<Row>,
+}
+
+struct Row {
+    incidence_deg: f64,
+    azimuth_deg: f64,
+    l1: f64,
+    largest: f64,
+    /// Difference of the retroreflected fractions in standard errors; 0 where they are equal.
+    sigmas: f64,
+    /// The L1 distance that the counting errors of both tables explain.
+    noise: f64,
+}
+
+impl Comparison {
+    /// Compares two tables.
+    ///
+    /// # Errors
+    /// Which of their axes differ.
+    pub fn new(a: &Table, b: &Table) -> Result<Self, &'static str> {
+        // NaN (the mean over azimuths) equals itself here.
+        let same = |a: &[f64], b: &[f64]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+        };
+        if !same(&a.axes.incidence_deg, &b.axes.incidence_deg) {
+            return Err("the incidence angles differ");
+        }
+        if !same(&a.axes.azimuth_deg, &b.axes.azimuth_deg) {
+            return Err("the azimuths differ");
+        }
+        if (a.axes.bins, a.axes.range.to_bits()) != (b.axes.bins, b.axes.range.to_bits()) {
+            return Err("the histogram bins differ");
+        }
+        let row = |((i, j), &eta): ((usize, usize), &f64)| {
+            let (pa, pb) = (a.probability(i, j), b.probability(i, j));
+            let difference = (&pa - &pb).mapv(f64::abs);
+            let gap = (eta - b.retroreflected[[i, j]]).abs();
+            let error = a.standard_error[[i, j]].hypot(b.standard_error[[i, j]]);
+            // Random counts: a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on average. A
+            // low-discrepancy sequence stays below.
+            let share = |rays: u64| if rays == 0 { 0.0 } else { 1.0 / rays as f64 };
+            let per_ray = share(a.rays[[i, j]]) + share(b.rays[[i, j]]);
+            let root = |(&pa, &pb): (&f64, &f64)| (f64::midpoint(pa, pb) * per_ray).sqrt();
+            Row {
+                incidence_deg: a.axes.incidence_deg[i],
+                azimuth_deg: a.axes.azimuth_deg[j],
+                l1: difference.sum(),
+                largest: difference.iter().copied().fold(0.0, f64::max),
+                sigmas: if gap <= 1e-12 { 0.0 } else { gap / error },
+                noise: (2.0 / std::f64::consts::PI).sqrt()
+                    * pa.iter().zip(&pb).map(root).sum::<f64>(),
+            }
+        };
+        Ok(Comparison {
+            rows: a.retroreflected.indexed_iter().map(row).collect(),
+        })
+    }
+
+    /// Whether every direction agrees: the fractions within 4 standard errors, the histograms within 1.5 times the
+    /// mean counting noise (or to 1e-9, where there is none).
+    pub fn agrees(&self) -> bool {
+        self.rows.iter().all(Row::agrees)
+    }
+
+    /// For a person.
+    pub fn text(&self) -> String {
+        let mut text = String::from(
+            "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  agrees\n",
+        );
+        for row in &self.rows {
+            let azimuth = if row.azimuth_deg.is_nan() {
+                "mean".into()
+            } else {
+                row.azimuth_deg.to_string()
+            };
+            let _ = writeln!(
+                text,
+                "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2}  {}",
+                row.incidence_deg,
+                row.l1,
+                row.noise,
+                row.largest,
+                row.sigmas,
+                if row.agrees() { "yes" } else { "no" }
+            );
+        }
+        text
+    }
+
+    /// For a script.
+    pub fn json(&self) -> String {
+        let rows: Vec<Value> = self
+            .rows
+            .iter()
+            .map(|row| {
+                json!({
+                    "incidence_deg": row.incidence_deg, "azimuth_deg": row.azimuth_deg, "l1": row.l1,
+                    "counting_noise": row.noise, "largest_bin": row.largest, "sigmas": row.sigmas,
+                    "agrees": row.agrees(),
+                })
+            })
+            .collect();
+        format!(
+            "{}\n",
+            json!({ "agrees": self.agrees(), "directions": rows })
+        )
+    }
+}
+
+impl Row {
+    fn agrees(&self) -> bool {
+        self.sigmas <= SIGMAS && self.l1 <= 1.5 * self.noise + 1e-9
+    }
+}
