@@ -319,6 +319,7 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
     let mesh = design.mesh().map_err(Failure::Design)?;
     let bytes = match extension(output).as_str() {
         "obj" => meshes::write::obj(&mesh).into_bytes(),
+        "glb" => meshes::write::glb(&mesh),
         _ => return Err(Failure::MeshExtension(output.clone())),
     };
     replace(output, &bytes)

@@ -13,8 +13,8 @@ use thiserror::Error;
 /// Directions drawn at most; of a larger table every k-th is.
 const PANELS: usize = 24;
 
-/// Pixels of a panel's histogram along each axis at most: bins are pooled above that.
-const CELLS: usize = 64;
+/// Cells of a panel along each axis at most: bins are pooled above that, or an SVG of ten panels has 6 MB.
+const CELLS: usize = 32;
 
 /// Why there is no picture.
 #[derive(Debug, Error)]
@@ -69,7 +69,7 @@ pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
         .with_title_size(16)
         .with_plots(plots)
         .with_layouts(layouts)
-        .with_cell_size(330.0, 300.0)
+        .with_cell_size(370.0, 300.0)
         .render();
     if !png {
         return Ok(SvgBackend::new()
