@@ -1,0 +1,292 @@
+//! Shifts of the ideal corner cube in closed form (no table): the polygon of each cube, its share of the light, and its
+//! marginal along an edge normal.
+//!
+//! Incidence frame of the aperture plane: u in the plane of incidence, v = n x u, edge lengths, origin at the centroid
+//! of the aperture. A ray that enters at p leaves at 2 q - p, q the apex projected along the ray, so that the shift is
+//! uniform over 2 (q - K) with K the aperture intersected with its point reflection through q.
+
+/// Height of the aperture above the apex, edge lengths.
+const HEIGHT: f64 = 0.577_350_269_189_625_8;
+/// Distance of the aperture's corners from its centroid, edge lengths: sqrt(2/3).
+const CIRCUMRADIUS: f64 = 0.816_496_580_927_726;
+/// Area of the aperture, square edge lengths: sqrt(3)/2.
+const APERTURE_AREA: f64 = 0.866_025_403_784_438_6;
+
+/// The shifts of one cube at one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CubeShift {
+    /// Corners of the polygon over which the shift (u, v) is uniform, counter-clockwise, edge lengths; empty where
+    /// nothing returns.
+    pub polygon: Vec<[f64; 2]>,
+    /// Retroreflected fraction of the light on this cube's aperture.
+    pub eta: f64,
+}
+
+/// Shifts of a cell: one cube, or the pair (a second cube turned by 180 degrees about the normal).
+///
+/// `incidence_rad` is outside a flat front face of refractive index `ior` (1: hollow); `azimuth_rad` as in a table.
+/// The fraction of the whole cell is the mean of the cubes' `eta`.
+pub fn shifts(incidence_rad: f64, azimuth_rad: f64, ior: f64, pair: bool) -> Vec<CubeShift> {
+    let inside_rad = (incidence_rad.sin() / ior).clamp(-1.0, 1.0).asin();
+    let turns = if pair {
+        &[0.0, std::f64::consts::PI][..]
+    } else {
+        &[0.0][..]
+    };
+    turns
+        .iter()
+        .map(|turn| cube_shift(inside_rad, azimuth_rad + turn))
+        .collect()
+}
+
+fn cube_shift(inside_rad: f64, azimuth_rad: f64) -> CubeShift {
+    let corner = |k: usize| {
+        let angle = k as f64 * std::f64::consts::TAU / 3.0 - azimuth_rad;
+        [CIRCUMRADIUS * angle.cos(), CIRCUMRADIUS * angle.sin()]
+    };
+    let apex_u = -HEIGHT * inside_rad.tan();
+    let triangle = [corner(0), corner(1), corner(2)];
+    let reflected = triangle.map(|[u, v]| [2.0 * apex_u - u, -v]);
+    let mut overlap = triangle.to_vec();
+    for k in 0..3 {
+        overlap = clip(&overlap, reflected[k], reflected[(k + 1) % 3]);
+    }
+    let eta = area(&overlap) / APERTURE_AREA;
+    // Touching triangles leave a sliver of rounding errors, not light.
+    if eta < 1e-12 {
+        return CubeShift {
+            polygon: Vec::new(),
+            eta: 0.0,
+        };
+    }
+    CubeShift {
+        polygon: overlap
+            .iter()
+            .map(|&[u, v]| [2.0 * (apex_u - u), -2.0 * v])
+            .collect(),
+        eta,
+    }
+}
+
+/// The part of a convex polygon to the left of the line from `from` to `to` (Sutherland and Hodgman).
+fn clip(polygon: &[[f64; 2]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
+    let side =
+        |p: [f64; 2]| (to[0] - from[0]) * (p[1] - from[1]) - (to[1] - from[1]) * (p[0] - from[0]);
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (k, &here) in polygon.iter().enumerate() {
+        let next = polygon[(k + 1) % polygon.len()];
+        let (a, b) = (side(here), side(next));
+        if a >= 0.0 {
+            kept.push(here);
+        }
+        if (a > 0.0 && b < 0.0) || (a < 0.0 && b > 0.0) {
+            let part = a / (a - b);
+            kept.push([
+                here[0] + part * (next[0] - here[0]),
+                here[1] + part * (next[1] - here[1]),
+            ]);
+        }
+    }
+    kept
+}
+
+/// Area of a counter-clockwise polygon.
+pub fn area(polygon: &[[f64; 2]]) -> f64 {
+    let twice: f64 = (0..polygon.len())
+        .map(|k| {
+            let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+            p[0] * q[1] - p[1] * q[0]
+        })
+        .sum();
+    0.5 * twice
+}
+
+/// A piece of a piecewise-linear probability density: from (`low`, `at_low`) to (`high`, `at_high`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ramp {
+    /// Where it begins.
+    pub low: f64,
+    /// Where it ends.
+    pub high: f64,
+    /// Density at `low`.
+    pub at_low: f64,
+    /// Density at `high`.
+    pub at_high: f64,
+}
+
+impl Ramp {
+    /// Mass of the piece.
+    pub fn mass(&self) -> f64 {
+        0.5 * (self.at_low + self.at_high) * (self.high - self.low)
+    }
+
+    /// Integral of max(t - w, 0) over the piece.
+    pub fn twice_integrated(&self, t: f64) -> f64 {
+        if t <= self.low {
+            return 0.0;
+        }
+        let width = self.high - self.low;
+        let slope = (self.at_high - self.at_low) / width;
+        let reach = (t - self.low).min(width);
+        // Up to `reach`: integral of (t - low - x) (at_low + slope x) dx.
+        let lever = t - self.low;
+        lever * (self.at_low * reach + 0.5 * slope * reach * reach)
+            - (0.5 * self.at_low * reach * reach + slope * reach * reach * reach / 3.0)
+    }
+}
+
+/// Density of `along . r`, r uniform over a convex polygon: exact, piecewise linear, of mass 1. Empty where the
+/// projection has no width (below 1e-12): the density is then a single point at the projection.
+pub fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
+    // (along, across) coordinates: a chord is a difference of the second at equal first.
+    let turned: Vec<[f64; 2]> = polygon
+        .iter()
+        .map(|p| {
+            [
+                along[0] * p[0] + along[1] * p[1],
+                along[0] * p[1] - along[1] * p[0],
+            ]
+        })
+        .collect();
+    let mut knots: Vec<f64> = turned.iter().map(|p| p[0]).collect();
+    knots.sort_by(f64::total_cmp);
+    let chord = |w: f64| {
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (k, &p) in turned.iter().enumerate() {
+            let q = turned[(k + 1) % turned.len()];
+            if (p[0] < w) != (q[0] < w) {
+                let across = p[1] + (w - p[0]) / (q[0] - p[0]) * (q[1] - p[1]);
+                least = least.min(across);
+                most = most.max(across);
+            }
+        }
+        (most - least).max(0.0)
+    };
+    let mut ramps: Vec<Ramp> = knots
+        .windows(2)
+        .filter(|pair| pair[1] - pair[0] > 1e-12)
+        .map(|pair| {
+            // Two inner chords give the line: at the knots themselves the chord may jump.
+            let (low, high) = (pair[0], pair[1]);
+            let (first, second) = (
+                chord(low + (high - low) / 3.0),
+                chord(low + (high - low) * 2.0 / 3.0),
+            );
+            Ramp {
+                low,
+                high,
+                at_low: 2.0 * first - second,
+                at_high: 2.0 * second - first,
+            }
+        })
+        .collect();
+    let total: f64 = ramps.iter().map(Ramp::mass).sum();
+    for ramp in &mut ramps {
+        ramp.at_low /= total;
+        ramp.at_high /= total;
+    }
+    ramps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean fraction of a cell.
+    fn eta(theta_deg: f64, phi_deg: f64, pair: bool) -> f64 {
+        let cubes = shifts(theta_deg.to_radians(), phi_deg.to_radians(), 1.0, pair);
+        cubes.iter().map(|cube| cube.eta).sum::<f64>() / cubes.len() as f64
+    }
+
+    #[test]
+    fn retroreflected_fraction_of_the_hollow_cube() {
+        // Values of the closed form, rounded to 5 digits: half a unit of the last digit is the tolerance.
+        let known = [
+            (0.0, 0.0, 2.0 / 3.0),
+            (10.0, 0.0, 0.62521),
+            (20.0, 0.0, 0.49003),
+            (30.0, 0.0, 0.22222),
+            (30.0, 30.0, 0.26035),
+            (30.0, 60.0, 0.31126),
+            (35.0, 0.0, 0.01295),
+            (40.0, 60.0, 0.14700),
+            (45.0, 60.0, 0.07625),
+        ];
+        for (theta, phi, expected) in known {
+            let found = eta(theta, phi, false);
+            assert!(
+                (found - expected).abs() < 5.1e-6,
+                "({theta}, {phi}): {found} instead of {expected}"
+            );
+        }
+        let empty = [(40.0, 0.0), (40.0, 30.0), (45.0, 0.0), (45.0, 90.0)];
+        for (theta, phi) in empty {
+            assert_eq!(eta(theta, phi, false), 0.0, "({theta}, {phi})");
+        }
+        assert_eq!((known.len(), empty.len()), (9, 4));
+    }
+
+    #[test]
+    fn the_pair_is_the_mean_of_its_cubes() {
+        let mut cases = 0;
+        for theta in [0.0, 12.0, 31.0, 44.0] {
+            for phi in [0.0, 17.0, 30.0] {
+                let mean = 0.5 * (eta(theta, phi, false) + eta(theta, phi + 180.0, false));
+                assert!((eta(theta, phi, true) - mean).abs() < 1e-15);
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 12);
+    }
+
+    #[test]
+    fn marginals_have_the_moments_of_the_polygon() {
+        let mut cases = 0;
+        for (theta, phi) in [(0.0_f64, 0.0_f64), (20.0, 13.0), (33.0, 60.0)] {
+            let cube = &shifts(theta.to_radians(), phi.to_radians(), 1.0, false)[0];
+            for angle in [0.0_f64, 5.0, 30.0, 90.0, 97.0] {
+                let along = [angle.to_radians().cos(), angle.to_radians().sin()];
+                let ramps = marginal(&cube.polygon, along);
+                let mass: f64 = ramps.iter().map(Ramp::mass).sum();
+                assert!((mass - 1.0).abs() < 1e-12, "mass {mass}");
+                // Variance of a uniform polygon along a direction, by triangles about the origin: the polygon is
+                // symmetric, so its mean is 0 and each triangle (0, p, q) gives area (p^2 + p q + q^2) / 6.
+                let turned: Vec<f64> = cube
+                    .polygon
+                    .iter()
+                    .map(|p| along[0] * p[0] + along[1] * p[1])
+                    .collect();
+                let mut variance = 0.0;
+                for k in 0..turned.len() {
+                    let next = (k + 1) % turned.len();
+                    let triangle = area(&[[0.0, 0.0], cube.polygon[k], cube.polygon[next]]);
+                    let (p, q) = (turned[k], turned[next]);
+                    variance += triangle * (p * p + p * q + q * q) / 6.0;
+                }
+                variance /= area(&cube.polygon);
+                // Far to the right the second integral is t, its value at 0 half the mean absolute deviation; the
+                // variance follows from the integral of 2 (P2(t) - max(t, 0)) over t, by fine trapezoids.
+                let (steps, reach) = (40_000, 2.0);
+                let step = 2.0 * reach / f64::from(steps);
+                let found: f64 = (0..=steps)
+                    .map(|k| {
+                        let t = -reach + step * f64::from(k);
+                        2.0 * (ramps
+                            .iter()
+                            .map(|ramp| ramp.twice_integrated(t))
+                            .sum::<f64>()
+                            - t.max(0.0))
+                            * step
+                    })
+                    .sum();
+                // The trapezoid at the kink of max(t, 0) is exact on a node; elsewhere its error is below step^2.
+                assert!(
+                    (found - variance).abs() < step * step,
+                    "({theta}, {phi}) at {angle}: {found} {variance}"
+                );
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 15);
+    }
+}

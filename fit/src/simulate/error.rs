@@ -1,0 +1,66 @@
+//! Why a campaign cannot be simulated.
+
+use std::path::PathBuf;
+
+use crate::captures;
+
+/// A simulation that was refused or could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The parameter file is wrong.
+    #[error(transparent)]
+    Params(#[from] captures::Error),
+    /// A table by incidence lacks the incidence of a capture.
+    #[error(
+        "{place}: incidence {incidence_deg} has no entry in the table `{key}` of [truth]; add it"
+    )]
+    NoEntry {
+        /// Line of the capture.
+        place: captures::keys::Place,
+        /// `a` or `mu`.
+        key: &'static str,
+        /// Incidence of the capture, degrees.
+        incidence_deg: f64,
+    },
+    /// An entry of such a table is not under an angle.
+    #[error(
+        "{place}: `{name}` in the table `{key}` is not an incidence in degrees; write it as \"15\" or \"22.5\""
+    )]
+    EntryName {
+        /// Line of the table.
+        place: captures::keys::Place,
+        /// `a` or `mu`.
+        key: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// The folder holds something.
+    #[error(
+        "{folder}: is not empty; name another folder or add --force to overwrite the files of a campaign in it"
+    )]
+    NotEmpty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file or folder cannot be written.
+    #[error(
+        "{file}: cannot be written ({source}); check the path, its permissions and the space left"
+    )]
+    Write {
+        /// The file or folder.
+        file: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A photograph cannot be written.
+    #[error(
+        "{file}: cannot be written ({source}); check the path, its permissions and the space left"
+    )]
+    WriteExr {
+        /// The file.
+        file: PathBuf,
+        /// What the encoder said.
+        source: exr::error::Error,
+    },
+}

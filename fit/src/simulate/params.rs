@@ -1,0 +1,432 @@
+//! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
+
+use std::path::Path;
+
+use super::Error;
+use crate::captures::keys::{Bounds, Document, NumberOrTable, Place, Section};
+
+const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
+const CAMERA: [&str; 12] = [
+    "width",
+    "height",
+    "pixel_pitch_mm",
+    "sigma_px",
+    "source_level",
+    "half_mirror_transmittance",
+    "half_mirror_reflectance",
+    "veil",
+    "dark_ratio",
+    "full_well_e",
+    "read_noise_e",
+    "bits",
+];
+const TRUTH: [&str; 7] = ["kernel", "lobe", "ior", "pair", "a", "c", "mu"];
+const REFERENCE: [&str; 3] = ["edge_normal_deg", "offset_px", "exposure"];
+const CAPTURE: [&str; 8] = [
+    "floating_distance_mm",
+    "path_mm",
+    "incidence_deg",
+    "azimuth_deg",
+    "tangential_axis_deg",
+    "edge_normal_deg",
+    "offset_px",
+    "exposure",
+];
+
+/// Which terms blur the edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kernel {
+    /// Ray shift and Eq. (1) of width a, 1/mm.
+    Eq1,
+    /// Ray shift and a lobe of width A/R, `a` being A.
+    Angular,
+    /// Ray shift alone.
+    Shift,
+    /// Lobe of width a alone.
+    Lobe,
+}
+
+impl Kernel {
+    /// Names in the file.
+    pub const NAMES: [&'static str; 4] = ["eq1", "angular", "shift", "lobe"];
+
+    /// Name in the file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kernel::Eq1 => "eq1",
+            Kernel::Angular => "angular",
+            Kernel::Shift => "shift",
+            Kernel::Lobe => "lobe",
+        }
+    }
+
+    fn from_name(name: &str) -> Option<Kernel> {
+        [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe]
+            .into_iter()
+            .find(|kernel| kernel.name() == name)
+    }
+}
+
+/// Shape of the lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Lobe {
+    /// sinc^2(a r), cut at a r = 2.4 pi.
+    Radial,
+    /// sinc^2(a x) sinc^2(a y).
+    Separable,
+}
+
+impl Lobe {
+    /// Names in the file.
+    pub const NAMES: [&'static str; 2] = ["radial", "separable"];
+
+    /// Name in the file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Lobe::Radial => "radial",
+            Lobe::Separable => "separable",
+        }
+    }
+
+    fn from_name(name: &str) -> Option<Lobe> {
+        [Lobe::Radial, Lobe::Separable]
+            .into_iter()
+            .find(|lobe| lobe.name() == name)
+    }
+}
+
+/// The camera and the bench.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Side of a pixel in the aerial-image plane, mm.
+    pub pixel_pitch_mm: f64,
+    /// Standard deviation of the lens, pixels, >= 0.1.
+    pub sigma_px: f64,
+    /// Bright level of the source at exposure 1, full scale 1.
+    pub source_level: f64,
+    /// Transmittance of the half mirror.
+    pub half_mirror_transmittance: f64,
+    /// Reflectance of the half mirror.
+    pub half_mirror_reflectance: f64,
+    /// Light added everywhere, after the exposure, full scale 1.
+    pub veil: f64,
+    /// Dark level of the source / its bright level.
+    pub dark_ratio: f64,
+    /// Electrons at level 1.
+    pub full_well_e: f64,
+    /// Standard deviation of the reading, electrons.
+    pub read_noise_e: f64,
+    /// Bits of the converter: levels are whole multiples of 1/(2^bits - 1).
+    pub bits: u32,
+}
+
+/// One number, or one by incidence.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ByIncidence {
+    /// The same at every incidence.
+    Shared(f64),
+    /// (incidence, degrees; value), ascending.
+    Table(Vec<(f64, f64)>),
+}
+
+impl ByIncidence {
+    /// Value at an incidence, degrees; `None` where the table has no entry within 1e-9.
+    pub fn at(&self, incidence_deg: f64) -> Option<f64> {
+        match self {
+            ByIncidence::Shared(value) => Some(*value),
+            ByIncidence::Table(entries) => entries
+                .iter()
+                .find(|(angle, _)| (angle - incidence_deg).abs() < 1e-9)
+                .map(|&(_, value)| value),
+        }
+    }
+}
+
+/// The sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    /// Terms of the blur.
+    pub kernel: Kernel,
+    /// Shape of the lobe.
+    pub lobe: Lobe,
+    /// Refractive index behind the flat front; 1 for hollow cubes.
+    pub ior: f64,
+    /// Pair of cubes rather than one.
+    pub pair: bool,
+    /// Diffraction spread, 1/mm (dimensionless for `angular`).
+    pub a: ByIncidence,
+    /// Edge length of the cubes, mm.
+    pub c_mm: f64,
+    /// Reflectance, total energy.
+    pub mu: ByIncidence,
+}
+
+/// The edge in one photograph.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// Direction from dark to bright in the photograph, degrees from +x towards +y.
+    pub normal_deg: f64,
+    /// Columns by which the edge is left of the centre of the picture, along the rows whatever the normal: towards
+    /// the dark side where the normal points right.
+    pub offset_px: f64,
+    /// Exposure relative to the reference.
+    pub exposure: f64,
+}
+
+impl Edge {
+    /// The source edge where the file does not say.
+    pub const SOURCE: Edge = Edge {
+        normal_deg: 4.0,
+        offset_px: 0.0,
+        exposure: 1.0,
+    };
+    /// An aerial edge where the file does not say.
+    pub const AERIAL: Edge = Edge {
+        normal_deg: 5.0,
+        offset_px: 0.0,
+        exposure: 6.0,
+    };
+}
+
+/// One photograph of the aerial edge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// The edge.
+    pub edge: Edge,
+    /// Floating distance, mm.
+    pub floating_distance_mm: f64,
+    /// Optical path from sheet to image, mm, where it differs.
+    pub path_mm: Option<f64>,
+    /// Incidence, degrees, outside.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees.
+    pub azimuth_deg: f64,
+    /// Direction of the tangential axis in the photograph, degrees.
+    pub tangential_axis_deg: f64,
+}
+
+/// A campaign to simulate. [`Params::load`] gives a checked one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Params {
+    /// Seed of all noise.
+    pub seed: u64,
+    /// Camera and bench.
+    pub camera: Camera,
+    /// The sheet.
+    pub truth: Truth,
+    /// The source edge, photographed with no retroreflector; `None` leaves the reference out.
+    pub reference: Option<Edge>,
+    /// The aerial photographs; not empty.
+    pub captures: Vec<Shot>,
+}
+
+impl Params {
+    /// Reads and checks a parameter file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with its line.
+    pub fn load(file: &Path) -> Result<Params, Error> {
+        let document = Document::read(file)?;
+        let table = document.parse()?;
+        let root = Section::root(&document, &table, &ROOT)?;
+        let seed = root.required("seed", root.whole("seed", 0)?)?;
+        let camera = camera(root.section("camera", &CAMERA)?.as_ref())?;
+        let truth = truth(&root.required("truth", root.section("truth", &TRUTH)?)?)?;
+        let reference = match root.section("reference", &REFERENCE)? {
+            Some(keys) => Some(edge(&keys, Edge::SOURCE)?),
+            None => Some(Edge::SOURCE),
+        };
+        let mut captures = Vec::new();
+        for keys in root.sections("capture", &CAPTURE)? {
+            let shot = shot(&keys)?;
+            check_entries(&truth, &shot, keys.place())?;
+            captures.push(shot);
+        }
+        if captures.is_empty() {
+            return Err(crate::captures::Error::NoCaptures {
+                file: file.to_owned(),
+            }
+            .into());
+        }
+        Ok(Params {
+            seed,
+            camera,
+            truth,
+            reference,
+            captures,
+        })
+    }
+}
+
+/// What a camera is where the file does not say.
+impl Default for Camera {
+    fn default() -> Camera {
+        Camera {
+            width: 320,
+            height: 256,
+            pixel_pitch_mm: 0.05,
+            sigma_px: 0.55,
+            source_level: 0.9,
+            half_mirror_transmittance: 0.5,
+            half_mirror_reflectance: 0.5,
+            veil: 0.004,
+            dark_ratio: 0.01,
+            full_well_e: 40_000.0,
+            read_noise_e: 3.0,
+            bits: 14,
+        }
+    }
+}
+
+fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
+    const SIZE: Bounds = Bounds {
+        words: "between 8 and 20000",
+        holds: |x| (8.0..=20_000.0).contains(&x),
+    };
+    const LENS: Bounds = Bounds {
+        words: "between 0.1 and 100",
+        holds: |x| (0.1..=100.0).contains(&x),
+    };
+    const RATIO: Bounds = Bounds {
+        words: "at least 0 and below 1",
+        holds: |x| (0.0..1.0).contains(&x),
+    };
+    const BITS: Bounds = Bounds {
+        words: "between 1 and 24",
+        holds: |x| (1.0..=24.0).contains(&x),
+    };
+    let default = Camera::default();
+    let Some(keys) = keys else { return Ok(default) };
+    let number =
+        |key, bounds, default| Ok::<f64, Error>(keys.number(key, bounds)?.unwrap_or(default));
+    let whole = |key, bounds: Bounds, default: u64| {
+        keys.whole(key, 1)?;
+        Ok::<u64, Error>(
+            keys.number(key, bounds)?
+                .map_or(default, |value| value as u64),
+        )
+    };
+    Ok(Camera {
+        width: whole("width", SIZE, default.width as u64)? as usize,
+        height: whole("height", SIZE, default.height as u64)? as usize,
+        pixel_pitch_mm: number("pixel_pitch_mm", Bounds::POSITIVE, default.pixel_pitch_mm)?,
+        sigma_px: number("sigma_px", LENS, default.sigma_px)?,
+        source_level: number("source_level", Bounds::POSITIVE, default.source_level)?,
+        half_mirror_transmittance: number(
+            CAMERA[5],
+            Bounds::SHARE,
+            default.half_mirror_transmittance,
+        )?,
+        half_mirror_reflectance: number(CAMERA[6], Bounds::SHARE, default.half_mirror_reflectance)?,
+        veil: number("veil", Bounds::NOT_NEGATIVE, default.veil)?,
+        dark_ratio: number("dark_ratio", RATIO, default.dark_ratio)?,
+        full_well_e: number("full_well_e", Bounds::POSITIVE, default.full_well_e)?,
+        read_noise_e: number("read_noise_e", Bounds::NOT_NEGATIVE, default.read_noise_e)?,
+        bits: whole("bits", BITS, default.bits.into())? as u32,
+    })
+}
+
+fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
+    const INDEX: Bounds = Bounds {
+        words: "at least 1",
+        holds: |x| x >= 1.0,
+    };
+    let kernel = keys.required(
+        "kernel",
+        keys.choice("kernel", &Kernel::NAMES, Kernel::from_name)?,
+    )?;
+    let lobe = keys
+        .choice("lobe", &Lobe::NAMES, Lobe::from_name)?
+        .unwrap_or(Lobe::Radial);
+    // A parameter that the kernel does not have may be left out.
+    let a = match kernel {
+        Kernel::Shift => by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0)),
+        Kernel::Eq1 | Kernel::Angular | Kernel::Lobe => {
+            keys.required("a", by_incidence(keys, "a")?)?
+        }
+    };
+    let c_mm = match kernel {
+        Kernel::Lobe => keys.number("c", Bounds::POSITIVE)?.unwrap_or(1.0),
+        Kernel::Eq1 | Kernel::Angular | Kernel::Shift => {
+            keys.required("c", keys.number("c", Bounds::POSITIVE)?)?
+        }
+    };
+    Ok(Truth {
+        kernel,
+        lobe,
+        ior: keys.number("ior", INDEX)?.unwrap_or(1.0),
+        pair: keys.flag("pair")?.unwrap_or(true),
+        a,
+        c_mm,
+        mu: keys.required("mu", by_incidence(keys, "mu")?)?,
+    })
+}
+
+fn by_incidence(keys: &Section<'_>, key: &'static str) -> Result<Option<ByIncidence>, Error> {
+    match keys.number_or_table(key, Bounds::POSITIVE)? {
+        None => Ok(None),
+        Some(NumberOrTable::Number(value)) => Ok(Some(ByIncidence::Shared(value))),
+        Some(NumberOrTable::Table(entries)) => {
+            let angle = |(name, value): (String, f64)| match name.parse::<f64>() {
+                Ok(angle) if angle.is_finite() => Ok((angle, value)),
+                _ => Err(Error::EntryName {
+                    place: keys.place_of(key),
+                    key,
+                    name,
+                }),
+            };
+            let mut table = entries
+                .into_iter()
+                .map(angle)
+                .collect::<Result<Vec<_>, _>>()?;
+            table.sort_by(|a, b| a.0.total_cmp(&b.0));
+            Ok(Some(ByIncidence::Table(table)))
+        }
+    }
+}
+
+fn edge(keys: &Section<'_>, default: Edge) -> Result<Edge, Error> {
+    Ok(Edge {
+        normal_deg: keys
+            .number("edge_normal_deg", Bounds::TURN)?
+            .unwrap_or(default.normal_deg),
+        offset_px: keys
+            .number("offset_px", Bounds::FINITE)?
+            .unwrap_or(default.offset_px),
+        exposure: keys
+            .number("exposure", Bounds::POSITIVE)?
+            .unwrap_or(default.exposure),
+    })
+}
+
+fn shot(keys: &Section<'_>) -> Result<Shot, Error> {
+    let distance = keys.number("floating_distance_mm", Bounds::POSITIVE)?;
+    let incidence = keys.number("incidence_deg", Bounds::INCIDENCE)?;
+    Ok(Shot {
+        edge: edge(keys, Edge::AERIAL)?,
+        floating_distance_mm: keys.required("floating_distance_mm", distance)?,
+        path_mm: keys.number("path_mm", Bounds::POSITIVE)?,
+        incidence_deg: keys.required("incidence_deg", incidence)?,
+        azimuth_deg: keys.number("azimuth_deg", Bounds::TURN)?.unwrap_or(0.0),
+        tangential_axis_deg: keys
+            .number("tangential_axis_deg", Bounds::TURN)?
+            .unwrap_or(0.0),
+    })
+}
+
+fn check_entries(truth: &Truth, shot: &Shot, place: &Place) -> Result<(), Error> {
+    for (key, values) in [("a", &truth.a), ("mu", &truth.mu)] {
+        if values.at(shot.incidence_deg).is_none() {
+            return Err(Error::NoEntry {
+                place: place.clone(),
+                key,
+                incidence_deg: shot.incidence_deg,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,238 @@
+//! A simulated campaign on disk: photographs, captures.toml and truth.json, all or nothing.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
+};
+use serde_json::{Value, json};
+
+use super::{ByIncidence, Error, Params, Shot, photograph};
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The manifest.
+    pub manifest: PathBuf,
+    /// Photographs written, the reference included.
+    pub photographs: usize,
+    /// Pixels at full scale, over all photographs.
+    pub clipped: usize,
+    /// What a user should know about the campaign, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Simulates a campaign into `folder`, which is created; the same parameters give the same bytes.
+///
+/// Everything is made in a temporary folder beside it and moved when complete.
+///
+/// # Errors
+/// [`Error::NotEmpty`] where the folder holds anything and `force` is not set; [`Error::Write`], [`Error::WriteExr`];
+/// [`Error::NoEntry`] for parameters built in code.
+pub fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
+    let cannot = |file: &Path| {
+        let file = file.to_owned();
+        move |source| Error::Write { file, source }
+    };
+    if folder.exists() && !force {
+        let mut entries = std::fs::read_dir(folder).map_err(cannot(folder))?;
+        if entries.next().is_some() {
+            return Err(Error::NotEmpty {
+                folder: folder.to_owned(),
+            });
+        }
+    }
+    let parent = folder
+        .parent()
+        .filter(|path| !path.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    std::fs::create_dir_all(parent).map_err(cannot(parent))?;
+    let scratch = tempfile::Builder::new()
+        .prefix(".simulate")
+        .tempdir_in(parent)
+        .map_err(cannot(parent))?;
+
+    let mut report = Report {
+        manifest: folder.join("captures.toml"),
+        photographs: 0,
+        clipped: 0,
+        warnings: Vec::new(),
+    };
+    let mut names = Vec::new();
+    if params.reference.is_some() {
+        names.push("source.exr".to_owned());
+        save(
+            params,
+            None,
+            &scratch.path().join("source.exr"),
+            &mut report,
+        )?;
+    }
+    for (index, shot) in params.captures.iter().enumerate() {
+        let name = image_name(index, shot);
+        save(
+            params,
+            Some(index),
+            &scratch.path().join(&name),
+            &mut report,
+        )?;
+        names.push(name);
+    }
+    for (name, text) in [
+        ("captures.toml", manifest(params)),
+        ("truth.json", truth(params)),
+    ] {
+        let file = scratch.path().join(name);
+        std::fs::write(&file, text).map_err(cannot(&file))?;
+        names.push(name.to_owned());
+    }
+    std::fs::create_dir_all(folder).map_err(cannot(folder))?;
+    for name in names {
+        let target = folder.join(&name);
+        std::fs::rename(scratch.path().join(&name), &target).map_err(cannot(&target))?;
+    }
+    if report.clipped > 0 {
+        report.warnings.push(format!(
+            "{} pixels are clipped at full scale; lower `exposure`.",
+            report.clipped
+        ));
+    }
+    Ok(report)
+}
+
+fn save(
+    params: &Params,
+    index: Option<usize>,
+    file: &Path,
+    report: &mut Report,
+) -> Result<(), Error> {
+    let pixels = photograph(params, index)?;
+    report.photographs += 1;
+    report.clipped += pixels.iter().filter(|&&value| value >= 1.0).count();
+    let channel = AnyChannel::new("Y", FlatSamples::F32(pixels));
+    let size = (params.camera.width, params.camera.height);
+    let channels = AnyChannels::sort(std::iter::once(channel).collect());
+    let layer = Layer::new(
+        size,
+        LayerAttributes::default(),
+        Encoding::SMALL_LOSSLESS,
+        channels,
+    );
+    let cannot = |source| Error::WriteExr {
+        file: file.to_owned(),
+        source,
+    };
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_file(file)
+        .map_err(cannot)
+}
+
+fn image_name(index: usize, shot: &Shot) -> String {
+    let from_axis = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
+    let axis = if from_axis.cos().abs() >= from_axis.sin().abs() {
+        "tan"
+    } else {
+        "sag"
+    };
+    format!(
+        "aerial_{:03}_{}mm_{:02}deg_{axis}.exr",
+        index + 1,
+        shot.floating_distance_mm,
+        shot.incidence_deg
+    )
+}
+
+fn manifest(params: &Params) -> String {
+    let camera = &params.camera;
+    let mut text = format!(
+        "[setup]\npixel_pitch_mm = {}\nhalf_mirror_transmittance = {}\nhalf_mirror_reflectance = {}\n",
+        camera.pixel_pitch_mm, camera.half_mirror_transmittance, camera.half_mirror_reflectance
+    );
+    // Writing to a String cannot fail.
+    if let Some(edge) = params.reference {
+        let _ = write!(
+            text,
+            "\n[reference]\nimage = \"source.exr\"\nexposure = {}\n",
+            edge.exposure
+        );
+    }
+    for (index, shot) in params.captures.iter().enumerate() {
+        let _ = write!(
+            text,
+            "\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = {}\nincidence_deg = {}\nazimuth_deg = {}\n\
+             exposure = {}\n",
+            image_name(index, shot),
+            shot.floating_distance_mm,
+            shot.incidence_deg,
+            shot.azimuth_deg,
+            shot.edge.exposure
+        );
+        if let Some(path_mm) = shot.path_mm {
+            let _ = writeln!(text, "path_mm = {path_mm}");
+        }
+        if shot.tangential_axis_deg != 0.0 {
+            let _ = writeln!(text, "tangential_axis_deg = {}", shot.tangential_axis_deg);
+        }
+    }
+    text
+}
+
+fn truth(params: &Params) -> String {
+    let by_incidence = |values: &ByIncidence| match values {
+        ByIncidence::Shared(value) => json!(value),
+        ByIncidence::Table(entries) => Value::Object(
+            entries
+                .iter()
+                .map(|(angle, value)| (angle.to_string(), json!(value)))
+                .collect(),
+        ),
+    };
+    let (camera, truth) = (&params.camera, &params.truth);
+    let captures: Vec<Value> = params
+        .captures
+        .iter()
+        .map(|shot| {
+            json!({
+                "floating_distance_mm": shot.floating_distance_mm,
+                "path_mm": shot.path_mm,
+                "incidence_deg": shot.incidence_deg,
+                "azimuth_deg": shot.azimuth_deg,
+                "tangential_axis_deg": shot.tangential_axis_deg,
+                "edge_normal_deg": shot.edge.normal_deg,
+                "offset_px": shot.edge.offset_px,
+                "exposure": shot.edge.exposure,
+            })
+        })
+        .collect();
+    let document = json!({
+        "seed": params.seed,
+        "camera": {
+            "width": camera.width,
+            "height": camera.height,
+            "pixel_pitch_mm": camera.pixel_pitch_mm,
+            "sigma_px": camera.sigma_px,
+            "source_level": camera.source_level,
+            "half_mirror_transmittance": camera.half_mirror_transmittance,
+            "half_mirror_reflectance": camera.half_mirror_reflectance,
+            "veil": camera.veil,
+            "dark_ratio": camera.dark_ratio,
+            "full_well_e": camera.full_well_e,
+            "read_noise_e": camera.read_noise_e,
+            "bits": camera.bits,
+        },
+        "truth": {
+            "kernel": truth.kernel.name(),
+            "lobe": truth.lobe.name(),
+            "ior": truth.ior,
+            "pair": truth.pair,
+            "a": by_incidence(&truth.a),
+            "c": truth.c_mm,
+            "mu": by_incidence(&truth.mu),
+        },
+        "captures": captures,
+    });
+    format!("{document:#}\n")
+}
