@@ -254,7 +254,7 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     let reflectance = keys.number("half_mirror_reflectance", Bounds::SHARE)?;
     if transmittance.is_none() || reflectance.is_none() {
         warnings.push(format!(
-            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it is taken for 1, and mu includes it.",
+            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it counts as 1, and mu includes it.",
             file.display()
         ));
     }

@@ -1,7 +1,7 @@
 //! Photographs: any supported file to one plane of linear light.
 //!
-//! EXR (half, float, uint; linear), 16-bit PNG and TIFF (linear unless the manifest says otherwise), 8-bit PNG, TIFF and
-//! JPEG (sRGB, linearised, with a warning). The type of a file is decided by its first bytes, never by its name.
+//! EXR (half, float, uint; linear), 16-bit PNG and TIFF (linear unless the manifest says otherwise), 8-bit PNG, TIFF
+//! and JPEG (sRGB, linearised, with a warning). The type of a file is decided by its first bytes, never by its name.
 //! Row 0 is the top of the picture; `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
 mod error;

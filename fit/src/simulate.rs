@@ -4,7 +4,8 @@
 //! spatial domain rather than products of transfer functions, one profile per photograph evaluated at pixel centres.
 //!
 //! Photograph: x to the right, y downward, origin at the centre of the picture. The edge normal points from dark to
-//! bright; `offset_px` moves the edge along the rows by that many columns to the left. Level of a pixel = veil + exposure x contrast x (dark_ratio + (1 - dark_ratio) E(s)), contrast = source_level
+//! bright; `offset_px` moves the edge along the rows by that many columns to the left. Level of a pixel = veil +
+//! exposure x contrast x (dark_ratio + (1 - dark_ratio) E(s)), contrast = source_level
 //! for the reference and source_level x mu x eta x T x R of the half mirror for a capture; then shot noise and reading
 //! noise in electrons, rounding to the converter's steps, and clipping to [0, 1].
 

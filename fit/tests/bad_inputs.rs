@@ -31,6 +31,8 @@ fn simulate_error(file: &Path) -> Option<String> {
         .map(|error| error.to_string())
 }
 
+type Refuse = fn(&Path) -> Option<String>;
+
 #[test]
 fn every_bad_file_is_refused_with_its_message() {
     // Messages name files as they were given: relative ones keep the expectations short.
@@ -39,7 +41,7 @@ fn every_bad_file_is_refused_with_its_message() {
         .unwrap()
         .parse()
         .unwrap();
-    let groups: [(&str, fn(&Path) -> Option<String>, usize); 3] = [
+    let groups: [(&str, Refuse, usize); 3] = [
         ("manifests", manifest_error, 29),
         ("images", image_error, 17),
         ("simulate", simulate_error, 4),

@@ -40,7 +40,8 @@ pub enum Error {
     },
     /// The header claims no pixels or too many.
     #[error(
-        "{file}: its header claims {width} x {height} pixels, where 1 to {limit} in all are read; crop or repair the file"
+        "{file}: its header claims {width} x {height} pixels, where 1 to {limit} in all are read; \
+         crop or repair the file"
     )]
     Size {
         /// The photograph.
@@ -53,7 +54,10 @@ pub enum Error {
         limit: u64,
     },
     /// The EXR decoder gave up.
-    #[error("{file}: cannot be decoded as EXR ({source}); write or copy the file again")]
+    #[error(
+        "{file}: cannot be decoded as EXR ({}); write or copy the file again",
+        one_line(source)
+    )]
     Exr {
         /// The photograph.
         file: PathBuf,
@@ -61,7 +65,7 @@ pub enum Error {
         source: exr::error::Error,
     },
     /// The PNG, TIFF or JPEG decoder gave up.
-    #[error("{file}: cannot be decoded as {} ({source}); write or copy the file again", format.name())]
+    #[error("{file}: cannot be decoded as {} ({}); write or copy the file again", format.name(), one_line(source))]
     Raster {
         /// The photograph.
         file: PathBuf,
@@ -118,4 +122,13 @@ pub enum Error {
         /// NaN or an infinity.
         value: f32,
     },
+}
+
+/// A decoder's own words in one line; some end theirs with a line break.
+fn one_line(source: &impl ToString) -> String {
+    source
+        .to_string()
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
 }

@@ -32,12 +32,15 @@ pub(super) fn read(
             Format::Png | Format::Exr => ImageFormat::Png,
         },
     );
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
+    // Decoders refuse a size that they could not hold before telling it; so the header is read without limits, which
+    // allocates nothing of the size of the picture, and they are set for the pixels.
+    reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into())?;
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_BYTES);
+    decoder.set_limits(limits).map_err(broken)?;
     if matches!(
         decoder.original_color_type(),
         ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16
