@@ -216,7 +216,8 @@ fn legs(error: [f64; 3]) -> [DVec3; 3] {
     ]
 }
 
-/// A normal of the plane through the ends of three edges, away from the apex; not of unit length, so that integers stay.
+/// A normal of the plane through the ends of three edges, away from the apex. Not of unit length, which would turn
+/// integers into roots.
 fn rim_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
@@ -230,7 +231,7 @@ fn corner([a, b, c]: [DVec3; 3]) -> Mesh {
     }
 }
 
-/// The copy is turned about the normal through the middle of the aperture edge from end 1 to end 2, which the two share.
+/// The copy is turned about the normal through the middle of the aperture edge that the two share, from end 1 to 2.
 fn pair(legs: [DVec3; 3]) -> Mesh {
     let [a, b, c] = legs;
     let n = rim_normal(legs);

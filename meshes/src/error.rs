@@ -138,7 +138,10 @@ pub enum Fault {
         uri: String,
         reason: &'static str,
     },
-    #[error("has a buffer {buffer} in '{}' that cannot be read ({source}); put that file beside this one", path.display())]
+    #[error(
+        "has a buffer {buffer} in '{}' that cannot be read ({source}); put that file beside this one",
+        path.display()
+    )]
     BufferUnreadable {
         buffer: usize,
         path: PathBuf,
@@ -193,7 +196,8 @@ pub enum Fault {
     )]
     CoincidentFace { face: u32, first: u32 },
     #[error(
-        "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave at most two on it (faces laid on others?)"
+        "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave two, deleting \
+         faces that lie on others"
     )]
     NonManifoldEdge {
         a: usize,
@@ -216,8 +220,8 @@ pub enum Fault {
 
     // ---- the cell
     #[error(
-        "no apex was found (no inner vertex where three perpendicular facets meet, seen from the light): the cell cannot \
-         be normalised; merge the facets' vertices, or give --edge-length and --azimuth-zero"
+        "no apex was found (no inner vertex where three perpendicular facets meet, seen from the light): the cell \
+         cannot be normalised; merge the facets' vertices, or give --edge-length and --azimuth-zero"
     )]
     NoApex,
     #[error(
@@ -225,11 +229,13 @@ pub enum Fault {
     )]
     DigitsLost { distance: f64, left: f64 },
     #[error(
-        "the rim is not planar (vertex {vertex} is {height:.3e} edge lengths off its plane); flatten it or give --lattice"
+        "the rim is not planar (vertex {vertex} is {height:.3e} edge lengths off its plane); flatten it or give \
+         --lattice"
     )]
     RimNotPlanar { vertex: usize, height: f64 },
     #[error(
-        "has {loops} boundary loops (a second one at vertex {vertex}); close the holes, join the cells or give --lattice"
+        "has {loops} boundary loops (a second one at vertex {vertex}); close the holes, join the cells or \
+         give --lattice"
     )]
     SeveralRims { loops: usize, vertex: usize },
     #[error(
@@ -237,7 +243,8 @@ pub enum Fault {
     )]
     RimCrossed { vertex: usize },
     #[error(
-        "vertex {vertex} stands {height:.3e} edge lengths above the rim; lower it, or raise the rim to the highest vertex"
+        "vertex {vertex} stands {height:.3e} edge lengths above the rim; lower it, or raise the rim \
+         to the highest vertex"
     )]
     AboveRim { vertex: usize, height: f64 },
     #[error(

@@ -106,8 +106,8 @@ impl<'a> Surface<'a> {
             .collect()
     }
 
-    /// Vector area of the surface, file units squared: the sum of the triangles' normals times their areas. It is normal
-    /// to a planar rim and points to the light.
+    /// Vector area of the surface, file units squared: the sum of the triangles' normals times their areas. It is
+    /// normal to a planar rim and points to the light.
     ///
     /// It depends on the boundary alone, and is summed there: over 9600 triangles instead, rounding reached 6e-14.
     pub fn vector_area(&self) -> DVec3 {

@@ -120,12 +120,9 @@ fn dihedral_errors_arrive_in_the_cell() {
                 let step = if shape == Shape::FullCube { 2 } else { 1 };
                 let facet = |k: usize| cell.facets[k % 3 * step];
                 // Facets 1-2, 2-3 and 3-1 of the edges; edge 1 is shared by the facets 3-1 and 1-2.
-                for edge in 0..3 {
+                for (edge, planted) in dihedral_error_rad.into_iter().enumerate() {
                     let found = error_between(facet(edge + 2), facet(edge));
-                    assert!(
-                        (found - dihedral_error_rad[edge]).abs() < 2e-15,
-                        "{shape:?} {found:e}"
-                    );
+                    assert!((found - planted).abs() < 2e-15, "{shape:?} {found:e}");
                     cases += 1;
                 }
             }
