@@ -114,13 +114,17 @@ fn duplicate(surface: &Surface<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Closed bodies may touch along an edge (two prisms with a front face each): two faces each, wound against each other.
 fn non_manifold(surface: &Surface<'_>) -> Result<(), Fault> {
+    let closed = surface.meetings().all(|sides| sides.len() > 1);
     for sides in surface.meetings() {
-        if let [first, _, _, ..] = sides {
+        let touching =
+            closed && sides.len() == 4 && sides.iter().filter(|side| side.ascending).count() == 2;
+        if sides.len() > 2 && !touching {
             let face = surface
                 .mesh
                 .face_number(sides[sides.len() - 1].triangle as usize);
-            let (a, b) = (first.low as usize + 1, first.high as usize + 1);
+            let (a, b) = (sides[0].low as usize + 1, sides[0].high as usize + 1);
             return Err(Fault::NonManifoldEdge {
                 a,
                 b,
@@ -136,7 +140,7 @@ fn non_manifold(surface: &Surface<'_>) -> Result<(), Fault> {
 fn winding(surface: &Surface<'_>) -> Result<(), Fault> {
     let agree = surface
         .meetings()
-        .all(|sides| sides.len() < 2 || sides[0].ascending != sides[1].ascending);
+        .all(|sides| sides.len() != 2 || sides[0].ascending != sides[1].ascending);
     if agree {
         return Ok(());
     }

@@ -140,3 +140,54 @@ pub fn first_crossing(flat: &[DVec2]) -> Option<usize> {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Random star-shaped polygons, mostly concave, somewhere in space: n - 2 triangles, all wound as the polygon, their
+    /// areas adding up to its area (so they neither overlap nor leave gaps). Areas are of order 1, rounding below 1e-13.
+    #[test]
+    fn concave_polygons_are_covered_once() {
+        let mut state = 7u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (mut cases, mut concave) = (0, 0);
+        for n in 4..40usize {
+            for _ in 0..20 {
+                let (x, y) = DVec3::new(random() - 0.5, random() - 0.5, 0.3)
+                    .normalize()
+                    .any_orthonormal_pair();
+                let positions: Vec<DVec3> = (0..n)
+                    .map(|i| {
+                        let angle = std::f64::consts::TAU * (i as f64 + 0.5 * random()) / n as f64;
+                        (x * angle.cos() + y * angle.sin()) * (0.2 + random())
+                            + DVec3::new(5.0, -3.0, 2.0)
+                    })
+                    .collect();
+                let corners: Vec<u32> = (0..n as u32).collect();
+                let mut triangles = Vec::new();
+                cut(&positions, &corners, 1, &mut triangles).expect("a simple polygon");
+                let area = |t: &[u32]| {
+                    let p = |k: usize| positions[t[k] as usize];
+                    (2..t.len())
+                        .map(|k| (p(k - 1) - p(0)).cross(p(k) - p(0)) / 2.0)
+                        .sum::<DVec3>()
+                };
+                let normal = area(&corners).normalize();
+                assert_eq!(triangles.len(), n - 2);
+                assert!(triangles.iter().all(|t| area(t).dot(normal) > 0.0));
+                let sum: f64 = triangles.iter().map(|t| area(t).length()).sum();
+                assert!((sum - area(&corners).length()).abs() < 1e-13);
+                concave += usize::from(triangles[0][0] != 0);
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 720);
+        assert!(concave > 300, "{concave}");
+    }
+}

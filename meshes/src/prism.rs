@@ -37,7 +37,7 @@ pub fn flipped(mesh: &Mesh) -> Mesh {
 /// The mirror facets of a closed, outward-wound prism, turned to face the light inside it.
 ///
 /// The front face is the largest flat face that has the whole prism behind it and looks away from the apex `corner`
-/// (where there is none: the largest of all).
+/// (where there is none: the largest of all), with whatever else lies in its plane.
 ///
 /// # Errors
 /// [`Fault::NoFrontFace`].
@@ -98,9 +98,19 @@ pub fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Faul
         opposite && used.iter().all(|&v| height(v) <= slack) && flat()
     });
     let front = front.ok_or(Fault::NoFrontFace)?;
-    let kept: Vec<usize> = (0..face_of.len())
-        .filter(|&t| face_of[t] != front)
-        .collect();
+    // Every triangle in that plane: prisms that touch along an edge of it have a front face each.
+    let (normal, on) = (
+        area[front as usize].normalize_or_zero(),
+        mesh.corners(front as usize)[0],
+    );
+    let in_front = |triangle: usize| {
+        let flat = mesh
+            .corners(triangle)
+            .iter()
+            .all(|p| normal.dot(*p - on).abs() <= slack);
+        flat && surface.normals[triangle].dot(normal) > 0.0
+    };
+    let kept: Vec<usize> = (0..face_of.len()).filter(|&t| !in_front(t)).collect();
     let triangles = kept
         .iter()
         .map(|&t| mesh.triangles[t])

@@ -1,0 +1,74 @@
+//! Closed prisms: the front face comes off, whatever its triangles, and the mirror facets are those of the hollow cell.
+
+use std::path::Path;
+
+use glam::DVec3;
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions, Mesh, normalise};
+
+fn cell(mesh: &Mesh) -> Cell {
+    normalise(mesh, Path::new("prism"), &CellOptions::default())
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The hollow cell wound outward, closed by a fan from the middle of its rim, or by two triangles or one.
+fn closed(hollow: &Mesh, rim: &[u32], fan: bool) -> Mesh {
+    let mut mesh = hollow.clone();
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    if fan {
+        let middle = mesh.positions.len() as u32;
+        let sum: DVec3 = rim.iter().map(|&v| mesh.positions[v as usize]).sum();
+        mesh.positions.push(sum / rim.len() as f64);
+        mesh.triangles
+            .extend((0..rim.len()).map(|i| [rim[i], rim[(i + 1) % rim.len()], middle]));
+    } else {
+        mesh.triangles
+            .extend((1..rim.len() - 1).map(|i| [rim[0], rim[i], rim[i + 1]]));
+    }
+    mesh.refractive_index = Some(1.49);
+    mesh
+}
+
+#[test]
+fn a_prism_is_its_hollow_cell_with_a_front_face() {
+    let shapes: [(Shape, &[u32], f64); 4] = [
+        (Shape::Triangular, &[1, 2, 3], 0.0),
+        (Shape::TriangularPair, &[1, 5, 2, 3], 0.0),
+        (Shape::Canted, &[1, 5, 2, 3], 0.15),
+        (Shape::Canted, &[1, 5, 2, 3], 0.9),
+    ];
+    let mut cases = 0;
+    for (shape, rim, cant_rad) in shapes {
+        for dihedral_error_rad in [[0.0; 3], [1e-9, 0.0, 0.0], [1e-3, -2e-3, 1e-2]] {
+            let hollow = Design {
+                cant_rad,
+                dihedral_error_rad,
+                ..Design::new(shape)
+            }
+            .mesh()
+            .expect("a design");
+            let expected = cell(&hollow);
+            for fan in [false, true] {
+                for inward in [false, true] {
+                    let mut prism = closed(&hollow, rim, fan);
+                    if inward {
+                        prism.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+                    }
+                    let found = cell(&prism);
+                    assert_eq!((found.closed, found.refractive_index), (true, Some(1.49)));
+                    assert_eq!(
+                        found.warnings.len(),
+                        usize::from(inward),
+                        "{:?}",
+                        found.warnings
+                    );
+                    // The same numbers in the same order: nothing is rounded on the way.
+                    assert_eq!(found.facets, expected.facets, "{shape:?} {cant_rad}");
+                    assert_eq!(found.entrance, expected.entrance);
+                    cases += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(cases, 48);
+}
