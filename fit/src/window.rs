@@ -1,0 +1,93 @@
+//! The part of a photograph that an edge is looked for in: linear light, pixel units, origin at its centre.
+
+use crate::photo::Photo;
+
+/// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, x to the right, y down.
+#[derive(Debug, Clone)]
+pub struct Window {
+    width: usize,
+    height: usize,
+    values: Vec<f32>,
+}
+
+/// One pixel: its position (pixels, from the window's centre) and its value.
+#[derive(Debug, Clone, Copy)]
+pub struct Pixel {
+    /// To the right of the centre, pixels.
+    pub x: f64,
+    /// Below the centre, pixels.
+    pub y: f64,
+    /// Linear light.
+    pub value: f64,
+}
+
+impl Window {
+    /// The rectangle `[x, y, width, height]` of a photograph, or all of it; `None` where the rectangle is empty or does
+    /// not fit.
+    pub fn of(photo: &Photo, roi: Option<[usize; 4]>) -> Option<Window> {
+        let [x, y, width, height] = roi.unwrap_or([0, 0, photo.width, photo.height]);
+        let fits = |at: usize, size: usize, all: usize| {
+            size > 0 && at.checked_add(size).is_some_and(|end| end <= all)
+        };
+        if !fits(x, width, photo.width) || !fits(y, height, photo.height) {
+            return None;
+        }
+        let values = (y..y + height)
+            .flat_map(|row| &photo.luminance[row * photo.width + x..][..width])
+            .copied()
+            .collect();
+        Some(Window {
+            width,
+            height,
+            values,
+        })
+    }
+
+    /// Width, pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height, pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
+        let (cx, cy) = (
+            0.5 * (self.width as f64 - 1.0),
+            0.5 * (self.height as f64 - 1.0),
+        );
+        self.values
+            .chunks_exact(self.width)
+            .enumerate()
+            .flat_map(move |(j, row)| {
+                row.iter().enumerate().map(move |(i, &value)| Pixel {
+                    x: i as f64 - cx,
+                    y: j as f64 - cy,
+                    value: f64::from(value),
+                })
+            })
+    }
+
+    /// Smallest and largest value.
+    pub fn extremes(&self) -> (f64, f64) {
+        let (low, high) = self
+            .values
+            .iter()
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| {
+                (l.min(v), h.max(v))
+            });
+        (f64::from(low), f64::from(high))
+    }
+
+    /// What to say of pixels at or above the level where the format saturates; `None` where there are none.
+    pub fn clipping_warning(&self, level: f32) -> Option<String> {
+        let clipped = self.values.iter().filter(|&&v| v >= level).count();
+        (clipped > 0).then(|| {
+            let share = 100.0 * clipped as f64 / self.values.len() as f64;
+            format!("{clipped} pixels ({share:.2} %) are clipped: the plateau and mu are biased; expose less")
+        })
+    }
+}
