@@ -1,0 +1,50 @@
+//! Cubic Hermite interpolation on a uniform grid that starts at 0.
+
+use std::ops::{Add, Mul, Sub};
+
+/// Values and slopes at 0, step, 2 step, ...
+#[derive(Debug, Clone)]
+pub struct Samples<T = f64> {
+    step: f64,
+    values: Vec<T>,
+    slopes: Vec<T>,
+}
+
+impl<T> Samples<T>
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
+    /// At least two values, as many slopes (per unit of the abscissa).
+    pub fn new(step: f64, values: Vec<T>, slopes: Vec<T>) -> Self {
+        assert!(
+            values.len() >= 2 && values.len() == slopes.len(),
+            "an interpolation table needs two points"
+        );
+        Samples {
+            step,
+            values,
+            slopes,
+        }
+    }
+
+    /// The last abscissa that is tabulated.
+    pub fn end(&self) -> f64 {
+        self.step * (self.values.len() - 1) as f64
+    }
+
+    /// Value and slope at `x` >= 0; the last interval is extended beyond the end. Error of the value at most
+    /// step^4 / 384 x the greatest fourth derivative.
+    pub fn at(&self, x: f64) -> (T, T) {
+        let i = ((x / self.step) as usize).min(self.values.len() - 2);
+        let t = x / self.step - i as f64;
+        let (p0, p1) = (self.values[i], self.values[i + 1]);
+        let (m0, m1) = (self.slopes[i] * self.step, self.slopes[i + 1] * self.step);
+        let rise = p1 - p0;
+        let c2 = rise * 3.0 - m0 * 2.0 - m1;
+        let c3 = m0 + m1 - rise * 2.0;
+        (
+            p0 + (m0 + (c2 + c3 * t) * t) * t,
+            (m0 + (c2 * 2.0 + c3 * (3.0 * t)) * t) * (1.0 / self.step),
+        )
+    }
+}

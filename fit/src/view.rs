@@ -1,0 +1,249 @@
+//! One photograph made ready for comparison with models: its profile, its estimator, and everything of the model that
+//! the parameters do not change.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use num_complex::Complex64;
+
+use crate::camera::Camera;
+use crate::edge::Line;
+use crate::kernel::{Blur, Kernel};
+use crate::lobe::Shape;
+use crate::profile::Profile;
+use crate::sfr::{Estimator, Mtf};
+use crate::shift::ShiftLine;
+use crate::spread::Grid;
+
+/// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
+const MODEL_ERROR: f64 = 2e-5;
+
+/// Most frequencies that one photograph is compared at.
+const MOST_FREQUENCIES: usize = 96;
+
+/// A photograph of an edge, measured.
+#[derive(Clone)]
+pub struct View {
+    /// Where the edge lies.
+    pub line: Line,
+    /// Pixels sorted by distance from the edge.
+    pub profile: Profile,
+    /// The estimator at the frequencies of comparison.
+    pub estimator: Estimator,
+    /// What it measures.
+    pub mtf: Mtf,
+    grid: Grid,
+    pitch_mm: f64,
+    /// Edge normal in the aerial image, (tangential, sagittal).
+    normal: [f64; 2],
+    camera: Vec<f64>,
+    whitener: Cholesky<f64, Dyn>,
+}
+
+/// A model's profile over the bins, with its derivatives by the natural logarithms of spread and c.
+pub struct Curve {
+    /// Mean of the unit edge over every bin.
+    pub bins: Vec<f64>,
+    /// Derivative by ln(spread), where the kernel has a lobe.
+    pub by_ln_spread: Option<Vec<f64>>,
+    /// Derivative by ln(c), where the kernel has a shift.
+    pub by_ln_c: Option<Vec<f64>>,
+}
+
+/// The blur's variable part: kernel, lobe shape, and this direction's shift.
+#[derive(Clone, Copy)]
+pub struct Model<'a> {
+    /// Terms of the model.
+    pub kernel: Kernel,
+    /// Shape of its lobe.
+    pub shape: Shape,
+    /// The direction's shift along the edge normal; `None` only for models without it.
+    pub shift: Option<&'a ShiftLine>,
+    /// Floating distance (optical path), mm.
+    pub r_mm: f64,
+    /// Edge normal in the aerial image, (tangential, sagittal).
+    pub normal: [f64; 2],
+}
+
+impl Model<'_> {
+    /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by ln(spread) and ln(c).
+    pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
+        let (shift, by_c) = match self.shift {
+            Some(line) if self.kernel.has_shift() => line.otf(blur.c_mm, frequency),
+            _ => (Complex64::ONE, Complex64::ZERO),
+        };
+        let (lobe, by_a, a) = if self.kernel.has_lobe() {
+            let a = blur.spread / self.kernel.distance_scale(self.r_mm);
+            let (value, slope) = self.shape.otf(a, frequency, self.normal);
+            (value, slope, a)
+        } else {
+            (1.0, 0.0, 0.0)
+        };
+        [shift * lobe, shift * (by_a * a), by_c * (lobe * blur.c_mm)]
+    }
+
+    /// Kink of the OTF at zero frequency (mm), and its derivative by ln(spread).
+    fn kink(&self, blur: Blur) -> (f64, f64) {
+        if !self.kernel.has_lobe() {
+            return (0.0, 0.0);
+        }
+        let a = blur.spread / self.kernel.distance_scale(self.r_mm);
+        let (kink, slope) = self.shape.kink(a, self.normal);
+        (kink, slope * a)
+    }
+}
+
+impl View {
+    /// Measures the edge at `line`. `tangential_rad` is the direction of the tangential axis in the photograph.
+    ///
+    /// Frequencies: the spacing is the reciprocal of the profile's length (closer ones tell nothing new); the last is
+    /// where the measured modulus sinks into three times its noise, at most half the sampling frequency.
+    pub fn new(
+        line: Line,
+        profile: Profile,
+        pitch_mm: f64,
+        tangential_rad: f64,
+        camera: &Camera,
+    ) -> View {
+        let length_mm = profile.len() as f64 * crate::profile::BIN_PX * pitch_mm;
+        let nyquist = 0.5 / pitch_mm;
+        let spacing = (1.0 / length_mm).max(nyquist / (4 * MOST_FREQUENCIES) as f64);
+        let all: Vec<f64> = (1..)
+            .map(|k| k as f64 * spacing)
+            .take_while(|&f| f <= nyquist)
+            .collect();
+        let wide = Estimator::new(&profile, pitch_mm, &all);
+        let mtf = wide.measure(&profile);
+        let dark = |k: usize| mtf.modulus[k] < 3.0 * mtf.power_noise[k].sqrt();
+        let count = (1..all.len())
+            .find(|&k| dark(k) && dark(k + 1))
+            .unwrap_or(all.len())
+            .clamp(4.min(all.len()), MOST_FREQUENCIES);
+        let estimator = Estimator::new(&profile, pitch_mm, &all[..count]);
+        let mtf = estimator.measure(&profile);
+        let grid = Grid::new(profile.len(), pitch_mm);
+        let angle = line.normal_rad - tangential_rad;
+        let whitener = whitener(&mtf, &profile);
+        let mut view = View {
+            line,
+            profile,
+            estimator,
+            mtf,
+            grid,
+            pitch_mm,
+            normal: [angle.cos(), angle.sin()],
+            camera: Vec::new(),
+            whitener,
+        };
+        view.set_camera(camera);
+        view
+    }
+
+    /// Changes the camera.
+    pub fn set_camera(&mut self, camera: &Camera) {
+        self.camera = self
+            .grid
+            .frequencies_per_mm
+            .iter()
+            .map(|&f| camera.otf(f, self.line.normal_rad))
+            .collect();
+    }
+
+    /// The same photograph seen through another camera.
+    pub fn through(&self, camera: &Camera) -> View {
+        let mut view = self.clone();
+        view.set_camera(camera);
+        view
+    }
+
+    /// Edge normal in the aerial image, (tangential, sagittal).
+    pub fn normal(&self) -> [f64; 2] {
+        self.normal
+    }
+
+    /// The model's edge profile on this photograph's bins.
+    pub fn curve(&self, model: &Model, blur: Blur) -> Curve {
+        let n = self.camera.len();
+        let mut otf = [const { Vec::new() }; 3];
+        for part in &mut otf {
+            part.reserve(n);
+        }
+        for (&f, &camera) in self.grid.frequencies_per_mm.iter().zip(&self.camera) {
+            // Beyond the camera's reach the rest need not be worked out.
+            let values = if camera.abs() < 1e-9 {
+                [Complex64::ZERO; 3]
+            } else {
+                model.otf(blur, f)
+            };
+            for (part, value) in otf.iter_mut().zip(values) {
+                part.push(value * camera);
+            }
+        }
+        let [value, by_spread, by_c] = &otf;
+        let (kink, kink_by_spread) = model.kink(blur);
+        let bins = |otf: &[Complex64], kink: f64| self.grid.profile(otf, kink, &self.profile);
+        Curve {
+            bins: bins(value, kink),
+            by_ln_spread: model
+                .kernel
+                .has_lobe()
+                .then(|| bins(by_spread, kink_by_spread)),
+            by_ln_c: model.kernel.has_shift().then(|| bins(by_c, 0.0)),
+        }
+    }
+
+    /// The camera's edge alone: the model of a reference photograph.
+    pub fn reference_curve(&self) -> Vec<f64> {
+        let otf: Vec<Complex64> = self.camera.iter().map(|&c| Complex64::from(c)).collect();
+        self.grid.profile(&otf, 0.0, &self.profile)
+    }
+
+    /// MTF of a modelled profile and its derivatives, through the estimator of the photograph.
+    pub fn predict(&self, bins: &[f64], derivatives: &[Vec<f64>]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        self.estimator
+            .predict(bins, derivatives, &self.mtf.power_noise)
+    }
+
+    /// Differences of two MTFs in units of their noise, correlations between frequencies taken out (zero frequency left
+    /// out). Linear.
+    pub fn whiten(&self, difference: &[f64]) -> DVector<f64> {
+        let mut v = DVector::from_column_slice(&difference[1..]);
+        self.whitener.l_dirty().solve_lower_triangular_mut(&mut v);
+        v
+    }
+
+    /// The noise response of the whitened MTF: rows are whitened frequencies, columns are bins.
+    pub fn whitened_response(&self) -> DMatrix<f64> {
+        let rows = &self.mtf.by_bin[1..];
+        let mut m = DMatrix::from_fn(rows.len(), self.profile.len(), |k, j| rows[k][j]);
+        self.whitener.l_dirty().solve_lower_triangular_mut(&mut m);
+        m
+    }
+
+    /// Standard error of the measured modulus at every frequency.
+    pub fn mtf_standard_error(&self) -> Vec<f64> {
+        self.mtf.standard_error(&self.profile)
+    }
+
+    /// Frequency (1/mm) at which the measured MTF first falls to one half, from the frequencies of comparison.
+    pub fn mtf50_per_mm(&self) -> Option<f64> {
+        crate::sfr::crossing(&self.estimator.frequencies_per_mm, &self.mtf.modulus, 0.5)
+    }
+
+    /// One pixel, mm.
+    pub fn pitch_mm(&self) -> f64 {
+        self.pitch_mm
+    }
+}
+
+/// Covariance of the measured modulus by bin noise, factored.
+fn whitener(mtf: &Mtf, profile: &Profile) -> Cholesky<f64, Dyn> {
+    let rows = &mtf.by_bin[1..];
+    let response = DMatrix::from_fn(rows.len(), profile.len(), |k, j| {
+        rows[k][j] * profile.variance[j].sqrt()
+    });
+    let mut covariance = &response * response.transpose();
+    for k in 0..rows.len() {
+        covariance[(k, k)] *= 1.0 + 1e-9;
+        covariance[(k, k)] += MODEL_ERROR * MODEL_ERROR;
+    }
+    Cholesky::new(covariance).expect("a Gram matrix plus a positive diagonal is positive definite")
+}
