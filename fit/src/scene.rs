@@ -1,0 +1,307 @@
+//! A scene ready to be fitted: all photographs measured, each with its direction of the table.
+
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use tables::Table;
+
+use crate::camera::Camera;
+use crate::captures::{self, Campaign, Capture};
+use crate::edge;
+use crate::profile::Profile;
+use crate::reference::{self, Reference};
+use crate::shift::ShiftLine;
+use crate::view::View;
+use crate::window::Window;
+
+/// Why a scene cannot be fitted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The manifest or a photograph.
+    #[error(transparent)]
+    Captures(#[from] captures::Error),
+    /// The table has no such direction.
+    #[error("{}: capture \"{image}\": {source}", manifest.display())]
+    Direction {
+        /// The manifest.
+        manifest: PathBuf,
+        /// The capture's image.
+        image: String,
+        /// What the table says.
+        source: tables::Error,
+    },
+    /// No edge in a photograph.
+    #[error("{}: {fault}", image.display())]
+    Edge {
+        /// The photograph.
+        image: PathBuf,
+        /// What is wrong with it.
+        fault: edge::Fault,
+    },
+    /// Nothing to fit.
+    #[error("{}: no capture is left: nothing is retroreflected at any incidence of it; \
+             photograph smaller incidence angles, or check azimuth_deg", manifest.display())]
+    NothingLeft {
+        /// The manifest.
+        manifest: PathBuf,
+    },
+}
+
+/// One photograph of the mid-air edge.
+pub struct Aerial {
+    /// File name as the manifest gives it.
+    pub image: String,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Floating distance (optical path), mm.
+    pub r_mm: f64,
+    /// Index into [`Scene::groups`].
+    pub group: usize,
+    /// Relative exposure.
+    pub exposure: f64,
+    /// Retroreflected fraction at this direction, > 0.
+    pub eta: f64,
+    /// Its standard error from the table's rays.
+    pub eta_standard_error: f64,
+    /// Shift along the edge normal.
+    pub shift: Option<ShiftLine>,
+    /// The photograph, measured.
+    pub view: View,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+impl Aerial {
+    /// Standard error of eta over eta.
+    pub fn eta_relative_error(&self) -> f64 {
+        self.eta_standard_error / self.eta
+    }
+}
+
+/// The photographs of a campaign, measured.
+pub struct Scene {
+    /// Photographs, in the order of the manifest; those without retroreflection are left out.
+    pub shots: Vec<Aerial>,
+    /// Distinct incidence angles, degrees, ascending.
+    pub groups: Vec<f64>,
+    /// The source edge.
+    pub reference: Option<Reference>,
+    /// The camera: pixel box, and the reference's lens.
+    pub camera: Camera,
+    /// Transmittance times reflectance of the half mirror.
+    pub half_mirror: f64,
+    /// What the user should know about the campaign.
+    pub warnings: Vec<String>,
+}
+
+/// The views of a scene through a camera one step of a lens parameter away.
+pub struct LensStep {
+    /// Size of the step.
+    pub size: f64,
+    /// The views, in the order of the shots.
+    pub views: Vec<View>,
+}
+
+impl Scene {
+    /// Reads and measures all photographs of a campaign, in parallel.
+    ///
+    /// # Errors
+    /// A photograph that cannot be read or holds no edge; a direction that the table neither has nor brackets; no capture
+    /// with any retroreflection.
+    pub fn load(campaign: &Campaign, table: &Table) -> Result<Scene, Error> {
+        let pitch_mm = campaign.setup.pixel_pitch_mm;
+        let mut warnings = campaign.warnings.clone();
+        let pixel = Camera {
+            pitch_mm,
+            lens: None,
+        };
+        let reference = match &campaign.reference {
+            None => {
+                warnings.push(
+                    "no [reference] photograph: the camera is taken for its pixel box alone, and mu cannot be found".into(),
+                );
+                None
+            }
+            Some(shot) => {
+                let (mut view, notes) = measure(shot, pitch_mm, 0.0, &pixel)?;
+                warnings.extend(
+                    notes
+                        .into_iter()
+                        .map(|note| format!("{}: {note}", name(&shot.image))),
+                );
+                Some(reference::measure(&mut view, shot.exposure))
+            }
+        };
+        let camera = reference.as_ref().map_or(pixel, |r| r.camera);
+        let read: Vec<Option<Aerial>> = campaign
+            .captures
+            .par_iter()
+            .map(|capture| aerial(campaign, capture, table, &camera))
+            .collect::<Result<_, _>>()?;
+        for (capture, _) in campaign
+            .captures
+            .iter()
+            .zip(&read)
+            .filter(|(_, shot)| shot.is_none())
+        {
+            warnings.push(format!(
+                "{}: left out: the table says that nothing is retroreflected at incidence {} deg",
+                name(&capture.shot.image),
+                capture.incidence_deg
+            ));
+        }
+        let mut shots: Vec<Aerial> = read.into_iter().flatten().collect();
+        if shots.is_empty() {
+            return Err(Error::NothingLeft {
+                manifest: campaign.file.clone(),
+            });
+        }
+        let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
+        groups.sort_by(f64::total_cmp);
+        groups.dedup();
+        for shot in &mut shots {
+            shot.group = groups
+                .iter()
+                .position(|&g| g == shot.incidence_deg)
+                .unwrap_or(0);
+        }
+        let setup = &campaign.setup;
+        let half_mirror = setup.half_mirror_transmittance * setup.half_mirror_reflectance;
+        Ok(Scene {
+            shots,
+            groups,
+            reference,
+            camera,
+            half_mirror,
+            warnings,
+        })
+    }
+
+    /// Names of one parameter's entries: `name`, or `name_at_<incidence>` for every group.
+    pub fn names(&self, name: &str, count: usize, per_angle: bool) -> Vec<String> {
+        if per_angle {
+            self.groups
+                .iter()
+                .take(count)
+                .map(|g| format!("{name}_at_{g}"))
+                .collect()
+        } else {
+            vec![name.to_owned(); count]
+        }
+    }
+
+    /// mu of one photograph from the step of its edge; NaN without a reference.
+    pub fn reflectance(&self, shot: &Aerial, step: f64) -> f64 {
+        self.reference.as_ref().map_or(f64::NAN, |r| {
+            step / shot.exposure / (r.step * shot.eta * self.half_mirror)
+        })
+    }
+
+    /// Mean floating distance, mm.
+    pub fn mean_distance_mm(&self) -> f64 {
+        self.shots.iter().map(|s| s.r_mm).sum::<f64>() / self.shots.len() as f64
+    }
+
+    /// The views through the neighbouring cameras of the lens fit.
+    pub fn lens_steps(&self) -> Vec<LensStep> {
+        let neighbours = self
+            .reference
+            .as_ref()
+            .map(Reference::neighbours)
+            .unwrap_or_default();
+        neighbours
+            .into_iter()
+            .map(|(camera, size)| LensStep {
+                size,
+                views: self
+                    .shots
+                    .iter()
+                    .map(|shot| shot.view.through(&camera))
+                    .collect(),
+            })
+            .collect()
+    }
+}
+
+/// The file's name without its folder.
+fn name(path: &std::path::Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// Decodes a photograph, finds its edge and sorts its pixels.
+fn measure(
+    shot: &captures::Shot,
+    pitch_mm: f64,
+    tangential_rad: f64,
+    camera: &Camera,
+) -> Result<(View, Vec<String>), Error> {
+    let photo = shot.load()?;
+    let fault = |fault| Error::Edge {
+        image: shot.image.clone(),
+        fault,
+    };
+    let roi = shot.roi.map(|r| [r.x, r.y, r.width, r.height]);
+    // The manifest's region has been checked against the picture.
+    let window = Window::of(&photo, roi).ok_or(fault(edge::Fault::TooSmall))?;
+    let line = edge::locate(&window).map_err(fault)?;
+    let profile = Profile::new(&window, &line).ok_or(fault(edge::Fault::TooSmall))?;
+    let mut warnings = photo.warnings.clone();
+    warnings.extend(
+        photo
+            .clip_level
+            .and_then(|level| window.clipping_warning(level)),
+    );
+    warnings.extend(profile.warnings(&line));
+    Ok((
+        View::new(line, profile, pitch_mm, tangential_rad, camera),
+        warnings,
+    ))
+}
+
+fn aerial(
+    campaign: &Campaign,
+    capture: &Capture,
+    table: &Table,
+    camera: &Camera,
+) -> Result<Option<Aerial>, Error> {
+    let image = name(&capture.shot.image);
+    let direction = table
+        .direction(capture.incidence_deg, capture.azimuth_deg)
+        .map_err(|source| Error::Direction {
+            manifest: campaign.file.clone(),
+            image: image.clone(),
+            source,
+        })?;
+    if direction.eta <= 0.0 {
+        return Ok(None);
+    }
+    let (view, mut warnings) = measure(
+        &capture.shot,
+        campaign.setup.pixel_pitch_mm,
+        capture.tangential_axis_rad(),
+        camera,
+    )?;
+    if direction.interpolated {
+        warnings.push(format!(
+            "incidence {} deg is interpolated between directions of the table; bake it for full accuracy",
+            capture.incidence_deg
+        ));
+    }
+    let normal = view.normal();
+    Ok(Some(Aerial {
+        image,
+        incidence_deg: capture.incidence_deg,
+        r_mm: capture.range_mm(),
+        group: 0,
+        exposure: capture.shot.exposure,
+        eta: direction.eta,
+        eta_standard_error: direction.standard_error,
+        shift: ShiftLine::new(&direction, capture.incidence_rad(), normal),
+        view,
+        warnings,
+    }))
+}

@@ -1,0 +1,142 @@
+//! Which terms the photographs need: candidates side by side, the simplest that none clearly beats.
+//!
+//! The criterion is Bayes' (BIC) on the MTF differences after whitening with their noise covariance, so that neighbouring
+//! frequencies, which share pixels, are not counted twice. A further term must lower it by more than [`CLEAR`].
+
+use crate::estimate::{Choice, Estimate, Optimum, estimate, optimum};
+use crate::kernel::Kernel;
+use crate::lobe::Shape;
+use crate::scene::Scene;
+
+/// Fall of the criterion below which the simpler candidate stays.
+pub const CLEAR: f64 = 4.0;
+
+/// What the user leaves open: every combination is a candidate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Candidates {
+    /// Kernels, in the order of preference among equals.
+    pub kernels: Vec<Kernel>,
+    /// Lobe shapes.
+    pub shapes: Vec<Shape>,
+    /// `Some(true)`: one spread per incidence angle; `None`: both are tried.
+    pub per_angle_a: Option<bool>,
+    /// Likewise for mu.
+    pub per_angle_mu: Option<bool>,
+}
+
+/// The chosen candidate, and all that were compared, best criterion first.
+pub struct Selection {
+    /// The estimate to report.
+    pub best: Estimate,
+    /// Every candidate's choice, criterion, sum of squares and parameters.
+    pub compared: Vec<Compared>,
+}
+
+/// One row of the comparison.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// The candidate.
+    pub choice: Choice,
+    /// Bayes' criterion.
+    pub criterion: f64,
+    /// Sum of squares of the whitened MTF differences.
+    pub chi2: f64,
+    /// Parameters of the blur.
+    pub parameters: usize,
+}
+
+/// Fits all candidates and picks one.
+pub fn select(scene: &Scene, open: &Candidates) -> Selection {
+    let mut fits: Vec<Optimum> = choices(scene, open)
+        .into_iter()
+        .map(|choice| optimum(scene, choice))
+        .collect();
+    let mut compared: Vec<Compared> = fits
+        .iter()
+        .map(|fit| Compared {
+            choice: fit.choice,
+            criterion: fit.criterion(),
+            chi2: fit.solution.sum_of_squares(),
+            parameters: fit.solution.parameters.len(),
+        })
+        .collect();
+    compared.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let least = compared[0].criterion;
+    // A stable sort: among equals the order of preference stays.
+    fits.sort_by_key(|fit| fit.solution.parameters.len());
+    let chosen = fits
+        .iter()
+        .position(|fit| fit.criterion() <= least + CLEAR)
+        .unwrap_or(0);
+    let chosen = fits.swap_remove(chosen);
+    let shared_mu = Optimum {
+        choice: Choice {
+            per_angle_mu: false,
+            ..chosen.choice
+        },
+        ..chosen.clone()
+    };
+    let mut best = estimate(scene, chosen);
+    if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
+        best = estimate(scene, shared_mu);
+    }
+    Selection { best, compared }
+}
+
+fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
+    let several = scene.groups.len() > 1;
+    let sharings = match open.per_angle_a {
+        Some(per_angle) => vec![per_angle],
+        None if several => vec![false, true],
+        None => vec![false],
+    };
+    let mut choices = Vec::new();
+    for &kernel in &open.kernels {
+        // Without a lobe its shape and sharing mean nothing: one candidate.
+        let shapes = if kernel.has_lobe() {
+            &open.shapes[..]
+        } else {
+            &open.shapes[..1]
+        };
+        let sharings = if kernel.has_lobe() {
+            &sharings[..]
+        } else {
+            &sharings[..1]
+        };
+        for &shape in shapes {
+            for &per_angle_a in sharings {
+                choices.push(Choice {
+                    kernel,
+                    shape,
+                    per_angle_a,
+                    per_angle_mu: open.per_angle_mu.unwrap_or(several),
+                });
+            }
+        }
+    }
+    choices
+}
+
+/// Whether the mu of the incidence groups differ by more than their errors, by the same criterion: sum of squares of the
+/// whitened differences against ln(photographs) for each further parameter.
+fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
+    let Some(mu) = fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
+        return false;
+    };
+    let first = fit.names.len() - mu.len();
+    let rest = mu.len() - 1;
+    // Differences to the first: the errors that all share (reference, lens) fall out.
+    let difference = nalgebra::DVector::from_fn(rest, |i, _| (mu[i + 1].value / mu[0].value).ln());
+    let relative =
+        |i: usize, j: usize| fit.covariance[(first + i, first + j)] / (mu[i].value * mu[j].value);
+    let covariance = nalgebra::DMatrix::from_fn(rest, rest, |i, j| {
+        relative(i + 1, j + 1) - relative(i + 1, 0) - relative(0, j + 1) + relative(0, 0)
+    });
+    match covariance.cholesky() {
+        Some(factor) => {
+            let squares = difference.dot(&factor.solve(&difference));
+            squares > rest as f64 * (scene.shots.len() as f64).ln() + CLEAR
+        }
+        None => true,
+    }
+}

@@ -1,0 +1,123 @@
+//! Nonlinear least squares: Levenberg-Marquardt on analytic derivatives.
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use nalgebra::{DMatrix, DVector, Dyn, Owned};
+
+/// Residuals and their derivatives (rows: residuals, columns: parameters) at one point.
+pub type Evaluation = (DVector<f64>, DMatrix<f64>);
+
+/// Why the iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// Neither parameters nor sum of squares change any more.
+    Converged,
+    /// The greatest number of iterations was reached.
+    IterationLimit,
+    /// The residuals are not finite, or a step could not be found.
+    Failed,
+}
+
+impl Stop {
+    /// The name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Stop::Converged => "converged",
+            Stop::IterationLimit => "iteration limit",
+            Stop::Failed => "failed",
+        }
+    }
+}
+
+/// Where the iteration ended.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The parameters.
+    pub parameters: DVector<f64>,
+    /// Residuals there.
+    pub residuals: DVector<f64>,
+    /// Derivatives there.
+    pub jacobian: DMatrix<f64>,
+    /// Evaluations that it took.
+    pub iterations: usize,
+    /// Why it ended.
+    pub stop: Stop,
+}
+
+impl Solution {
+    /// Sum of squares of the residuals.
+    pub fn sum_of_squares(&self) -> f64 {
+        self.residuals.norm_squared()
+    }
+}
+
+struct Problem<F> {
+    evaluate: F,
+    parameters: DVector<f64>,
+    now: Evaluation,
+}
+
+impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<F> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, x: &DVector<f64>) {
+        self.now = (self.evaluate)(x);
+        self.parameters = x.clone();
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.parameters.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.now
+            .0
+            .iter()
+            .all(|r| r.is_finite())
+            .then(|| self.now.0.clone())
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        self.now
+            .1
+            .iter()
+            .all(|r| r.is_finite())
+            .then(|| self.now.1.clone())
+    }
+}
+
+/// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of scales); the iteration ends
+/// when they or the sum of squares change by less than 1e-10 of themselves.
+pub fn least_squares(
+    start: DVector<f64>,
+    evaluate: impl Fn(&DVector<f64>) -> Evaluation,
+) -> Solution {
+    let now = evaluate(&start);
+    let problem = Problem {
+        evaluate,
+        parameters: start,
+        now,
+    };
+    let solver = LevenbergMarquardt::new()
+        .with_ftol(1e-10)
+        .with_xtol(1e-10)
+        .with_gtol(1e-12)
+        .with_patience(40);
+    let (problem, report) = solver.minimize(problem);
+    let stop = match report.termination {
+        TerminationReason::Converged { .. }
+        | TerminationReason::ResidualsZero
+        | TerminationReason::Orthogonal
+        | TerminationReason::NoImprovementPossible(_) => Stop::Converged,
+        TerminationReason::LostPatience => Stop::IterationLimit,
+        _ => Stop::Failed,
+    };
+    Solution {
+        parameters: problem.parameters,
+        residuals: problem.now.0,
+        jacobian: problem.now.1,
+        iterations: report.number_of_evaluations,
+        stop,
+    }
+}
