@@ -1,5 +1,33 @@
-//! placeholder
+//! Estimates the diffraction spread `a`, corner size `c` and reflectance `mu` of a retroreflective sheet from
+//! photographs of mid-air images.
 
+#![forbid(unsafe_code)]
+
+pub mod bound;
+pub mod camera;
 pub mod captures;
+pub mod cli;
+pub mod edge;
+pub mod estimate;
+pub mod hermite;
+pub mod kernel;
+pub mod lobe;
+pub mod output;
 pub mod photo;
+pub mod plot;
+pub mod predict;
+pub mod profile;
+pub mod reference;
+pub mod reflectance;
+pub mod report;
+pub mod scene;
+pub mod select;
+pub mod sfr;
+pub mod shift;
 pub mod simulate;
+pub mod solve;
+pub mod spread;
+pub mod start;
+pub mod verbs;
+pub mod view;
+pub mod window;

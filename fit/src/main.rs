@@ -1,1 +1,7 @@
-fn main() {}
+//! The `fit` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    fit::cli::main()
+}

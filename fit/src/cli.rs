@@ -1,0 +1,246 @@
+//! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::verbs;
+use crate::{captures, edge, output, photo, plot, predict, scene, simulate};
+
+/// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
+/// mid-air images, and predicts what the sheet shows elsewhere.
+#[derive(Debug, Parser)]
+#[command(name = "fit", version, arg_required_else_help = true)]
+struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Estimate(verbs::estimate::Arguments),
+    Mtf(verbs::mtf::Arguments),
+    Predict(verbs::predict::Arguments),
+    Simulate(verbs::simulate::Arguments),
+}
+
+/// Anything that ends a verb.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// The manifest.
+    #[error(transparent)]
+    Captures(#[from] captures::Error),
+    /// A photograph.
+    #[error(transparent)]
+    Photo(#[from] photo::Error),
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+    /// The table.
+    #[error(transparent)]
+    Table(#[from] tables::Error),
+    /// The prediction.
+    #[error(transparent)]
+    Predict(#[from] predict::Error),
+    /// The simulation.
+    #[error(transparent)]
+    Simulate(#[from] simulate::Error),
+    /// An output.
+    #[error(transparent)]
+    Output(#[from] output::Error),
+    /// A picture.
+    #[error(transparent)]
+    Plot(#[from] plot::Error),
+    /// No edge.
+    #[error("{}: {fault}", image.display())]
+    Edge {
+        /// The photograph.
+        image: PathBuf,
+        /// What is wrong.
+        fault: edge::Fault,
+    },
+    /// A region outside of the photograph.
+    #[error("{}: --roi {x},{y},{w},{h} does not lie in the picture ({width} x {height}); give x,y,width,height in pixels",
+        image.display())]
+    Roi {
+        /// The photograph.
+        image: PathBuf,
+        /// Left edge.
+        x: usize,
+        /// Upper edge.
+        y: usize,
+        /// Width of the region.
+        w: usize,
+        /// Height of the region.
+        h: usize,
+        /// Width of the picture.
+        width: usize,
+        /// Height of the picture.
+        height: usize,
+    },
+    /// A JSON file that is none, or another.
+    #[error("{}: {message}; give a file that {expected}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What the parser said.
+        message: String,
+        /// What writes such files.
+        expected: &'static str,
+    },
+    /// Standard output is closed or full.
+    #[error("standard output cannot be written ({0}); check the pipe, or use -o")]
+    Stdout(std::io::Error),
+    /// Threads could not be started.
+    #[error("--threads {threads}: the threads could not be started ({message}); ask for fewer")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// What the library said.
+        message: String,
+    },
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let done = match Arguments::parse().verb {
+        Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
+        Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
+        Verb::Predict(arguments) => verbs::predict::run(&arguments),
+        Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // A reader that has seen enough is no failure.
+        Err(Failure::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(failure) => {
+            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Prints to standard output.
+///
+/// # Errors
+/// [`Failure::Stdout`].
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())
+        .and_then(|()| out.flush())
+        .map_err(Failure::Stdout)
+}
+
+/// Prints a warning to standard error.
+pub fn warn(text: &str) {
+    let _ = writeln!(std::io::stderr(), "warning: {text}");
+}
+
+/// Reads a JSON file.
+///
+/// # Errors
+/// [`Failure::Json`] where it cannot be read or is another kind of file.
+pub fn read_json<T: serde::de::DeserializeOwned>(
+    path: &Path,
+    expected: &'static str,
+) -> Result<T, Failure> {
+    let error = |message: String| Failure::Json {
+        path: path.to_owned(),
+        message,
+        expected,
+    };
+    let text = std::fs::read_to_string(path).map_err(|e| error(format!("cannot be read ({e})")))?;
+    serde_json::from_str(&text).map_err(|e| error(format!("is not such a file ({e})")))
+}
+
+/// A list of numbers: `0,5,10` or `start:stop:step`, both ends included.
+///
+/// # Errors
+/// A sentence for clap, naming what is wrong.
+pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    const MOST: f64 = 100_000.0;
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!(
+            "\"{part}\" is not a number; write 0,5,10 or start:stop:step"
+        )),
+    };
+    let list = if text.contains(':') {
+        let parts: Vec<f64> = text.split(':').map(number).collect::<Result<_, _>>()?;
+        let [start, stop, step] = parts[..] else {
+            return Err("a range has three parts, start:stop:step".into());
+        };
+        let count = ((stop - start) / step + 1e-9).floor();
+        if !(step > 0.0 && (0.0..MOST).contains(&count)) {
+            return Err(
+                "a range needs stop >= start and a step > 0 (at most 100000 values)".into(),
+            );
+        }
+        (0..=count as usize)
+            .map(|i| start + i as f64 * step)
+            .collect()
+    } else {
+        text.split(',')
+            .map(number)
+            .collect::<Result<Vec<f64>, _>>()?
+    };
+    Ok(list)
+}
+
+/// `0 <= incidence < 90`, every one.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn incidences(text: &str) -> Result<Vec<f64>, String> {
+    let list = numbers(text)?;
+    match list.iter().find(|v| !(0.0..90.0).contains(*v)) {
+        Some(bad) => Err(format!(
+            "incidence {bad} is outside of 0 <= angle < 90 degrees"
+        )),
+        None => Ok(list),
+    }
+}
+
+/// Numbers > 0, every one.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn positives(text: &str) -> Result<Vec<f64>, String> {
+    let list = numbers(text)?;
+    match list.iter().find(|v| **v <= 0.0) {
+        Some(bad) => Err(format!("{bad} is not larger than 0")),
+        None => Ok(list),
+    }
+}
+
+/// One number > 0.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number larger than 0".into()),
+    }
+}
+
+/// A thread pool of the size asked for; `None` for the default, one thread per core.
+///
+/// # Errors
+/// [`Failure::Threads`].
+pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Failure> {
+    let threads = threads.unwrap_or(0);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| Failure::Threads {
+            threads,
+            message: e.to_string(),
+        })
+}

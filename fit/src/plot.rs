@@ -1,0 +1,237 @@
+//! Pictures: MTF curves, measured and modelled.
+
+use std::path::{Path, PathBuf};
+
+use kuva::prelude::*;
+
+use crate::predict::{Axis, Prediction};
+use crate::report::ResultFile;
+
+/// Why a picture cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Neither .svg nor .png.
+    #[error("{}: a plot is written as .svg or .png; give one of these endings", path.display())]
+    Ending {
+        /// The file asked for.
+        path: PathBuf,
+    },
+    /// The drawing library failed.
+    #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png", path.display())]
+    Drawing {
+        /// The file asked for.
+        path: PathBuf,
+        /// What the library said.
+        message: String,
+    },
+}
+
+/// Picture formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Vector.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// The format that a file's ending names.
+    ///
+    /// # Errors
+    /// [`Error::Ending`].
+    pub fn of(path: &Path) -> Result<Format, Error> {
+        match path
+            .extension()
+            .and_then(|e| e.to_str())
+            .map(str::to_ascii_lowercase)
+            .as_deref()
+        {
+            Some("svg") => Ok(Format::Svg),
+            Some("png") => Ok(Format::Png),
+            _ => Err(Error::Ending {
+                path: path.to_owned(),
+            }),
+        }
+    }
+}
+
+/// Curves of one panel in these colours, by floating distance.
+const COLOURS: [&str; 6] = [
+    "#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf",
+];
+
+/// Measured MTF (dots, with one standard error) and model (line): one panel per incidence angle.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
+    let mut incidences: Vec<f64> = result.captures.iter().map(|c| c.incidence_deg).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    let farthest = result
+        .captures
+        .iter()
+        .flat_map(|c| c.curves.frequency_per_mm.iter().zip(&c.curves.modelled))
+        .filter(|(_, m)| **m > 0.02)
+        .map(|(&f, _)| f)
+        .fold(0.5, f64::max);
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for &incidence in &incidences {
+        let mut plots = Vec::new();
+        let shots = result
+            .captures
+            .iter()
+            .filter(|c| c.incidence_deg == incidence);
+        for (i, shot) in shots.enumerate() {
+            let colour = COLOURS[i % COLOURS.len()];
+            let curves = &shot.curves;
+            let shown = curves
+                .frequency_per_mm
+                .iter()
+                .take_while(|&&f| f <= farthest)
+                .count();
+            let points = |y: &[f64]| -> Vec<(f64, f64)> {
+                curves.frequency_per_mm[..shown]
+                    .iter()
+                    .copied()
+                    .zip(y.iter().copied())
+                    .collect()
+            };
+            let name = format!(
+                "{} mm, edge {:.0}°",
+                shot.floating_distance_mm, shot.edge_angle_deg
+            );
+            plots.push(Plot::Scatter(
+                ScatterPlot::new()
+                    .with_data(points(&curves.measured))
+                    .with_y_err(curves.standard_error[..shown].iter().copied())
+                    .with_color(colour)
+                    .with_size(2.0),
+            ));
+            let line = LinePlot::new()
+                .with_data(points(&curves.modelled))
+                .with_color(colour)
+                .with_stroke_width(1.5);
+            plots.push(Plot::Line(line.with_legend(name)));
+        }
+        let layout = Layout::auto_from_plots(&plots)
+            .with_title(format!("incidence {incidence}°"))
+            .with_x_label("frequency (1/mm)")
+            .with_y_label("MTF")
+            .with_x_axis_min(0.0)
+            .with_x_axis_max(farthest)
+            .with_y_axis_min(0.0)
+            .with_y_axis_max(1.0)
+            .with_legend_position(LegendPosition::InsideTopRight);
+        panels.push(plots);
+        layouts.push(layout);
+    }
+    let title = format!(
+        "MTF measured (dots) and modelled (lines), kernel {}",
+        result.kernel.name()
+    );
+    draw(panels, layouts, &title, path)
+}
+
+/// Predicted MTF: one panel per distance and axis, one curve per incidence.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn predicted(
+    predictions: &[Prediction],
+    frequency_per_mm: &[f64],
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let mut distances: Vec<f64> = predictions.iter().map(|p| p.distance_mm).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.dedup();
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for axis in [Axis::Tangential, Axis::Sagittal] {
+        for &distance in &distances {
+            let chosen: Vec<&Prediction> = predictions
+                .iter()
+                .filter(|p| p.axis == axis && p.distance_mm == distance && !p.mtf.is_empty())
+                .collect();
+            let last = chosen.len().max(2) - 1;
+            let plots: Vec<Plot> = chosen
+                .iter()
+                .enumerate()
+                .map(|(i, p)| {
+                    let points: Vec<(f64, f64)> = frequency_per_mm
+                        .iter()
+                        .copied()
+                        .zip(p.mtf.iter().copied())
+                        .collect();
+                    let line = LinePlot::new()
+                        .with_data(points)
+                        .with_color(ramp(i as f64 / last as f64));
+                    Plot::Line(
+                        line.with_stroke_width(1.5)
+                            .with_legend(format!("{}°", p.incidence_deg)),
+                    )
+                })
+                .collect();
+            let name = if axis == Axis::Tangential {
+                "tangential"
+            } else {
+                "sagittal"
+            };
+            let layout = Layout::auto_from_plots(&plots)
+                .with_title(format!("{distance} mm, {name}"))
+                .with_x_label("frequency (1/mm)")
+                .with_y_label("MTF")
+                .with_x_axis_min(0.0)
+                .with_y_axis_min(0.0)
+                .with_y_axis_max(1.0)
+                .with_legend_position(LegendPosition::InsideTopRight);
+            panels.push(plots);
+            layouts.push(layout);
+        }
+    }
+    draw(
+        panels,
+        layouts,
+        "MTF of the mid-air image by incidence",
+        path,
+    )
+}
+
+/// A colour from blue (0) to red (1).
+fn ramp(x: f64) -> String {
+    let mix = |a: f64, b: f64| (a + (b - a) * x).round() as u8;
+    format!(
+        "#{:02x}{:02x}{:02x}",
+        mix(31.0, 214.0),
+        mix(119.0, 39.0),
+        mix(180.0, 40.0)
+    )
+}
+
+fn draw(
+    panels: Vec<Vec<Plot>>,
+    layouts: Vec<Layout>,
+    title: &str,
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let columns = panels.len().clamp(1, if panels.len() > 4 { 5 } else { 2 });
+    let rows = panels.len().div_ceil(columns);
+    let scene = Figure::new(rows, columns)
+        .with_title(title)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(380.0, 320.0)
+        .render();
+    match Format::of(path)? {
+        Format::Svg => Ok(SvgBackend.render_scene(&scene).into_bytes()),
+        Format::Png => PngBackend::new()
+            .render_scene(&scene)
+            .map_err(|message| Error::Drawing {
+                path: path.to_owned(),
+                message: message.to_string(),
+            }),
+    }
+}

@@ -1,0 +1,181 @@
+//! What a fitted sheet would show: MTF curves and luminance at other distances and directions.
+
+use serde::Serialize;
+use tables::Table;
+
+use crate::kernel::{Blur, Kernel};
+use crate::lobe::Shape;
+use crate::report::ResultFile;
+use crate::shift::ShiftLine;
+use crate::view::Model;
+
+/// Why a prediction cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The result holds only a bound where a number is needed.
+    #[error(
+        "the result gives no number for {parameter} (its photographs only bound it); \
+             fit with a --kernel without it, or add photographs"
+    )]
+    Unknown {
+        /// The parameter.
+        parameter: &'static str,
+    },
+    /// The table was not the one that the fit used.
+    #[error(
+        "the result was fitted with table {fitted}, not with this one ({given}); \
+             give the table that it names, or fit again"
+    )]
+    OtherTable {
+        /// Content hash in the result.
+        fitted: String,
+        /// Content hash of the table given.
+        given: String,
+    },
+    /// The table has no such direction.
+    #[error(transparent)]
+    Direction(#[from] tables::Error),
+}
+
+/// Orientation of a pattern: along which axis its contrast is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// In the plane of incidence.
+    Tangential,
+    /// Across it.
+    Sagittal,
+}
+
+impl Axis {
+    /// Unit normal in the aerial image, (tangential, sagittal).
+    pub const fn normal(self) -> [f64; 2] {
+        match self {
+            Axis::Tangential => [1.0, 0.0],
+            Axis::Sagittal => [0.0, 1.0],
+        }
+    }
+}
+
+/// The MTF of the mid-air image itself (no camera) along one axis, at one direction and distance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Floating distance (optical path), mm.
+    pub distance_mm: f64,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees; null for a mean table.
+    pub azimuth_deg: Option<f64>,
+    /// Direction of the contrast.
+    pub axis: Axis,
+    /// Retroreflected fraction of the table.
+    pub eta: f64,
+    /// Luminance of the mid-air image over that of the source, half mirror included; null without mu.
+    pub luminance: Option<f64>,
+    /// Frequency at which the MTF is one half, 1/mm; null where it stays above, or nothing returns.
+    pub mtf50_per_mm: Option<f64>,
+    /// The MTF at the frequencies asked for; empty where nothing returns.
+    pub mtf: Vec<f64>,
+}
+
+/// Where to predict.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Places {
+    /// Floating distances, mm.
+    pub distance_mm: Vec<f64>,
+    /// Incidence angles, degrees.
+    pub incidence_deg: Vec<f64>,
+    /// Azimuth, degrees; `None` for a mean table.
+    pub azimuth_deg: Option<f64>,
+    /// Frequencies, 1/mm.
+    pub frequency_per_mm: Vec<f64>,
+}
+
+/// Predicts MTF and luminance at every distance and incidence, along both axes. Parameters fitted per angle are
+/// interpolated linearly in the incidence and held constant beyond the fitted angles.
+///
+/// # Errors
+/// [`Error::OtherTable`], [`Error::Unknown`], [`Error::Direction`].
+pub fn predict(
+    result: &ResultFile,
+    table: &Table,
+    places: &Places,
+) -> Result<Vec<Prediction>, Error> {
+    let given = table.content_hash();
+    if given != result.table.content_hash {
+        return Err(Error::OtherTable {
+            fitted: result.table.content_hash.clone(),
+            given,
+        });
+    }
+    let mut predictions = Vec::new();
+    for &incidence_deg in &places.incidence_deg {
+        let direction = table.direction(incidence_deg, places.azimuth_deg)?;
+        let blur = blur(result, incidence_deg)?;
+        for &distance_mm in &places.distance_mm {
+            for axis in [Axis::Tangential, Axis::Sagittal] {
+                let normal = axis.normal();
+                let shift = ShiftLine::new(&direction, incidence_deg.to_radians(), normal);
+                let model = Model {
+                    kernel: result.kernel,
+                    shape: result.lobe.unwrap_or(Shape::Radial),
+                    shift: shift.as_ref(),
+                    r_mm: distance_mm,
+                    normal,
+                };
+                let mtf_at = |f: f64| model.otf(blur, f)[0].norm();
+                let returns = shift.is_some();
+                let mtf: Vec<f64> = if returns {
+                    places.frequency_per_mm.iter().map(|&f| mtf_at(f)).collect()
+                } else {
+                    Vec::new()
+                };
+                let mu = result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
+                predictions.push(Prediction {
+                    distance_mm,
+                    incidence_deg,
+                    azimuth_deg: places.azimuth_deg,
+                    axis,
+                    eta: direction.eta,
+                    luminance: mu.map(|mu| mu * direction.eta * result.half_mirror),
+                    mtf50_per_mm: if returns {
+                        crate::sfr::crossing(&places.frequency_per_mm, &mtf, 0.5)
+                    } else {
+                        None
+                    },
+                    mtf,
+                });
+            }
+        }
+    }
+    Ok(predictions)
+}
+
+fn blur(result: &ResultFile, incidence_deg: f64) -> Result<Blur, Error> {
+    let spread = match result.kernel {
+        Kernel::Shift => 1.0,
+        Kernel::Eq1 | Kernel::Lobe => result
+            .a_per_mm
+            .as_ref()
+            .and_then(|a| a.at(incidence_deg))
+            .ok_or(Error::Unknown {
+                parameter: "a_per_mm",
+            })?,
+        Kernel::Angular => result
+            .a_times_r
+            .as_ref()
+            .and_then(|a| a.at(incidence_deg))
+            .ok_or(Error::Unknown {
+                parameter: "a_times_r",
+            })?,
+    };
+    let c_mm = match result.kernel {
+        Kernel::Lobe => 1.0,
+        _ => result
+            .c_mm
+            .and_then(|c| c.value)
+            .ok_or(Error::Unknown { parameter: "c_mm" })?,
+    };
+    Ok(Blur { spread, c_mm })
+}

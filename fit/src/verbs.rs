@@ -1,0 +1,6 @@
+//! The verbs of `fit`: each its arguments, its plan and its run.
+
+pub mod estimate;
+pub mod mtf;
+pub mod predict;
+pub mod simulate;

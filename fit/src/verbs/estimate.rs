@@ -1,0 +1,307 @@
+//! `fit estimate`: a, c and mu from a campaign of photographs.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::bound::bounds;
+use crate::captures;
+use crate::cli::{self, Failure};
+use crate::kernel::Kernel;
+use crate::lobe::Shape;
+use crate::output::Output;
+use crate::plot;
+use crate::report::{Number, Parameter, ResultFile, TableResult};
+use crate::scene::Scene;
+use crate::select::{Candidates, select};
+
+/// Estimates a, c and mu of a sheet from photographs of mid-air edges.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+What is left open (auto) is decided by Bayes' criterion on the whitened MTF differences; a further term must lower it \
+by more than 4. Standard errors carry pixel noise, the lens fit, the reference's step and the table's rays.
+
+Examples:
+  bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
+  fit estimate captures.toml --table pair.h5 -o result.json
+  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json")]
+pub struct Arguments {
+    /// The campaign's manifest
+    pub captures: PathBuf,
+    /// The sheet's ray-shift table, made by `bake trace`
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// Write the result there (JSON)
+    #[arg(short, long, value_name = "RESULT.json")]
+    pub output: Option<PathBuf>,
+    /// Blur terms: auto, eq1 (a independent of distance), angular (a = A/R), shift (no lobe), lobe (no shift)
+    #[arg(long, default_value = "auto", value_parser = kernels)]
+    pub kernel: Kernels,
+    /// Shape of the lobe: radial, separable or auto
+    #[arg(long, default_value = "radial", value_parser = shapes)]
+    pub lobe: Shapes,
+    /// Parameters fitted for every incidence angle: a, mu, or auto (what is named in neither list is decided)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub per_angle: Vec<PerAngle>,
+    /// Parameters that all angles share: a, c, mu (c always is)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub shared: Vec<SharedName>,
+    /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
+    #[arg(long, value_name = "TRUTH.json")]
+    pub truth: Option<PathBuf>,
+    /// Measured and modelled MTF curves as a picture, .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Threads; one per core if left out
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Print the result as one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The kernels that are open.
+#[derive(Debug, Clone)]
+pub struct Kernels(Vec<Kernel>);
+
+/// The lobe shapes that are open.
+#[derive(Debug, Clone)]
+pub struct Shapes(Vec<Shape>);
+
+/// What may be fitted per angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum PerAngle {
+    /// The diffraction spread.
+    A,
+    /// The reflectance.
+    Mu,
+    /// Decide.
+    Auto,
+}
+
+/// What may be shared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum SharedName {
+    /// The diffraction spread.
+    A,
+    /// The corner size.
+    C,
+    /// The reflectance.
+    Mu,
+    /// Decide.
+    Auto,
+}
+
+fn kernels(text: &str) -> Result<Kernels, String> {
+    // Among equals the literal Eq. (1) comes first.
+    let all = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
+    match text {
+        "auto" => Ok(Kernels(all.to_vec())),
+        name => all
+            .into_iter()
+            .find(|k| k.name() == name)
+            .map(|k| Kernels(vec![k]))
+            .ok_or_else(|| "use auto, eq1, angular, shift or lobe".into()),
+    }
+}
+
+fn shapes(text: &str) -> Result<Shapes, String> {
+    let all = [Shape::Radial, Shape::Separable];
+    match text {
+        "auto" => Ok(Shapes(all.to_vec())),
+        name => all
+            .into_iter()
+            .find(|s| s.name() == name)
+            .map(|s| Shapes(vec![s]))
+            .ok_or("use radial, separable or auto".into()),
+    }
+}
+
+/// What is asked for, checked.
+struct Plan {
+    candidates: Candidates,
+}
+
+impl Plan {
+    fn new(arguments: &Arguments) -> Plan {
+        let sharing = |per_angle: PerAngle, shared: SharedName| {
+            match (arguments.per_angle.contains(&per_angle), arguments.shared.contains(&shared)) {
+                (true, false) => Some(true),
+                (false, true) => Some(false),
+                (false, false) => None,
+                (true, true) => clap::Command::new("fit estimate")
+                    .error(
+                        clap::error::ErrorKind::ArgumentConflict,
+                        "a parameter is named both in --per-angle and in --shared; name it in one of them",
+                    )
+                    .exit(),
+            }
+        };
+        Plan {
+            candidates: Candidates {
+                kernels: arguments.kernel.0.clone(),
+                shapes: arguments.lobe.0.clone(),
+                per_angle_a: sharing(PerAngle::A, SharedName::A),
+                per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu),
+            },
+        }
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Manifest, photographs, table or outputs.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let plan = Plan::new(arguments);
+    let output = arguments
+        .output
+        .as_deref()
+        .map(Output::reserve)
+        .transpose()?;
+    let picture = match &arguments.plot {
+        Some(path) => {
+            plot::Format::of(path)?;
+            Some((path, Output::reserve(path)?))
+        }
+        None => None,
+    };
+    let truth: Option<serde_json::Value> = arguments
+        .truth
+        .as_deref()
+        .map(|path| cli::read_json(path, "holds a planted answer"))
+        .transpose()?;
+    let result = cli::pool(arguments.threads)?.install(|| estimate(arguments, &plan))?;
+    for warning in &result.warnings {
+        cli::warn(warning);
+    }
+    for capture in &result.captures {
+        for warning in &capture.warnings {
+            cli::warn(&format!("{}: {warning}", capture.image));
+        }
+    }
+    let json = result.to_json();
+    if let Some((path, output)) = picture {
+        output.commit(&plot::fitted(&result, path)?)?;
+    }
+    if let Some(output) = output {
+        output.commit(json.as_bytes())?;
+    }
+    cli::print(&if arguments.json {
+        json
+    } else {
+        summary(&result, truth.as_ref())
+    })
+}
+
+fn estimate(arguments: &Arguments, plan: &Plan) -> Result<ResultFile, Failure> {
+    let start = Instant::now();
+    let campaign = captures::load(&arguments.captures)?;
+    let table = tables::read(&arguments.table)?;
+    let scene = Scene::load(&campaign, &table)?;
+    let selection = select(&scene, &plan.candidates);
+    let bounds = bounds(&scene, &selection.best);
+    let source = TableResult {
+        content_hash: table.content_hash(),
+        design: table.provenance.design.clone(),
+    };
+    Ok(ResultFile::new(
+        &scene,
+        &selection,
+        bounds,
+        source,
+        start.elapsed().as_secs_f64(),
+    ))
+}
+
+/// The result as a table for a person.
+fn summary(result: &ResultFile, truth: Option<&serde_json::Value>) -> String {
+    let mut text = String::new();
+    let lobe = result
+        .lobe
+        .map_or(String::new(), |l| format!(", lobe {}", l.name()));
+    let _ = writeln!(
+        text,
+        "kernel {}{lobe}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
+        result.kernel.name(),
+        result.captures.len(),
+        result.table.design,
+        result.stop,
+        result.iterations,
+        result.seconds
+    );
+    let head = if truth.is_some() {
+        "truth     difference"
+    } else {
+        ""
+    };
+    let _ = writeln!(
+        text,
+        "{:<12}{:>10}{:>12}{:>14}   {head}",
+        "", "incidence", "estimate", "std. error"
+    );
+    let planted = |name: &str, incidence: Option<f64>| {
+        let value = truth?.get("truth")?.get(name)?;
+        value
+            .as_f64()
+            .or_else(|| value.get(incidence?.to_string())?.as_f64())
+    };
+    let mut row = |label: &str, key: &str, incidence: Option<f64>, number: Number| {
+        let angle = incidence.map_or(String::new(), |i| format!("{i}°"));
+        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
+        let _ = write!(
+            text,
+            "{label:<12}{angle:>10}{:>12}{:>14}",
+            shown(number.value),
+            shown(number.standard_error)
+        );
+        if let (Some(truth), Some(value)) = (planted(key, incidence), number.value) {
+            let _ = write!(
+                text,
+                "   {truth:<8} {:>+9.3} %",
+                100.0 * (value / truth - 1.0)
+            );
+        }
+        text.push('\n');
+    };
+    if let Some(c) = result.c_mm {
+        row("c (mm)", "c", None, c);
+    }
+    let parameters = [
+        ("a (1/mm)", "a", &result.a_per_mm),
+        ("a R", "a_times_r", &result.a_times_r),
+        ("mu", "mu", &result.mu),
+    ];
+    for (label, key, parameter) in parameters {
+        match parameter {
+            None => {}
+            Some(Parameter::Shared(number)) => row(label, key, None, *number),
+            Some(Parameter::PerAngle { per_angle }) => {
+                for p in per_angle {
+                    let number = Number {
+                        value: p.value,
+                        standard_error: p.standard_error,
+                    };
+                    row(label, key, Some(p.incidence_deg), number);
+                }
+            }
+        }
+    }
+    for (name, bound) in &result.bounds {
+        let side = match (bound.at_least, bound.at_most) {
+            (Some(v), _) => format!("> {v:.4}"),
+            (_, Some(v)) => format!("< {v:.4}"),
+            _ => "not bounded by these photographs".into(),
+        };
+        let _ = writeln!(text, "{name} {side} (at {:.0} %)", 100.0 * bound.confidence);
+    }
+    text
+}
+
+/// Reads a RESULT.json.
+///
+/// # Errors
+/// [`Failure::Json`].
+pub fn read_result(path: &Path) -> Result<ResultFile, Failure> {
+    cli::read_json(path, "`fit estimate -o` wrote")
+}

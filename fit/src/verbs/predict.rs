@@ -1,0 +1,127 @@
+//! `fit predict`: MTF and luminance of a fitted sheet at other places.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use crate::cli::{self, Failure};
+use crate::output::Output;
+use crate::plot;
+use crate::predict::{Axis, Places, Prediction, predict};
+use crate::verbs::estimate::read_result;
+
+/// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The MTF is that of the mid-air image itself, without camera: tangential (contrast along the plane of incidence) and \
+sagittal. Luminance is relative to the source, half mirror included. Parameters fitted per angle are interpolated \
+linearly between the fitted angles and held constant beyond them.
+
+Examples:
+  fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 --azimuth 30
+  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot mtf.svg --json")]
+pub struct Arguments {
+    /// What `fit estimate -o` wrote
+    pub result: PathBuf,
+    /// The table that the result was fitted with
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// Floating distances, mm
+    #[arg(long, value_name = "LIST", value_parser = cli::positives)]
+    pub distance: std::vec::Vec<f64>,
+    /// Incidence angles, degrees
+    #[arg(long, value_name = "LIST", value_parser = cli::incidences)]
+    pub incidence: std::vec::Vec<f64>,
+    /// Azimuth, degrees; the table's own if it holds only one
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pub azimuth: Option<f64>,
+    /// Frequencies, 1/mm
+    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
+    pub frequency: std::vec::Vec<f64>,
+    /// One JSON object instead of CSV
+    #[arg(long)]
+    pub json: bool,
+    /// The MTF curves as a picture, .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write there instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Result, table, direction or outputs.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let output = arguments
+        .output
+        .as_deref()
+        .map(Output::reserve)
+        .transpose()?;
+    let picture = match &arguments.plot {
+        Some(path) => {
+            plot::Format::of(path)?;
+            Some((path, Output::reserve(path)?))
+        }
+        None => None,
+    };
+    let result = read_result(&arguments.result)?;
+    let table = tables::read(&arguments.table)?;
+    let only = match table.axes.azimuth_deg[..] {
+        [azimuth] if !azimuth.is_nan() => Some(azimuth),
+        _ => None,
+    };
+    let places = Places {
+        distance_mm: arguments.distance.clone(),
+        incidence_deg: arguments.incidence.clone(),
+        azimuth_deg: arguments.azimuth.or(only),
+        frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
+    };
+    let predictions = predict(&result, &table, &places)?;
+    if let Some((path, output)) = picture {
+        output.commit(&plot::predicted(
+            &predictions,
+            &places.frequency_per_mm,
+            path,
+        )?)?;
+    }
+    let text = if arguments.json {
+        let object = serde_json::json!({
+            "kernel": result.kernel,
+            "frequency_per_mm": places.frequency_per_mm,
+            "predictions": predictions,
+        });
+        format!("{object:#}\n")
+    } else {
+        csv(&predictions, &places.frequency_per_mm)
+    };
+    match output {
+        Some(output) => Ok(output.commit(text.as_bytes())?),
+        None => cli::print(&text),
+    }
+}
+
+/// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.
+fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
+    let mut text = String::from(
+        "distance_mm,incidence_deg,azimuth_deg,axis,eta,luminance,frequency_per_mm,mtf\n",
+    );
+    for p in predictions {
+        let axis = if p.axis == Axis::Tangential {
+            "tangential"
+        } else {
+            "sagittal"
+        };
+        let azimuth = p.azimuth_deg.map_or(String::new(), |a| a.to_string());
+        let luminance = p.luminance.map_or(String::new(), |l| format!("{l:.6}"));
+        for (i, f) in frequency_per_mm.iter().enumerate() {
+            let mtf = p.mtf.get(i).map_or(String::new(), |m| format!("{m:.6}"));
+            let _ = writeln!(
+                text,
+                "{},{},{azimuth},{axis},{:.6},{luminance},{f:.6},{mtf}",
+                p.distance_mm, p.incidence_deg, p.eta
+            );
+        }
+    }
+    text
+}
