@@ -4,18 +4,13 @@
 //! polygon. So it is given only the `v` and `f` lines, continued lines joined, after one polygon that names all
 //! vertices in order; polygons are cut into triangles in [`crate::polygon`].
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 use crate::error::{Counted, Fault};
 use crate::mesh::{MAX_ELEMENTS, Mesh, sha256};
 use crate::polygon;
-
-/// A face line of the file: its number and how many vertices precede it (what negative indices count from).
-struct FaceLine {
-    line: usize,
-    vertices_before: usize,
-    text: String,
-}
 
 /// Parses an OBJ file.
 ///
@@ -28,67 +23,11 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
         hash: sha256([bytes]),
         ..Mesh::default()
     };
-    let mut body = String::with_capacity(text.len());
-    let mut faces = Vec::new();
-    let mut vertex_lines = Vec::new();
-    for (line, content) in logical_lines(&text) {
-        match content.split_whitespace().next() {
-            Some("v") => {
-                vertex_lines.push(line);
-                // A fourth number is a rational weight or the first of a colour: neither moves a polygon's corner.
-                for word in content.split_whitespace().take(4) {
-                    body.push_str(word);
-                    body.push(' ');
-                }
-                body.push('\n');
-            }
-            Some("f") => {
-                let corners = content.split_whitespace().count() - 1;
-                if corners < 3 {
-                    return Err(Fault::FewCorners { line, corners });
-                }
-                body.push_str(&content);
-                body.push('\n');
-                faces.push(FaceLine {
-                    line,
-                    vertices_before: vertex_lines.len(),
-                    text: content,
-                });
-            }
-            Some(word) if word.starts_with('#') => comment(&mut mesh, line, &content)?,
-            _ => {}
-        }
-    }
-    for (what, found) in [
-        (Counted::Vertices, vertex_lines.len()),
-        (Counted::Triangles, faces.len()),
-    ] {
-        if found > MAX_ELEMENTS {
-            return Err(Fault::TooLarge {
-                what,
-                found: found as u64,
-                limit: MAX_ELEMENTS as u64,
-            });
-        }
-    }
-    if faces.is_empty() {
-        return Err(Fault::Empty);
-    }
-    let mut source = String::with_capacity(body.len() + 8 * vertex_lines.len());
-    source.push('f');
-    for vertex in 1..=vertex_lines.len() {
-        source.push(' ');
-        source.push_str(&vertex.to_string());
-    }
-    source.push('\n');
-    source.push_str(&body);
-    drop(body);
-
-    let options = tobj::LoadOptions::default();
-    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut source.as_bytes(), &options, no_materials)
-        .map_err(|reason| locate(reason, &text, &faces, vertex_lines.len()))?;
-    let model = models.into_iter().next().ok_or(Fault::Empty)?.mesh;
+    let (vertices, faces) = survey(&text, &mut mesh)?;
+    let source = geometry(&text, vertices);
+    let model = read(source.as_bytes()).map_err(|reason| locate(reason, &text, vertices))?;
+    drop(source);
+    let model = model.ok_or(Fault::Empty)?;
     mesh.positions = model
         .positions
         .chunks_exact(3)
@@ -99,12 +38,87 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     }
     // No arities: all faces are triangles, which makes the naming polygon one too.
     let arities = if model.face_arities.is_empty() {
-        vec![3; faces.len() + 1]
+        vec![3; faces + 1]
     } else {
         model.face_arities
     };
     triangulate(&mut mesh, &model.indices, &arities)?;
     Ok(mesh)
+}
+
+/// Counts vertices and faces, and reads the comments that concern us.
+fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
+    let (mut vertices, mut faces) = (0, 0);
+    for (line, content) in logical_lines(text) {
+        match keyword(&content) {
+            "v" => vertices += 1,
+            "f" => {
+                let corners = content.split_whitespace().take(4).count() - 1;
+                if corners < 3 {
+                    return Err(Fault::FewCorners { line, corners });
+                }
+                faces += 1;
+            }
+            word if word.starts_with('#') => comment(mesh, line, &content)?,
+            _ => {}
+        }
+    }
+    for (what, found) in [(Counted::Vertices, vertices), (Counted::Triangles, faces)] {
+        if found > MAX_ELEMENTS {
+            return Err(Fault::TooLarge {
+                what,
+                found: found as u64,
+                limit: MAX_ELEMENTS as u64,
+            });
+        }
+    }
+    if faces == 0 {
+        Err(Fault::Empty)
+    } else {
+        Ok((vertices, faces))
+    }
+}
+
+/// What `tobj` is given: a polygon that names all vertices, and the vertex and face lines.
+fn geometry(text: &str, vertices: usize) -> String {
+    let mut source = String::with_capacity(text.len() + 9 * vertices);
+    source.push('f');
+    for vertex in 1..=vertices {
+        source.push(' ');
+        source.push_str(&vertex.to_string());
+    }
+    source.push('\n');
+    for (_, content) in logical_lines(text) {
+        match keyword(&content) {
+            "v" => source.push_str(&coordinates(&content)),
+            "f" => source.push_str(&content),
+            _ => continue,
+        }
+        source.push('\n');
+    }
+    source
+}
+
+/// A vertex line up to its third number: a fourth is a rational weight or the first of a colour, and neither moves a
+/// polygon's corner.
+fn coordinates(content: &str) -> String {
+    content
+        .split_whitespace()
+        .take(4)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// First word of a line; empty for an empty line.
+fn keyword(content: &str) -> &str {
+    content.split_whitespace().next().unwrap_or_default()
+}
+
+/// The one model of a source without groups and materials.
+fn read(mut source: impl std::io::BufRead) -> Result<Option<tobj::Mesh>, tobj::LoadError> {
+    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let (models, _) = tobj::load_obj_buf(&mut source, &tobj::LoadOptions::default(), no_materials)?;
+    Ok(models.into_iter().next().map(|model| model.mesh))
 }
 
 /// Cuts the polygons, past the one that names all vertices, into the mesh's triangles.
@@ -133,12 +147,14 @@ fn triangulate(mesh: &mut Mesh, indices: &[u32], arities: &[u32]) -> Result<(), 
 }
 
 /// Lines with their number from 1; a line that ends in a backslash goes on in the next.
-fn logical_lines(text: &str) -> impl Iterator<Item = (usize, String)> + '_ {
+fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
     std::iter::from_fn(move || {
         let (number, first) = lines.next()?;
-        let mut content = first.trim().to_owned();
-        while content.ends_with('\\') {
+        let mut content = Cow::Borrowed(first.trim());
+        // Not so in comments: they may end in the path of a folder.
+        while content.ends_with('\\') && !content.starts_with('#') {
+            let content = content.to_mut();
             content.pop();
             content.push(' ');
             match lines.next() {
@@ -194,46 +210,48 @@ fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
 }
 
 /// Finds the line that made `tobj` refuse: it reports none.
-fn locate(reason: tobj::LoadError, text: &str, faces: &[FaceLine], vertices: usize) -> Fault {
-    if reason == tobj::LoadError::FaceVertexOutOfBounds {
-        for face in faces {
-            for word in face.text.split_whitespace().skip(1) {
-                let Some(index) = word.split('/').next().and_then(|i| i.parse::<i64>().ok()) else {
-                    continue;
-                };
-                let from_one = if index < 0 {
-                    face.vertices_before as i64 + 1 + index
-                } else {
-                    index
-                };
-                if from_one < 1 || from_one > vertices as i64 {
+fn locate(reason: tobj::LoadError, text: &str, vertices: usize) -> Fault {
+    let mut before = 0;
+    for (line, content) in logical_lines(text) {
+        let alone = match keyword(&content) {
+            "v" => {
+                before += 1;
+                Cow::Owned(coordinates(&content))
+            }
+            "f" if reason == tobj::LoadError::FaceVertexOutOfBounds => {
+                if let Some(index) = wrong_index(&content, before, vertices) {
                     return Fault::ObjIndex {
-                        line: face.line,
+                        line,
                         index,
                         vertices,
                     };
                 }
+                continue;
             }
-        }
-    }
-    let refuses = |content: &str| {
-        let options = tobj::LoadOptions::default();
-        let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-        tobj::load_obj_buf(&mut content.as_bytes(), &options, no_materials).err() == Some(reason)
-    };
-    for (line, content) in logical_lines(text) {
-        if matches!(content.split_whitespace().next(), Some("v" | "f")) {
-            let words: Vec<&str> = content.split_whitespace().take(4).collect();
-            let alone = if content.starts_with('v') {
-                words.join(" ")
-            } else {
-                content.clone()
-            };
-            if refuses(&alone) {
-                let text = content.chars().take(60).collect();
-                return Fault::ObjLine { line, text, reason };
-            }
+            "f" => content.clone(),
+            _ => continue,
+        };
+        if read(alone.as_bytes()).err() == Some(reason) {
+            let text = content.chars().take(60).collect();
+            return Fault::ObjLine { line, text, reason };
         }
     }
     Fault::Obj(reason)
+}
+
+/// First index of a face line that is out of range; negative ones count back from the `before` vertices above it.
+fn wrong_index(content: &str, before: i64, vertices: usize) -> Option<i64> {
+    let indices = content
+        .split_whitespace()
+        .skip(1)
+        .filter_map(|word| word.split('/').next()?.parse::<i64>().ok());
+    let mut wrong = indices.filter(|&index| {
+        let from_one = if index < 0 {
+            index.saturating_add(before + 1)
+        } else {
+            index
+        };
+        from_one < 1 || from_one > vertices as i64
+    });
+    wrong.next()
 }
