@@ -225,7 +225,8 @@ pub enum Fault {
     )]
     NoApex,
     #[error(
-        "lies {distance:.1e} edge lengths from the origin, which leaves {left:.1e} of an edge; move it to the origin"
+        "lies {distance:.1e} edge lengths from the origin, where f64 rounds to {left:.1e} of an edge; move it \
+         to the origin"
     )]
     DigitsLost { distance: f64, left: f64 },
     #[error(

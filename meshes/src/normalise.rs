@@ -182,7 +182,9 @@ fn placed(
         });
     }
     if rounding > DIGITS / 100.0 {
-        warnings.push(format!("the cell is so far away that its coordinates are rounded to {rounding:.0e} edge lengths"));
+        warnings.push(format!(
+            "the cell is so far off that its coordinates are rounded to {rounding:.0e} edges"
+        ));
     }
     let points: Vec<DVec3> = mesh.positions.iter().map(|&p| frame.point(p)).collect();
     let facets: Vec<[DVec3; 3]> = mesh

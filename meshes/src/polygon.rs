@@ -145,8 +145,9 @@ pub fn first_crossing(flat: &[DVec2]) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// Random star-shaped polygons, mostly concave, somewhere in space: n - 2 triangles, all wound as the polygon, their
-    /// areas adding up to its area (so they neither overlap nor leave gaps). Areas are of order 1, rounding below 1e-13.
+    /// Random star-shaped polygons, mostly concave, somewhere in space: n - 2 triangles, all wound as the polygon,
+    /// their areas adding up to its area (so they neither overlap nor leave gaps). Areas are of order 1, rounding
+    /// below 1e-13.
     #[test]
     fn concave_polygons_are_covered_once() {
         let mut state = 7u64;

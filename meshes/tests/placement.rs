@@ -207,6 +207,40 @@ fn the_order_of_the_file_turns_an_ideal_cell_by_its_symmetry() {
     assert_eq!(cases, 150);
 }
 
+/// Two cubes that an f32 translation leaves 3e-8 of an edge apart are one cell, and nothing is pulled together: the
+/// second cube's facets are still exactly the first's, turned.
+#[test]
+fn welding_moves_no_vertex() {
+    let design = Design {
+        dihedral_error_rad: [1e-9, -2e-9, 3e-9],
+        ..Design::new(Shape::TriangularPair)
+    };
+    let joined = design.mesh().expect("a design");
+    let gap = DVec3::new(9e-8, -5e-8, 7e-8);
+    let mut apart = joined.clone();
+    apart
+        .positions
+        .extend([1, 2].map(|v: usize| joined.positions[v] + gap));
+    apart.positions[4] += gap;
+    apart.positions[5] += gap;
+    for triangle in &mut apart.triangles[3..] {
+        *triangle = triangle.map(|v| if v < 4 { v + 5 } else { v });
+    }
+    let (joined, found) = (cell(&joined), cell(&apart));
+    assert_eq!(found.entrance.polygon.len(), 4);
+    assert!(found.warnings.is_empty());
+    let mut cases = 0;
+    for (facet, expected) in found.facets.iter().zip(&joined.facets) {
+        for side in 0..3 {
+            // Edge vectors: the rim's tilt of up to 1e-7 turns both cubes alike, so lengths are compared.
+            let length = |f: &[DVec3; 3]| f[side].distance(f[(side + 1) % 3]);
+            assert!((length(facet) - length(expected)).abs() < 1e-15);
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 18);
+}
+
 /// What the files hold, read back.
 #[test]
 fn files_read_back_what_was_written() {
