@@ -54,6 +54,14 @@ pub enum Error {
         /// Hash of the bytes, lower-case hex.
         computed: String,
     },
+    /// A structure that the HDF5 library would walk without end.
+    #[error("{}: is damaged (the HDF5 global heap at byte {offset} does not add up); copy it again or bake it again", file.display())]
+    Heap {
+        /// The file asked for.
+        file: PathBuf,
+        /// Where the heap starts.
+        offset: usize,
+    },
     /// The HDF5 library refuses an object: cut short, a checksum that fails, an unreadable structure.
     #[error("{}: {place} cannot be read or written ({source}); the file is cut short or damaged, copy it again or bake it again", file.display())]
     Hdf5 {

@@ -23,6 +23,7 @@ pub mod check;
 pub mod content;
 pub mod counts;
 pub mod error;
+mod heap;
 mod layout;
 pub mod lookup;
 pub mod merge;

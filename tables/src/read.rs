@@ -5,9 +5,9 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::error::Error;
-use crate::layout;
 use crate::seal::{self, Seal};
 use crate::table::Table;
+use crate::{heap, layout};
 
 /// Longest file that is read: the largest table that fits the memory limit, incompressible.
 const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
@@ -81,12 +81,22 @@ fn guard(path: &Path) -> Result<(), Error> {
             bytes,
         });
     }
-    match seal::check(&mut file).map_err(failed)? {
-        Seal::Intact | Seal::Absent => Ok(()),
-        Seal::Broken { stored, computed } => Err(Error::Damaged {
+    let mut content = start;
+    file.take(MOST_BYTES)
+        .read_to_end(&mut content)
+        .map_err(failed)?;
+    if let Seal::Broken { stored, computed } = seal::check(&content) {
+        return Err(Error::Damaged {
             file: path.to_owned(),
             stored,
             computed,
+        });
+    }
+    match heap::first_broken(&content) {
+        Some(offset) => Err(Error::Heap {
+            file: path.to_owned(),
+            offset,
         }),
+        None => Ok(()),
     }
 }

@@ -1,5 +1,7 @@
 //! Tables of made-up numbers, of every kind that the format knows.
 
+#![allow(dead_code, reason = "each test file takes what it needs")]
+
 use ndarray::{Array2, Array3, Array4, Array5};
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
