@@ -1,12 +1,13 @@
 //! The rules that every table obeys, in memory and on disk.
 //!
 //! Tolerance: a fraction is rounded to 2^-53 of itself, so a sum of n fractions that should be 1 is off by at most
-//! about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows 1e-9, which is also what the areas of
-//! polygons with coordinates of some edge lengths keep with room to spare.
+//! about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows 1e-9, which is also what the
+//! areas of polygons with coordinates of some edge lengths keep with room to spare.
 
 use ndarray::{Array2, Array4, Array5, Axis};
 
 use crate::content::Flat;
+use crate::invalid::Invalid;
 use crate::table::{Axes, Exact, Fate, Table};
 
 /// Allowed rounding of sums that should be 1 and of areas that should be eta.
@@ -14,161 +15,6 @@ pub const SUM: f64 = 1e-9;
 
 /// More rays than this are not exact in f64.
 pub const MOST_RAYS: u64 = 1 << 53;
-
-/// A rule that a table breaks. Directions are (index along incidence, index along azimuth).
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Invalid {
-    /// An axis without values.
-    #[error("{axis} is empty")]
-    EmptyAxis {
-        /// Name of the axis.
-        axis: &'static str,
-    },
-    /// A value of an axis out of its range.
-    #[error("{axis} is {value} at index {index}, outside of {allowed}")]
-    AxisValue {
-        /// Name of the axis.
-        axis: &'static str,
-        /// Index of the value.
-        index: usize,
-        /// The value.
-        value: f64,
-        /// The range in words.
-        allowed: &'static str,
-    },
-    /// An axis that does not ascend.
-    #[error("{axis} does not ascend at index {index}")]
-    AxisOrder {
-        /// Name of the axis.
-        axis: &'static str,
-        /// Index of the first value that is not above the one before it.
-        index: usize,
-    },
-    /// Arrays of different shapes.
-    #[error("{array} has shape {found:?}, the axes ask for {expected:?}")]
-    Shape {
-        /// Name of the array.
-        array: &'static str,
-        /// Shape that follows from the axes.
-        expected: Vec<usize>,
-        /// Shape that is there.
-        found: Vec<usize>,
-    },
-    /// A value that is NaN, infinite or outside of its range.
-    #[error("{array} is {value} at flat index {index}, outside of {allowed}")]
-    Value {
-        /// Name of the array.
-        array: &'static str,
-        /// Index in row-major order.
-        index: usize,
-        /// The value.
-        value: f64,
-        /// The range in words.
-        allowed: &'static str,
-    },
-    /// A histogram that neither sums to 1 nor is empty.
-    #[error(
-        "histogram sums to {sum} at direction {direction:?}, expected 1, or 0 where nothing returns"
-    )]
-    HistogramSum {
-        /// The direction.
-        direction: (usize, usize),
-        /// The sum.
-        sum: f64,
-    },
-    /// A histogram with entries where nothing is retroreflected.
-    #[error("histogram is not empty at direction {direction:?} where retroreflected is 0")]
-    HistogramOfNothing {
-        /// The direction.
-        direction: (usize, usize),
-    },
-    /// Fates that do not sum to 1.
-    #[error("fate sums to {sum} at direction {direction:?}, expected 1")]
-    FateSum {
-        /// The direction.
-        direction: (usize, usize),
-        /// The sum.
-        sum: f64,
-    },
-    /// eta is not what the fates say.
-    #[error(
-        "retroreflected is {eta} at direction {direction:?}, fate retroreflected + out_of_range is {fates}"
-    )]
-    EtaOfFates {
-        /// The direction.
-        direction: (usize, usize),
-        /// eta.
-        eta: f64,
-        /// What the fates sum to.
-        fates: f64,
-    },
-    /// A histogram and a fate that count different rays.
-    #[error(
-        "counts sum to {counts} at direction {direction:?}, randomisation {randomisation}, fate_counts says {fates} retroreflected"
-    )]
-    CountSum {
-        /// The direction.
-        direction: (usize, usize),
-        /// The randomisation.
-        randomisation: usize,
-        /// Sum over bins.
-        counts: u128,
-        /// Rays of fate retroreflected.
-        fates: u64,
-    },
-    /// Launched rays that the fates do not account for.
-    #[error("rays is {rays} at direction {direction:?}, fate_counts sums to {fates}")]
-    RaySum {
-        /// The direction.
-        direction: (usize, usize),
-        /// Rays launched.
-        rays: u64,
-        /// Sum over fates and randomisations.
-        fates: u128,
-    },
-    /// More rays than f64 counts exactly.
-    #[error("fate_counts sums to {rays} at direction {direction:?}, above 2^53")]
-    TooManyRays {
-        /// The direction.
-        direction: (usize, usize),
-        /// Sum over fates and randomisations.
-        rays: u128,
-    },
-    /// Only one of `counts` and `fate_counts` is there.
-    #[error("{present} is there without {missing}")]
-    HalfCounts {
-        /// The one that is there.
-        present: &'static str,
-        /// The one that is not.
-        missing: &'static str,
-    },
-    /// A polygon of fewer than three corners or of negative area.
-    #[error(
-        "path {path} of direction {direction} has a polygon of {corners} corners and area {area}"
-    )]
-    Polygon {
-        /// Index of the direction, incidence * azimuths + azimuth.
-        direction: usize,
-        /// Index of the path within the direction.
-        path: usize,
-        /// Number of corners.
-        corners: usize,
-        /// Signed area, square edge lengths.
-        area: f64,
-    },
-    /// Polygons whose areas do not sum to eta.
-    #[error(
-        "polygons of direction {direction:?} return {polygons} of the power, retroreflected says {eta}"
-    )]
-    PolygonSum {
-        /// The direction.
-        direction: (usize, usize),
-        /// Sum of weight x area / entrance area.
-        polygons: f64,
-        /// eta.
-        eta: f64,
-    },
-}
 
 /// Checks every rule; `Ok` says that the table can be written, read and used without further checks.
 pub fn check(table: &Table) -> Result<(), Invalid> {
@@ -401,7 +247,8 @@ fn sums(table: &Table) -> Result<(), Invalid> {
             .index_axis(Axis(0), i)
             .index_axis_move(Axis(0), j);
         let sum = fate.sum();
-        if !near(sum, 1.0) && !(idle && sum == 0.0) {
+        let unlaunched = idle && sum == 0.0;
+        if !unlaunched && !near(sum, 1.0) {
             return Err(Invalid::FateSum { direction, sum });
         }
         let eta = table.retroreflected[[i, j]];

@@ -1,8 +1,8 @@
 //! The content hash: what a table says, whatever the file, the threads or the shards that it came from.
 //!
-//! SHA-256 over items in a fixed order; an item is its name in UTF-8, a zero byte, the length of its value in bytes as a
-//! little-endian u64, and the value, little-endian (`FORMAT.md` lists the items). Derived datasets are left out: they
-//! follow from the counts and are checked against them on reading.
+//! SHA-256 over items in a fixed order; an item is its name in UTF-8, a zero byte, the length of its value in
+//! bytes as a little-endian u64, and the value, little-endian (`FORMAT.md` lists the items). Derived datasets
+//! are left out: they follow from the counts and are checked against them on reading.
 
 use sha2::{Digest, Sha256};
 

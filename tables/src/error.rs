@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::check::Invalid;
+use crate::invalid::Invalid;
 use crate::lookup::NoDirection;
 use crate::merge::Mismatch;
 
@@ -27,7 +27,11 @@ pub enum Error {
         file: PathBuf,
     },
     /// The file does not start with the HDF5 signature.
-    #[error("{}: is not an HDF5 file ({bytes} bytes, without the HDF5 signature); name a table written by `bake trace`", file.display())]
+    #[error(
+        "{}: is not an HDF5 file ({bytes} bytes, without the HDF5 signature); name a table written by `bake \
+         trace`",
+        file.display()
+    )]
     NotHdf5 {
         /// The file asked for.
         file: PathBuf,
@@ -35,7 +39,10 @@ pub enum Error {
         bytes: u64,
     },
     /// The file is larger than any table.
-    #[error("{}: is {bytes} bytes, above the limit of {limit}; bake fewer directions or bins", file.display())]
+    #[error(
+        "{}: is {bytes} bytes, above the limit of {limit}; bake fewer directions or bins",
+        file.display()
+    )]
     FileSize {
         /// The file asked for.
         file: PathBuf,
@@ -45,7 +52,11 @@ pub enum Error {
         limit: u64,
     },
     /// The bytes are not those that were written.
-    #[error("{}: is damaged (its bytes have SHA-256 {computed}, its seal says {stored}); copy it again or bake it again", file.display())]
+    #[error(
+        "{}: is damaged (its bytes have SHA-256 {computed}, its seal says {stored}); copy it again or bake \
+         it again",
+        file.display()
+    )]
     Damaged {
         /// The file asked for.
         file: PathBuf,
@@ -55,7 +66,11 @@ pub enum Error {
         computed: String,
     },
     /// A structure that the HDF5 library would walk without end.
-    #[error("{}: is damaged (the HDF5 global heap at byte {offset} does not add up); copy it again or bake it again", file.display())]
+    #[error(
+        "{}: is damaged (the HDF5 global heap at byte {offset} does not add up); copy it again or bake it \
+         again",
+        file.display()
+    )]
     Heap {
         /// The file asked for.
         file: PathBuf,
@@ -63,7 +78,11 @@ pub enum Error {
         offset: usize,
     },
     /// The HDF5 library refuses an object: cut short, a checksum that fails, an unreadable structure.
-    #[error("{}: {place} cannot be read or written ({source}); the file is cut short or damaged, copy it again or bake it again", file.display())]
+    #[error(
+        "{}: {place} cannot be read or written ({source}); the file is cut short or damaged, copy it again \
+         or bake it again",
+        file.display()
+    )]
     Hdf5 {
         /// The file.
         file: PathBuf,
@@ -73,7 +92,10 @@ pub enum Error {
         source: hdf5::Error,
     },
     /// An HDF5 file of something else.
-    #[error("{}: attribute format is {found:?}, not {expected:?}; name a table written by `bake trace`", file.display())]
+    #[error(
+        "{}: attribute format is {found:?}, not {expected:?}; name a table written by `bake trace`",
+        file.display()
+    )]
     Format {
         /// The file.
         file: PathBuf,
@@ -83,7 +105,11 @@ pub enum Error {
         expected: &'static str,
     },
     /// A version that this program does not know.
-    #[error("{}: is of format version {found}, this program reads 1 to {newest}; update the program or bake the table again", file.display())]
+    #[error(
+        "{}: is of format version {found}, this program reads 1 to {newest}; update the program or bake the \
+         table again",
+        file.display()
+    )]
     Version {
         /// The file.
         file: PathBuf,
@@ -101,7 +127,10 @@ pub enum Error {
         attribute: String,
     },
     /// An attribute has another type or shape.
-    #[error("{}: attribute {attribute} is {found}, expected {expected}; bake the table again", file.display())]
+    #[error(
+        "{}: attribute {attribute} is {found}, expected {expected}; bake the table again",
+        file.display()
+    )]
     AttributeType {
         /// The file.
         file: PathBuf,
@@ -121,7 +150,10 @@ pub enum Error {
         dataset: String,
     },
     /// A dataset has another element type.
-    #[error("{}: dataset {dataset} holds {found}, expected {expected}; bake the table again", file.display())]
+    #[error(
+        "{}: dataset {dataset} holds {found}, expected {expected}; bake the table again",
+        file.display()
+    )]
     DatasetType {
         /// The file.
         file: PathBuf,
@@ -133,7 +165,10 @@ pub enum Error {
         found: String,
     },
     /// A dataset has another shape.
-    #[error("{}: dataset {dataset} has shape {found:?}, expected {expected}; bake the table again", file.display())]
+    #[error(
+        "{}: dataset {dataset} has shape {found:?}, expected {expected}; bake the table again",
+        file.display()
+    )]
     Shape {
         /// The file.
         file: PathBuf,
@@ -145,7 +180,11 @@ pub enum Error {
         found: Vec<usize>,
     },
     /// A dataset claims more elements than any table holds.
-    #[error("{}: dataset {dataset} claims {bytes} bytes, above the limit of {limit}; bake fewer directions or bins", file.display())]
+    #[error(
+        "{}: dataset {dataset} claims {bytes} bytes, above the limit of {limit}; bake fewer directions or \
+         bins",
+        file.display()
+    )]
     DatasetSize {
         /// The file.
         file: PathBuf,
@@ -156,8 +195,12 @@ pub enum Error {
         /// The greatest number that is read.
         limit: u64,
     },
-    /// A dataset is stored in a way that a table never is (outside the file, an unknown filter, an inflated chunk).
-    #[error("{}: dataset {dataset} is stored {found}; copy the table with h5repack or bake it again", file.display())]
+    /// A dataset is stored in a way that a table never is (outside the file, an unknown filter, an inflated
+    /// chunk).
+    #[error(
+        "{}: dataset {dataset} is stored {found}; copy the table with h5repack or bake it again",
+        file.display()
+    )]
     Storage {
         /// The file.
         file: PathBuf,
@@ -167,7 +210,10 @@ pub enum Error {
         found: &'static str,
     },
     /// A scale does not agree with the axes that the attributes describe.
-    #[error("{}: dataset {dataset} is {found} at index {index}, expected {expected}; bake the table again", file.display())]
+    #[error(
+        "{}: dataset {dataset} is {found} at index {index}, expected {expected}; bake the table again",
+        file.display()
+    )]
     Scale {
         /// The file.
         file: PathBuf,
@@ -181,7 +227,11 @@ pub enum Error {
         found: String,
     },
     /// A derived dataset does not follow from the counts.
-    #[error("{}: dataset {dataset} is {stored} at flat index {index}, the counts give {computed}; bake the table again", file.display())]
+    #[error(
+        "{}: dataset {dataset} is {stored} at flat index {index}, the counts give {computed}; bake the table \
+         again",
+        file.display()
+    )]
     Derived {
         /// The file.
         file: PathBuf,
@@ -203,7 +253,11 @@ pub enum Error {
         source: Invalid,
     },
     /// The content is not what was written.
-    #[error("{}: the content has hash {computed}, attribute content_hash says {stored}; it was changed after the bake, copy it again or bake it again", file.display())]
+    #[error(
+        "{}: the content has hash {computed}, attribute content_hash says {stored}; it was changed after the \
+         bake, copy it again or bake it again",
+        file.display()
+    )]
     ContentHash {
         /// The file.
         file: PathBuf,
@@ -213,7 +267,10 @@ pub enum Error {
         computed: String,
     },
     /// The folder of the table cannot be written.
-    #[error("{}: cannot create a file in this folder ({source}); choose another output or make it writable", folder.display())]
+    #[error(
+        "{}: cannot create a file in this folder ({source}); choose another output or make it writable",
+        folder.display()
+    )]
     Folder {
         /// The folder.
         folder: PathBuf,
@@ -227,7 +284,11 @@ pub enum Error {
         file: PathBuf,
     },
     /// Writing failed; an old table of that name is untouched.
-    #[error("{}: cannot be written ({source}), what was there before is unchanged; free some space or choose another output", file.display())]
+    #[error(
+        "{}: cannot be written ({source}), what was there before is unchanged; free some space or choose \
+         another output",
+        file.display()
+    )]
     Write {
         /// The table to be written.
         file: PathBuf,

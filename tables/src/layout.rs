@@ -1,9 +1,11 @@
 //! The file format: every HDF5 name, the version, and the round trip between [`Table`] and file.
 //!
-//! `FORMAT.md` describes the same for writers of other readers; a change here is a change there, and of [`VERSION`]
-//! where an old reader would misread the file.
+//! `FORMAT.md` describes the same for writers of other readers; a change here is a change there, and of
+//! [`VERSION`] where an old reader would misread the file.
 
 mod load;
+mod place;
+mod polygons;
 mod store;
 
 use std::ffi::CStr;
@@ -18,10 +20,10 @@ pub const VERSION: u64 = 1;
 pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
 
 /// The frame conventions in one sentence.
-const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the outward normal of the sheet and t \
-the in-plane unit vector at the azimuth, right-handed about n from azimuth_zero; a ray that enters at p and leaves at p' \
-has the shift p' - p = (u, v) with u along t and v along n x t, in edge lengths; arrays are [incidence, azimuth, shift_v, \
-shift_u].";
+const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the outward normal of the sheet \
+and t the in-plane unit vector at the azimuth, right-handed about n from azimuth_zero; a ray that enters at p and \
+leaves at p' has the shift p' - p = (u, v) with u along t and v along n x t, in edge lengths; arrays are \
+[incidence, azimuth, shift_v, shift_u].";
 
 /// Greatest number of bytes that the arrays of one table may take in memory.
 pub(crate) const MOST_BYTES: u64 = 1 << 31;

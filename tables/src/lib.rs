@@ -1,8 +1,9 @@
 //! Ray-shift tables: axes, counts, fates, provenance, and the HDF5 file they live in.
 //!
-//! A [`Table`] holds, for each direction of incidence, how far a corner-cube sheet displaces the rays that it returns.
-//! [`read()`] and [`write()`] move it from and to a file (`FORMAT.md` beside this crate), [`merge()`] adds the rays of
-//! tables, [`Table::direction`] looks one direction up and [`Direction::otf_along`] is its Fourier transform.
+//! A [`Table`] holds, for each direction of incidence, how far a corner-cube sheet displaces the rays that it
+//! returns. [`read()`] and [`write()`] move it from and to a file (`FORMAT.md` beside this crate), [`merge()`]
+//! adds the rays of tables, [`Table::direction`] looks one direction up and [`Direction::otf_along`] is its
+//! Fourier transform.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -24,6 +25,7 @@ pub mod content;
 pub mod counts;
 pub mod error;
 mod heap;
+pub mod invalid;
 mod layout;
 pub mod lookup;
 pub mod merge;
@@ -33,11 +35,12 @@ mod scales;
 mod seal;
 pub mod table;
 pub mod transform;
+mod waves;
 pub mod write;
 
-pub use check::Invalid;
 pub use counts::l1;
 pub use error::Error;
+pub use invalid::Invalid;
 pub use layout::VERSION;
 pub use lookup::{Direction, NoDirection};
 pub use merge::{Mismatch, merge, merge_shards};

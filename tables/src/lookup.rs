@@ -1,8 +1,9 @@
 //! One direction of a table: exactly, or interpolated between those around it.
 //!
-//! What is interpolated is eta x histogram, bilinear in the two angles (model: across a cutoff the conditional histogram
-//! jumps, eta x histogram does not). The result is a mixture of the neighbouring distributions, each in its own
-//! incidence frame; its error is that of the table's spacing, which the standard error does not include.
+//! What is interpolated is eta x histogram, bilinear in the two angles (model: across a cutoff the conditional
+//! histogram jumps, eta x histogram does not). The result is a mixture of the neighbouring distributions, each
+//! in its own incidence frame; its error is that of the table's spacing, which the standard error does not
+//! include.
 
 use ndarray::Array2;
 
@@ -38,8 +39,8 @@ pub struct Direction {
 pub enum NoDirection {
     /// The angle is outside of what the table covers.
     #[error(
-        "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the nearest direction in it \
-         is incidence {nearest_incidence_deg} deg, azimuth {nearest_azimuth_deg} deg: use that or bake the direction"
+        "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the nearest direction in \
+         it is incidence {nearest_incidence_deg} deg, azimuth {nearest_azimuth_deg} deg: use that or bake the direction"
     )]
     Outside {
         /// Incidence asked for, degrees.
@@ -77,16 +78,16 @@ pub enum NoDirection {
 type Bracket = (usize, usize, f64);
 
 impl Table {
-    /// The direction of that incidence and azimuth, degrees: the table's own within 1e-9 deg, else interpolated between
-    /// its neighbours.
+    /// The direction of that incidence and azimuth, degrees: the table's own within 1e-9 deg, else
+    /// interpolated between its neighbours.
     ///
-    /// Azimuths are periodic in 360 deg. Between the last and the first azimuth there is interpolation only where that
-    /// gap is no wider than the widest other one, that is, where the table goes all around. A table of the mean over
-    /// azimuths answers every azimuth, or none, with the mean.
+    /// Azimuths are periodic in 360 deg. Between the last and the first azimuth there is interpolation only
+    /// where that gap is no wider than the widest other one, that is, where the table goes all around. A table
+    /// of the mean over azimuths answers every azimuth, or none, with the mean.
     ///
     /// # Errors
-    /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that it holds; where the
-    /// azimuth is left out and the table is not a mean; where an angle is not finite.
+    /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that it holds;
+    /// where the azimuth is left out and the table is not a mean; where an angle is not finite.
     ///
     /// ```
     /// # use ndarray::{Array4, Array5};
@@ -100,15 +101,17 @@ impl Table {
     /// # }
     /// # let provenance = Provenance {
     /// #     generator: String::new(), design: String::new(), mesh_hash: String::new(), edge_length: 1.0,
-    /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0, back: "mirror".into(),
-    /// #     losses: "none".into(), reflectance: 1.0, method: "rays".into(), sampler: "random".into(), seed: 1,
+    /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0,
+    /// #     back: "mirror".into(), losses: "none".into(), reflectance: 1.0, method: "rays".into(),
+    /// #     sampler: "random".into(), seed: 1,
     /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None,
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg
     /// let direction = table.direction(5.0, Some(0.0))?;
     /// assert!(direction.interpolated && (direction.eta - 0.6).abs() < 1e-15);
-    /// assert!(table.direction(11.0, Some(0.0)).unwrap_err().to_string().contains("nearest direction in it is incidence 10"));
+    /// let error = table.direction(11.0, Some(0.0)).unwrap_err().to_string();
+    /// assert!(error.contains("it is incidence 10 deg"), "{error}");
     /// # Ok::<(), tables::Error>(())
     /// ```
     pub fn direction(

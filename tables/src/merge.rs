@@ -1,11 +1,11 @@
 //! Adding the rays of tables.
 //!
-//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each randomisation. Two merges
-//! follow from that:
-//! - **more rays** ([`merge()`]): ranges of seeds that follow one another are put side by side along the randomisation
-//!   axis. The result is that of one bake with the first seed and all the randomisations.
-//! - **shards of one bake** ([`merge()`] where they are of different directions or randomisations, [`merge_shards`]
-//!   where they are blocks of the samples): counts of the same seed are added place by place.
+//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each randomisation.
+//! Two merges follow from that:
+//! - **more rays** ([`merge()`]): ranges of seeds that follow one another are put side by side along the
+//!   randomisation axis. The result is that of one bake with the first seed and all the randomisations.
+//! - **shards of one bake** ([`merge()`] where they are of different directions or randomisations,
+//!   [`merge_shards`] where they are blocks of the samples): counts of the same seed are added place by place.
 //!
 //! Both are sums of integers, so the order and the grouping of the merges do not change a bit.
 
@@ -61,8 +61,8 @@ pub enum Mismatch {
     },
     /// The ranges of seeds do not follow one another.
     #[error(
-        "table {index} has seed {found}, expected {expected}, the one after the seeds of the other tables; bake it with \
-         --seed {expected}"
+        "table {index} has seed {found}, expected {expected}, the one after the seeds of the other tables; bake it \
+         with --seed {expected}"
     )]
     Seed {
         /// Which table.
@@ -76,8 +76,9 @@ pub enum Mismatch {
 
 /// Adds the rays of tables of one design: shards of one seed, and bakes of seeds that follow one another.
 ///
-/// The order of the list does not matter. Tables of the same seed may hold different directions or randomisations, not
-/// the same ones: whether those are other samples or the same again cannot be told (see [`merge_shards`]).
+/// The order of the list does not matter. Tables of the same seed may hold different directions or
+/// randomisations, not the same ones: whether those are other samples or the same again cannot be told (see
+/// [`merge_shards`]).
 ///
 /// # Errors
 /// [`Error::Merge`] with the field that differs, the overlap, or the seed that is needed.

@@ -1,21 +1,21 @@
 //! Polygons of the entrance plane and their Fourier transform along a line.
 //!
 //! Model: a uniform polygon of area A, edges e_j and their midpoints m_j, counter-clockwise, has the transform
-//! `Phi(k) = i/(A |k|^2) sum_j (k_x e_jy - k_y e_jx) sinc(k.e_j/2) exp(-i k.m_j)`, which cancels near k = 0. There the
-//! moments of the polygon along the line take over; about the centroid, so that a polygon far from the origin keeps its
-//! digits.
+//! `Phi(k) = i/(A |k|^2) sum_j (k_x e_jy - k_y e_jx) sinc(k.e_j/2) exp(-i k.m_j)`, which cancels near k = 0.
+//! There the moments of the polygon along the line take over; about the centroid, so that a polygon far from
+//! the origin keeps its digits.
 
 use num_complex::Complex64;
 
-/// `extent * kappa` up to which the moments are used. At 1.5 the closed form has lost less than one digit and the term
-/// that the series leaves out, 1.5^24/24!, is 3e-20.
+/// `extent * kappa` up to which the moments are used. At 1.5 the closed form has lost less than one digit and
+/// the term that the series leaves out, 1.5^24/24!, is 3e-20.
 const SERIES: f64 = 1.5;
 
 /// Terms of the series.
 const TERMS: usize = 24;
 
-/// Signed area of a polygon, positive when it is counter-clockwise; relative to its first corner, so that a polygon far
-/// from the origin loses no digits.
+/// Signed area of a polygon, positive when it is counter-clockwise; relative to its first corner, so that a
+/// polygon far from the origin loses no digits.
 pub fn area(corners: &[[f64; 2]]) -> f64 {
     0.5 * fan(corners).map(|(_, _, twice)| twice).sum::<f64>()
 }

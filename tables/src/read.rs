@@ -15,11 +15,12 @@ const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
 /// First bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes before allocation, finite
-/// values, the rules of [`crate::check`], counts against what is derived from them, and the content hash.
+/// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes before
+/// allocation, finite values, the rules of [`crate::check`], counts against what is derived from them, and the
+/// content hash.
 ///
-/// The result follows from the counts where there are any, so that two readers hold the same bits. Links that leave the
-/// file, unknown filters and inflated chunks are refused.
+/// The result follows from the counts where there are any, so that two readers hold the same bits. Links that
+/// leave the file, unknown filters and inflated chunks are refused.
 ///
 /// # Errors
 /// A variant of [`Error`] for each of these, naming the file, the dataset or attribute and the remedy.

@@ -1,9 +1,10 @@
 //! The seal: a SHA-256 of the whole file behind its end, found wrong when any bit of it has changed.
 //!
-//! HDF5 readers stop at the end that the superblock states and never see the seal. A program that opens the file for
-//! writing cuts it off; such a file is read on the strength of its content hash alone.
+//! HDF5 readers stop at the end that the superblock states and never see the seal. A program that opens the
+//! file for writing cuts it off; such a file is read on the strength of its content hash alone.
 //!
-//! On disk, behind the HDF5 part: `AIRRSEAL` (8 bytes), then the 32 bytes of SHA-256 of everything before the seal.
+//! On disk, behind the HDF5 part: `AIRRSEAL` (8 bytes), then the 32 bytes of SHA-256 of everything before the
+//! seal.
 
 use sha2::{Digest, Sha256};
 

@@ -1,7 +1,7 @@
 //! A ray-shift table in memory.
 //!
-//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane travel direction, v = n x u,
-//! in edge lengths. Array axes are `[incidence, azimuth, shift_v, shift_u]`.
+//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane travel
+//! direction, v = n x u, in edge lengths. Array axes are `[incidence, azimuth, shift_v, shift_u]`.
 
 use ndarray::{Array2, Array3, Array4, Array5};
 
@@ -115,11 +115,12 @@ impl Axes {
     }
 }
 
-/// One facet sequence of an exact bake: the rays that enter through `polygon` leave shifted by `matrix * p + offset`.
+/// One facet sequence of an exact bake: the rays that enter through `polygon` leave shifted by `matrix * p +
+/// offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
-    /// Corners of the polygon of entry points in the incidence frame (u, v), counter-clockwise, edge lengths, relative
-    /// to the apex's perpendicular foot on the entrance plane.
+    /// Corners of the polygon of entry points in the incidence frame (u, v), counter-clockwise, edge lengths,
+    /// relative to the apex's perpendicular foot on the entrance plane.
     pub polygon: Vec<[f64; 2]>,
     /// Linear part of the shift map, row-major [[uu, uv], [vu, vv]].
     pub matrix: [[f64; 2]; 2],
@@ -180,7 +181,8 @@ pub struct Provenance {
 pub struct Table {
     /// Directions and bins.
     pub axes: Axes,
-    /// Conditional probability `[incidence, azimuth, v, u]`: sums to 1 per direction, or all 0 where nothing returns.
+    /// Conditional probability `[incidence, azimuth, v, u]`: sums to 1 per direction, or all 0 where nothing
+    /// returns.
     pub histogram: Array4<f64>,
     /// Rays per bin `[incidence, azimuth, randomisation, v, u]`; `None` for an exact table.
     pub counts: Option<Array5<u64>>,
@@ -188,7 +190,8 @@ pub struct Table {
     pub retroreflected: Array2<f64>,
     /// Standard error of `retroreflected`; 0 for an exact table.
     pub standard_error: Array2<f64>,
-    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of [`Fate::ALL`]; sums to 1.
+    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of [`Fate::ALL`]; sums
+    /// to 1.
     pub fate: Array3<f64>,
     /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.
     pub fate_counts: Option<Array4<u64>>,

@@ -1,37 +1,30 @@
 //! The Fourier transform of a ray-shift distribution along a line: the optical transfer function of the ray shift.
 //!
 //! With `w` the vector that turns a shift r = (u, v) in edge lengths into a position x = w.r on the line,
-//! `S(kappa) = E[exp(-2 pi i kappa w.r)]` over the retroreflected rays, kappa in cycles per unit of x. For the image plane
-//! of the model, w = c (cos(theta) cos(alpha), sin(alpha)) with c in mm makes x mm and kappa cycles per mm; then
-//! dS/dc = (kappa / c) dS/dkappa.
+//! `S(kappa) = E[exp(-2 pi i kappa w.r)]` over the retroreflected rays, kappa in cycles per unit of x. For the
+//! image plane of the model, w = c (cos(theta) cos(alpha), sin(alpha)) with c in mm makes x mm and kappa
+//! cycles per mm; then dS/dc = (kappa / c) dS/dkappa.
 //!
-//! Two ways: from the bins, each a uniform box (exact for the histogram, which itself blurs by one bin); or, where the
-//! direction carries its polygons, from their closed form, which has no bins at all. A path maps its polygon p by
-//! `M p + o`, so its transform is `exp(-i k.o) Phi(transpose(M) k)`: a map that collapses the polygon to a segment or a point
-//! needs no case of its own.
+//! Two ways: from the bins, each a uniform box (exact for the histogram, which itself blurs by one bin); or,
+//! where the direction carries its polygons, from their closed form, which has no bins at all. A path maps its
+//! polygon p by `M p + o`, so its transform is `exp(-i k.o) Phi(transpose(M) k)`: a map that collapses the
+//! polygon to a segment or a point needs no case of its own.
 
 use std::f64::consts::TAU;
 
-use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::lookup::Direction;
 use crate::polygon::{Line, area, sinc};
 use crate::table::Path;
-
-/// Frequencies that one pass over the bins serves.
-const LANES: usize = 16;
-
-/// Bins that one pass over the frequencies serves.
-const STEP: usize = 4;
-
-type Lanes = [f64; LANES];
+use crate::waves::{LANES, Rows, STEP, Waves};
 
 impl Direction {
     /// S at each frequency: from the polygons where there are any, else from the bins. S(0) = 1.
     ///
-    /// Where nothing returns (eta 0) there is no distribution: all values are 0. Polygons hold also the shifts outside of
-    /// the histogram's range, bins do not. Values are good to 1e-13; 16384 bins take about 10 us a frequency.
+    /// Where nothing returns (eta 0) there is no distribution: all values are 0. Polygons hold also the shifts
+    /// outside of the histogram's range, bins do not. Values are good to 1e-13; 16384 bins take about 10 us a
+    /// frequency.
     ///
     /// ```
     /// # use ndarray::Array2;
@@ -161,144 +154,11 @@ fn of_paths(paths: &[Path], w: [f64; 2], kappa: &[f64]) -> (Vec<Complex64>, Vec<
     kappa.iter().map(sum).unzip()
 }
 
-/// exp(-2 pi i kappa w x) at every bin centre x for a block of frequencies, as cosines and sines.
-struct Waves {
-    re: Vec<Lanes>,
-    im: Vec<Lanes>,
-}
-
-impl Waves {
-    fn new(bins: usize) -> Waves {
-        Waves {
-            re: vec![[0.0; LANES]; bins],
-            im: vec![[0.0; LANES]; bins],
-        }
-    }
-
-    /// By the recurrence exp(i(x + h)) = exp(ix) exp(ih), restarted every 16 bins: its error stays below 16 x 2e-16.
-    fn fill(&mut self, kappa: &[f64], w: f64, centres: &[f64], width: f64) {
-        for (lane, &kappa) in kappa.iter().enumerate() {
-            let step = Complex64::cis(-TAU * kappa * w * width);
-            let mut wave = Complex64::ONE;
-            for (i, x) in centres.iter().enumerate() {
-                wave = if i % 16 == 0 {
-                    Complex64::cis(-TAU * kappa * w * x)
-                } else {
-                    wave * step
-                };
-                (self.re[i][lane], self.im[i][lane]) = (wave.re, wave.im);
-            }
-        }
-    }
-}
-
-/// The rows of a histogram without the zeros at their ends; shifts fill a third of the range or less.
-struct Rows {
-    rows: Vec<Row>,
-}
-
-struct Row {
-    /// Index along v.
-    v: usize,
-    /// First index along u, a multiple of `STEP`.
-    first: usize,
-    /// Probabilities, four at a time, zeros added at the ends.
-    plain: Vec<[f64; STEP]>,
-    /// Probabilities x u.
-    by_u: Vec<[f64; STEP]>,
-}
-
-impl Rows {
-    fn new(probability: &Array2<f64>, centres: &[f64]) -> Rows {
-        let mut rows = Vec::new();
-        for (v, row) in probability.rows().into_iter().enumerate() {
-            let first = row.iter().position(|&p| p != 0.0);
-            let last = row.iter().rposition(|&p| p != 0.0);
-            if let (Some(first), Some(last)) = (first, last) {
-                let first = first / STEP * STEP;
-                let padded = |weight: &dyn Fn(usize) -> f64| {
-                    let four = |start: usize| {
-                        std::array::from_fn(|i| {
-                            if start + i <= last {
-                                weight(start + i)
-                            } else {
-                                0.0
-                            }
-                        })
-                    };
-                    (first..=last).step_by(STEP).map(four).collect()
-                };
-                rows.push(Row {
-                    v,
-                    first,
-                    plain: padded(&|u| row[u]),
-                    by_u: padded(&|u| row[u] * centres[u]),
-                });
-            }
-        }
-        Rows { rows }
-    }
-
-    /// Sums over bins of P x wave, P u x wave and P v x wave (the last two for the slope), as real and imaginary parts.
-    fn sums<const SLOPE: bool>(
-        &self,
-        along_u: &Waves,
-        along_v: &Waves,
-        centres: &[f64],
-    ) -> [(Lanes, Lanes); 3] {
-        let mut sums = [([0.0; LANES], [0.0; LANES]); 3];
-        for row in &self.rows {
-            let (cos, sin) = (&along_v.re[row.v], &along_v.im[row.v]);
-            let product = |re: &Lanes, im: &Lanes, lane: usize| {
-                (
-                    re[lane] * cos[lane] - im[lane] * sin[lane],
-                    re[lane] * sin[lane] + im[lane] * cos[lane],
-                )
-            };
-            let [plain, by_u, by_v] = &mut sums;
-            let (re, im) = (
-                transform(&row.plain, &along_u.re[row.first..]),
-                transform(&row.plain, &along_u.im[row.first..]),
-            );
-            for lane in 0..LANES {
-                let (a, b) = product(&re, &im, lane);
-                plain.0[lane] += a;
-                plain.1[lane] += b;
-                by_v.0[lane] += centres[row.v] * a;
-                by_v.1[lane] += centres[row.v] * b;
-            }
-            if SLOPE {
-                let (re, im) = (
-                    transform(&row.by_u, &along_u.re[row.first..]),
-                    transform(&row.by_u, &along_u.im[row.first..]),
-                );
-                for lane in 0..LANES {
-                    let (a, b) = product(&re, &im, lane);
-                    by_u.0[lane] += a;
-                    by_u.1[lane] += b;
-                }
-            }
-        }
-        sums
-    }
-}
-
-/// Sum of weight x wave, lane by lane; four weights a pass, which the compiler turns into vector code where one weight
-/// a pass with the sums in registers stays scalar (2 times slower).
-fn transform(weights: &[[f64; STEP]], waves: &[Lanes]) -> Lanes {
-    let mut sum = [0.0; LANES];
-    for ([a, b, c, d], [wa, wb, wc, wd]) in weights.iter().zip(waves.as_chunks::<STEP>().0) {
-        for lane in 0..LANES {
-            sum[lane] += (a * wa[lane] + b * wb[lane]) + (c * wc[lane] + d * wd[lane]);
-        }
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::polygon::tests::{gauss, quadrature};
+    use ndarray::Array2;
 
     fn direction(probability: Array2<f64>, paths: Option<Vec<Path>>) -> Direction {
         Direction {

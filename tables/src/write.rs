@@ -1,7 +1,7 @@
 //! A table to its file, whole or not at all.
 //!
-//! The HDF5 image is made in memory, so that the library never meets a full disk; it goes to a temporary file in the
-//! same folder, to the disk, and then takes the place of the old table in one step.
+//! The HDF5 image is made in memory, so that the library never meets a full disk; it goes to a temporary file
+//! in the same folder, to the disk, and then takes the place of the old table in one step.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -76,8 +76,8 @@ impl Reservation {
     /// Writes the table and puts it in place; the same table always gives the same bytes.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the table breaks a rule, [`Error::Write`] where the disk is full or the file cannot be
-    /// replaced. What was there before is unchanged then.
+    /// [`Error::Invalid`] where the table breaks a rule, [`Error::Write`] where the disk is full or the file
+    /// cannot be replaced. What was there before is unchanged then.
     pub fn commit(mut self, table: &Table) -> Result<(), Error> {
         let bytes = image(table, &self.target)?;
         let failed = |source| Error::Write {
