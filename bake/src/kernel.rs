@@ -2,9 +2,11 @@
 
 use crate::launch::Launch;
 use crate::path::{Rules, trace};
+use crate::program::Program;
 use crate::ray::Direction;
 use crate::scene::Scene;
 use crate::sequence::Stream;
+use crate::simd::InstructionSet;
 use crate::tally::{Bins, Tally};
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,6 +20,9 @@ pub struct Kernel {
     incidence_rad: f64,
     /// `None` where every ray has its own azimuth.
     direction: Option<Direction>,
+    /// The same in a form that many rays run at once, where the cell allows it.
+    program: Option<Program>,
+    instructions: InstructionSet,
 }
 
 impl Kernel {
@@ -38,7 +43,11 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
+        let program =
+            direction.and_then(|direction| Program::new(scene, launch, rules, &direction, bins));
         Kernel {
+            program,
+            instructions: InstructionSet::best(),
             scene: Arc::clone(scene),
             launch: launch.clone(),
             rules: *rules,
@@ -48,8 +57,24 @@ impl Kernel {
         }
     }
 
+    /// The program of this direction, where there is one.
+    pub fn program(&self) -> Option<&Program> {
+        self.program.as_ref()
+    }
+
     /// Traces `samples` of `stream` into `tally`.
     pub fn trace(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
+        match &self.program {
+            Some(program) => {
+                self.instructions
+                    .run(program, &self.launch, &self.bins, stream, samples, tally)
+            }
+            None => self.trace_one_by_one(stream, samples, tally),
+        }
+    }
+
+    /// The same by [`trace`], ray by ray.
+    pub fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         for index in samples {
             let point = self.launch.point(stream, index);
             let direction = self.direction.unwrap_or_else(|| {

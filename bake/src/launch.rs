@@ -35,6 +35,23 @@ impl Piece {
         if self.folded { whole / 2.0 } else { whole }
     }
 
+    /// Its corners, cell frame.
+    pub fn polygon(&self) -> Vec<DVec2> {
+        let [a, b] = self.sides.map(|side| side / 2.0);
+        let corners = [
+            self.centre - a - b,
+            self.centre + a - b,
+            self.centre - a + b,
+            self.centre + a + b,
+        ];
+        // The half c0 + c1 <= 0 ends at the diagonal between the second and the third.
+        if self.folded {
+            corners[..3].to_vec()
+        } else {
+            [0, 1, 3, 2].map(|i| corners[i]).to_vec()
+        }
+    }
+
     /// The point of the piece for centred coordinates of the square.
     #[inline(always)]
     pub fn point(&self, c0: f64, c1: f64) -> DVec2 {

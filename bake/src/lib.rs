@@ -3,22 +3,25 @@
 //! A sample (seed, index) becomes a point of the entrance ([`launch`]), a ray, a path ([`path`]) and a count
 //! ([`tally`]); [`run`] does it for all directions on all threads. Everything happens in the cell frame, in edge
 //! lengths and radians; degrees exist at the door only ([`plan`]).
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod bvh;
 pub mod cli;
 pub mod inspect;
 pub mod kernel;
+pub mod lanes;
 pub mod launch;
 pub mod optics;
 pub mod path;
 pub mod plan;
 pub mod plot;
+pub mod program;
 pub mod progress;
 pub mod ray;
 pub mod report;
 pub mod run;
 pub mod scene;
 pub mod sequence;
+pub mod simd;
 pub mod tally;
 pub mod triangle;

@@ -170,6 +170,11 @@ impl Scene {
         self.hierarchy.is_some()
     }
 
+    /// Whether rays cross into neighbouring cells.
+    pub fn is_periodic(&self) -> bool {
+        self.walls.is_some()
+    }
+
     /// Height of the entrance plane over the apex, edge lengths.
     pub fn height(&self) -> f64 {
         self.height

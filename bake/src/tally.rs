@@ -1,5 +1,6 @@
 //! Integer counts of fates and shifts: sums in any order give the same bytes.
 
+use crate::lanes::LANES;
 use crate::path::Outcome;
 use glam::DVec2;
 use tables::Fate;
@@ -49,7 +50,7 @@ impl Bins {
 /// Counts of one run of rays of one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tally {
-    /// Rays by bin, v slow, u fast.
+    /// Rays by bin, v slow, u fast, and then [`LANES`] slots for the fast kernel's rays that fall in no bin.
     pub histogram: Vec<u32>,
     /// Rays by fate, in the order of [`Fate::ALL`].
     pub fates: [u64; Fate::ALL.len()],
@@ -59,7 +60,7 @@ impl Tally {
     /// Empty counts. A tally takes at most 2^32 - 1 rays, which the runs are cut to.
     pub fn new(bins: &Bins) -> Self {
         Tally {
-            histogram: vec![0; bins.len()],
+            histogram: vec![0; bins.len() + LANES],
             fates: [0; Fate::ALL.len()],
         }
     }
@@ -107,7 +108,7 @@ impl Sums {
 
     /// Adds the counts of one run to a randomisation.
     pub fn add(&mut self, randomisation: usize, tally: &Tally) {
-        let size = tally.histogram.len();
+        let size = tally.histogram.len() - LANES;
         let counts = &mut self.counts[randomisation * size..][..size];
         for (sum, &count) in counts.iter_mut().zip(&tally.histogram) {
             *sum += u64::from(count);
