@@ -1,7 +1,7 @@
 //! One ray from the entrance to its fate: the tracer that everything faster is checked against.
 
 use crate::optics::{reflect, reflection, totally_reflected};
-use crate::ray::Direction;
+use crate::ray::{Direction, Ray};
 use crate::scene::{Event, Scene};
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
@@ -30,6 +30,8 @@ pub struct Outcome {
     pub shift: DVec2,
     /// Reflections.
     pub bounces: u32,
+    /// Direction of travel at the end, cell frame: upward for a ray that has left the cell.
+    pub travel: DVec3,
 }
 
 /// Whether the linear map `map` of a path is -I within the rotation angle `tolerance_rad`.
@@ -69,14 +71,21 @@ pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) 
     let mut map = DMat3::IDENTITY;
     let mut prism = [0i32, 0i32];
     let mut bounces = 0;
-    let ended = |fate, bounces| Outcome {
+    let ended = |fate, ray: &Ray, bounces| Outcome {
         fate,
         shift: DVec2::ZERO,
         bounces,
+        travel: ray.direction,
+    };
+    let ended = |fate, ray: &Ray, bounces| Outcome {
+        fate,
+        shift: DVec2::ZERO,
+        bounces,
+        travel: ray.direction,
     };
     loop {
         match scene.next(&ray) {
-            Event::Hit { front: false, .. } => return ended(Fate::Absorbed, bounces),
+            Event::Hit { front: false, .. } => return ended(Fate::Absorbed, &ray, bounces),
             Event::Hit {
                 arrival,
                 normal,
@@ -84,11 +93,11 @@ pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) 
                 ..
             } => {
                 if bounces == BOUNCE_LIMIT {
-                    return ended(Fate::BounceLimit, bounces);
+                    return ended(Fate::BounceLimit, &ray, bounces);
                 }
                 let cosine = arrival.direction.dot(normal);
                 if !rules.mirror_back && !totally_reflected(cosine, rules.refractive_index) {
-                    return ended(Fate::Transmitted, bounces);
+                    return ended(Fate::Transmitted, &ray, bounces);
                 }
                 bounces += 1;
                 prism = [prism[0] + crossed[0], prism[1] + crossed[1]];
@@ -96,13 +105,13 @@ pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) 
                 ray = arrival;
                 ray.direction = reflect(ray.direction, normal);
             }
-            Event::Endless => return ended(Fate::BounceLimit, bounces),
+            Event::Endless => return ended(Fate::BounceLimit, &ray, bounces),
             Event::Out => break,
         }
     }
     let fate = fate_of_leaving(map, direction.travel, bounces, rules.angular_tolerance_rad);
     if fate != Fate::Retroreflected {
-        return ended(fate, bounces);
+        return ended(fate, &ray, bounces);
     }
     let exit = ray.origin + ray.direction * ((scene.height() - ray.origin.z) / ray.direction.z);
     let shift = exit.truncate() + scene.displacement(prism) - point;
@@ -110,5 +119,6 @@ pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) 
         fate,
         shift: direction.to_frame(shift),
         bounces,
+        travel: ray.direction,
     }
 }

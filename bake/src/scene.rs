@@ -226,7 +226,7 @@ impl Scene {
         let last = (end - ray.origin.z) / ray.direction.z;
         let start = walls.lattice_from_plane * (ray.origin.truncate() - walls.corner);
         let rate = walls.lattice_from_plane * ray.direction.truncate();
-        let mut prism = [0i32, 0i32];
+        let mut prism = [start.x.floor() as i32, start.y.floor() as i32];
         for _ in 0..PRISM_LIMIT {
             let exit = |axis: usize| {
                 let wall = f64::from(prism[axis]) + if rate[axis] > 0.0 { 1.0 } else { 0.0 };

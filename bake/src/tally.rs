@@ -191,6 +191,7 @@ mod tests {
                     fate,
                     shift: DVec2::splat(0.6 * i as f64),
                     bounces: 0,
+                    travel: glam::DVec3::Z,
                 },
             );
         }

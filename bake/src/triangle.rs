@@ -73,10 +73,12 @@ impl Facet {
         } {
             return None;
         }
-        let side = if front { -1.0 } else { 1.0 };
+        // A ray within its error of an edge meets the facet from the front and passes it from the back: one that
+        // grazes a ridge or a rim goes on, it is not caught by the back of the facet beyond.
+        let (side, margin) = if front { (-1.0, -1.0) } else { (1.0, 1.0) };
         let [ab, bc, ca] = self.lengths;
         let on = |edge: DVec3, length: f64| {
-            side * ray.direction.dot(edge) >= -(ray.slack * length + ray.grain)
+            side * ray.direction.dot(edge) >= margin * (ray.slack * length + ray.grain)
         };
         if !(on(a.cross(b), ab) && on(b.cross(c), bc) && on(c.cross(a), ca)) {
             return None;

@@ -1,0 +1,169 @@
+//! Rays per second of each way to trace, and where the hierarchy overtakes the loop.
+//!
+//! `cargo run --release -p bake --example speed`
+
+use bake::kernel::Kernel;
+use bake::launch::Launch;
+use bake::path::Rules;
+use bake::scene::{Index, Scene};
+use bake::sequence::{Sampler, Stream};
+use bake::simd::InstructionSet;
+use bake::tally::{Bins, Tally};
+use glam::{DVec2, DVec3};
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions, Entrance, normalise};
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+const RULES: Rules = Rules {
+    refractive_index: 1.0,
+    mirror_back: true,
+    angular_tolerance_rad: 0.0087,
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let bins = Bins::new(128, 2.0);
+    let cube = cell(Shape::Triangular)?;
+    for (name, cell) in [
+        ("cube", cube.clone()),
+        ("pair", cell(Shape::TriangularPair)?),
+    ] {
+        for sampler in [Sampler::Sobol, Sampler::Random] {
+            for set in InstructionSet::available() {
+                let speed = fast(&cell, &bins, sampler, set)?;
+                println!(
+                    "program, {name}, {}, {set:?}: {speed:.1} million rays/s on 1 thread",
+                    sampler.name()
+                );
+            }
+        }
+    }
+    println!(
+        "one by one, cube, loop: {:.2} million rays/s on 1 thread",
+        slow(&cube, &bins, Index::Loop)
+    );
+    let full = cell(Shape::FullCube)?;
+    println!(
+        "one by one, periodic full cube, loop: {:.2}",
+        slow(&full, &bins, Index::Loop)
+    );
+    println!(
+        "one by one, periodic full cube, hierarchy: {:.2}",
+        slow(&full, &bins, Index::Hierarchy)
+    );
+    for side in [1usize, 2, 3, 4, 6, 32] {
+        let tiled = tiled(&cell(Shape::TriangularPair)?, side);
+        let facets = tiled.facets.len();
+        let hierarchy = slow(&tiled, &bins, Index::Hierarchy);
+        let plain = if facets < 500 {
+            slow(&tiled, &bins, Index::Loop)
+        } else {
+            f64::NAN
+        };
+        println!(
+            "{facets} facets: hierarchy {hierarchy:.2}, loop {plain:.2} million rays/s on 1 thread"
+        );
+    }
+    Ok(())
+}
+
+fn cell(shape: Shape) -> Result<Cell, Box<dyn Error>> {
+    Ok(normalise(
+        &Design::new(shape).mesh()?,
+        Path::new("design"),
+        &CellOptions::default(),
+    )?)
+}
+
+/// `side` x `side` copies of a cell whose entrance is a parallelogram.
+fn tiled(cell: &Cell, side: usize) -> Cell {
+    let [a, b, _, d] = cell.entrance.polygon[..] else {
+        return cell.clone();
+    };
+    let (right, up) = (b - a, d - a);
+    let copies = (0..side * side).map(|k| right * (k % side) as f64 + up * (k / side) as f64);
+    let facets = copies
+        .flat_map(|offset: DVec2| {
+            cell.facets
+                .iter()
+                .map(move |f| f.map(|p: DVec3| p + offset.extend(0.0)))
+        })
+        .collect();
+    let size = side as f64;
+    let polygon = vec![a, a + right * size, a + (right + up) * size, a + up * size];
+    Cell {
+        facets,
+        entrance: Entrance {
+            polygon,
+            ..cell.entrance.clone()
+        },
+        ..cell.clone()
+    }
+}
+
+fn fast(
+    cell: &Cell,
+    bins: &Bins,
+    sampler: Sampler,
+    set: InstructionSet,
+) -> Result<f64, Box<dyn Error>> {
+    let scene = Arc::new(Scene::new(cell, Index::Auto));
+    let launch = Launch::new(&cell.entrance);
+    let mut tally = Tally::new(bins);
+    let run = 1u64 << 18;
+    let mut seconds = 0.0;
+    let angles = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];
+    let mut rays = 0;
+    for incidence in angles {
+        let kernel = Kernel::new(&scene, &launch, &RULES, bins, incidence, 0.0);
+        let program = kernel.program().ok_or("no program for this cell")?;
+        if set == InstructionSet::best() && sampler == Sampler::Sobol {
+            println!(
+                "  {incidence} deg: {} steps, {} tests, {} maps",
+                program.steps.len(),
+                program.tests.len(),
+                program.maps.len()
+            );
+        }
+        let stream = Stream::new(sampler, 1, incidence, 0.0, 0);
+        for part in 0..8 {
+            let start = Instant::now();
+            set.run(
+                program,
+                &launch,
+                bins,
+                &stream,
+                part * run..(part + 1) * run,
+                &mut tally,
+            );
+            if part > 0 {
+                seconds += start.elapsed().as_secs_f64();
+                rays += run;
+            }
+        }
+    }
+    Ok(rays as f64 / seconds / 1e6)
+}
+
+fn slow(cell: &Cell, bins: &Bins, index: Index) -> f64 {
+    let scene = Arc::new(Scene::new(cell, index));
+    let launch = Launch::new(&cell.entrance);
+    let mut tally = Tally::new(bins);
+    let (mut seconds, mut rays) = (0.0, 0);
+    for incidence in [0.0, 20.0, 40.0] {
+        let kernel = Kernel::new(&scene, &launch, &RULES, bins, incidence, 0.0);
+        let stream = Stream::new(Sampler::Sobol, 1, incidence, 0.0, 0);
+        let run = if scene.facets().len() > 100 && !scene.has_hierarchy() {
+            20_000
+        } else {
+            200_000
+        };
+        let start = Instant::now();
+        kernel.trace_one_by_one(&stream, 0..run, &mut tally);
+        seconds += start.elapsed().as_secs_f64();
+        rays += run;
+    }
+    rays as f64 / seconds / 1e6
+}

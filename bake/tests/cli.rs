@@ -1,0 +1,170 @@
+//! The program from outside: exit codes, messages, outputs that stay whole.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn bake(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_bake"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("bake runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn good(folder: &Path, arguments: &[&str]) -> String {
+    let output = bake(folder, arguments);
+    assert!(
+        output.status.success(),
+        "bake {arguments:?}: {}",
+        text(&output.stderr)
+    );
+    assert_eq!(text(&output.stderr), "", "a good run is quiet in a pipe");
+    text(&output.stdout)
+}
+
+#[test]
+fn from_design_to_picture() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    assert_eq!(good(here, &["design", "--list"]).lines().count(), 4);
+    good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
+    good(here, &["design", "triangular-pair", "-o", "pair.glb"]);
+    let trace = [
+        "trace",
+        "pair.obj",
+        "-o",
+        "pair.h5",
+        "--rays",
+        "20000",
+        "--incidence",
+        "0,20",
+        "--method",
+        "rays",
+    ];
+    let report = good(
+        here,
+        &[&trace[..], &["--refractive-index", "1.49", "--json"]].concat(),
+    );
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["directions"].as_array().expect("a list").len(), 2);
+    let fates = report["directions"][0]["fates"].as_object().expect("fates");
+    let sum: f64 = fates.values().filter_map(serde_json::Value::as_f64).sum();
+    assert!((sum - 1.0).abs() < 1e-12);
+    assert!(good(here, &["inspect", "pair.h5"]).contains("triangular-pair"));
+    for (file, start) in [("pair.png", &b"\x89PNG"[..]), ("pair.svg", &b"<svg"[..])] {
+        let inspected = good(here, &["inspect", "pair.h5", "--plot", file, "--json"]);
+        assert!(serde_json::from_str::<serde_json::Value>(&inspected).is_ok());
+        let bytes = std::fs::read(here.join(file)).expect("a picture");
+        let head = &bytes[..200.min(bytes.len())];
+        assert!(
+            head.windows(start.len()).any(|window| window == start),
+            "{file} starts {head:?}"
+        );
+    }
+    assert!(good(here, &["verify", "pair.h5"]).contains("valid"));
+    // Another seed agrees within errors; another index does not, and says so with code 1.
+    let again = |seed: &str, index: &str, file: &str| {
+        let more = ["--seed", seed, "--refractive-index", index, "-o", file];
+        let [verb, mesh, _, _, rest @ ..] = trace;
+        good(here, &[&[verb, mesh], &rest[..], &more[..]].concat());
+    };
+    again("2", "1.49", "seed.h5");
+    again("1", "1.3", "index.h5");
+    good(here, &["compare", "pair.h5", "seed.h5"]);
+    assert_eq!(
+        bake(here, &["compare", "pair.h5", "index.h5"])
+            .status
+            .code(),
+        Some(1)
+    );
+}
+
+#[test]
+fn wrong_usage_and_failed_work() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    good(here, &["design", "triangular", "-o", "cube.obj"]);
+    std::fs::write(here.join("old.h5"), b"precious").expect("writes");
+    std::fs::write(here.join("bad.obj"), b"v 0 0 0\n").expect("writes");
+    let cases: [(&[&str], i32, &str); 11] = [
+        (&["trace", "cube.obj"], 2, "--output"),
+        (
+            &["trace", "cube.obj", "-o", "old.h5", "--incidence", "95"],
+            2,
+            "--incidence 95: the angle must be",
+        ),
+        (
+            &["trace", "cube.obj", "-o", "old.h5", "--lattice", "1,2"],
+            2,
+            "--lattice 1,2: give 6 numbers",
+        ),
+        (
+            &["trace", "cube.obj", "-o", "old.h5", "--tolerance", "-1"],
+            2,
+            "--tolerance -1: give a number",
+        ),
+        (
+            &["trace", "cube.obj", "-o", "old.h5", "--sampler", "halton"],
+            2,
+            "invalid value 'halton'",
+        ),
+        (&["trace", "none.obj", "-o", "old.h5"], 1, "none.obj"),
+        (&["trace", "bad.obj", "-o", "old.h5"], 1, "bad.obj"),
+        (
+            &["trace", "cube.obj", "-o", "no/such/folder.h5"],
+            1,
+            "no/such",
+        ),
+        (&["inspect", "old.h5"], 1, "old.h5: is not an HDF5 file"),
+        (&["design", "pentagon", "-o", "x.obj"], 2, "pentagon"),
+        (
+            &["design", "triangular", "-o", "x.stl"],
+            2,
+            "x.stl: the extension must be .obj or .glb",
+        ),
+    ];
+    let mut refused = 0;
+    for (arguments, code, sentence) in cases {
+        let output = bake(here, arguments);
+        let message = text(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(code),
+            "bake {arguments:?}: {message}"
+        );
+        assert!(
+            message.contains(sentence),
+            "bake {arguments:?} should say \"{sentence}\": {message}"
+        );
+        assert_eq!(
+            std::fs::read(here.join("old.h5")).expect("still there"),
+            b"precious"
+        );
+        refused += 1;
+    }
+    assert_eq!(refused, 11);
+    let left: Vec<_> = std::fs::read_dir(here)
+        .expect("lists")
+        .flatten()
+        .map(|entry| entry.file_name())
+        .collect();
+    assert_eq!(left.len(), 3, "no half-written file stays: {left:?}");
+}
+
+#[test]
+fn every_verb_helps_with_an_example() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut verbs = 0;
+    for verb in ["design", "trace", "inspect", "compare", "verify"] {
+        assert!(
+            good(folder.path(), &[verb, "--help"]).contains("Example"),
+            "bake {verb} --help"
+        );
+        verbs += 1;
+    }
+    assert_eq!(verbs, 5);
+}
