@@ -1,0 +1,102 @@
+# Needs Rust (rustup), a C compiler, make and Python 3 with venv. What else a build or a test needs is
+# brought into .tools/ by `tools` and `python` below, without root; `make clean` removes it again.
+
+.SUFFIXES:
+.NOTPARALLEL:
+.PHONY: all build demo test fmt lint doc bench tools python rust clean
+
+CARGO = cargo
+PYTHON = python3
+VENV = $(CURDIR)/.tools/venv
+# HDF5 is compiled from source by a crate that wants at least this cmake.
+CMAKE_WANTED = 3.26
+CMAKE_PACKAGE = cmake==4.4.4
+
+# A link, so that cargo sees one path whichever cmake it leads to. A user's own choice is looked at first.
+FOUND_CMAKE := $(or $(CMAKE),cmake)
+override CMAKE := $(CURDIR)/.tools/cmake
+export CMAKE
+
+all: build
+
+build: tools
+	@$(CARGO) build --release --locked -p bake -p fit
+
+# ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and an
+# interrupted or moved set-up is done again.
+
+tools:
+	@test "$$($(CMAKE) --version 2>/dev/null | wc -l)" -gt 0 || { \
+		mkdir -p .tools && rm -f $(CMAKE) && \
+		if found=$$(command -v "$(FOUND_CMAKE)") && $(call cmake_is_new,"$$found"); then \
+			echo "set-up: cmake found at $$found" >&2; \
+		else \
+			echo "set-up: no cmake >= $(CMAKE_WANTED) on PATH; bringing $(CMAKE_PACKAGE) into .tools/venv" >&2; \
+			$(venv) && $(pip) "$(CMAKE_PACKAGE)" && found="$(VENV)/bin/cmake"; \
+		fi && ln -s "$$found" $(CMAKE); }
+
+python: tests/requirements.txt
+	@{ cmp -s tests/requirements.txt .tools/requirements.installed && "$(VENV)/bin/python" -c '' 2>/dev/null; } || { \
+		echo "set-up: bringing h5py, xarray and h5netcdf into .tools/venv for the tests" >&2; \
+		rm -f .tools/requirements.installed && $(venv) && $(pip) -r tests/requirements.txt && \
+		cp tests/requirements.txt .tools/requirements.installed; }
+
+# A rustup of the minimal profile lacks these two.
+rust:
+	@$(CARGO) fmt --version >/dev/null 2>&1 || rustup component add rustfmt
+	@$(CARGO) clippy --version >/dev/null 2>&1 || rustup component add clippy
+
+# $(1): a quoted path. The older of the two versions must be the wanted one.
+cmake_is_new = test "$$(printf '%s\n' $(CMAKE_WANTED) \
+	"$$($(1) --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p')" | sort -V | head -n 1)" = $(CMAKE_WANTED)
+# A venv that was moved or cut short does not start pip, and is made anew.
+venv = { "$(VENV)/bin/python" -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear "$(VENV)" || { \
+	echo "set-up: $(PYTHON) cannot make a virtual environment: install it with venv (Debian: python3-venv)" >&2; \
+	exit 1; }; }
+pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all:
+
+# ---- Tests. clippy and doc share the metadata of the dependencies, clippy and test their build scripts.
+
+test: fmt lint doc python
+	@echo "== tests" >&2
+	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
+
+fmt: rust
+	@echo "== format" >&2
+	@$(CARGO) fmt --all --check
+
+lint: rust tools
+	@echo "== lints" >&2
+	@$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+
+doc: tools
+	@echo "== documentation" >&2
+	@RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
+
+bench: tools
+	@$(CARGO) bench --workspace --locked --benches
+
+# ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets results.
+
+BIN = target/release
+CAMPAIGN = tests/captures/public_per_angle
+QUIET = $$(test -t 1 || echo --quiet)
+
+demo: tools
+	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit
+	@mkdir -p demo
+	@$(BIN)/bake design triangular-pair -o demo/pair.obj
+	@$(BIN)/bake trace demo/pair.obj -o demo/pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
+	@$(BIN)/bake inspect demo/pair.h5 --plot demo/shift.png
+	@$(BIN)/fit estimate $(CAMPAIGN)/captures.toml --table demo/pair.h5 --truth $(CAMPAIGN)/truth.json \
+		-o demo/result.json --plot demo/mtf.png
+	@echo
+	@echo "demo/pair.obj     the mesh of one cell"
+	@echo "demo/pair.h5      its ray-shift table"
+	@echo "demo/shift.png    the histograms of the ray shift"
+	@echo "demo/result.json  a, c and mu with standard errors and covariance"
+	@echo "demo/mtf.png      measured and modelled MTF of every photograph"
+
+clean:
+	$(CARGO) clean
+	rm -rf .tools demo
