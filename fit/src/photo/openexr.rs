@@ -287,23 +287,18 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             &layer.name
         };
         warnings.push(format!(
-            "{} has {} layers with a picture; {name} was used: set `channel` to a full channel name for another.",
-            path.display(),
+            "{} layers hold a picture; {name} was used: set `channel` to a full channel name for another",
             able.len()
         ));
     }
     if layer.channels.iter().any(|(_, name)| is_alpha(name)) {
-        warnings.push(format!(
-            "{} has an alpha channel, which was ignored.",
-            path.display()
-        ));
+        warnings.push("the alpha channel was ignored".into());
     }
     let stored = &headers[layer.header].channels.list;
     if *wanted == Channel::Luminance && terms.len() == 1 && layer.find(["Y", "luminance"]).is_none()
     {
         warnings.push(format!(
-            "{} has no Y and no R, G, B; its only channel {} was taken for luminance.",
-            path.display(),
+            "there is no Y and no R, G, B; the only channel, {}, was taken for luminance",
             stored[terms[0].index].name
         ));
     }
@@ -313,10 +308,7 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             .chromaticities
             .is_some()
     {
-        warnings.push(format!(
-            "{} names its own primaries; luminance was formed with the Rec. 709 weights all the same.",
-            path.display()
-        ));
+        warnings.push("the file names its own primaries; luminance was formed with the Rec. 709 weights all the same".into());
     }
     Ok(Selection {
         header: layer.header,

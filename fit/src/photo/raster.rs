@@ -54,10 +54,7 @@ pub(super) fn read(
     let mut warnings = Vec::new();
     if orientation != Orientation::NoTransforms {
         picture.apply_orientation(orientation);
-        warnings.push(format!(
-            "{} was turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture.",
-            path.display()
-        ));
+        warnings.push("turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture".into());
     }
     plane(path, picture, options, warnings)
 }
@@ -80,16 +77,16 @@ fn plane(
     let shown = path.display();
     if bits == 8 {
         warnings.push(match transfer {
-            Transfer::Srgb => format!(
-                "{shown} is 8-bit and was linearised from sRGB, which limits the accuracy; prefer linear 16-bit or EXR."
-            ),
+            Transfer::Srgb => {
+                "8-bit values, linearised from sRGB, limit the accuracy; prefer linear 16-bit or EXR".into()
+            }
             Transfer::Linear => {
-                format!("{shown} is 8-bit, which limits the accuracy; prefer linear 16-bit or EXR.")
+                "8-bit values limit the accuracy; prefer linear 16-bit or EXR".into()
             }
         });
     }
     if colour.has_alpha() {
-        warnings.push(format!("{shown} has an alpha channel, which was ignored."));
+        warnings.push("the alpha channel was ignored".into());
     }
     let (weights, found): (&[f32], &[&str]) = match (colour.has_color(), &options.channel) {
         (false, Channel::Luminance) => (&[1.0], &[]),
