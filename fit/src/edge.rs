@@ -48,7 +48,7 @@ pub enum Fault {
 ///
 /// The first direction is that of the first moment under a rotationally symmetric weight, which is exact for any straight
 /// edge; direction and place are then refined until the pixels scatter least about their common profile (Gauss-Newton on
-/// the angle; the place is the half level). Accuracy: noise-limited, see the standard error; noise-free below 1e-5 rad.
+/// the angle; the place is the half level). Accuracy: noise-limited, see the standard error; noise-free below 2e-5 rad.
 pub fn locate(window: &Window) -> Result<Line, Fault> {
     let mut line = Line {
         normal_rad: first_direction(window)?,

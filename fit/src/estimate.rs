@@ -214,6 +214,15 @@ pub fn sum_of_squares_with(
     (solution.sum_of_squares(), with(&solution.parameters))
 }
 
+/// Whitened residuals and their derivatives at the given logarithms of c and the spreads.
+pub fn residuals_at(
+    scene: &Scene,
+    choice: Choice,
+    parameters: &DVector<f64>,
+) -> (DVector<f64>, DMatrix<f64>) {
+    residuals(scene, &Layout::new(choice, scene.groups.len()), parameters)
+}
+
 fn residuals(
     scene: &Scene,
     layout: &Layout,

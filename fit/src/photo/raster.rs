@@ -74,7 +74,6 @@ fn plane(
     } else {
         Transfer::Linear
     });
-    let shown = path.display();
     if bits == 8 {
         warnings.push(match transfer {
             Transfer::Srgb => {

@@ -1,0 +1,284 @@
+//! The estimate against planted answers.
+
+mod planted;
+
+use fit::bound::bounds;
+use fit::estimate::{Choice, Estimate, estimate, optimum, residuals_at};
+use fit::kernel::{Blur, Kernel};
+use fit::lobe::Shape;
+use fit::reflectance::Contrast;
+use fit::select::{Candidates, select};
+use fit::simulate::{Kernel as Planted, Lobe};
+use fit::view::Model;
+use nalgebra::DVector;
+use planted::{Stream, camera, params, scene, table, truth};
+
+const SHARED: Choice = Choice {
+    kernel: Kernel::Eq1,
+    shape: Shape::Radial,
+    per_angle_a: false,
+    per_angle_mu: false,
+};
+
+/// The simulator works in space, the model in frequency: on the same bins they must agree.
+///
+/// Tolerance: 14-bit rounding gives an error of 1/(2^14 sqrt 12) = 1.8e-5 per pixel, and electrons at 1e12 full well
+/// 1e-6; a bin of n >= 20 pixels averages them, so 4.5 sigma over 5000 bins is 2e-5 of full scale; steps are above 0.05
+/// of it. The model's interpolation adds 2e-5 (see `view`), the simulator's grid 2e-7.
+#[test]
+fn model_equals_noise_free_photographs() {
+    let mut cases = 0;
+    let mut worst: f64 = 0.0;
+    for (kernel, planted) in [
+        (Kernel::Eq1, Planted::Eq1),
+        (Kernel::Angular, Planted::Angular),
+        (Kernel::Shift, Planted::Shift),
+        (Kernel::Lobe, Planted::Lobe),
+    ] {
+        for (shape, lobe) in [
+            (Shape::Radial, Lobe::Radial),
+            (Shape::Separable, Lobe::Separable),
+        ] {
+            let a = if kernel == Kernel::Angular {
+                700.0
+            } else {
+                3.4
+            };
+            let truth = truth(planted, lobe, a, 0.31, 0.6);
+            let incidence = [0.0, 20.0, 40.0];
+            let table = table(&truth, &incidence, 20.0);
+            let scene = scene(
+                &params(5, truth, &incidence, &[200.0], camera(1e12)),
+                &table,
+            );
+            for shot in &scene.shots {
+                let model = Model {
+                    kernel,
+                    shape,
+                    shift: shot.shift.as_ref(),
+                    r_mm: shot.r_mm,
+                    normal: shot.view.normal(),
+                };
+                let curve = shot.view.curve(
+                    &model,
+                    Blur {
+                        spread: a,
+                        c_mm: 0.31,
+                    },
+                );
+                let profile = &shot.view.profile;
+                let contrast = Contrast::fit(profile, &curve.bins);
+                let bins = &curve.bins;
+                let error = |j: usize| {
+                    (profile.mean[j] - contrast.dark - contrast.step * bins[j]) / contrast.step
+                };
+                // The edge's place is the half level of the profile, not the model's centre: its error, a few
+                // thousandths of a pixel, is the share of the slope in the differences.
+                let slope = |j: usize| 0.5 * (bins[j + 1] - bins[j - 1]);
+                let inner = 1..bins.len() - 1;
+                let place = inner.clone().map(|j| error(j) * slope(j)).sum::<f64>()
+                    / inner.clone().map(|j| slope(j).powi(2)).sum::<f64>();
+                assert!(place.abs() < 0.2, "the edge lies {place} bins off");
+                worst = inner
+                    .map(|j| (error(j) - place * slope(j)).abs())
+                    .fold(worst, f64::max);
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 24);
+    assert!(
+        worst < 2e-5 / 0.05 + 2e-5,
+        "largest difference of profile and model: {worst:.2e} of the step"
+    );
+}
+
+/// Central differences with step h have an error of h^2/6 times the third derivative, and the residuals' rounding over h;
+/// residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
+#[test]
+fn derivatives_match_differences() {
+    let truth = truth(Planted::Eq1, Lobe::Radial, 3.4, 0.31, 0.6);
+    let incidence = [0.0, 30.0];
+    let table = table(&truth, &incidence, 20.0);
+    let scene = scene(
+        &params(6, truth, &incidence, &[150.0, 300.0], camera(40_000.0)),
+        &table,
+    );
+    let mut cases = 0;
+    for kernel in Kernel::ALL {
+        for shape in [Shape::Radial, Shape::Separable] {
+            let choice = Choice {
+                kernel,
+                shape,
+                per_angle_a: true,
+                per_angle_mu: false,
+            };
+            let a = if kernel == Kernel::Angular {
+                600.0_f64
+            } else {
+                3.1
+            };
+            let mut at: Vec<f64> = Vec::new();
+            if kernel.has_shift() {
+                at.push(0.29_f64.ln());
+            }
+            if kernel.has_lobe() {
+                at.extend([a.ln(), (0.8 * a).ln()]);
+            }
+            let at = DVector::from_vec(at);
+            let (_, jacobian) = residuals_at(&scene, choice, &at);
+            for i in 0..at.len() {
+                let h = 1e-4;
+                let (mut low, mut high) = (at.clone(), at.clone());
+                low[i] -= h;
+                high[i] += h;
+                let difference = (residuals_at(&scene, choice, &high).0
+                    - residuals_at(&scene, choice, &low).0)
+                    / (2.0 * h);
+                let largest = jacobian.column(i).amax();
+                let error = (jacobian.column(i) - &difference).amax();
+                assert!(
+                    error < 2e-5 * largest + 1e-3,
+                    "{kernel:?} {shape:?} {i}: {error:.1e} of {largest:.1e}"
+                );
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 2 * (1 + 2 + 3 + 3));
+}
+
+/// Differences from the truth in units of the reported standard error, over planted campaigns.
+fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
+    let pull = |v: fit::estimate::Value, truth: f64| (v.value - truth) / v.standard_error;
+    let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
+    [
+        pull(fit.c_mm.expect("eq1 has c"), c),
+        pull(fit.spread[0], a),
+        pull(measured_mu, mu),
+    ]
+}
+
+/// Standard errors are true: the mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors, sqrt(2/N) if
+/// the pulls were independent; a and c are correlated, which at most doubles the variance: 4.5 sqrt(4/120) = 0.82.
+#[test]
+fn standard_errors_are_true() {
+    let mut stream = Stream(77);
+    let mut squares = 0.0;
+    let mut count = 0;
+    let mut bias = [0.0; 3];
+    for seed in 0..40 {
+        let (a, c, mu) = (
+            stream.between(2.0, 6.0),
+            stream.between(0.2, 0.5),
+            stream.between(0.3, 0.8),
+        );
+        let truth = truth(Planted::Eq1, Lobe::Radial, a, c, mu);
+        let incidence = [5.0, 30.0];
+        let table = table(&truth, &incidence, 20.0);
+        let scene = scene(
+            &params(
+                seed,
+                truth,
+                &incidence,
+                &[200.0],
+                camera(stream.between(5e3, 4e4)),
+            ),
+            &table,
+        );
+        let fit = estimate(&scene, optimum(&scene, SHARED));
+        for (sum, pull) in bias.iter_mut().zip(pulls(&fit, a, c, mu)) {
+            assert!(pull.abs() < 5.0, "campaign {seed}: a pull of {pull}");
+            squares += pull * pull;
+            *sum += pull / 40.0;
+            count += 1;
+        }
+    }
+    assert_eq!(count, 120);
+    let mean = squares / 120.0;
+    println!("mean square pull {mean:.3}, mean pulls {bias:.2?}");
+    assert!((mean - 1.0).abs() < 0.82, "mean square pull {mean}");
+    // The mean of 40 pulls has a standard error of 0.16.
+    assert!(
+        bias.iter().all(|b| b.abs() < 4.5 * 0.16),
+        "mean pulls {bias:?}"
+    );
+}
+
+/// The right terms are found where they can be told apart: distances of 150 and 300 mm tell eq1 from angular.
+#[test]
+fn selection_finds_the_planted_terms() {
+    let everything = Candidates {
+        kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
+        shapes: vec![Shape::Radial, Shape::Separable],
+        per_angle_a: None,
+        per_angle_mu: None,
+    };
+    let mut cases = 0;
+    for (kernel, planted, a) in [
+        (Kernel::Eq1, Planted::Eq1, 3.4),
+        (Kernel::Angular, Planted::Angular, 700.0),
+        (Kernel::Shift, Planted::Shift, 1.0),
+        (Kernel::Lobe, Planted::Lobe, 2.5),
+    ] {
+        for (shape, lobe) in [
+            (Shape::Radial, Lobe::Radial),
+            (Shape::Separable, Lobe::Separable),
+        ] {
+            let truth = truth(planted, lobe, a, 0.35, 0.6);
+            let incidence = [0.0, 25.0];
+            let table = table(&truth, &incidence, 20.0);
+            let scene = scene(
+                &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
+                &table,
+            );
+            let chosen = select(&scene, &everything).best.choice;
+            assert_eq!(chosen.kernel, kernel, "planted {kernel:?} {shape:?}");
+            if kernel.has_lobe() {
+                assert_eq!(chosen.shape, shape, "planted {kernel:?} {shape:?}");
+                assert!(
+                    !chosen.per_angle_a && !chosen.per_angle_mu,
+                    "planted {kernel:?} {shape:?}: {chosen:?}"
+                );
+            }
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 8);
+}
+
+/// What the photographs do not show comes back as a bound, and the bound holds.
+#[test]
+fn absent_terms_are_bounded() {
+    let incidence = [0.0, 25.0];
+    // Pure diffraction: no shift, so c has an upper bound.
+    let planted = truth(Planted::Lobe, Lobe::Radial, 2.5, 0.3, 0.6);
+    let of_ideal = table(&planted, &incidence, 20.0);
+    let diffraction = scene(
+        &params(12, planted, &incidence, &[150.0, 300.0], camera(4e4)),
+        &of_ideal,
+    );
+    let fit = estimate(&diffraction, optimum(&diffraction, SHARED));
+    let found = bounds(&diffraction, &fit);
+    let c = found
+        .get("c_mm")
+        .expect("c is not identified")
+        .at_most
+        .expect("it is bounded from above");
+    assert!(c > 0.0 && c < 0.1, "c < {c} mm");
+    // Pure shift: no lobe, so a has a lower bound.
+    let planted = truth(Planted::Shift, Lobe::Radial, 1.0, 0.35, 0.6);
+    let shift = scene(
+        &params(13, planted, &incidence, &[150.0, 300.0], camera(4e4)),
+        &of_ideal,
+    );
+    let fit = estimate(&shift, optimum(&shift, SHARED));
+    let found = bounds(&shift, &fit);
+    let a = found
+        .get("a_per_mm")
+        .expect("a is not identified")
+        .at_least
+        .expect("it is bounded from below");
+    assert!(a > 20.0 && a.is_finite(), "a > {a} /mm");
+    println!("c < {c:.4} mm, a > {a:.1} /mm");
+}
