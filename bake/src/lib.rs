@@ -7,6 +7,7 @@
 
 pub mod bvh;
 pub mod cli;
+pub mod exact;
 pub mod inspect;
 pub mod kernel;
 pub mod lanes;
@@ -16,6 +17,7 @@ pub mod path;
 pub mod plan;
 pub mod plot;
 pub mod program;
+pub mod polygon;
 pub mod progress;
 pub mod ray;
 pub mod report;

@@ -1,0 +1,229 @@
+//! The exact bake: beam tracing instead of samples.
+//!
+//! After Heckbert and Hanrahan, "Beam Tracing Polygonal Objects", SIGGRAPH 1984. On planar facets a collimated beam is
+//! piecewise affine: every sequence of facets maps one polygon of the entrance plane by one affine map, so the whole
+//! distribution of ray shifts is a finite set of polygons, and the probability of a bin is an area. Where this differs
+//! from the article: all light of a direction is parallel and stays so, so that facets are unfolded into the entrance
+//! plane and the whole problem is two-dimensional; cells may be periodic.
+//!
+//! Accuracy: areas and shifts to a few ulp of the longest path in the cell, 1e-15 / cos(incidence) edge lengths.
+//! Facets mirror on the side that is wound counter-clockwise and let light through from behind (a checked cell shows
+//! its back to no beam).
+
+mod beam;
+mod bins;
+mod facet;
+mod paths;
+mod rim;
+mod view;
+
+use glam::{DMat2, DVec2};
+use meshes::cell::Cell;
+use ndarray::{Array2, Array3, Array4};
+use rayon::prelude::*;
+use tables::table::{Axes, Exact, Fate, Path};
+
+use self::facet::Facet;
+use self::view::View;
+use crate::polygon::{self, Polygon};
+
+/// What an exact bake needs to know besides the cell and the directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Refractive index behind a flat front face in the entrance plane; 1 for a hollow cell. At least 1.
+    pub refractive_index: f64,
+    /// Whether facets reflect by total internal reflection alone: light that meets one below the critical angle is
+    /// `transmitted`.
+    pub total_internal_reflection: bool,
+    /// Largest deviation of a path's linear map from -I that counts as retroreflected: the angle of the rotation that
+    /// takes one to the other, inside the cell, degrees.
+    pub angular_tolerance_deg: f64,
+    /// Light that meets a facet after this many reflections is stopped as `bounce_limit`.
+    pub max_reflections: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            refractive_index: 1.0,
+            total_internal_reflection: false,
+            angular_tolerance_deg: 0.5,
+            max_reflections: 64,
+        }
+    }
+}
+
+impl Options {
+    /// Cosine of the angle of incidence on a facet at and above which total internal reflection fails.
+    fn tir_fails_above_cosine(&self) -> f64 {
+        let sine = 1.0 / self.refractive_index;
+        if self.total_internal_reflection { (1.0 - sine * sine).sqrt() } else { f64::INFINITY }
+    }
+
+    /// Angle of incidence inside the front face, radians.
+    fn inside_rad(&self, incidence_deg: f64) -> f64 {
+        if self.refractive_index == 1.0 {
+            // asin(sin) would lose half the digits near 90 deg.
+            return incidence_deg.to_radians();
+        }
+        (incidence_deg.to_radians().sin() / self.refractive_index).asin()
+    }
+}
+
+/// Why a cell cannot be baked exactly.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExactError {
+    /// An average over azimuths is an integral that no finite set of polygons gives.
+    #[error("the exact method has no mean over azimuths; name the azimuths (--azimuth 0:350:10) or use --method rays")]
+    MeanAzimuth,
+    /// The work grows faster than the number of facets.
+    #[error("the cell has {facets} planar facets, the exact method takes at most {limit}; use --method rays")]
+    TooManyFacets {
+        /// Facets after joining coplanar triangles.
+        facets: usize,
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// Most facets, after joining coplanar triangles, that the exact method takes: the work grows with their square.
+pub const MOST_FACETS: usize = 2048;
+
+/// What became of the light of one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// Retroreflecting polygons and maps, incidence frame, edge lengths.
+    pub paths: Vec<Path>,
+    /// Share of the launched light by fate, in the order of [`Fate::ALL`].
+    pub fate: [f64; Fate::ALL.len()],
+    /// Retroreflected fraction: `retroreflected` and `out_of_range` together.
+    pub eta: f64,
+    /// Probability per launched ray of each bin, `[v][u]` row-major: sums to the share of `retroreflected`.
+    pub histogram: Vec<f64>,
+    /// Net share of the slivers given up as rounding: the shares of all fates sum to 1 less this.
+    pub dropped: f64,
+}
+
+/// A cell prepared for exact baking: planar facets joined.
+#[derive(Debug, Clone)]
+pub struct ExactCell<'a> {
+    cell: &'a Cell,
+    facets: Vec<Facet>,
+    /// `None` too where the cell is a lattice of pits, which do not see each other.
+    lattice: Option<[DVec2; 2]>,
+    /// Convex parts of the openings.
+    doors: Vec<Polygon>,
+    entrance_area: f64,
+}
+
+impl<'a> ExactCell<'a> {
+    /// Joins coplanar triangles and checks the number of facets.
+    ///
+    /// # Errors
+    /// [`ExactError::TooManyFacets`].
+    pub fn new(cell: &'a Cell) -> Result<Self, ExactError> {
+        let facets = facet::join(&cell.facets);
+        if facets.len() > MOST_FACETS {
+            return Err(ExactError::TooManyFacets { facets: facets.len(), limit: MOST_FACETS });
+        }
+        let entrance = &cell.entrance;
+        let entrance_area = polygon::area(&entrance.polygon);
+        let pits = entrance.lattice.and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
+        let lattice = if pits.is_some() { None } else { entrance.lattice };
+        let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
+        let doors = openings.iter().flat_map(|opening| polygon::convex_parts(opening)).collect();
+        Ok(ExactCell { cell, facets, lattice, doors, entrance_area })
+    }
+
+    /// Number of planar facets after joining coplanar triangles.
+    pub fn facet_count(&self) -> usize {
+        self.facets.len()
+    }
+
+    /// Traces one direction: angles in degrees, outside the front face, cell frame; `bins` x `bins` over
+    /// [-range, range] edge lengths.
+    pub fn direction(
+        &self,
+        incidence_deg: f64,
+        azimuth_deg: f64,
+        bins: usize,
+        range: f64,
+        options: &Options,
+    ) -> Direction {
+        let inside_rad = options.inside_rad(incidence_deg);
+        let view = View::new(self, inside_rad, azimuth_deg.to_radians());
+        let outcome = beam::trace(&view, options);
+        let paths = paths::merge(outcome.pieces, &view);
+        let mut filled = bins::Bins::new(bins, range);
+        let mut eta = 0.0;
+        for path in &paths {
+            let polygon: Vec<DVec2> = path.polygon.iter().map(|&p| DVec2::from_array(p)).collect();
+            let [[uu, uv], [vu, vv]] = path.matrix;
+            let matrix = DMat2::from_cols(DVec2::new(uu, vu), DVec2::new(uv, vv));
+            let density = path.weight / view.entrance_area;
+            eta += density * polygon::area(&polygon);
+            filled.add(&polygon, matrix, DVec2::from_array(path.offset), density);
+        }
+        let mut fate = outcome.area.map(|area| area / view.entrance_area);
+        fate[Fate::OutOfRange as usize] = filled.out_of_range;
+        fate[Fate::Retroreflected as usize] = eta - filled.out_of_range;
+        let dropped = outcome.dropped / view.entrance_area;
+        Direction { paths, fate, eta, histogram: filled.mass, dropped }
+    }
+}
+
+/// The arrays of an exact table, as [`tables::table::Table`] names them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baked {
+    /// Conditional probability `[incidence, azimuth, v, u]`.
+    pub histogram: Array4<f64>,
+    /// Eta `[incidence, azimuth]`.
+    pub retroreflected: Array2<f64>,
+    /// Shares `[incidence, azimuth, fate]`.
+    pub fate: Array3<f64>,
+    /// Polygons and maps.
+    pub exact: Exact,
+}
+
+/// Bakes every direction of `axes`, in parallel; the result does not depend on the number of threads. `done` is called
+/// once per finished direction, from any thread.
+///
+/// # Errors
+/// [`ExactError`].
+pub fn bake(cell: &Cell, axes: &Axes, options: &Options, done: impl Fn() + Sync) -> Result<Baked, ExactError> {
+    if axes.azimuth_deg.iter().any(|azimuth| azimuth.is_nan()) {
+        return Err(ExactError::MeanAzimuth);
+    }
+    let prepared = ExactCell::new(cell)?;
+    let (incidences, azimuths) = axes.shape();
+    let directions: Vec<Direction> = (0..incidences * azimuths)
+        .into_par_iter()
+        .map(|i| {
+            let (incidence, azimuth) = (axes.incidence_deg[i / azimuths], axes.azimuth_deg[i % azimuths]);
+            let direction = prepared.direction(incidence, azimuth, axes.bins, axes.range, options);
+            done();
+            direction
+        })
+        .collect();
+    let mut histogram = Array4::zeros((incidences, azimuths, axes.bins, axes.bins));
+    let mut retroreflected = Array2::zeros((incidences, azimuths));
+    let mut fate = Array3::zeros((incidences, azimuths, Fate::ALL.len()));
+    for (i, direction) in directions.iter().enumerate() {
+        let at = [i / azimuths, i % azimuths];
+        retroreflected[at] = direction.eta;
+        for (k, share) in direction.fate.iter().enumerate() {
+            fate[[at[0], at[1], k]] = *share;
+        }
+        let inside: f64 = direction.histogram.iter().sum();
+        if inside > 0.0 {
+            let mut plane = histogram.slice_mut(ndarray::s![at[0], at[1], .., ..]);
+            plane.iter_mut().zip(&direction.histogram).for_each(|(bin, mass)| *bin = mass / inside);
+        }
+    }
+    let exact = Exact {
+        entrance_area: polygon::area(&cell.entrance.polygon),
+        paths: directions.into_iter().map(|direction| direction.paths).collect(),
+    };
+    Ok(Baked { histogram, retroreflected, fate, exact })
+}

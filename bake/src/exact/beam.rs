@@ -1,0 +1,347 @@
+//! Follows beams: which part of a beam meets which facet, what becomes of it, and by which map it leaves.
+//!
+//! A beam is a convex polygon of entry points whose light has met the same facets in the same order. At each step it is
+//! cut into the parts that see each facet first; what sees none leaves. Areas are those of entry points, so reflection
+//! changes no area and the parts of a beam sum to it.
+
+use glam::{DMat2, DVec2, DVec3};
+use tables::table::Fate;
+
+use super::Options;
+use super::view::{Affine, Isometry, Shadow, View};
+use crate::polygon::{self, HalfPlane, Polygon};
+
+/// How far a beam looks for lattice copies at first, edge lengths; four times further each time that is not enough.
+const FIRST_LOOK: f64 = 4.0;
+/// Light still under way after this distance runs along a valley of the lattice, within 0.005 deg of the sheet: it
+/// counts as `bounce_limit`.
+const LAST_LOOK: f64 = 16384.0;
+
+/// Retroreflected light of one facet sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Piece {
+    pub polygon: Polygon,
+    /// shift = matrix p + offset.
+    pub matrix: DMat2,
+    pub offset: DVec2,
+}
+
+/// What became of the light of one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Outcome {
+    pub pieces: Vec<Piece>,
+    /// Area by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns is in `pieces` alone.
+    pub area: [f64; Fate::ALL.len()],
+    /// Net area of the slivers given up as rounding, square edge lengths.
+    pub dropped: f64,
+}
+
+struct Beam {
+    polygon: Polygon,
+    isometry: Isometry,
+    /// Depth of the facet that it leaves.
+    depth: Affine,
+    reflections: usize,
+}
+
+/// Follows all light of one direction to its end.
+pub(super) fn trace(view: &View, options: &Options) -> Outcome {
+    let mut tracer = Tracer {
+        view,
+        options,
+        outcome: Outcome { pieces: Vec::new(), area: [0.0; Fate::ALL.len()], dropped: 0.0 },
+        pending: Vec::new(),
+    };
+    tracer.enter();
+    while let Some(beam) = tracer.pending.pop() {
+        tracer.step(&beam);
+    }
+    tracer.outcome
+}
+
+struct Tracer<'a> {
+    view: &'a View,
+    options: &'a Options,
+    outcome: Outcome,
+    pending: Vec<Beam>,
+}
+
+fn total_area(parts: &[Polygon]) -> f64 {
+    parts.iter().map(|part| polygon::area(part)).sum()
+}
+
+/// Convex parts less some of their parts, as convex parts of more than `least` area.
+fn without(parts: &[Polygon], taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
+    let mut left = parts.to_vec();
+    for (_, taken) in taken {
+        let planes: Vec<HalfPlane> = polygon::edges(taken).collect();
+        left = left
+            .into_iter()
+            .flat_map(|part| polygon::subtract(&part, &planes, least).unwrap_or(vec![part]))
+            .collect();
+    }
+    left.retain(|part| polygon::area(part) > least);
+    left
+}
+
+fn bounds_of_all(parts: &[Polygon]) -> (DVec2, DVec2) {
+    let start = polygon::bounds(&[]);
+    parts.iter().map(|part| polygon::bounds(part)).fold(start, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// A facet's shadow on a beam, cut to the beam.
+struct Candidate {
+    shadow: Shadow,
+    seen: Polygon,
+    /// Nearest and furthest depth over `seen`.
+    near: f64,
+    far: f64,
+}
+
+impl Candidate {
+    /// `None` where the shadow misses `polygon` or lies before `start`.
+    fn new(shadow: Shadow, polygon: &[DVec2], start: Option<&Affine>, least: f64) -> Option<Self> {
+        let (low, high) = polygon::bounds(polygon);
+        if shadow.high.cmple(low).any() || shadow.low.cmpge(high).any() {
+            return None;
+        }
+        let behind = start.map(|start| start.at_most(&shadow.depth, 0.0));
+        let seen = polygon::clip(polygon, polygon::edges(&shadow.outline).chain(behind));
+        if polygon::area(&seen) <= least {
+            return None;
+        }
+        let depths = || seen.iter().map(|&p| shadow.depth.at(p));
+        let (near, far) = (depths().fold(f64::INFINITY, f64::min), depths().fold(f64::NEG_INFINITY, f64::max));
+        Some(Candidate { shadow, seen, near, far })
+    }
+
+    /// Whether the two can overlap, `self` in front somewhere.
+    fn may_hide(&self, other: &Candidate) -> bool {
+        let ((low, high), (other_low, other_high)) = (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
+        self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
+    }
+
+    /// Where the facet lies before one at `depth` + `tie`: a positive tie hides a facet that coincides.
+    fn hiding(&self, depth: &Affine, start: Option<&Affine>, tie: f64) -> Vec<HalfPlane> {
+        polygon::edges(&self.shadow.outline)
+            .chain([self.shadow.depth.at_most(depth, tie)])
+            .chain(start.map(|start| start.at_most(&self.shadow.depth, 0.0)))
+            .collect()
+    }
+}
+
+impl Tracer<'_> {
+    /// First facets. A periodic cell is lit facet by facet, not parallelogram by parallelogram: the entry points of one
+    /// facet of the base period, wherever they are, so that no beam is cut at the parallelogram's sides.
+    fn enter(&mut self) {
+        let view = self.view;
+        let mut lit = 0.0;
+        let base = view.shadows(&Isometry::IDENTITY);
+        let periodic = view.lattice.is_some();
+        for shadow in &base {
+            let doors: &[Polygon] = if periodic { std::slice::from_ref(&shadow.outline) } else { &view.doors };
+            for door in doors {
+                let Some(candidate) = Candidate::new(shadow.clone(), door, None, view.least_area) else { continue };
+                for polygon in self.lit_parts(&candidate, &base) {
+                    lit += polygon::area(&polygon);
+                    self.hit(&candidate.shadow, polygon, &Isometry::IDENTITY, 0);
+                }
+            }
+        }
+        self.settle(view.entrance_area - lit, Fate::Missed);
+    }
+
+    /// The parts of a facet that light reaches: less what stands before it.
+    fn lit_parts(&self, candidate: &Candidate, base: &[Shadow]) -> Vec<Polygon> {
+        let view = self.view;
+        let mut parts = vec![candidate.seen.clone()];
+        let mut look = FIRST_LOOK;
+        loop {
+            let points: Vec<DVec3> =
+                parts.iter().flatten().map(|&p| view.point(p, candidate.shadow.depth.at(p))).collect();
+            let leave = view.travel_to_leave(&points, -view.direction);
+            let (low, high) = bounds_of_all(&parts);
+            for shadow in base {
+                view.copies(shadow, &Isometry::IDENTITY, &points, -view.direction, leave.min(look), |step| {
+                    if shadow.may_touch(step, low, high) {
+                        self.hide(&mut parts, candidate, shadow.moved(step));
+                    }
+                });
+            }
+            if parts.is_empty() || view.lattice.is_none() || leave <= look || look >= LAST_LOOK {
+                return parts;
+            }
+            look *= 4.0;
+        }
+    }
+
+    /// Takes away from the parts of a lit facet what `shadow` hides.
+    fn hide(&self, parts: &mut Vec<Polygon>, candidate: &Candidate, shadow: Shadow) {
+        if (shadow.facet, shadow.translation) == (candidate.shadow.facet, DVec3::ZERO) {
+            return;
+        }
+        let least = self.view.least_area;
+        // Of two facets that coincide exactly one is lit: the first.
+        let first = (shadow.facet, shadow.translation.to_array()) < (candidate.shadow.facet, [0.0; 3]);
+        let tie = if first { self.view.least_depth } else { -self.view.least_depth };
+        let mut cut = Vec::new();
+        for part in std::mem::take(parts) {
+            let Some(blocker) = Candidate::new(shadow.clone(), &part, None, least) else {
+                cut.push(part);
+                continue;
+            };
+            if blocker.near > candidate.far {
+                cut.push(part);
+                continue;
+            }
+            match polygon::subtract(&part, &blocker.hiding(&candidate.shadow.depth, None, tie), least) {
+                None => cut.push(part),
+                Some(rest) => cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least)),
+            }
+        }
+        *parts = cut;
+    }
+
+    /// Cuts a beam by what it meets next.
+    fn step(&mut self, beam: &Beam) {
+        let view = self.view;
+        let toward = beam.isometry.linear * view.direction;
+        let points: Vec<DVec3> = beam
+            .polygon
+            .iter()
+            .map(|&p| beam.isometry.linear * view.point(p, beam.depth.at(p)) + beam.isometry.shift)
+            .collect();
+        let leave = view.travel_to_leave(&points, toward);
+        let shadows = view.shadows(&beam.isometry);
+        let mut open = vec![beam.polygon.clone()];
+        let mut look = FIRST_LOOK;
+        loop {
+            let boxes: Vec<(DVec2, DVec2)> = open.iter().map(|part| polygon::bounds(part)).collect();
+            let mut candidates = Vec::new();
+            for shadow in &shadows {
+                view.copies(shadow, &beam.isometry, &points, toward, leave.min(look), |step| {
+                    for (part, (low, high)) in open.iter().zip(&boxes) {
+                        if shadow.may_touch(step, *low, *high) {
+                            let copy = shadow.moved(step);
+                            candidates.extend(Candidate::new(copy, part, Some(&beam.depth), view.least_area));
+                        }
+                    }
+                });
+            }
+            let mut visible = self.visible(&candidates, &beam.depth);
+            let all_seen = view.lattice.is_none() || leave <= look || look >= LAST_LOOK;
+            if !all_seen {
+                // Beyond what was looked at another copy may stand before these.
+                visible.retain(|(i, polygon)| {
+                    let depth = &candidates[*i].shadow.depth;
+                    polygon.iter().all(|&p| depth.at(p) - beam.depth.at(p) <= look)
+                });
+            }
+            let rest = total_area(&open) - visible.iter().map(|(_, polygon)| polygon::area(polygon)).sum::<f64>();
+            let gone = rest.abs() <= view.least_area;
+            if gone {
+                self.outcome.dropped += rest;
+            } else if all_seen && leave > look && view.lattice.is_some() {
+                self.settle(rest, Fate::BounceLimit);
+            } else if all_seen {
+                self.leave(beam, toward, without(&open, &visible, view.least_area), rest);
+            } else {
+                open = without(&open, &visible, view.least_area);
+                self.outcome.dropped += rest - total_area(&open);
+            }
+            for (i, polygon) in visible {
+                self.hit(&candidates[i].shadow, polygon, &beam.isometry, beam.reflections);
+            }
+            if gone || all_seen {
+                return;
+            }
+            look *= 4.0;
+        }
+    }
+
+    /// What the light sees of each candidate: (its number, convex part).
+    fn visible(&self, candidates: &[Candidate], start: &Affine) -> Vec<(usize, Polygon)> {
+        let least = self.view.least_area;
+        let mut visible = Vec::new();
+        for (i, candidate) in candidates.iter().enumerate() {
+            let mut parts = vec![candidate.seen.clone()];
+            for (j, blocker) in candidates.iter().enumerate() {
+                if i == j || !blocker.may_hide(candidate) {
+                    continue;
+                }
+                let tie = if j < i { self.view.least_depth } else { -self.view.least_depth };
+                let hiding = blocker.hiding(&candidate.shadow.depth, Some(start), tie);
+                let mut cut = Vec::new();
+                for part in std::mem::take(&mut parts) {
+                    match polygon::subtract(&part, &hiding, least) {
+                        None => cut.push(part),
+                        Some(rest) => cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least)),
+                    }
+                }
+                parts = cut;
+            }
+            visible.extend(parts.into_iter().map(|part| (i, part)));
+        }
+        visible
+    }
+
+    /// Reflects what hit a facet, or ends it there.
+    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, isometry: &Isometry, reflections: usize) {
+        let facet = &self.view.facets[shadow.facet];
+        let cosine = facet.normal.dot(isometry.linear * self.view.direction).abs();
+        let area = polygon::area(&polygon);
+        if reflections == self.options.max_reflections {
+            self.settle(area, Fate::BounceLimit);
+        } else if cosine >= self.options.tir_fails_above_cosine() {
+            self.settle(area, Fate::Transmitted);
+        } else {
+            let offset = facet.offset + facet.normal.dot(shadow.translation);
+            self.pending.push(Beam {
+                polygon,
+                isometry: isometry.reflected(facet.normal, offset),
+                depth: shadow.depth,
+                reflections: reflections + 1,
+            });
+        }
+    }
+
+    /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to `rest` within rounding.
+    fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
+        let linear = &beam.isometry.linear;
+        // |R + I| (Frobenius) of R = -(rotation by w) is sqrt 8 sin(w/2).
+        let from_retro: f64 =
+            (0..3).map(|i| (linear.col(i) + DVec3::AXES[i]).length_squared()).sum::<f64>().sqrt();
+        let half = (0.5 * self.options.angular_tolerance_deg.to_radians()).sin();
+        if from_retro <= 8f64.sqrt() * half && toward.z > 0.0 {
+            self.outcome.dropped += rest - total_area(&parts);
+            return self.return_light(beam, toward, parts);
+        }
+        let fate = match beam.reflections {
+            _ if (toward + self.view.direction).length() <= 2.0 * half => Fate::AntiparallelOther,
+            1 => Fate::LeftAfter1,
+            2 => Fate::LeftAfter2,
+            _ => Fate::Deviated,
+        };
+        self.settle(rest, fate);
+    }
+
+    fn return_light(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>) {
+        let height = self.view.height;
+        // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
+        // entrance plane.
+        let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
+        let (u, v) = (carry(beam.isometry.linear.x_axis), carry(beam.isometry.linear.y_axis));
+        let start = beam.isometry.linear.z_axis * height + beam.isometry.shift - DVec3::Z * height;
+        let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
+        let offset = carry(start);
+        self.outcome.pieces.extend(parts.into_iter().map(|polygon| Piece { polygon, matrix, offset }));
+    }
+
+    fn settle(&mut self, area: f64, fate: Fate) {
+        if area.abs() <= self.view.least_area {
+            self.outcome.dropped += area;
+        } else {
+            self.outcome.area[fate as usize] += area;
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The exact bake against closed forms, and its invariants on cells that have none.
+//!
+//! Run with `cargo test -p bake --test exact`.
+
+mod cells;
+mod closed_form;
+mod invariants;
