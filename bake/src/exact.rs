@@ -25,60 +25,23 @@ use tables::table::{Axes, Exact, Fate, Path};
 
 use self::facet::Facet;
 use self::view::View;
+use crate::path::Rules;
 use crate::polygon::{self, Polygon};
-
-/// What an exact bake needs to know besides the cell and the directions.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Refractive index behind a flat front face in the entrance plane; 1 for a hollow cell. At least 1.
-    pub refractive_index: f64,
-    /// Whether facets reflect by total internal reflection alone: light that meets one below the critical angle is
-    /// `transmitted`.
-    pub total_internal_reflection: bool,
-    /// Largest deviation of a path's linear map from -I that counts as retroreflected: the angle of the rotation that
-    /// takes one to the other, inside the cell, degrees.
-    pub angular_tolerance_deg: f64,
-    /// Light that meets a facet after this many reflections is stopped as `bounce_limit`.
-    pub max_reflections: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            refractive_index: 1.0,
-            total_internal_reflection: false,
-            angular_tolerance_deg: 0.5,
-            max_reflections: 64,
-        }
-    }
-}
-
-impl Options {
-    /// Cosine of the angle of incidence on a facet at and above which total internal reflection fails.
-    fn tir_fails_above_cosine(&self) -> f64 {
-        let sine = 1.0 / self.refractive_index;
-        if self.total_internal_reflection { (1.0 - sine * sine).sqrt() } else { f64::INFINITY }
-    }
-
-    /// Angle of incidence inside the front face, radians.
-    fn inside_rad(&self, incidence_deg: f64) -> f64 {
-        if self.refractive_index == 1.0 {
-            // asin(sin) would lose half the digits near 90 deg.
-            return incidence_deg.to_radians();
-        }
-        (incidence_deg.to_radians().sin() / self.refractive_index).asin()
-    }
-}
+use crate::ray::Direction;
 
 /// Why a cell cannot be baked exactly.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExactError {
     /// An average over azimuths is an integral that no finite set of polygons gives.
-    #[error("the exact method has no mean over azimuths; name the azimuths (--azimuth 0:350:10) or use --method rays")]
+    #[error(
+        "the exact method has no mean over azimuths; name the azimuths (--azimuth 0:350:10) or use --method rays"
+    )]
     MeanAzimuth,
     /// The work grows faster than the number of facets.
-    #[error("the cell has {facets} planar facets, the exact method takes at most {limit}; use --method rays")]
+    #[error(
+        "the cell has {facets} planar facets, the exact method takes at most {limit}; use --method rays"
+    )]
     TooManyFacets {
         /// Facets after joining coplanar triangles.
         facets: usize,
@@ -92,7 +55,7 @@ pub const MOST_FACETS: usize = 2048;
 
 /// What became of the light of one direction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Direction {
+pub struct Share {
     /// Retroreflecting polygons and maps, incidence frame, edge lengths.
     pub paths: Vec<Path>,
     /// Share of the launched light by fate, in the order of [`Fate::ALL`].
@@ -125,15 +88,33 @@ impl<'a> ExactCell<'a> {
     pub fn new(cell: &'a Cell) -> Result<Self, ExactError> {
         let facets = facet::join(&cell.facets);
         if facets.len() > MOST_FACETS {
-            return Err(ExactError::TooManyFacets { facets: facets.len(), limit: MOST_FACETS });
+            return Err(ExactError::TooManyFacets {
+                facets: facets.len(),
+                limit: MOST_FACETS,
+            });
         }
         let entrance = &cell.entrance;
         let entrance_area = polygon::area(&entrance.polygon);
-        let pits = entrance.lattice.and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
-        let lattice = if pits.is_some() { None } else { entrance.lattice };
+        let pits = entrance
+            .lattice
+            .and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
+        let lattice = if pits.is_some() {
+            None
+        } else {
+            entrance.lattice
+        };
         let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
-        let doors = openings.iter().flat_map(|opening| polygon::convex_parts(opening)).collect();
-        Ok(ExactCell { cell, facets, lattice, doors, entrance_area })
+        let doors = openings
+            .iter()
+            .flat_map(|opening| polygon::convex_parts(opening))
+            .collect();
+        Ok(ExactCell {
+            cell,
+            facets,
+            lattice,
+            doors,
+            entrance_area,
+        })
     }
 
     /// Number of planar facets after joining coplanar triangles.
@@ -149,11 +130,12 @@ impl<'a> ExactCell<'a> {
         azimuth_deg: f64,
         bins: usize,
         range: f64,
-        options: &Options,
-    ) -> Direction {
-        let inside_rad = options.inside_rad(incidence_deg);
-        let view = View::new(self, inside_rad, azimuth_deg.to_radians());
-        let outcome = beam::trace(&view, options);
+        rules: &Rules,
+    ) -> Share {
+        let (incidence_rad, azimuth_rad) = (incidence_deg.to_radians(), azimuth_deg.to_radians());
+        let light = Direction::new(incidence_rad, azimuth_rad, rules.refractive_index);
+        let view = View::new(self, &light);
+        let outcome = beam::trace(&view, rules);
         let paths = paths::merge(outcome.pieces, &view);
         let mut filled = bins::Bins::new(bins, range);
         let mut eta = 0.0;
@@ -169,7 +151,13 @@ impl<'a> ExactCell<'a> {
         fate[Fate::OutOfRange as usize] = filled.out_of_range;
         fate[Fate::Retroreflected as usize] = eta - filled.out_of_range;
         let dropped = outcome.dropped / view.entrance_area;
-        Direction { paths, fate, eta, histogram: filled.mass, dropped }
+        Share {
+            paths,
+            fate,
+            eta,
+            histogram: filled.mass,
+            dropped,
+        }
     }
 }
 
@@ -191,39 +179,60 @@ pub struct Baked {
 ///
 /// # Errors
 /// [`ExactError`].
-pub fn bake(cell: &Cell, axes: &Axes, options: &Options, done: impl Fn() + Sync) -> Result<Baked, ExactError> {
+pub fn bake(
+    cell: &Cell,
+    axes: &Axes,
+    rules: &Rules,
+    done: impl Fn() + Sync,
+) -> Result<Baked, ExactError> {
     if axes.azimuth_deg.iter().any(|azimuth| azimuth.is_nan()) {
         return Err(ExactError::MeanAzimuth);
     }
     let prepared = ExactCell::new(cell)?;
     let (incidences, azimuths) = axes.shape();
-    let directions: Vec<Direction> = (0..incidences * azimuths)
+    let directions: Vec<Share> = (0..incidences * azimuths)
         .into_par_iter()
         .map(|i| {
-            let (incidence, azimuth) = (axes.incidence_deg[i / azimuths], axes.azimuth_deg[i % azimuths]);
-            let direction = prepared.direction(incidence, azimuth, axes.bins, axes.range, options);
+            let (incidence, azimuth) = (
+                axes.incidence_deg[i / azimuths],
+                axes.azimuth_deg[i % azimuths],
+            );
+            let direction = prepared.direction(incidence, azimuth, axes.bins, axes.range, rules);
             done();
             direction
         })
         .collect();
-    let mut histogram = Array4::zeros((incidences, azimuths, axes.bins, axes.bins));
-    let mut retroreflected = Array2::zeros((incidences, azimuths));
-    let mut fate = Array3::zeros((incidences, azimuths, Fate::ALL.len()));
-    for (i, direction) in directions.iter().enumerate() {
-        let at = [i / azimuths, i % azimuths];
-        retroreflected[at] = direction.eta;
-        for (k, share) in direction.fate.iter().enumerate() {
-            fate[[at[0], at[1], k]] = *share;
-        }
-        let inside: f64 = direction.histogram.iter().sum();
-        if inside > 0.0 {
-            let mut plane = histogram.slice_mut(ndarray::s![at[0], at[1], .., ..]);
-            plane.iter_mut().zip(&direction.histogram).for_each(|(bin, mass)| *bin = mass / inside);
-        }
-    }
+    let of = |incidence: usize, azimuth: usize| &directions[incidence * azimuths + azimuth];
+    let in_range: Vec<f64> = directions
+        .iter()
+        .map(|direction| direction.histogram.iter().sum())
+        .collect();
+    let histogram = Array4::from_shape_fn(
+        (incidences, azimuths, axes.bins, axes.bins),
+        |(i, a, v, u)| {
+            let whole = in_range[i * azimuths + a];
+            if whole > 0.0 {
+                of(i, a).histogram[v * axes.bins + u] / whole
+            } else {
+                0.0
+            }
+        },
+    );
+    let retroreflected = Array2::from_shape_fn((incidences, azimuths), |(i, a)| of(i, a).eta);
+    let fate = Array3::from_shape_fn((incidences, azimuths, Fate::ALL.len()), |(i, a, k)| {
+        of(i, a).fate[k]
+    });
     let exact = Exact {
         entrance_area: polygon::area(&cell.entrance.polygon),
-        paths: directions.into_iter().map(|direction| direction.paths).collect(),
+        paths: directions
+            .into_iter()
+            .map(|direction| direction.paths)
+            .collect(),
     };
-    Ok(Baked { histogram, retroreflected, fate, exact })
+    Ok(Baked {
+        histogram,
+        retroreflected,
+        fate,
+        exact,
+    })
 }

@@ -25,7 +25,11 @@ impl HalfPlane {
     /// What lies to the left of the directed line from `a` to `b`: the inside of a counter-clockwise polygon's edge.
     pub fn left_of(a: DVec2, b: DVec2) -> Self {
         let edge = b - a;
-        HalfPlane { gradient: DVec2::new(edge.y, -edge.x), anchor: a, constant: 0.0 }
+        HalfPlane {
+            gradient: DVec2::new(edge.y, -edge.x),
+            anchor: a,
+            constant: 0.0,
+        }
     }
 
     /// Value of the affine function at `p`, 0 where rounding could have changed the sign.
@@ -34,27 +38,42 @@ impl HalfPlane {
         let value = self.gradient.dot(offset) + self.constant;
         // Three roundings of the products and sums and one of each coordinate: 4 ulp of the terms' sizes bound it.
         let size = self.gradient.abs().dot(p.abs() + self.anchor.abs()) + self.constant.abs();
-        if value.abs() <= 4.0 * f64::EPSILON * size { 0.0 } else { value }
+        if value.abs() <= 4.0 * f64::EPSILON * size {
+            0.0
+        } else {
+            value
+        }
     }
 
     /// The complement.
     pub fn flipped(&self) -> Self {
-        HalfPlane { gradient: -self.gradient, anchor: self.anchor, constant: -self.constant }
+        HalfPlane {
+            gradient: -self.gradient,
+            anchor: self.anchor,
+            constant: -self.constant,
+        }
     }
 }
 
 /// Signed area: positive for counter-clockwise corners; 0 for fewer than three.
 pub fn area(polygon: &[DVec2]) -> f64 {
-    let Some(&first) = polygon.first() else { return 0.0 };
+    let Some(&first) = polygon.first() else {
+        return 0.0;
+    };
     // Relative to a corner: far from the origin the plain shoelace formula would cancel.
-    let twice: f64 = polygon.windows(2).map(|w| (w[0] - first).perp_dot(w[1] - first)).sum();
+    let twice: f64 = polygon
+        .windows(2)
+        .map(|w| (w[0] - first).perp_dot(w[1] - first))
+        .sum();
     0.5 * twice
 }
 
 /// Smallest and largest coordinates; (+inf, -inf) for no points.
 pub fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
     let start = (DVec2::splat(f64::INFINITY), DVec2::splat(f64::NEG_INFINITY));
-    polygon.iter().fold(start, |(low, high), &p| (low.min(p), high.max(p)))
+    polygon
+        .iter()
+        .fold(start, |(low, high), &p| (low.min(p), high.max(p)))
 }
 
 /// The edges' half-planes, whose intersection is the polygon; edges of no length are left out.
@@ -73,7 +92,12 @@ pub fn split(polygon: &[DVec2], plane: &HalfPlane) -> (Polygon, Polygon) {
 }
 
 /// Writes the part of `polygon` inside the half-plane to `inside`, and the rest to `outside` where asked for.
-fn cut(polygon: &[DVec2], plane: &HalfPlane, inside: &mut Polygon, mut outside: Option<&mut Polygon>) {
+fn cut(
+    polygon: &[DVec2],
+    plane: &HalfPlane,
+    inside: &mut Polygon,
+    mut outside: Option<&mut Polygon>,
+) {
     inside.clear();
     if let Some(out) = outside.as_deref_mut() {
         out.clear();
@@ -85,8 +109,11 @@ fn cut(polygon: &[DVec2], plane: &HalfPlane, inside: &mut Polygon, mut outside: 
         let value = plane.value(corner);
         if value * before_value < 0.0 {
             // Always from the inside corner outwards, so that both neighbours of an edge get the same bits.
-            let (from, to, at) =
-                if value < 0.0 { (corner, before, value) } else { (before, corner, before_value) };
+            let (from, to, at) = if value < 0.0 {
+                (corner, before, value)
+            } else {
+                (before, corner, before_value)
+            };
             let far = if value < 0.0 { before_value } else { value };
             let crossing = from + (to - from) * (at / (at - far));
             inside.push(crossing);
@@ -208,7 +235,10 @@ pub fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
         let n = rest.len();
         let ear = (0..n).find(|&i| {
             let triangle = [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
-            area(&triangle) > 0.0 && !rest.iter().any(|p| !triangle.contains(p) && holds(&triangle, *p))
+            area(&triangle) > 0.0
+                && !rest
+                    .iter()
+                    .any(|p| !triangle.contains(p) && holds(&triangle, *p))
         });
         // A simple polygon always has an ear; one that crosses itself loses a corner here instead of looping for ever.
         let i = ear.unwrap_or(0);
@@ -232,7 +262,12 @@ mod tests {
     use proptest::prelude::*;
 
     fn square(low: f64, high: f64) -> Polygon {
-        vec![DVec2::new(low, low), DVec2::new(high, low), DVec2::new(high, high), DVec2::new(low, high)]
+        vec![
+            DVec2::new(low, low),
+            DVec2::new(high, low),
+            DVec2::new(high, high),
+            DVec2::new(low, high),
+        ]
     }
 
     #[test]
@@ -240,7 +275,10 @@ mod tests {
         let overlap = clip(&square(0.0, 2.0), edges(&square(1.0, 3.0)));
         assert_eq!(area(&overlap), 1.0);
         assert_eq!(bounds(&overlap), (DVec2::splat(1.0), DVec2::splat(2.0)));
-        assert!(clip(&square(0.0, 1.0), edges(&square(1.0, 2.0))).is_empty(), "a shared corner is no overlap");
+        assert!(
+            clip(&square(0.0, 1.0), edges(&square(1.0, 2.0))).is_empty(),
+            "a shared corner is no overlap"
+        );
     }
 
     #[test]
@@ -250,12 +288,17 @@ mod tests {
         assert_eq!(ring.len(), 4);
         assert!(ring.iter().all(|part| is_convex(part)));
         assert_eq!(ring.iter().map(|part| area(part)).sum::<f64>(), 8.0);
-        assert_eq!(subtract(&square(5.0, 6.0), &planes, 0.0), None, "an untouched polygon stays whole");
+        assert_eq!(
+            subtract(&square(5.0, 6.0), &planes, 0.0),
+            None,
+            "an untouched polygon stays whole"
+        );
     }
 
     #[test]
     fn an_l_shape_falls_into_convex_parts_of_its_area() {
-        let l = [(0., 0.), (2., 0.), (2., 1.), (1., 1.), (1., 2.), (0., 2.)].map(|(x, y)| DVec2::new(x, y));
+        let l = [(0., 0.), (2., 0.), (2., 1.), (1., 1.), (1., 2.), (0., 2.)]
+            .map(|(x, y)| DVec2::new(x, y));
         let parts = convex_parts(&l);
         assert!(parts.len() > 1 && parts.iter().all(|part| is_convex(part)));
         assert!((parts.iter().map(|part| area(part)).sum::<f64>() - 3.0).abs() < 1e-15);
@@ -264,7 +307,11 @@ mod tests {
     #[test]
     fn the_hull_drops_corners_on_its_edges() {
         let mut points = square(0.0, 1.0);
-        points.extend([DVec2::new(0.5, 0.0), DVec2::new(0.5, 0.5), DVec2::new(1.0, 0.3)]);
+        points.extend([
+            DVec2::new(0.5, 0.0),
+            DVec2::new(0.5, 0.5),
+            DVec2::new(1.0, 0.3),
+        ]);
         assert_eq!(hull(&points, 1e-15), square(0.0, 1.0));
         assert!(hull(&points[..2], 0.0).is_empty());
     }

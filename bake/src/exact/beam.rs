@@ -7,8 +7,9 @@
 use glam::{DMat2, DVec2, DVec3};
 use tables::table::Fate;
 
-use super::Options;
 use super::view::{Affine, Isometry, Shadow, View};
+use crate::optics::totally_reflected;
+use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
 use crate::polygon::{self, HalfPlane, Polygon};
 
 /// How far a beam looks for lattice copies at first, edge lengths; four times further each time that is not enough.
@@ -41,15 +42,19 @@ struct Beam {
     isometry: Isometry,
     /// Depth of the facet that it leaves.
     depth: Affine,
-    reflections: usize,
+    reflections: u32,
 }
 
 /// Follows all light of one direction to its end.
-pub(super) fn trace(view: &View, options: &Options) -> Outcome {
+pub(super) fn trace(view: &View, rules: &Rules) -> Outcome {
     let mut tracer = Tracer {
         view,
-        options,
-        outcome: Outcome { pieces: Vec::new(), area: [0.0; Fate::ALL.len()], dropped: 0.0 },
+        rules,
+        outcome: Outcome {
+            pieces: Vec::new(),
+            area: [0.0; Fate::ALL.len()],
+            dropped: 0.0,
+        },
         pending: Vec::new(),
     };
     tracer.enter();
@@ -61,7 +66,7 @@ pub(super) fn trace(view: &View, options: &Options) -> Outcome {
 
 struct Tracer<'a> {
     view: &'a View,
-    options: &'a Options,
+    rules: &'a Rules,
     outcome: Outcome,
     pending: Vec<Beam>,
 }
@@ -86,7 +91,10 @@ fn without(parts: &[Polygon], taken: &[(usize, Polygon)], least: f64) -> Vec<Pol
 
 fn bounds_of_all(parts: &[Polygon]) -> (DVec2, DVec2) {
     let start = polygon::bounds(&[]);
-    parts.iter().map(|part| polygon::bounds(part)).fold(start, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    parts
+        .iter()
+        .map(|part| polygon::bounds(part))
+        .fold(start, |a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// A facet's shadow on a beam, cut to the beam.
@@ -111,13 +119,22 @@ impl Candidate {
             return None;
         }
         let depths = || seen.iter().map(|&p| shadow.depth.at(p));
-        let (near, far) = (depths().fold(f64::INFINITY, f64::min), depths().fold(f64::NEG_INFINITY, f64::max));
-        Some(Candidate { shadow, seen, near, far })
+        let (near, far) = (
+            depths().fold(f64::INFINITY, f64::min),
+            depths().fold(f64::NEG_INFINITY, f64::max),
+        );
+        Some(Candidate {
+            shadow,
+            seen,
+            near,
+            far,
+        })
     }
 
     /// Whether the two can overlap, `self` in front somewhere.
     fn may_hide(&self, other: &Candidate) -> bool {
-        let ((low, high), (other_low, other_high)) = (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
+        let ((low, high), (other_low, other_high)) =
+            (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
         self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
     }
 
@@ -139,9 +156,16 @@ impl Tracer<'_> {
         let base = view.shadows(&Isometry::IDENTITY);
         let periodic = view.lattice.is_some();
         for shadow in &base {
-            let doors: &[Polygon] = if periodic { std::slice::from_ref(&shadow.outline) } else { &view.doors };
+            let doors: &[Polygon] = if periodic {
+                std::slice::from_ref(&shadow.outline)
+            } else {
+                &view.doors
+            };
             for door in doors {
-                let Some(candidate) = Candidate::new(shadow.clone(), door, None, view.least_area) else { continue };
+                let Some(candidate) = Candidate::new(shadow.clone(), door, None, view.least_area)
+                else {
+                    continue;
+                };
                 for polygon in self.lit_parts(&candidate, &base) {
                     lit += polygon::area(&polygon);
                     self.hit(&candidate.shadow, polygon, &Isometry::IDENTITY, 0);
@@ -157,16 +181,26 @@ impl Tracer<'_> {
         let mut parts = vec![candidate.seen.clone()];
         let mut look = FIRST_LOOK;
         loop {
-            let points: Vec<DVec3> =
-                parts.iter().flatten().map(|&p| view.point(p, candidate.shadow.depth.at(p))).collect();
+            let points: Vec<DVec3> = parts
+                .iter()
+                .flatten()
+                .map(|&p| view.point(p, candidate.shadow.depth.at(p)))
+                .collect();
             let leave = view.travel_to_leave(&points, -view.direction);
             let (low, high) = bounds_of_all(&parts);
             for shadow in base {
-                view.copies(shadow, &Isometry::IDENTITY, &points, -view.direction, leave.min(look), |step| {
-                    if shadow.may_touch(step, low, high) {
-                        self.hide(&mut parts, candidate, shadow.moved(step));
-                    }
-                });
+                view.copies(
+                    shadow,
+                    &Isometry::IDENTITY,
+                    &points,
+                    -view.direction,
+                    leave.min(look),
+                    |step| {
+                        if shadow.may_touch(step, low, high) {
+                            self.hide(&mut parts, candidate, shadow.moved(step));
+                        }
+                    },
+                );
             }
             if parts.is_empty() || view.lattice.is_none() || leave <= look || look >= LAST_LOOK {
                 return parts;
@@ -182,8 +216,13 @@ impl Tracer<'_> {
         }
         let least = self.view.least_area;
         // Of two facets that coincide exactly one is lit: the first.
-        let first = (shadow.facet, shadow.translation.to_array()) < (candidate.shadow.facet, [0.0; 3]);
-        let tie = if first { self.view.least_depth } else { -self.view.least_depth };
+        let first =
+            (shadow.facet, shadow.translation.to_array()) < (candidate.shadow.facet, [0.0; 3]);
+        let tie = if first {
+            self.view.least_depth
+        } else {
+            -self.view.least_depth
+        };
         let mut cut = Vec::new();
         for part in std::mem::take(parts) {
             let Some(blocker) = Candidate::new(shadow.clone(), &part, None, least) else {
@@ -194,7 +233,11 @@ impl Tracer<'_> {
                 cut.push(part);
                 continue;
             }
-            match polygon::subtract(&part, &blocker.hiding(&candidate.shadow.depth, None, tie), least) {
+            match polygon::subtract(
+                &part,
+                &blocker.hiding(&candidate.shadow.depth, None, tie),
+                least,
+            ) {
                 None => cut.push(part),
                 Some(rest) => cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least)),
             }
@@ -216,17 +259,30 @@ impl Tracer<'_> {
         let mut open = vec![beam.polygon.clone()];
         let mut look = FIRST_LOOK;
         loop {
-            let boxes: Vec<(DVec2, DVec2)> = open.iter().map(|part| polygon::bounds(part)).collect();
+            let boxes: Vec<(DVec2, DVec2)> =
+                open.iter().map(|part| polygon::bounds(part)).collect();
             let mut candidates = Vec::new();
             for shadow in &shadows {
-                view.copies(shadow, &beam.isometry, &points, toward, leave.min(look), |step| {
-                    for (part, (low, high)) in open.iter().zip(&boxes) {
-                        if shadow.may_touch(step, *low, *high) {
-                            let copy = shadow.moved(step);
-                            candidates.extend(Candidate::new(copy, part, Some(&beam.depth), view.least_area));
+                view.copies(
+                    shadow,
+                    &beam.isometry,
+                    &points,
+                    toward,
+                    leave.min(look),
+                    |step| {
+                        for (part, (low, high)) in open.iter().zip(&boxes) {
+                            if shadow.may_touch(step, *low, *high) {
+                                let copy = shadow.moved(step);
+                                candidates.extend(Candidate::new(
+                                    copy,
+                                    part,
+                                    Some(&beam.depth),
+                                    view.least_area,
+                                ));
+                            }
                         }
-                    }
-                });
+                    },
+                );
             }
             let mut visible = self.visible(&candidates, &beam.depth);
             let all_seen = view.lattice.is_none() || leave <= look || look >= LAST_LOOK;
@@ -234,23 +290,39 @@ impl Tracer<'_> {
                 // Beyond what was looked at another copy may stand before these.
                 visible.retain(|(i, polygon)| {
                     let depth = &candidates[*i].shadow.depth;
-                    polygon.iter().all(|&p| depth.at(p) - beam.depth.at(p) <= look)
+                    polygon
+                        .iter()
+                        .all(|&p| depth.at(p) - beam.depth.at(p) <= look)
                 });
             }
-            let rest = total_area(&open) - visible.iter().map(|(_, polygon)| polygon::area(polygon)).sum::<f64>();
+            let rest = total_area(&open)
+                - visible
+                    .iter()
+                    .map(|(_, polygon)| polygon::area(polygon))
+                    .sum::<f64>();
             let gone = rest.abs() <= view.least_area;
             if gone {
                 self.outcome.dropped += rest;
             } else if all_seen && leave > look && view.lattice.is_some() {
                 self.settle(rest, Fate::BounceLimit);
             } else if all_seen {
-                self.leave(beam, toward, without(&open, &visible, view.least_area), rest);
+                self.leave(
+                    beam,
+                    toward,
+                    without(&open, &visible, view.least_area),
+                    rest,
+                );
             } else {
                 open = without(&open, &visible, view.least_area);
                 self.outcome.dropped += rest - total_area(&open);
             }
             for (i, polygon) in visible {
-                self.hit(&candidates[i].shadow, polygon, &beam.isometry, beam.reflections);
+                self.hit(
+                    &candidates[i].shadow,
+                    polygon,
+                    &beam.isometry,
+                    beam.reflections,
+                );
             }
             if gone || all_seen {
                 return;
@@ -269,13 +341,19 @@ impl Tracer<'_> {
                 if i == j || !blocker.may_hide(candidate) {
                     continue;
                 }
-                let tie = if j < i { self.view.least_depth } else { -self.view.least_depth };
+                let tie = if j < i {
+                    self.view.least_depth
+                } else {
+                    -self.view.least_depth
+                };
                 let hiding = blocker.hiding(&candidate.shadow.depth, Some(start), tie);
                 let mut cut = Vec::new();
                 for part in std::mem::take(&mut parts) {
                     match polygon::subtract(&part, &hiding, least) {
                         None => cut.push(part),
-                        Some(rest) => cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least)),
+                        Some(rest) => {
+                            cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least))
+                        }
                     }
                 }
                 parts = cut;
@@ -286,13 +364,14 @@ impl Tracer<'_> {
     }
 
     /// Reflects what hit a facet, or ends it there.
-    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, isometry: &Isometry, reflections: usize) {
+    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, isometry: &Isometry, reflections: u32) {
         let facet = &self.view.facets[shadow.facet];
-        let cosine = facet.normal.dot(isometry.linear * self.view.direction).abs();
+        let cosine = facet.normal.dot(isometry.linear * self.view.direction);
         let area = polygon::area(&polygon);
-        if reflections == self.options.max_reflections {
+        if reflections == BOUNCE_LIMIT {
             self.settle(area, Fate::BounceLimit);
-        } else if cosine >= self.options.tir_fails_above_cosine() {
+        } else if !self.rules.mirror_back && !totally_reflected(cosine, self.rules.refractive_index)
+        {
             self.settle(area, Fate::Transmitted);
         } else {
             let offset = facet.offset + facet.normal.dot(shadow.translation);
@@ -307,22 +386,20 @@ impl Tracer<'_> {
 
     /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to `rest` within rounding.
     fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
-        let linear = &beam.isometry.linear;
-        // |R + I| (Frobenius) of R = -(rotation by w) is sqrt 8 sin(w/2).
-        let from_retro: f64 =
-            (0..3).map(|i| (linear.col(i) + DVec3::AXES[i]).length_squared()).sum::<f64>().sqrt();
-        let half = (0.5 * self.options.angular_tolerance_deg.to_radians()).sin();
-        if from_retro <= 8f64.sqrt() * half && toward.z > 0.0 {
-            self.outcome.dropped += rest - total_area(&parts);
-            return self.return_light(beam, toward, parts);
+        let rules = self.rules;
+        let linear = beam.isometry.linear;
+        match fate_of_leaving(
+            linear,
+            self.view.direction,
+            beam.reflections,
+            rules.angular_tolerance_rad,
+        ) {
+            Fate::Retroreflected => {
+                self.outcome.dropped += rest - total_area(&parts);
+                self.return_light(beam, toward, parts);
+            }
+            fate => self.settle(rest, fate),
         }
-        let fate = match beam.reflections {
-            _ if (toward + self.view.direction).length() <= 2.0 * half => Fate::AntiparallelOther,
-            1 => Fate::LeftAfter1,
-            2 => Fate::LeftAfter2,
-            _ => Fate::Deviated,
-        };
-        self.settle(rest, fate);
     }
 
     fn return_light(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>) {
@@ -330,11 +407,20 @@ impl Tracer<'_> {
         // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
         // entrance plane.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
-        let (u, v) = (carry(beam.isometry.linear.x_axis), carry(beam.isometry.linear.y_axis));
+        let (u, v) = (
+            carry(beam.isometry.linear.x_axis),
+            carry(beam.isometry.linear.y_axis),
+        );
         let start = beam.isometry.linear.z_axis * height + beam.isometry.shift - DVec3::Z * height;
         let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
         let offset = carry(start);
-        self.outcome.pieces.extend(parts.into_iter().map(|polygon| Piece { polygon, matrix, offset }));
+        self.outcome
+            .pieces
+            .extend(parts.into_iter().map(|polygon| Piece {
+                polygon,
+                matrix,
+                offset,
+            }));
     }
 
     fn settle(&mut self, area: f64, fate: Fate) {

@@ -30,7 +30,13 @@ pub(super) struct Bins {
 impl Bins {
     /// An empty histogram of `bins` x `bins` over [-range, range], edge lengths.
     pub fn new(bins: usize, range: f64) -> Self {
-        Bins { bins, range, mass: vec![0.0; bins * bins], out_of_range: 0.0, row_sums: vec![0.0; bins + 2] }
+        Bins {
+            bins,
+            range,
+            mass: vec![0.0; bins * bins],
+            out_of_range: 0.0,
+            row_sums: vec![0.0; bins + 2],
+        }
     }
 
     /// Adds the shifts matrix p + offset of the entry points p of a polygon, each square edge length of it weighing
@@ -57,7 +63,12 @@ impl Bins {
         let (low, high) = polygon::bounds(&image);
         let end = self.bins as f64;
         if low.min_element() < 0.0 || high.max_element() > end {
-            let frame = [DVec2::ZERO, DVec2::new(end, 0.0), DVec2::splat(end), DVec2::new(0.0, end)];
+            let frame = [
+                DVec2::ZERO,
+                DVec2::new(end, 0.0),
+                DVec2::splat(end),
+                DVec2::new(0.0, end),
+            ];
             image = polygon::clip(&image, polygon::edges(&frame));
             self.out_of_range += mass * (1.0 - polygon::area(&image) / whole).max(0.0);
         }
@@ -96,7 +107,11 @@ impl Bins {
     /// runs down, gets a positive area.
     fn add_edge(&mut self, x0: f64, y0: f64, x1: f64, y1: f64) {
         // From left to right; the sign keeps the sense.
-        let (left, right, height) = if x0 <= x1 { (x0, x1, y0 - y1) } else { (x1, x0, y0 - y1) };
+        let (left, right, height) = if x0 <= x1 {
+            (x0, x1, y0 - y1)
+        } else {
+            (x1, x0, y0 - y1)
+        };
         let (first, last) = (left as usize, (right as usize).min(self.bins));
         if first >= last {
             return self.add_part(first, 0.5 * (left + right), height);
@@ -148,9 +163,17 @@ fn x_at(a: DVec2, b: DVec2, y: f64) -> f64 {
 }
 
 /// Cuts a polygon where gradient.p + constant is an integer in [0, bins]; `None` is what lies outside.
-fn strips(polygon: Polygon, gradient: DVec2, constant: f64, bins: usize) -> Vec<(Option<usize>, Polygon)> {
+fn strips(
+    polygon: Polygon,
+    gradient: DVec2,
+    constant: f64,
+    bins: usize,
+) -> Vec<(Option<usize>, Polygon)> {
     let values = || polygon.iter().map(|p| gradient.dot(*p) + constant);
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) = (
+        values().fold(f64::INFINITY, f64::min),
+        values().fold(f64::NEG_INFINITY, f64::max),
+    );
     let index = |x: f64| (x >= 0.0 && x < bins as f64).then_some(x as usize);
     let middle = 0.5 * (low + high);
     // Less than rounding wide: one bin, found as a ray's would be.
@@ -163,7 +186,11 @@ fn strips(polygon: Polygon, gradient: DVec2, constant: f64, bins: usize) -> Vec<
     let mut rest = polygon;
     let mut line = first;
     while line <= last && !rest.is_empty() {
-        let below = HalfPlane { gradient, anchor: DVec2::ZERO, constant: constant - line };
+        let below = HalfPlane {
+            gradient,
+            anchor: DVec2::ZERO,
+            constant: constant - line,
+        };
         let (part, above) = polygon::split(&rest, &below);
         if !part.is_empty() {
             parts.push((index(line - 0.5), part));
@@ -182,7 +209,13 @@ mod tests {
     use super::*;
 
     /// Every bin by clipping its square: the slow way.
-    fn by_boxes(polygon: &[DVec2], matrix: DMat2, offset: DVec2, bins: usize, range: f64) -> Vec<f64> {
+    fn by_boxes(
+        polygon: &[DVec2],
+        matrix: DMat2,
+        offset: DVec2,
+        bins: usize,
+        range: f64,
+    ) -> Vec<f64> {
         let width = 2.0 * range / bins as f64;
         let mut image: Polygon = polygon.iter().map(|&p| matrix * p + offset).collect();
         if polygon::area(&image) < 0.0 {
@@ -192,24 +225,43 @@ mod tests {
         let mut mass = Vec::new();
         for (row, column) in (0..bins).flat_map(|row| (0..bins).map(move |column| (row, column))) {
             let low = DVec2::new(column as f64, row as f64) * width - range;
-            let square = [low, low + DVec2::X * width, low + width, low + DVec2::Y * width];
+            let square = [
+                low,
+                low + DVec2::X * width,
+                low + width,
+                low + DVec2::Y * width,
+            ];
             mass.push(density * polygon::area(&polygon::clip(&image, polygon::edges(&square))));
         }
         mass
     }
 
     fn hexagon(radius: f64) -> Polygon {
-        (0..6).map(|i| radius * DVec2::from_angle(0.3 + i as f64 * std::f64::consts::FRAC_PI_3)).collect()
+        (0..6)
+            .map(|i| radius * DVec2::from_angle(0.3 + i as f64 * std::f64::consts::FRAC_PI_3))
+            .collect()
     }
 
     #[test]
     fn scanline_strips_and_boxes_agree() {
         // Areas of bins are below 1, got by sums of at most 40 terms: 1e-14 bounds each, and one row's running sum.
         let cases = [
-            (DMat2::from_diagonal(DVec2::splat(-2.0)), DVec2::new(0.1, -0.2)),
-            (DMat2::from_cols(DVec2::new(-2.0, 0.3), DVec2::new(0.1, -1.7)), DVec2::ZERO),
-            (DMat2::from_cols(DVec2::new(0.4, 0.3), DVec2::new(0.3, -0.4)), DVec2::new(0.5, 0.25)),
-            (DMat2::from_diagonal(DVec2::splat(-4.0)), DVec2::new(1.9, -1.9)),
+            (
+                DMat2::from_diagonal(DVec2::splat(-2.0)),
+                DVec2::new(0.1, -0.2),
+            ),
+            (
+                DMat2::from_cols(DVec2::new(-2.0, 0.3), DVec2::new(0.1, -1.7)),
+                DVec2::ZERO,
+            ),
+            (
+                DMat2::from_cols(DVec2::new(0.4, 0.3), DVec2::new(0.3, -0.4)),
+                DVec2::new(0.5, 0.25),
+            ),
+            (
+                DMat2::from_diagonal(DVec2::splat(-4.0)),
+                DVec2::new(1.9, -1.9),
+            ),
         ];
         for (matrix, offset) in cases {
             let polygon = hexagon(0.45);
@@ -218,7 +270,12 @@ mod tests {
             let mut cut = Bins::new(40, 2.0);
             cut.add_strips(&polygon, matrix * 10.0, (offset + 2.0) * 10.0, 1.0);
             let oracle = by_boxes(&polygon, matrix, offset, 40, 2.0);
-            let worst = |mass: &[f64]| mass.iter().zip(&oracle).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let worst = |mass: &[f64]| {
+                mass.iter()
+                    .zip(&oracle)
+                    .map(|(a, b)| (a - b).abs())
+                    .fold(0.0, f64::max)
+            };
             assert!(worst(&bins.mass) < 1e-14, "{matrix}: {}", worst(&bins.mass));
             assert!(worst(&cut.mass) < 1e-14, "{matrix}: {}", worst(&cut.mass));
             let total = bins.mass.iter().sum::<f64>() + bins.out_of_range;
@@ -229,7 +286,12 @@ mod tests {
 
     #[test]
     fn edges_on_the_bins_lines_fill_whole_bins() {
-        let square = [DVec2::splat(-1.0), DVec2::new(1.0, -1.0), DVec2::splat(1.0), DVec2::new(-1.0, 1.0)];
+        let square = [
+            DVec2::splat(-1.0),
+            DVec2::new(1.0, -1.0),
+            DVec2::splat(1.0),
+            DVec2::new(-1.0, 1.0),
+        ];
         let mut bins = Bins::new(8, 2.0);
         bins.add(&square, DMat2::IDENTITY, DVec2::ZERO, 1.0);
         for (i, &mass) in bins.mass.iter().enumerate() {
@@ -238,7 +300,10 @@ mod tests {
         }
         let mut full = Bins::new(8, 2.0);
         full.add(&square, 2.0 * DMat2::IDENTITY, DVec2::ZERO, 1.0);
-        assert!(full.mass.iter().all(|&mass| mass == 4.0 / 64.0), "the whole histogram, to its last bin");
+        assert!(
+            full.mass.iter().all(|&mass| mass == 4.0 / 64.0),
+            "the whole histogram, to its last bin"
+        );
         assert_eq!(full.out_of_range, 0.0);
     }
 
@@ -255,9 +320,17 @@ mod tests {
         assert_eq!(far.mass.iter().sum::<f64>(), 0.0);
         assert!((far.out_of_range - whole).abs() < 1e-15);
         let mut segment = Bins::new(8, 2.0);
-        segment.add(&polygon, DMat2::from_cols(DVec2::new(-2.0, 0.0), DVec2::ZERO), DVec2::new(0.0, 0.2), 1.0);
+        segment.add(
+            &polygon,
+            DMat2::from_cols(DVec2::new(-2.0, 0.0), DVec2::ZERO),
+            DVec2::new(0.0, 0.2),
+            1.0,
+        );
         let row: f64 = segment.mass[4 * 8..5 * 8].iter().sum();
         assert!((row - whole).abs() < 1e-15, "{row} {whole}");
-        assert!((segment.mass[4 * 8 + 3] - segment.mass[4 * 8 + 4]).abs() < 1e-15, "symmetric");
+        assert!(
+            (segment.mass[4 * 8 + 3] - segment.mass[4 * 8 + 4]).abs() < 1e-15,
+            "symmetric"
+        );
     }
 }

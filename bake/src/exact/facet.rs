@@ -7,6 +7,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use crate::ray::Direction;
+
 /// Corners further from a facet's plane than this do not join it, edge lengths. Far above the rounding of a placed
 /// mesh (1e-16), far below a dihedral error that anyone could ask for (1e-9 rad).
 const COPLANAR: f64 = 1e-13;
@@ -26,15 +28,22 @@ impl Facet {
     /// `None` for corners without area.
     fn new(corners: Vec<DVec3>) -> Option<Self> {
         let first = corners[0];
-        let sum: DVec3 = corners.windows(2).map(|w| (w[0] - first).cross(w[1] - first)).sum();
+        let sum: DVec3 = corners
+            .windows(2)
+            .map(|w| (w[0] - first).cross(w[1] - first))
+            .sum();
         let normal = sum.try_normalize()?;
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
-        Some(Facet { normal, offset: normal.dot(centre), corners })
+        Some(Facet {
+            normal,
+            offset: normal.dot(centre),
+            corners,
+        })
     }
 
-    /// The facet turned by -azimuth about z, given the azimuth's cosine and sine.
-    pub fn turned(&self, cos: f64, sin: f64) -> Facet {
-        let turn = |x: DVec3| DVec3::new(cos * x.x + sin * x.y, cos * x.y - sin * x.x, x.z);
+    /// The facet in the frame of the light: x = u, y = v, z = n.
+    pub fn turned(&self, light: &Direction) -> Facet {
+        let turn = |x: DVec3| light.to_frame(x.truncate()).extend(x.z);
         Facet {
             corners: self.corners.iter().map(|&x| turn(x)).collect(),
             normal: turn(self.normal),
@@ -45,7 +54,11 @@ impl Facet {
     fn is_convex(&self) -> bool {
         let n = self.corners.len();
         (0..n).all(|i| {
-            let (a, b, c) = (self.corners[i], self.corners[(i + 1) % n], self.corners[(i + 2) % n]);
+            let (a, b, c) = (
+                self.corners[i],
+                self.corners[(i + 1) % n],
+                self.corners[(i + 2) % n],
+            );
             let (first, second) = (b - a, c - b);
             let size = first.length() * second.length();
             let turn = first.cross(second).dot(self.normal);
@@ -81,17 +94,23 @@ fn neighbour_to_join(
     i: usize,
 ) -> Option<(usize, Facet)> {
     let facet = facets[i].as_ref()?;
-    edge_keys(&facet.corners).enumerate().find_map(|(edge, [a, b])| {
-        let j = *owner.get(&[b, a])?;
-        let other = facets[j].as_ref().filter(|_| j != i)?;
-        let joined = join_at(facet, edge, other, [b, a])?;
-        Some((j, joined))
-    })
+    edge_keys(&facet.corners)
+        .enumerate()
+        .find_map(|(edge, [a, b])| {
+            let j = *owner.get(&[b, a])?;
+            let other = facets[j].as_ref().filter(|_| j != i)?;
+            let joined = join_at(facet, edge, other, [b, a])?;
+            Some((j, joined))
+        })
 }
 
 /// The union across `facet`'s edge number `edge`, where it is planar and convex.
 fn join_at(facet: &Facet, edge: usize, other: &Facet, reversed: [Key; 2]) -> Option<Facet> {
-    let coplanar = |a: &Facet, b: &Facet| b.corners.iter().all(|x| (a.normal.dot(*x) - a.offset).abs() <= COPLANAR);
+    let coplanar = |a: &Facet, b: &Facet| {
+        b.corners
+            .iter()
+            .all(|x| (a.normal.dot(*x) - a.offset).abs() <= COPLANAR)
+    };
     if facet.normal.dot(other.normal) <= 0.0 || !coplanar(facet, other) || !coplanar(other, facet) {
         return None;
     }
@@ -108,7 +127,10 @@ fn join_at(facet: &Facet, edge: usize, other: &Facet, reversed: [Key; 2]) -> Opt
         corners.remove(spur.max(next));
         corners.remove(spur.min(next));
     }
-    (corners.len() >= 3).then(|| Facet::new(corners)).flatten().filter(Facet::is_convex)
+    (corners.len() >= 3)
+        .then(|| Facet::new(corners))
+        .flatten()
+        .filter(Facet::is_convex)
 }
 
 /// Both ends of each edge.
@@ -132,7 +154,9 @@ mod tests {
     fn a_square_of_four_triangles_is_one_facet() {
         let centre = DVec3::new(0.5, 0.5, 0.0);
         let corner = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
-        let fan: Vec<_> = (0..4).map(|i| [corner[i], corner[(i + 1) % 4], centre]).collect();
+        let fan: Vec<_> = (0..4)
+            .map(|i| [corner[i], corner[(i + 1) % 4], centre])
+            .collect();
         let facets = join(&fan);
         assert_eq!(facets.len(), 1);
         assert_eq!(facets[0].normal, DVec3::Z);
@@ -152,6 +176,9 @@ mod tests {
             [DVec3::ZERO, DVec3::new(0.2, 0.2, 0.0), DVec3::Y],
         ];
         assert_eq!(join(&dent).len(), 2, "not convex");
-        assert!(join(&[[DVec3::ZERO, DVec3::X, DVec3::X * 2.0]]).is_empty(), "no area");
+        assert!(
+            join(&[[DVec3::ZERO, DVec3::X, DVec3::X * 2.0]]).is_empty(),
+            "no area"
+        );
     }
 }

@@ -17,17 +17,26 @@ const SAME_MAP: f64 = 1e-13;
 /// The table's paths.
 pub(super) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
     if let Some(lattice) = view.lattice {
-        pieces.iter_mut().for_each(|piece| bring_home(piece, lattice));
+        pieces
+            .iter_mut()
+            .for_each(|piece| bring_home(piece, lattice));
     }
     let mut paths: Vec<Piece> = Vec::new();
     let mut rest = pieces;
     while !rest.is_empty() {
         let first = rest[0].clone();
-        let (group, others): (Vec<Piece>, Vec<Piece>) = rest.into_iter().partition(|piece| same_map(piece, &first));
+        let (group, others): (Vec<Piece>, Vec<Piece>) =
+            rest.into_iter().partition(|piece| same_map(piece, &first));
         rest = others;
         let slack = 4.0 * view.least_area;
-        let polygons = unite(group.into_iter().map(|piece| piece.polygon).collect(), slack);
-        paths.extend(polygons.into_iter().map(|polygon| Piece { polygon, ..first.clone() }));
+        let polygons = unite(
+            group.into_iter().map(|piece| piece.polygon).collect(),
+            slack,
+        );
+        paths.extend(polygons.into_iter().map(|polygon| Piece {
+            polygon,
+            ..first.clone()
+        }));
     }
     paths.into_iter().map(path).collect()
 }
@@ -52,7 +61,8 @@ fn same_map(a: &Piece, b: &Piece) -> bool {
     let slack = SAME_MAP * (1.0 + a.offset.length());
     let linear = a.matrix - b.matrix;
     (a.offset - b.offset).length() <= slack
-        && linear.x_axis.length() + linear.y_axis.length() <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
+        && linear.x_axis.length() + linear.y_axis.length()
+            <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
 }
 
 /// Unites convex polygons that do not overlap as far as the unions are convex: a hull with no more area than its parts.
@@ -68,7 +78,8 @@ fn unite(mut polygons: Vec<Polygon>, slack: f64) -> Vec<Polygon> {
     }
     let mut i = 0;
     while i < polygons.len() {
-        let found = (i + 1..polygons.len()).find_map(|j| Some((j, union(&[&polygons[i], &polygons[j]])?)));
+        let found =
+            (i + 1..polygons.len()).find_map(|j| Some((j, union(&[&polygons[i], &polygons[j]])?)));
         match found {
             Some((j, joined)) => {
                 polygons[i] = joined;
@@ -100,7 +111,11 @@ mod tests {
     fn the_triangles_of_a_fan_unite_and_separate_ones_stay() {
         let corner = |i: usize| DVec2::from_angle(i as f64 * std::f64::consts::FRAC_PI_3);
         let fan = (0..6).map(|i| vec![DVec2::ZERO, corner(i), corner(i + 1)]);
-        let far = vec![DVec2::new(5.0, 0.0), DVec2::new(6.0, 0.0), DVec2::new(5.0, 1.0)];
+        let far = vec![
+            DVec2::new(5.0, 0.0),
+            DVec2::new(6.0, 0.0),
+            DVec2::new(5.0, 1.0),
+        ];
         let united = unite(fan.chain([far.clone()]).collect(), 1e-14);
         assert_eq!(united.len(), 2);
         assert_eq!(united[0].len(), 6);

@@ -22,7 +22,10 @@ pub(super) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Opt
     let mut order = Vec::new();
     for facet in facets {
         for (i, edge) in edge_keys(&facet.corners).enumerate() {
-            let (a, b) = (facet.corners[i], facet.corners[(i + 1) % facet.corners.len()]);
+            let (a, b) = (
+                facet.corners[i],
+                facet.corners[(i + 1) % facet.corners.len()],
+            );
             if edges.remove(&[edge[1], edge[0]]).is_none() {
                 edges.insert(edge, (a.truncate(), b.truncate()));
                 order.push((edge, a, b));
@@ -30,12 +33,19 @@ pub(super) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Opt
         }
     }
     order.retain(|(edge, ..)| edges.contains_key(edge));
-    if order.iter().any(|(_, a, b)| (a.z - height).abs() > IN_PLANE || (b.z - height).abs() > IN_PLANE) {
+    if order
+        .iter()
+        .any(|(_, a, b)| (a.z - height).abs() > IN_PLANE || (b.z - height).abs() > IN_PLANE)
+    {
         return None;
     }
     let mut loops = Vec::new();
     for (edge, ..) in order {
-        loops.extend(edges.remove(&edge).map(|(start, next)| follow(edge, start, next, &mut edges)));
+        loops.extend(
+            edges
+                .remove(&edge)
+                .map(|(start, next)| follow(edge, start, next, &mut edges)),
+        );
     }
     let area: f64 = loops.iter().map(|opening| polygon::area(opening)).sum();
     let all_open = loops.iter().all(|opening| polygon::area(opening) > 0.0);
@@ -43,15 +53,25 @@ pub(super) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Opt
 }
 
 /// The closed loop that begins with an edge, taken out of `edges`.
-fn follow(first: [Key; 2], start: DVec2, next: DVec2, edges: &mut HashMap<[Key; 2], (DVec2, DVec2)>) -> Polygon {
+fn follow(
+    first: [Key; 2],
+    start: DVec2,
+    next: DVec2,
+    edges: &mut HashMap<[Key; 2], (DVec2, DVec2)>,
+) -> Polygon {
     let mut corners = vec![start, next];
     let mut at = first[1];
     while at != first[0] {
-        let [.., before, here] = corners[..] else { break };
+        let [.., before, here] = corners[..] else {
+            break;
+        };
         // Where openings touch at a corner, the sharpest turn to the left stays with its own opening.
         let turn = |to: DVec2| (here - before).angle_to(to - here);
         let leaving = edges.iter().filter(|(edge, _)| edge[0] == at);
-        let Some((&edge, &(_, to))) = leaving.max_by(|a, b| turn(a.1.1).total_cmp(&turn(b.1.1))) else { break };
+        let Some((&edge, &(_, to))) = leaving.max_by(|a, b| turn(a.1.1).total_cmp(&turn(b.1.1)))
+        else {
+            break;
+        };
         edges.remove(&edge);
         at = edge[1];
         if at != first[0] {
@@ -71,7 +91,13 @@ mod tests {
     fn a_corner_is_a_pit_and_one_with_a_lifted_rim_is_not() {
         let ends = [DVec3::X, DVec3::Y, DVec3::Z];
         // In a frame where the apex is below: z grows along (1, 1, 1), only the rim's height matters here.
-        let frame = |x: DVec3| DVec3::new((x.x - x.y) / 2f64.sqrt(), (x.x + x.y - 2.0 * x.z) / 6f64.sqrt(), x.dot(DVec3::ONE));
+        let frame = |x: DVec3| {
+            DVec3::new(
+                (x.x - x.y) / 2f64.sqrt(),
+                (x.x + x.y - 2.0 * x.z) / 6f64.sqrt(),
+                x.dot(DVec3::ONE),
+            )
+        };
         let facets = |ends: [DVec3; 3]| {
             join(&[0, 1, 2].map(|i| [DVec3::ZERO, frame(ends[i]), frame(ends[(i + 1) % 3])]))
         };
@@ -79,7 +105,13 @@ mod tests {
         let found = openings(&facets(ends), 1.0, area).expect("a pit");
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].len(), 3);
-        assert!(openings(&facets(ends), 1.0, 1.1 * area).is_none(), "not the whole entrance");
-        assert!(openings(&facets([DVec3::X * 1.001, DVec3::Y, DVec3::Z]), 1.0, area).is_none(), "not planar");
+        assert!(
+            openings(&facets(ends), 1.0, 1.1 * area).is_none(),
+            "not the whole entrance"
+        );
+        assert!(
+            openings(&facets([DVec3::X * 1.001, DVec3::Y, DVec3::Z]), 1.0, area).is_none(),
+            "not planar"
+        );
     }
 }

@@ -10,6 +10,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::ExactCell;
 use super::facet::Facet;
 use crate::polygon::{self, HalfPlane, Polygon};
+use crate::ray::Direction;
 
 /// Facets seen at less than this (sine of the angle to the beam) are edge-on: they catch nothing.
 const EDGE_ON: f64 = 1e-14;
@@ -45,7 +46,10 @@ pub(super) struct Isometry {
 }
 
 impl Isometry {
-    pub const IDENTITY: Isometry = Isometry { linear: DMat3::IDENTITY, shift: DVec3::ZERO };
+    pub const IDENTITY: Isometry = Isometry {
+        linear: DMat3::IDENTITY,
+        shift: DVec3::ZERO,
+    };
 
     /// Followed by the reflection in the plane normal.x = offset.
     pub fn reflected(&self, normal: DVec3, offset: f64) -> Isometry {
@@ -123,21 +127,28 @@ pub(super) struct View {
 }
 
 impl View {
-    /// `incidence_rad` is the angle inside the front face; azimuth as in the cell frame.
-    pub fn new(cell: &ExactCell, incidence_rad: f64, azimuth_rad: f64) -> View {
-        let (sin_azimuth, cos_azimuth) = azimuth_rad.sin_cos();
-        let (sin, cos) = incidence_rad.sin_cos();
-        let u = DVec2::new(cos_azimuth, sin_azimuth);
-        let turn = |p: DVec2| DVec2::new(u.dot(p), u.perp_dot(p));
-        let facets: Vec<Facet> = cell.facets.iter().map(|f| f.turned(cos_azimuth, sin_azimuth)).collect();
+    /// A cell seen along `light`.
+    pub fn new(cell: &ExactCell, light: &Direction) -> View {
+        // The frame's u is the light's own, so that nothing but rounding is left of v.
+        let (sin, cos) = (light.travel.truncate().dot(light.u), -light.travel.z);
+        let turn = |p: DVec2| light.to_frame(p);
+        let facets: Vec<Facet> = cell.facets.iter().map(|f| f.turned(light)).collect();
         let height = cell.cell.entrance.height;
-        let floor = facets.iter().flat_map(|f| &f.corners).map(|x| x.z).fold(height, f64::min);
+        let floor = facets
+            .iter()
+            .flat_map(|f| &f.corners)
+            .map(|x| x.z)
+            .fold(height, f64::min);
         // Entry points are known to an ulp of the longest path's extent along u, (height - floor) tan(incidence).
         let extent = 1.0 + (height - floor) * sin / cos;
         View {
             direction: DVec3::new(sin, 0.0, -cos),
             lattice: cell.lattice.map(|[a, b]| [turn(a), turn(b)]),
-            doors: cell.doors.iter().map(|door| door.iter().map(|&p| turn(p)).collect()).collect(),
+            doors: cell
+                .doors
+                .iter()
+                .map(|door| door.iter().map(|&p| turn(p)).collect())
+                .collect(),
             entrance_area: cell.entrance_area,
             height,
             floor,
@@ -154,7 +165,9 @@ impl View {
 
     /// The facets as `beam` meets them, without those that it meets from behind or along.
     pub fn shadows(&self, beam: &Isometry) -> Vec<Shadow> {
-        (0..self.facets.len()).filter_map(|facet| self.shadow(facet, beam)).collect()
+        (0..self.facets.len())
+            .filter_map(|facet| self.shadow(facet, beam))
+            .collect()
     }
 
     fn shadow(&self, facet: usize, beam: &Isometry) -> Option<Shadow> {
@@ -177,8 +190,19 @@ impl View {
         }
         let (low, high) = polygon::bounds(&outline);
         let gradient = -normal.truncate() / facing;
-        let depth = Affine { anchor, value, gradient };
-        Some(Shadow { facet, translation: DVec3::ZERO, outline, low, high, depth })
+        let depth = Affine {
+            anchor,
+            value,
+            gradient,
+        };
+        Some(Shadow {
+            facet,
+            translation: DVec3::ZERO,
+            outline,
+            low,
+            high,
+            depth,
+        })
     }
 
     /// The shadow's copies that light can meet within `travel` of the points `from` (real space) along `toward` (unit
@@ -192,7 +216,11 @@ impl View {
         travel: f64,
         mut visit: impl FnMut(&Step),
     ) {
-        let still = Step { translation: DVec3::ZERO, entry: DVec2::ZERO, depth: 0.0 };
+        let still = Step {
+            translation: DVec3::ZERO,
+            entry: DVec2::ZERO,
+            depth: 0.0,
+        };
         let Some([a, b]) = self.lattice else {
             visit(&still);
             return;
@@ -202,14 +230,21 @@ impl View {
             let translation = translation.extend(0.0);
             let folded = fold * translation;
             let depth = folded.z / self.direction.z;
-            Step { translation, entry: DVec2::new(folded.x - depth * self.direction.x, folded.y), depth }
+            Step {
+                translation,
+                entry: DVec2::new(folded.x - depth * self.direction.x, folded.y),
+                depth,
+            }
         };
         let horizontal = toward.truncate();
         let along = horizontal.try_normalize().unwrap_or(DVec2::X);
         let span = |points: &[DVec3], axis: DVec2| {
             let start = (f64::INFINITY, f64::NEG_INFINITY);
             let widened = |(low, high), x: f64| (f64::min(low, x), f64::max(high, x));
-            points.iter().map(|x| x.truncate().dot(axis)).fold(start, widened)
+            points
+                .iter()
+                .map(|x| x.truncate().dot(axis))
+                .fold(start, widened)
         };
         // Copies that touch the strip's rim by rounding must not be lost: the strip is widened by far more than that.
         let widen = 1e-9;
@@ -218,12 +253,21 @@ impl View {
         let strip = [along, along.perp()].map(|axis| {
             let (start, target) = (span(from, axis), span(facet, axis));
             let ahead = travel * horizontal.dot(axis).abs();
-            (axis, start.0 - target.1 - widen, start.1 + ahead - target.0 + widen)
+            (
+                axis,
+                start.0 - target.1 - widen,
+                start.1 + ahead - target.0 + widen,
+            )
         });
         // r = i a + j b; the strip's corners bound j.
         let [(x, x_low, x_high), (y, y_low, y_high)] = strip;
-        let rows = [(x_low, y_low), (x_high, y_low), (x_low, y_high), (x_high, y_high)]
-            .map(|(along, across)| a.perp_dot(along * x + across * y) / a.perp_dot(b));
+        let rows = [
+            (x_low, y_low),
+            (x_high, y_low),
+            (x_low, y_high),
+            (x_high, y_high),
+        ]
+        .map(|(along, across)| a.perp_dot(along * x + across * y) / a.perp_dot(b));
         let first = rows.into_iter().fold(f64::INFINITY, f64::min).floor() as i64;
         let last = rows.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() as i64;
         for j in first..=last {
@@ -239,15 +283,27 @@ impl View {
                 }
             }
             if low <= high {
-                (low.ceil() as i64..=high.floor() as i64).for_each(|i| visit(&step(i as f64 * a + row)));
+                (low.ceil() as i64..=high.floor() as i64)
+                    .for_each(|i| visit(&step(i as f64 * a + row)));
             }
         }
     }
 
     /// How far light can travel from the points `from` along `toward` before it leaves the layer of facets.
     pub fn travel_to_leave(&self, from: &[DVec3], toward: DVec3) -> f64 {
-        let far = if toward.z > 0.0 { self.height } else { self.floor };
-        let clearance = from.iter().map(|x| (far - x.z) * toward.z.signum()).fold(0.0, f64::max);
-        if clearance == 0.0 { 0.0 } else { clearance / toward.z.abs() }
+        let far = if toward.z > 0.0 {
+            self.height
+        } else {
+            self.floor
+        };
+        let clearance = from
+            .iter()
+            .map(|x| (far - x.z) * toward.z.signum())
+            .fold(0.0, f64::max);
+        if clearance == 0.0 {
+            0.0
+        } else {
+            clearance / toward.z.abs()
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Cells built by hand, independent of the mesh designs.
 
+use bake::path::Rules;
 use glam::{DMat3, DVec2, DVec3};
 use meshes::{Cell, Entrance};
 
@@ -16,17 +17,39 @@ impl Draw {
     }
 }
 
+/// Mirrors behind a front face of that index, the usual angular tolerance.
+pub fn rules(refractive_index: f64) -> Rules {
+    Rules {
+        refractive_index,
+        mirror_back: true,
+        angular_tolerance_rad: 0.5f64.to_radians(),
+    }
+}
+
 /// Three mutually perpendicular unit edges around +z; the first one's projection is +x.
 pub fn ideal_edges() -> [DVec3; 3] {
     let (s, c) = ((2.0f64 / 3.0).sqrt(), (1.0f64 / 3.0).sqrt());
     let root = 3f64.sqrt();
-    [DVec3::new(s, 0.0, c), DVec3::new(-s / 2.0, s * root / 2.0, c), DVec3::new(-s / 2.0, -s * root / 2.0, c)]
+    [
+        DVec3::new(s, 0.0, c),
+        DVec3::new(-s / 2.0, s * root / 2.0, c),
+        DVec3::new(-s / 2.0, -s * root / 2.0, c),
+    ]
 }
 
-pub fn cell(facets: Vec<[DVec3; 3]>, height: f64, polygon: Vec<DVec2>, lattice: Option<[DVec2; 2]>) -> Cell {
+pub fn cell(
+    facets: Vec<[DVec3; 3]>,
+    height: f64,
+    polygon: Vec<DVec2>,
+    lattice: Option<[DVec2; 2]>,
+) -> Cell {
     Cell {
         facets,
-        entrance: Entrance { height, polygon, lattice },
+        entrance: Entrance {
+            height,
+            polygon,
+            lattice,
+        },
         refractive_index: None,
         closed: false,
         edge_length: 1.0,
@@ -39,12 +62,19 @@ pub fn cell(facets: Vec<[DVec3; 3]>, height: f64, polygon: Vec<DVec2>, lattice: 
 
 /// The three triangles between edges from `apex`; the edge ends share a height.
 fn corner(apex: DVec3, edges: [DVec3; 3]) -> Vec<[DVec3; 3]> {
-    (0..3).map(|i| [apex, apex + edges[i], apex + edges[(i + 1) % 3]]).collect()
+    (0..3)
+        .map(|i| [apex, apex + edges[i], apex + edges[(i + 1) % 3]])
+        .collect()
 }
 
 /// A single cube, rim in the entrance plane.
 pub fn single(edges: [DVec3; 3]) -> Cell {
-    cell(corner(DVec3::ZERO, edges), edges[0].z, edges.map(DVec3::truncate).to_vec(), None)
+    cell(
+        corner(DVec3::ZERO, edges),
+        edges[0].z,
+        edges.map(DVec3::truncate).to_vec(),
+        None,
+    )
 }
 
 /// A cube and its copy turned by 180 deg about the middle of the rim between its first two edges.
@@ -55,7 +85,12 @@ pub fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
     facets.extend(facets.clone().iter().map(|t| t.map(turn)));
     let [a, b, c] = edges.map(DVec3::truncate);
     let polygon = vec![c, a, middle - c, b];
-    cell(facets, edges[0].z, polygon, periodic.then_some([a - c, b - c]))
+    cell(
+        facets,
+        edges[0].z,
+        polygon,
+        periodic.then_some([a - c, b - c]),
+    )
 }
 
 /// Full cubes: three square faces, hexagonal non-planar rim, periodic. `dihedral` bends each second half-square about
@@ -108,7 +143,12 @@ pub fn blunt(share: f64) -> Cell {
         })
         .collect();
     facets.push([cut[0], cut[1], cut[2]]);
-    cell(facets, edges[0].z, edges.map(DVec3::truncate).to_vec(), None)
+    cell(
+        facets,
+        edges[0].z,
+        edges.map(DVec3::truncate).to_vec(),
+        None,
+    )
 }
 
 /// A cube whose aperture triangle lost its three corners: the rim is a hexagon, closed by upright walls.
@@ -126,7 +166,8 @@ pub fn truncated(share: f64) -> Cell {
         facets.push([foot, left, right]);
         let next_left = next.lerp(here, share);
         let next_right = next.lerp(before, share);
-        let next_foot = next * ((0.5 * (next_left + next_right)).truncate().length() / next.truncate().length());
+        let next_foot = next
+            * ((0.5 * (next_left + next_right)).truncate().length() / next.truncate().length());
         // The face between the two edges: apex, foot, right, next_left, next_foot.
         facets.push([DVec3::ZERO, foot, right]);
         facets.push([DVec3::ZERO, right, next_left]);

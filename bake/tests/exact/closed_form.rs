@@ -4,11 +4,12 @@
 //! shift is uniform over 2(q - K), K = T and its point reflection through q. Its own polygon code and bins by clipping
 //! each bin's square: nothing is shared with the crate.
 
-use bake::exact::{ExactCell, Options};
+use bake::exact::ExactCell;
+use bake::path::Rules;
 use meshes::Cell;
 use tables::Fate;
 
-use crate::cells::{Draw, full_cube, ideal_edges, pair, single};
+use crate::cells::{Draw, full_cube, ideal_edges, pair, rules, single};
 
 const BINS: usize = 128;
 const RANGE: f64 = 2.0;
@@ -55,27 +56,42 @@ fn cube(inside_rad: f64, azimuth_rad: f64) -> (f64, Vec<f64>) {
     };
     let triangle: Vec<Point> = (0..3).map(corner).collect();
     let q = [-inside_rad.tan() / 3f64.sqrt(), 0.0];
-    let reflected: Vec<Point> = triangle.iter().map(|p| [2.0 * q[0] - p[0], -p[1]]).collect();
+    let reflected: Vec<Point> = triangle
+        .iter()
+        .map(|p| [2.0 * q[0] - p[0], -p[1]])
+        .collect();
     let k = clipped(triangle.clone(), &reflected);
     let eta = area(&k) / area(&triangle);
     let mut histogram = vec![0.0; BINS * BINS];
     if k.is_empty() {
         return (0.0, histogram);
     }
-    let support: Vec<Point> = k.iter().map(|p| [2.0 * (q[0] - p[0]), -2.0 * p[1]]).collect();
+    let support: Vec<Point> = k
+        .iter()
+        .map(|p| [2.0 * (q[0] - p[0]), -2.0 * p[1]])
+        .collect();
     let width = 2.0 * RANGE / BINS as f64;
     let ends = |axis: usize| {
         let index = |x: f64| ((x + RANGE) / width).floor() as usize;
         let values = || support.iter().map(|p| p[axis]);
-        (index(values().fold(f64::MAX, f64::min)), index(values().fold(f64::MIN, f64::max)))
+        (
+            index(values().fold(f64::MAX, f64::min)),
+            index(values().fold(f64::MIN, f64::max)),
+        )
     };
     let ((left, right), (bottom, top)) = (ends(0), ends(1));
     for row in bottom..=top.min(BINS - 1) {
         for column in left..=right.min(BINS - 1) {
             let (x, y) = (column as f64 * width - RANGE, row as f64 * width - RANGE);
-            let square = vec![[x, y], [x + width, y], [x + width, y + width], [x, y + width]];
+            let square = vec![
+                [x, y],
+                [x + width, y],
+                [x + width, y + width],
+                [x, y + width],
+            ];
             // The map has determinant 4.
-            histogram[row * BINS + column] = area(&clipped(square, &support)) / 4.0 / area(&triangle);
+            histogram[row * BINS + column] =
+                area(&clipped(square, &support)) / 4.0 / area(&triangle);
         }
     }
     (eta, histogram)
@@ -87,7 +103,10 @@ fn closed_form(inside_rad: f64, azimuth_rad: f64, is_pair: bool) -> (f64, Vec<f6
         return (eta, histogram);
     }
     let (other_eta, other) = cube(inside_rad, azimuth_rad + std::f64::consts::PI);
-    histogram.iter_mut().zip(&other).for_each(|(a, b)| *a = 0.5 * (*a + b));
+    histogram
+        .iter_mut()
+        .zip(&other)
+        .for_each(|(a, b)| *a = 0.5 * (*a + b));
     (0.5 * (eta + other_eta), histogram)
 }
 
@@ -104,7 +123,7 @@ fn cutoff_rad(azimuth_rad: f64) -> f64 {
 /// Largest total variation over 500 directions, of which a third lie within 1e-9 to 1e-3 deg of a cutoff.
 fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f64 {
     let exact = ExactCell::new(cell).unwrap();
-    let options = Options { refractive_index: index, ..Options::default() };
+    let rules = rules(index);
     let mut draw = Draw(seed);
     let (mut worst, mut nonzero, mut empty, mut tried) = (0.0f64, 0, 0, 0);
     while tried < 500 {
@@ -112,11 +131,16 @@ fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f
         let azimuth_deg = 360.0 * draw.next();
         let azimuth_rad = azimuth_deg.to_radians();
         if tried % 3 == 0 {
-            let half_turn = if is_pair && draw.next() < 0.5 { std::f64::consts::PI } else { 0.0 };
+            let half_turn = if is_pair && draw.next() < 0.5 {
+                std::f64::consts::PI
+            } else {
+                0.0
+            };
             let sine = index * cutoff_rad(azimuth_rad + half_turn).sin();
             let side = if draw.next() < 0.5 { -1.0 } else { 1.0 };
             if sine < 0.999 {
-                incidence_deg = sine.asin().to_degrees() + side * 10f64.powf(-9.0 + 6.0 * draw.next());
+                incidence_deg =
+                    sine.asin().to_degrees() + side * 10f64.powf(-9.0 + 6.0 * draw.next());
             }
         }
         tried += 1;
@@ -126,14 +150,26 @@ fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f
             (incidence_deg.to_radians().sin() / index).asin()
         };
         let (eta, expected) = closed_form(inside_rad, azimuth_rad, is_pair);
-        let found = exact.direction(incidence_deg, azimuth_deg, BINS, RANGE, &options);
-        let l1: f64 = found.histogram.iter().zip(&expected).map(|(a, b)| (a - b).abs()).sum();
-        assert!((found.eta - eta).abs() < 1e-12, "{incidence_deg} {azimuth_deg}: eta {} not {eta}", found.eta);
+        let found = exact.direction(incidence_deg, azimuth_deg, BINS, RANGE, &rules);
+        let l1: f64 = found
+            .histogram
+            .iter()
+            .zip(&expected)
+            .map(|(a, b)| (a - b).abs())
+            .sum();
+        assert!(
+            (found.eta - eta).abs() < 1e-12,
+            "{incidence_deg} {azimuth_deg}: eta {} not {eta}",
+            found.eta
+        );
         assert_eq!(found.fate[Fate::OutOfRange as usize], 0.0);
         worst = worst.max(0.5 * l1);
         if eta > 0.0 { nonzero += 1 } else { empty += 1 }
     }
-    assert!(nonzero >= 100 && empty >= 20, "{nonzero} directions return light, {empty} none");
+    assert!(
+        nonzero >= 100 && empty >= 20,
+        "{nonzero} directions return light, {empty} none"
+    );
     worst
 }
 
@@ -173,12 +209,26 @@ fn listed_fractions_of_the_hollow_cube() {
         (45.0, 60.0, 0.07625),
     ];
     for (incidence, azimuth, eta) in listed {
-        let found = exact.direction(incidence, azimuth, 128, 2.0, &Options::default());
-        assert!((found.eta - eta).abs() < 5.1e-6, "({incidence}, {azimuth}): {} not {eta}", found.eta);
-        assert_eq!(found.paths.len(), 1, "the six facet sequences are one polygon");
+        let found = exact.direction(incidence, azimuth, 128, 2.0, &rules(1.0));
+        assert!(
+            (found.eta - eta).abs() < 5.1e-6,
+            "({incidence}, {azimuth}): {} not {eta}",
+            found.eta
+        );
+        assert_eq!(
+            found.paths.len(),
+            1,
+            "the six facet sequences are one polygon"
+        );
     }
-    for (incidence, azimuth) in [(40.0, 0.0), (40.0, 30.0), (45.0, 0.0), (45.0, 90.0), (89.9, 60.0)] {
-        let found = exact.direction(incidence, azimuth, 128, 2.0, &Options::default());
+    for (incidence, azimuth) in [
+        (40.0, 0.0),
+        (40.0, 30.0),
+        (45.0, 0.0),
+        (45.0, 90.0),
+        (89.9, 60.0),
+    ] {
+        let found = exact.direction(incidence, azimuth, 128, 2.0, &rules(1.0));
         assert_eq!(found.eta, 0.0, "({incidence}, {azimuth})");
         assert!(found.paths.is_empty() && found.histogram.iter().all(|&mass| mass == 0.0));
     }
@@ -214,19 +264,36 @@ fn the_full_cube_array_returns_the_effective_area() {
         let (incidence, azimuth) = (70.0 * draw.next(), 360.0 * draw.next());
         let expected = full_cube_area(incidence.to_radians(), azimuth.to_radians())
             / (3f64.sqrt() * incidence.to_radians().cos());
-        let found = exact.direction(incidence, azimuth, 16, 2.0, &Options::default());
+        let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
         worst = worst.max((found.eta - expected).abs());
-        assert!((found.eta - expected).abs() < 1e-10, "({incidence}, {azimuth}): {} not {expected}", found.eta);
+        assert!(
+            (found.eta - expected).abs() < 1e-10,
+            "({incidence}, {azimuth}): {} not {expected}",
+            found.eta
+        );
         nonzero += usize::from(expected > 0.0);
     }
     println!("full cube: eta within {worst:.2e}");
     assert!(nonzero > 200);
-    for (incidence, azimuth, eta) in
-        [(0.0, 0.0, 1.0), (10.0, 0.0, 0.7506), (10.0, 30.0, 0.7276), (20.0, 0.0, 0.4853), (30.0, 60.0, 0.2570), (40.0, 60.0, 0.1008)]
-    {
-        let found = exact.direction(incidence, azimuth, 16, 2.0, &Options::default());
-        assert!((found.eta - eta).abs() < 5.1e-5, "({incidence}, {azimuth}): {}", found.eta);
-        assert_eq!(found.paths.len(), 1, "({incidence}, {azimuth}): one cube, one polygon");
+    for (incidence, azimuth, eta) in [
+        (0.0, 0.0, 1.0),
+        (10.0, 0.0, 0.7506),
+        (10.0, 30.0, 0.7276),
+        (20.0, 0.0, 0.4853),
+        (30.0, 60.0, 0.2570),
+        (40.0, 60.0, 0.1008),
+    ] {
+        let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
+        assert!(
+            (found.eta - eta).abs() < 5.1e-5,
+            "({incidence}, {azimuth}): {}",
+            found.eta
+        );
+        assert_eq!(
+            found.paths.len(),
+            1,
+            "({incidence}, {azimuth}): one cube, one polygon"
+        );
     }
 }
 
@@ -239,13 +306,18 @@ fn total_internal_reflection_fails_where_it_should() {
     let (mut lossy, mut whole) = (0, 0);
     for _ in 0..200 {
         let (incidence, azimuth) = (60.0 * draw.next(), 360.0 * draw.next());
-        let mirror = Options { refractive_index: 1.49, ..Options::default() };
-        let prism = Options { total_internal_reflection: true, ..mirror };
+        let mirror = rules(1.49);
+        let prism = Rules {
+            mirror_back: false,
+            ..mirror
+        };
         let inside = (incidence.to_radians().sin() / 1.49).asin();
         let (sin, cos) = azimuth.to_radians().sin_cos();
         let travel = glam::DVec3::new(inside.sin() * cos, inside.sin() * sin, -inside.cos());
         let limit = (1.0 - 1.0 / (1.49f64 * 1.49)).sqrt();
-        let survives = ideal_edges().iter().all(|edge| edge.dot(travel).abs() < limit);
+        let survives = ideal_edges()
+            .iter()
+            .all(|edge| edge.dot(travel).abs() < limit);
         let (with, without) = (
             exact.direction(incidence, azimuth, 16, 2.0, &prism),
             exact.direction(incidence, azimuth, 16, 2.0, &mirror),
@@ -260,5 +332,8 @@ fn total_internal_reflection_fails_where_it_should() {
             lossy += 1;
         }
     }
-    assert!(lossy > 20 && whole > 20, "{lossy} lossy directions, {whole} others");
+    assert!(
+        lossy > 20 && whole > 20,
+        "{lossy} lossy directions, {whole} others"
+    );
 }

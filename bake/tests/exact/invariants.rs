@@ -1,11 +1,11 @@
 //! What must hold for every cell: light is neither lost nor made, nothing is NaN, hard directions included.
 
-use bake::exact::{Direction, ExactCell, ExactError, Options, bake};
+use bake::exact::{ExactCell, ExactError, Share, bake};
 use meshes::Cell;
 use tables::{Axes, Fate};
 
 use crate::cells::{
-    Draw, bent_edges, blunt, canted_edges, full_cube, ideal_edges, pair, single, truncated,
+    Draw, bent_edges, blunt, canted_edges, full_cube, ideal_edges, pair, rules, single, truncated,
 };
 
 fn cells() -> Vec<(&'static str, Cell)> {
@@ -24,21 +24,49 @@ fn cells() -> Vec<(&'static str, Cell)> {
     ]
 }
 
-/// Shares are sums of tens of areas, each good to a few ulp of the longest path squared: 1e-12 up to 85 deg.
-fn check(name: &str, found: &Direction, incidence: f64, azimuth: f64) {
+/// Shares are sums of some hundred areas, each good to a few ulp of the longest path: 1e-12 up to 89 deg, in proportion
+/// to it beyond. `valley` is the share that may run along the lattice without end.
+fn check(name: &str, found: &Share, incidence: f64, azimuth: f64, valley: f64) {
     let place = format!("{name} at ({incidence}, {azimuth})");
+    let slack = 1e-12 * (0.02 / incidence.to_radians().cos()).max(1.0);
     let sum: f64 = found.fate.iter().sum();
-    assert!((sum - 1.0).abs() < 1e-12, "{place}: fates sum to 1 {:+e}", sum - 1.0);
-    assert!(found.dropped.abs() < 1e-12, "{place}: dropped {:e}", found.dropped);
+    assert!(
+        (sum - 1.0).abs() < slack,
+        "{place}: fates sum to 1 {:+e}",
+        sum - 1.0
+    );
+    assert!(
+        found.dropped.abs() < slack,
+        "{place}: dropped {:e}",
+        found.dropped
+    );
     for (fate, share) in Fate::ALL.iter().zip(found.fate) {
-        assert!((-1e-15..=1.0 + 1e-12).contains(&share), "{place}: {} is {share}", fate.name());
+        assert!(
+            (-slack..=1.0 + slack).contains(&share),
+            "{place}: {} is {share}",
+            fate.name()
+        );
     }
     // The cells are closed: nothing misses, and nothing is trapped for 64 reflections.
-    assert!(found.fate[Fate::Missed as usize] < 1e-12, "{place}: missed {:e}", found.fate[Fate::Missed as usize]);
-    assert_eq!(found.fate[Fate::BounceLimit as usize], 0.0, "{place}");
+    assert!(
+        found.fate[Fate::Missed as usize] < slack,
+        "{place}: missed {:e}",
+        found.fate[Fate::Missed as usize]
+    );
+    let endless = found.fate[Fate::BounceLimit as usize];
+    assert!(endless <= valley, "{place}: {endless:e} without end");
     let inside: f64 = found.histogram.iter().sum();
-    assert!((inside - found.fate[Fate::Retroreflected as usize]).abs() < 1e-13, "{place}: bins sum to {inside}");
-    assert!(found.histogram.iter().all(|mass| (0.0..=1.0).contains(mass)), "{place}");
+    assert!(
+        (inside - found.fate[Fate::Retroreflected as usize]).abs() < 1e-13,
+        "{place}: bins sum to {inside}"
+    );
+    assert!(
+        found
+            .histogram
+            .iter()
+            .all(|mass| (0.0..=1.0).contains(mass)),
+        "{place}"
+    );
 }
 
 #[test]
@@ -50,13 +78,15 @@ fn areas_are_conserved_in_every_direction() {
         let (mut worst, mut returning) = (0.0f64, 0);
         for _ in 0..150 {
             let (incidence, azimuth) = (89.0 * draw.next(), 360.0 * draw.next());
-            let found = exact.direction(incidence, azimuth, 64, 2.0, &Options::default());
-            check(name, &found, incidence, azimuth);
+            let found = exact.direction(incidence, azimuth, 64, 2.0, &rules(1.0));
+            check(name, &found, incidence, azimuth, 0.0);
             worst = worst.max((found.fate.iter().sum::<f64>() - 1.0).abs());
             returning += usize::from(found.eta > 0.0);
             cases += 1;
         }
-        println!("{name}: fates sum to 1 within {worst:.1e}, {returning} of 150 directions return light");
+        println!(
+            "{name}: fates sum to 1 within {worst:.1e}, {returning} of 150 directions return light"
+        );
         // Errors of 1e-2 rad send all light 1.9 deg or more off: beyond the tolerance.
         assert_eq!(returning > 15, name != "bent 1e-2", "{name}: {returning}");
     }
@@ -70,12 +100,33 @@ fn hard_directions_are_ordinary() {
     let mut cases = 0;
     for (name, cell) in cells() {
         let exact = ExactCell::new(&cell).unwrap();
-        for incidence in [0.0, 1e-9, edge_on, edge_on - 1e-9, edge_on + 1e-9, along_edge, along_edge + 1e-9, 89.9] {
-            for azimuth in [0.0, 30.0, 60.0, 90.0, 120.0, 180.0, 240.0, 300.0, 1e-9, 59.999999999] {
+        for incidence in [
+            0.0,
+            1e-9,
+            edge_on,
+            edge_on - 1e-9,
+            edge_on + 1e-9,
+            along_edge,
+            along_edge + 1e-9,
+            89.9,
+        ] {
+            for azimuth in [
+                0.0,
+                30.0,
+                60.0,
+                90.0,
+                120.0,
+                180.0,
+                240.0,
+                300.0,
+                1e-9,
+                59.999999999,
+            ] {
                 for index in [1.0, 1.0 + 1e-9, 1.49] {
-                    let options = Options { refractive_index: index, ..Options::default() };
-                    let found = exact.direction(incidence, azimuth, 32, 2.0, &options);
-                    check(name, &found, incidence, azimuth);
+                    let rules = rules(index);
+                    let found = exact.direction(incidence, azimuth, 32, 2.0, &rules);
+                    // 1e-9 deg from edge-on some light runs level, between peaks or upright walls: 1e-11 rad wide.
+                    check(name, &found, incidence, azimuth, 1e-9);
                     cases += 1;
                 }
             }
@@ -87,18 +138,32 @@ fn hard_directions_are_ordinary() {
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let cell = pair(bent_edges([1e-3, 0.0, 0.0]), true);
-    let axes = Axes { incidence_deg: vec![0.0, 15.0, 30.0], azimuth_deg: vec![0.0, 10.0], bins: 32, range: 2.0 };
+    let axes = Axes {
+        incidence_deg: vec![0.0, 15.0, 30.0],
+        azimuth_deg: vec![0.0, 10.0],
+        bins: 32,
+        range: 2.0,
+    };
     let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| bake(&cell, &axes, &Options::default(), || ()).unwrap())
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| bake(&cell, &axes, &rules(1.0), || ()).unwrap())
     };
     let one = on(1);
     assert_eq!(one, on(4));
     assert_eq!(one.exact.paths.len(), 6);
     for (i, paths) in one.exact.paths.iter().enumerate() {
-        let area: f64 = paths.iter().map(|path| path.weight * shoelace(&path.polygon)).sum();
+        let area: f64 = paths
+            .iter()
+            .map(|path| path.weight * shoelace(&path.polygon))
+            .sum();
         let eta = one.retroreflected[[i / 2, i % 2]];
-        assert!((area / one.exact.entrance_area - eta).abs() < 1e-14, "eta is the paths' area");
+        assert!(
+            (area / one.exact.entrance_area - eta).abs() < 1e-14,
+            "eta is the paths' area"
+        );
     }
 }
 
@@ -115,10 +180,13 @@ fn shoelace(polygon: &[[f64; 2]]) -> f64 {
 fn a_narrow_histogram_counts_the_rest_as_out_of_range() {
     let cell = single(ideal_edges());
     let exact = ExactCell::new(&cell).unwrap();
-    let wide = exact.direction(20.0, 40.0, 128, 2.0, &Options::default());
-    let narrow = exact.direction(20.0, 40.0, 32, 0.5, &Options::default());
+    let wide = exact.direction(20.0, 40.0, 128, 2.0, &rules(1.0));
+    let narrow = exact.direction(20.0, 40.0, 32, 0.5, &rules(1.0));
     assert_eq!(wide.eta, narrow.eta);
-    let central: f64 = (48..80).flat_map(|v| (48..80).map(move |u| v * 128 + u)).map(|i| wide.histogram[i]).sum();
+    let central: f64 = (48..80)
+        .flat_map(|v| (48..80).map(move |u| v * 128 + u))
+        .map(|i| wide.histogram[i])
+        .sum();
     assert!((narrow.fate[Fate::Retroreflected as usize] - central).abs() < 1e-14);
     assert!((narrow.fate[Fate::OutOfRange as usize] - (wide.eta - central)).abs() < 1e-14);
     assert!(central > 0.1 && central < wide.eta - 0.01);
@@ -128,7 +196,11 @@ fn a_narrow_histogram_counts_the_rest_as_out_of_range() {
 fn dihedral_errors_split_the_return_into_six_maps_or_two() {
     let spots = |errors: [f64; 3]| {
         let cell = single(bent_edges(errors));
-        ExactCell::new(&cell).unwrap().direction(0.0, 0.0, 64, 2.0, &Options::default()).paths.len()
+        ExactCell::new(&cell)
+            .unwrap()
+            .direction(0.0, 0.0, 64, 2.0, &rules(1.0))
+            .paths
+            .len()
     };
     assert_eq!(spots([1e-3; 3]), 6);
     assert_eq!(spots([1e-6; 3]), 6);
@@ -138,8 +210,13 @@ fn dihedral_errors_split_the_return_into_six_maps_or_two() {
 
 #[test]
 fn a_mean_over_azimuths_is_refused() {
-    let axes = Axes { incidence_deg: vec![0.0], azimuth_deg: vec![f64::NAN], bins: 8, range: 2.0 };
-    let refusal = bake(&single(ideal_edges()), &axes, &Options::default(), || ()).unwrap_err();
+    let axes = Axes {
+        incidence_deg: vec![0.0],
+        azimuth_deg: vec![f64::NAN],
+        bins: 8,
+        range: 2.0,
+    };
+    let refusal = bake(&single(ideal_edges()), &axes, &rules(1.0), || ()).unwrap_err();
     assert_eq!(refusal, ExactError::MeanAzimuth);
 }
 
@@ -148,14 +225,22 @@ fn a_mean_over_azimuths_is_refused() {
 fn speed_is_reported() {
     let cell = pair(ideal_edges(), true);
     let incidence_deg: Vec<f64> = (0..10).map(|i| 5.0 * f64::from(i)).collect();
-    let axes = Axes { incidence_deg, azimuth_deg: vec![0.0], bins: 128, range: 2.0 };
+    let axes = Axes {
+        incidence_deg,
+        azimuth_deg: vec![0.0],
+        bins: 128,
+        range: 2.0,
+    };
     let seconds = (0..20)
         .map(|_| {
             let start = std::time::Instant::now();
-            let baked = bake(&cell, &axes, &Options::default(), || ()).unwrap();
+            let baked = bake(&cell, &axes, &rules(1.0), || ()).unwrap();
             assert_eq!(baked.retroreflected.len(), 10);
             start.elapsed().as_secs_f64()
         })
         .fold(f64::INFINITY, f64::min);
-    println!("10 directions of the periodic pair: {:.3} ms", 1e3 * seconds);
+    println!(
+        "10 directions of the periodic pair: {:.3} ms",
+        1e3 * seconds
+    );
 }
