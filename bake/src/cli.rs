@@ -1,5 +1,6 @@
 //! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
 
+use crate::exact;
 use crate::plan::{Back, Method, Plan, PlanError, Request, default};
 use crate::progress::Progress;
 use crate::sequence::Sampler;
@@ -362,6 +363,7 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let cell = meshes::load_cell(&args.mesh, &options)?;
     warn(&cell.warnings);
     warn(&plan.warnings(&cell));
+    warn(&method_warning(args, &cell, &plan));
     let reservation = tables::reserve(&args.output)?;
     let progress = Progress::new(&plan);
     let start = std::time::Instant::now();
@@ -380,6 +382,20 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
         report.text()
     });
     Ok(())
+}
+
+/// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
+fn method_warning(args: &TraceArgs, cell: &meshes::Cell, plan: &Plan) -> Vec<String> {
+    let refusal = exact::prepare(cell, &plan.axes).err();
+    let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
+    match (args.method, refusal) {
+        (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],
+        (Method::Auto | Method::Exact, None) if asks_for_rays => vec![
+            "the exact method traces no rays: --rays and --tolerance have no effect; give --method rays to use them"
+                .into(),
+        ],
+        _ => Vec::new(),
+    }
 }
 
 fn inspect_table(args: &InspectArgs) -> Result<(), Failure> {

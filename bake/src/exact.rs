@@ -35,12 +35,12 @@ use crate::ray::Direction;
 pub enum ExactError {
     /// An average over azimuths is an integral that no finite set of polygons gives.
     #[error(
-        "the exact method has no mean over azimuths; name the azimuths (--azimuth 0:350:10) or use --method rays"
+        "the exact method has no mean over azimuths; name the azimuths (--azimuth 0:350:10) or give --method rays"
     )]
     MeanAzimuth,
     /// The work grows faster than the number of facets.
     #[error(
-        "the cell has {facets} planar facets, the exact method takes at most {limit}; use --method rays"
+        "the cell has {facets} planar facets and the exact method takes at most {limit}; give --method rays"
     )]
     TooManyFacets {
         /// Facets after joining coplanar triangles.
@@ -149,7 +149,7 @@ impl<'a> ExactCell<'a> {
         }
         let mut fate = outcome.area.map(|area| area / view.entrance_area);
         fate[Fate::OutOfRange as usize] = filled.out_of_range;
-        fate[Fate::Retroreflected as usize] = eta - filled.out_of_range;
+        fate[Fate::Retroreflected as usize] = (eta - filled.out_of_range).max(0.0);
         let dropped = outcome.dropped / view.entrance_area;
         Share {
             paths,
@@ -174,21 +174,20 @@ pub struct Baked {
     pub exact: Exact,
 }
 
-/// Bakes every direction of `axes`, in parallel; the result does not depend on the number of threads. `done` is called
-/// once per finished direction, from any thread.
+/// Whether `cell` can be baked exactly in the directions of `axes`: gives the prepared cell.
 ///
 /// # Errors
-/// [`ExactError`].
-pub fn bake(
-    cell: &Cell,
-    axes: &Axes,
-    rules: &Rules,
-    done: impl Fn() + Sync,
-) -> Result<Baked, ExactError> {
+/// [`ExactError`]: why not.
+pub fn prepare<'a>(cell: &'a Cell, axes: &Axes) -> Result<ExactCell<'a>, ExactError> {
     if axes.azimuth_deg.iter().any(|azimuth| azimuth.is_nan()) {
         return Err(ExactError::MeanAzimuth);
     }
-    let prepared = ExactCell::new(cell)?;
+    ExactCell::new(cell)
+}
+
+/// Bakes every direction of `axes`, in parallel; the result does not depend on the number of threads. `done` is called
+/// once per finished direction, from any thread. An azimuth of NaN gives NaN: [`prepare`] refuses it.
+pub fn bake(prepared: &ExactCell, axes: &Axes, rules: &Rules, done: impl Fn() + Sync) -> Baked {
     let (incidences, azimuths) = axes.shape();
     let directions: Vec<Share> = (0..incidences * azimuths)
         .into_par_iter()
@@ -223,16 +222,16 @@ pub fn bake(
         of(i, a).fate[k]
     });
     let exact = Exact {
-        entrance_area: polygon::area(&cell.entrance.polygon),
+        entrance_area: prepared.entrance_area,
         paths: directions
             .into_iter()
             .map(|direction| direction.paths)
             .collect(),
     };
-    Ok(Baked {
+    Baked {
         histogram,
         retroreflected,
         fate,
         exact,
-    })
+    }
 }

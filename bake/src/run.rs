@@ -1,5 +1,6 @@
 //! The bake itself: runs of rays over all threads, integer sums, the table. Prints nothing.
 
+use crate::exact::{self, ExactCell, ExactError};
 use crate::kernel::Kernel;
 use crate::launch::Launch;
 use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION};
@@ -7,7 +8,7 @@ use crate::scene::{Index, Scene};
 use crate::sequence::Stream;
 use crate::tally::{Bins, Sums, Tally};
 use meshes::Cell;
-use ndarray::{Array4, Array5};
+use ndarray::{Array2, Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -31,9 +32,9 @@ pub enum RunError {
         /// What the system said.
         source: rayon::ThreadPoolBuildError,
     },
-    /// This build has no exact method.
-    #[error("--method exact: this build has no exact method; give --method rays")]
-    NoExactMethod,
+    /// The cell or the directions are not for the exact method.
+    #[error("--method exact: {0}")]
+    Exact(#[from] ExactError),
     /// The tolerance is out of reach.
     #[error(
         "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
@@ -65,15 +66,59 @@ struct Bundle {
     sums: Mutex<Sums>,
 }
 
-/// Bakes `cell` as planned, by the method that the plan names or, for `auto`, the best one.
+/// Bakes `cell` as planned, by the method that the plan names; `auto` is the exact method where [`exact::prepare`]
+/// takes the cell, else rays.
 ///
 /// # Errors
-/// As [`rays`].
+/// As [`rays`]; [`RunError::Exact`] where the plan insists on the exact method and it does not take the cell.
 pub fn bake(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
-    match plan.method {
-        Method::Auto | Method::Rays => rays(cell, plan, progress),
-        Method::Exact => Err(RunError::NoExactMethod),
+    match (plan.method, exact::prepare(cell, &plan.axes)) {
+        (Method::Rays, _) | (Method::Auto, Err(_)) => rays(cell, plan, progress),
+        (_, Ok(prepared)) => beams(cell, &prepared, plan, progress),
+        (Method::Exact, Err(refusal)) => Err(refusal.into()),
     }
+}
+
+/// The exact bake. Whatever is asked of rays (number, tolerance, sampler, seed) has no part in the table.
+fn beams(
+    cell: &Cell,
+    prepared: &ExactCell,
+    plan: &Plan,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Table, RunError> {
+    let rays_saved = match plan.effort {
+        Effort::Rays(rays) => rays,
+        Effort::Tolerance(_) => 0,
+    };
+    let baked = pool(plan)?.install(|| {
+        exact::bake(prepared, &plan.axes, &plan.rules(cell), || {
+            progress(rays_saved)
+        })
+    });
+    Ok(Table {
+        axes: plan.axes.clone(),
+        histogram: baked.histogram,
+        counts: None,
+        standard_error: Array2::zeros(plan.axes.shape()),
+        retroreflected: baked.retroreflected,
+        fate: baked.fate,
+        fate_counts: None,
+        rays: Array2::zeros(plan.axes.shape()),
+        exact: Some(baked.exact),
+        provenance: Provenance {
+            seed: 0,
+            tolerance: 0.0,
+            ..provenance(cell, plan, "exact".into(), "none".into())
+        },
+    })
+}
+
+fn pool(plan: &Plan) -> Result<rayon::ThreadPool, RunError> {
+    let threads = plan.threads.map_or(0, |threads| threads.get());
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|source| RunError::Threads { threads, source })
 }
 
 /// Traces rays through `cell` as planned. `progress` is told, from any thread, how many rays were done since the last
@@ -82,12 +127,7 @@ pub fn bake(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result
 /// # Errors
 /// [`RunError`]: no threads, or a tolerance out of reach.
 pub fn rays(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
-    let threads = plan.threads.map_or(0, |threads| threads.get());
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|source| RunError::Threads { threads, source })?;
-    pool.install(|| {
+    pool(plan)?.install(|| {
         let bundles = bundles(cell, plan, Index::Auto);
         let bins = Bins::new(plan.axes.bins, plan.axes.range);
         match plan.effort {

@@ -424,7 +424,7 @@ impl Tracer<'_> {
     }
 
     fn settle(&mut self, area: f64, fate: Fate) {
-        if area.abs() <= self.view.least_area {
+        if area <= self.view.least_area {
             self.outcome.dropped += area;
         } else {
             self.outcome.area[fate as usize] += area;

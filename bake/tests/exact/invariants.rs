@@ -1,6 +1,6 @@
 //! What must hold for every cell: light is neither lost nor made, nothing is NaN, hard directions included.
 
-use bake::exact::{ExactCell, ExactError, Share, bake};
+use bake::exact::{ExactCell, ExactError, Share, bake, prepare};
 use meshes::Cell;
 use tables::{Axes, Fate};
 
@@ -155,7 +155,7 @@ fn the_same_bytes_on_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| bake(&cell, &axes, &rules(1.0), || ()).unwrap())
+        pool.install(|| bake(&prepare(&cell, &axes).unwrap(), &axes, &rules(1.0), || ()))
     };
     let one = on(1);
     assert_eq!(one, on(4));
@@ -222,7 +222,8 @@ fn a_mean_over_azimuths_is_refused() {
         bins: 8,
         range: 2.0,
     };
-    let refusal = bake(&single(ideal_edges()), &axes, &rules(1.0), || ()).unwrap_err();
+    let cell = single(ideal_edges());
+    let refusal = prepare(&cell, &axes).unwrap_err();
     assert_eq!(refusal, ExactError::MeanAzimuth);
 }
 
@@ -240,7 +241,7 @@ fn speed_is_reported() {
     let seconds = (0..20)
         .map(|_| {
             let start = std::time::Instant::now();
-            let baked = bake(&cell, &axes, &rules(1.0), || ()).unwrap();
+            let baked = bake(&prepare(&cell, &axes).unwrap(), &axes, &rules(1.0), || ());
             assert_eq!(baked.retroreflected.len(), 10);
             start.elapsed().as_secs_f64()
         })
