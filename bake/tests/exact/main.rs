@@ -4,4 +4,5 @@
 
 mod cells;
 mod closed_form;
+mod designs;
 mod invariants;
