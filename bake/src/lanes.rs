@@ -6,8 +6,8 @@
 //! A set of rays is a mask per lane of which the top bit counts: the sign bit of a test's value is then the mask of
 //! the rays that fail it, and taking and leaving rays are bit operations.
 
-use crate::launch::Launch;
-use crate::program::{Affine, DEPTH, End, Program};
+use crate::launch::{Launch, Piece};
+use crate::program::{Affine, DEPTH, End, Excerpt, Program, Step};
 use crate::sequence::{Sampler, Stream, centred, pascal, philox, scramble};
 use crate::tally::{Bins, Tally};
 use std::ops::Range;
@@ -19,6 +19,23 @@ pub const LANES: usize = 16;
 type Reals = [f64; LANES];
 type Mask = [u64; LANES];
 
+/// The square is cut into 2^4 x 2^4 cells for the rays of a block that are traced cell by cell.
+const CELL_BITS: u32 = 4;
+
+/// Samples of the smallest block that is worth it: two bundles per cell.
+const BLOCK: u64 = 2 * (LANES as u64) << (2 * CELL_BITS);
+
+/// What a run keeps at hand from one bundle to the next.
+struct Work<'a> {
+    bins: &'a Bins,
+    maps: &'a [[Affine; 2]],
+    /// Rays left at each depth of the tree.
+    left: [Mask; DEPTH],
+    /// Rays ended with each fate, per lane.
+    ended: [Mask; Fate::ALL.len()],
+    histogram: &'a mut [u32],
+}
+
 /// Traces `samples` of `stream`.
 #[inline(always)]
 pub fn run(
@@ -29,52 +46,165 @@ pub fn run(
     samples: Range<u64>,
     tally: &mut Tally,
 ) {
-    let mut ended = [[0u64; LANES]; Fate::ALL.len()];
+    let mut work = Work {
+        bins,
+        maps: &program.maps,
+        left: [[0; LANES]; DEPTH],
+        ended: [[0; LANES]; Fate::ALL.len()],
+        histogram: &mut tally.histogram,
+    };
+    let piece = match (stream.sampler, launch.pieces()) {
+        (Sampler::Sobol, [piece]) => Some(piece),
+        _ => None,
+    };
+    let mut first = samples.start;
+    while first < samples.end {
+        // The largest block of 2^k samples that starts at a multiple of its size.
+        let left = samples.end - first;
+        let aligned = 1 << first.trailing_zeros().min(left.ilog2());
+        match piece {
+            Some(piece) if aligned >= BLOCK => {
+                by_cells(program, piece, stream, first, aligned, &mut work);
+                first += aligned;
+            }
+            _ => {
+                let next = left.min(if piece.is_some() {
+                    BLOCK - first % BLOCK
+                } else {
+                    left
+                });
+                in_order(program, launch, stream, first..first + next, &mut work);
+                first += next;
+            }
+        }
+    }
+    let ended = work.ended;
+    for (sum, lanes) in tally.fates.iter_mut().zip(&ended) {
+        *sum += lanes.iter().sum::<u64>();
+    }
+}
+
+/// Traces samples in the order of their indices.
+#[inline(always)]
+fn in_order(
+    program: &Program,
+    launch: &Launch,
+    stream: &Stream,
+    samples: Range<u64>,
+    work: &mut Work,
+) {
     let mut first = samples.start;
     while first < samples.end {
         let active = (samples.end - first).min(LANES as u64) as usize;
         let (x, y) = entries(launch, stream, first);
         let mut start = [0; LANES];
         start[..active].fill(1 << 63);
-        bundle(program, bins, &x, &y, start, &mut ended, tally);
+        bundle(&program.steps, &program.tests, None, &x, &y, start, work);
         first += LANES as u64;
-    }
-    for (sum, lanes) in tally.fates.iter_mut().zip(&ended) {
-        *sum += lanes.iter().sum::<u64>();
     }
 }
 
-/// Traces one bundle of rays that enter at (x, y); those in `start` count.
+/// Traces an aligned block of 2^k Sobol samples cell by cell of the square: rays of a cell need few of the
+/// program's steps and tests, and their shifts fall in few bins.
+///
+/// In a cell the first four digits of both coordinates are given. Before scrambling, which maps cells onto cells,
+/// those of the first are the lowest four bits of the index, and those of the second a function (the Pascal matrix
+/// of four digits) of the exclusive or of all its groups of four bits.
+#[inline(always)]
+fn by_cells(
+    program: &Program,
+    piece: &Piece,
+    stream: &Stream,
+    first: u64,
+    count: u64,
+    work: &mut Work,
+) {
+    let base = (first >> (2 * CELL_BITS)) as u32;
+    let mut excerpt = Excerpt::default();
+    for cell in 0..1u32 << (2 * CELL_BITS) {
+        let (low, sum) = (cell & 15, cell >> 4);
+        let index = |high: u32| {
+            let mut folded = high ^ (high >> 16);
+            folded ^= folded >> 8;
+            folded ^= folded >> 4;
+            (high << 8) | (((sum ^ low ^ folded) & 15) << 4) | low
+        };
+        let digits = stream
+            .pair(u64::from(index(base)))
+            .map(|digits| f64::from(digits >> (32 - CELL_BITS)));
+        let corner = |i: f64, j: f64| {
+            piece.point((digits[0] + i) / 16.0 - 0.5, (digits[1] + j) / 16.0 - 0.5)
+        };
+        excerpt.refill(
+            program,
+            &[
+                corner(0.0, 0.0),
+                corner(1.0, 0.0),
+                corner(0.0, 1.0),
+                corner(1.0, 1.0),
+            ],
+        );
+        let mut maps = excerpt.steps.iter().filter_map(|step| match step.end {
+            End::Shift(map) => Some(map),
+            _ => None,
+        });
+        let map = maps.next();
+        let map = if maps.all(|other| Some(other) == map) {
+            map
+        } else {
+            None
+        };
+        for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
+            let mut indices = [0u32; LANES];
+            for lane in 0..LANES {
+                indices[lane] = index(base + group * LANES as u32 + lane as u32);
+            }
+            let (x, y) = sobol_entries(piece, stream, &indices);
+            bundle(
+                &excerpt.steps,
+                &excerpt.tests,
+                map,
+                &x,
+                &y,
+                [1 << 63; LANES],
+                work,
+            );
+        }
+    }
+}
+
+/// Traces one bundle of rays that enter at (x, y); those in `start` count. `only` is the one map of these steps, where
+/// there is one.
 #[inline(always)]
 fn bundle(
-    program: &Program,
-    bins: &Bins,
+    steps: &[Step],
+    tests: &[Affine],
+    only: Option<usize>,
     x: &Reals,
     y: &Reals,
     start: Mask,
-    ended: &mut [Mask; Fate::ALL.len()],
-    tally: &mut Tally,
+    work: &mut Work,
 ) {
-    let mut left = [[0u64; LANES]; DEPTH];
+    let left = &mut work.left;
     left[0] = start;
     // Bin position of the rays that come back, and which they are.
     let (mut u, mut v): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     let mut back: Mask = [0; LANES];
-    let one_map = program.maps.len() == 1;
-    for step in &program.steps {
+    let mut returns = false;
+    for step in steps {
         let from = step.from;
         let mut taken = left[from];
         let (first, last) = step.tests;
         if first < last {
             let mut failed: Mask = [0; LANES];
-            for test in &program.tests[first..last] {
+            for test in &tests[first..last] {
                 let value = affine(test, x, y);
                 for lane in 0..LANES {
                     failed[lane] |= value[lane].to_bits();
                 }
             }
             for lane in 0..LANES {
-                taken[lane] = left[from][lane] & !failed[lane];
+                taken[lane] &= !failed[lane];
                 left[from][lane] &= failed[lane];
             }
         }
@@ -82,15 +212,16 @@ fn bundle(
             End::Onward => left[from + 1] = taken,
             End::Fate(fate) => {
                 for lane in 0..LANES {
-                    ended[fate as usize][lane] += taken[lane] >> 63;
+                    work.ended[fate as usize][lane] += taken[lane] >> 63;
                 }
             }
             End::Shift(map) => {
+                returns = true;
                 for lane in 0..LANES {
                     back[lane] |= taken[lane];
                 }
-                if !one_map {
-                    let [along, across] = &program.maps[map];
+                if only.is_none() {
+                    let [along, across] = &work.maps[map];
                     let (mu, mv) = (affine(along, x, y), affine(across, x, y));
                     for lane in 0..LANES {
                         let chosen = taken[lane] >> 63 == 1;
@@ -101,38 +232,30 @@ fn bundle(
             }
         }
     }
-    if program.maps.is_empty() {
+    if !returns {
         return;
     }
-    if one_map {
-        let [along, across] = &program.maps[0];
+    if let Some(map) = only {
+        let [along, across] = &work.maps[map];
         (u, v) = (affine(along, x, y), affine(across, x, y));
     }
-    scatter(bins, &u, &v, &back, ended, tally);
+    scatter(&u, &v, &back, work);
 }
 
 /// Counts the rays of `back` in the bins of (u, v).
 #[inline(always)]
-fn scatter(
-    bins: &Bins,
-    u: &Reals,
-    v: &Reals,
-    back: &Mask,
-    ended: &mut [Mask; Fate::ALL.len()],
-    tally: &mut Tally,
-) {
-    let end = bins.count as f64;
-    let size = bins.len() as u32;
+fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Work) {
+    let end = work.bins.count as f64;
+    let size = work.bins.len() as u32;
     let mut at = [0u32; LANES];
     for lane in 0..LANES {
         // Top bits: u < end, v < end, u >= 0, v >= 0.
         let below = (u[lane] - end).to_bits() & (v[lane] - end).to_bits();
         let within = back[lane] & below & !(u[lane].to_bits() | v[lane].to_bits());
-        ended[Fate::Retroreflected as usize][lane] += within >> 63;
-        ended[Fate::OutOfRange as usize][lane] += (back[lane] & !within) >> 63;
-        let bin = (v[lane] as i32 as u32)
-            .wrapping_mul(bins.count as u32)
-            .wrapping_add(u[lane] as i32 as u32);
+        work.ended[Fate::Retroreflected as usize][lane] += within >> 63;
+        work.ended[Fate::OutOfRange as usize][lane] += (back[lane] & !within) >> 63;
+        let row = (v[lane] as i32 as u32).wrapping_mul(work.bins.count as u32);
+        let bin = row.wrapping_add(u[lane] as i32 as u32);
         // The other rays count in slots beyond the histogram, one per lane: no branch, and no queue at one slot.
         at[lane] = if within >> 63 == 1 {
             bin
@@ -141,7 +264,7 @@ fn scatter(
         };
     }
     for bin in at {
-        tally.histogram[bin as usize] += 1;
+        work.histogram[bin as usize] += 1;
     }
 }
 
@@ -157,31 +280,48 @@ fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
 /// Entry points of samples `first..first + LANES`: those of [`Launch::point`].
 #[inline(always)]
 fn entries(launch: &Launch, stream: &Stream, first: u64) -> (Reals, Reals) {
-    let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     let [piece] = launch.pieces() else {
+        let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
             let point = launch.point(stream, first + lane as u64);
             (x[lane], y[lane]) = (point.x, point.y);
         }
         return (x, y);
     };
-    let (mut a, mut b) = ([0u32; LANES], [0u32; LANES]);
     match stream.sampler {
         Sampler::Sobol => {
+            let mut indices = [0u32; LANES];
             for lane in 0..LANES {
-                let index = (first as u32).wrapping_add(lane as u32);
-                a[lane] = scramble(index, stream.keys[0]);
-                b[lane] = scramble(pascal(index), stream.keys[1]);
+                indices[lane] = (first as u32).wrapping_add(lane as u32);
             }
+            sobol_entries(piece, stream, &indices)
         }
         Sampler::Random => {
+            let (mut a, mut b) = ([0u32; LANES], [0u32; LANES]);
             for lane in 0..LANES {
                 let index = first + lane as u64;
                 let counter = [index as u32, (index >> 32) as u32 ^ stream.keys[1]];
                 [a[lane], b[lane]] = philox(counter, stream.keys[0]);
             }
+            points(piece, &a, &b)
         }
     }
+}
+
+/// Entry points of the Sobol samples `indices`.
+#[inline(always)]
+fn sobol_entries(piece: &Piece, stream: &Stream, indices: &[u32; LANES]) -> (Reals, Reals) {
+    let (mut a, mut b) = ([0u32; LANES], [0u32; LANES]);
+    for lane in 0..LANES {
+        a[lane] = scramble(indices[lane], stream.keys[0]);
+        b[lane] = scramble(pascal(indices[lane]), stream.keys[1]);
+    }
+    points(piece, &a, &b)
+}
+
+#[inline(always)]
+fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals) {
+    let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
         let point = piece.point(centred(a[lane]), centred(b[lane]));
         (x[lane], y[lane]) = (point.x, point.y);

@@ -77,12 +77,6 @@ pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) 
         bounces,
         travel: ray.direction,
     };
-    let ended = |fate, ray: &Ray, bounces| Outcome {
-        fate,
-        shift: DVec2::ZERO,
-        bounces,
-        travel: ray.direction,
-    };
     loop {
         match scene.next(&ray) {
             Event::Hit { front: false, .. } => return ended(Fate::Absorbed, &ray, bounces),

@@ -67,6 +67,16 @@ impl Affine {
         }
     }
 
+    /// The same sign everywhere, as a distance from the line where it is 0, edge lengths.
+    fn as_distance(&self) -> Affine {
+        let slope = self.x.hypot(self.y);
+        if slope > ROUNDING {
+            self.times(1.0 / slope)
+        } else {
+            *self
+        }
+    }
+
     fn times(&self, factor: f64) -> Affine {
         Affine {
             x: self.x * factor,
@@ -156,6 +166,53 @@ impl Program {
     }
 }
 
+/// The part of a program that rays from one small part of the entrance can need.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Excerpt {
+    /// Steps that such rays can take.
+    pub steps: Vec<Step>,
+    /// Their tests, those left out that all such rays pass.
+    pub tests: Vec<Affine>,
+}
+
+impl Excerpt {
+    /// Takes the part of `program` for rays that enter between `corners` (their convex hull).
+    pub fn refill(&mut self, program: &Program, corners: &[DVec2; 4]) {
+        self.steps.clear();
+        self.tests.clear();
+        // Whether an earlier step of the node at that depth takes all its rays.
+        let mut closed = [false; DEPTH];
+        // Steps deeper than this belong to a step that no ray takes.
+        let mut skipped = usize::MAX;
+        for step in &program.steps {
+            if step.from > skipped {
+                continue;
+            }
+            skipped = usize::MAX;
+            let first = self.tests.len();
+            let mut taken = !closed[step.from];
+            for test in &program.tests[step.tests.0..step.tests.1] {
+                let values = corners.map(|corner| test.at(corner));
+                taken &= values.iter().any(|&value| value > -ROUNDING);
+                if values.iter().any(|&value| value < ROUNDING) {
+                    self.tests.push(*test);
+                }
+            }
+            if !taken {
+                self.tests.truncate(first);
+                skipped = step.from;
+                continue;
+            }
+            closed[step.from] = self.tests.len() == first;
+            closed[step.from + 1] = false;
+            self.steps.push(Step {
+                tests: (first, self.tests.len()),
+                ..*step
+            });
+        }
+    }
+}
+
 /// The line of a ray, unfolded: position = `map` (p.x, p.y, height) + `offset` + distance x `direction`.
 struct Line {
     direction: DVec3,
@@ -191,7 +248,8 @@ impl Line {
             one: position.one - sideways.dot(low),
             ..position
         };
-        (length > ROUNDING).then(|| side.times(if swapped { -1.0 } else { 1.0 } / length))
+        let side = side.times(1.0 / length).as_distance();
+        (length > ROUNDING).then(|| side.times(if swapped { -1.0 } else { 1.0 }))
     }
 
     /// Distance along the line to the plane of `facet`.
@@ -284,7 +342,7 @@ impl Builder<'_> {
                 continue;
             }
             if least < -rounding {
-                tests.push(lead);
+                tests.push(lead.as_distance());
             }
             let (region, _) = split(region, &tests);
             ahead.push(Ahead {

@@ -39,6 +39,7 @@ fn program_equals_tracer_ray_for_ray() {
         mirror_back: false,
         ..MIRROR
     };
+    // Enough for a block that is traced cell by cell, and for what lies before and after it.
     let rays = 20_000;
     let (mut directions, mut maps) = (0, 0);
     for cell in [cells::triangular(), cells::pair(), bent()] {
