@@ -68,10 +68,7 @@ impl Stream {
     #[inline]
     pub fn pair(&self, index: u64) -> [u32; 2] {
         match self.sampler {
-            Sampler::Random => philox(
-                [index as u32, (index >> 32) as u32 ^ self.keys[1]],
-                self.keys[0],
-            ),
+            Sampler::Random => philox_one(self.counter(index), self.keys[0]),
             Sampler::Sobol => {
                 // The index counts within one randomisation; the plan keeps it below 2^32.
                 let index = index as u32;
@@ -83,18 +80,21 @@ impl Stream {
         }
     }
 
+    /// Counter of the random point `index`.
+    #[inline(always)]
+    pub(crate) fn counter(&self, index: u64) -> [u32; 2] {
+        [index as u32, (index >> 32) as u32 ^ self.keys[1]]
+    }
+
     /// A third coordinate of point `index`.
     #[inline]
     pub fn third(&self, index: u64) -> u32 {
         match self.sampler {
             // The top bit of the counter is free (an index stays below 2^62): it names the second block.
-            Sampler::Random => philox(
-                [
-                    index as u32,
-                    (index >> 32) as u32 ^ self.keys[1] ^ 0x8000_0000,
-                ],
-                self.keys[0],
-            )[0],
+            Sampler::Random => {
+                let [low, high] = self.counter(index);
+                philox_one([low, high ^ 0x8000_0000], self.keys[0])[0]
+            }
             Sampler::Sobol => scramble(third_dimension(index as u32), self.keys[2]),
         }
     }
@@ -114,18 +114,24 @@ fn mix(word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
-/// Philox2x32 with ten rounds.
+/// Philox2x32 with ten rounds, on many counters (`low`, `high`) at once.
 #[inline(always)]
-pub(crate) fn philox(counter: [u32; 2], key: u32) -> [u32; 2] {
-    let [mut low, mut high] = counter;
+pub(crate) fn philox<const N: usize>(low: &mut [u32; N], high: &mut [u32; N], key: u32) {
     let mut key = key;
     for _ in 0..10 {
-        let product = u64::from(low) * 0xd256_d193;
-        low = (product >> 32) as u32 ^ key ^ high;
-        high = product as u32;
+        for lane in 0..N {
+            let product = u64::from(low[lane]) * 0xd256_d193;
+            low[lane] = (product >> 32) as u32 ^ key ^ high[lane];
+            high[lane] = product as u32;
+        }
         key = key.wrapping_add(0x9e37_79b9);
     }
-    [low, high]
+}
+
+fn philox_one([low, high]: [u32; 2], key: u32) -> [u32; 2] {
+    let (mut low, mut high) = ([low], [high]);
+    philox(&mut low, &mut high, key);
+    [low[0], high[0]]
 }
 
 /// Owen scrambling of the point whose digits are the bits of `reversed`, lowest bit first.
@@ -182,13 +188,13 @@ mod tests {
     /// Known answers of the Random123 distribution (kat_vectors).
     #[test]
     fn philox_known_answers() {
-        assert_eq!(philox([0, 0], 0), [0xff1d_ae59, 0x6cd1_0df2]);
+        assert_eq!(philox_one([0, 0], 0), [0xff1d_ae59, 0x6cd1_0df2]);
         assert_eq!(
-            philox([0xffff_ffff, 0xffff_ffff], 0xffff_ffff),
+            philox_one([0xffff_ffff, 0xffff_ffff], 0xffff_ffff),
             [0x2c3f_628b, 0xab4f_d7ad]
         );
         assert_eq!(
-            philox([0x243f_6a88, 0x85a3_08d3], 0x1319_8a2e),
+            philox_one([0x243f_6a88, 0x85a3_08d3], 0x1319_8a2e),
             [0xdd7c_e038, 0xf62a_4c12]
         );
     }
