@@ -71,7 +71,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Time that this thread has had a processor, s: on a shared machine the clock on the wall also counts the others.
 fn busy_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds: Option<f64> = text.split_whitespace().next().and_then(|word| word.parse().ok());
+    let nanoseconds: Option<f64> = text
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse().ok());
     nanoseconds.unwrap_or(f64::NAN) * 1e-9
 }
 
