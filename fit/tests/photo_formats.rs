@@ -155,7 +155,7 @@ fn exr_channels_and_layers() {
     assert_light(&file, &Decode::default(), |v| v, 1e-6);
     let photo = photo::load(&file, &Decode::default()).unwrap();
     assert!(
-        photo.warnings[0].contains("2 layers with a picture; one was used"),
+        photo.warnings[0].contains("2 layers hold a picture; one was used"),
         "{:?}",
         photo.warnings
     );
