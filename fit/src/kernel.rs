@@ -17,8 +17,16 @@ pub enum Kernel {
 }
 
 impl Kernel {
-    /// All kernels, the fewest terms first.
-    pub const ALL: [Kernel; 4] = [Kernel::Shift, Kernel::Lobe, Kernel::Eq1, Kernel::Angular];
+    /// All kernels; among equals the literal Eq. (1) is preferred.
+    pub const ALL: [Kernel; 4] = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
+
+    /// Their names in files.
+    pub const NAMES: [&'static str; 4] = ["eq1", "angular", "shift", "lobe"];
+
+    /// The kernel of a name in a file.
+    pub fn from_name(name: &str) -> Option<Kernel> {
+        Kernel::ALL.into_iter().find(|kernel| kernel.name() == name)
+    }
 
     /// The name in files.
     pub const fn name(self) -> &'static str {

@@ -26,6 +26,17 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Both shapes; a scene that names none means the first.
+    pub const ALL: [Shape; 2] = [Shape::Radial, Shape::Separable];
+
+    /// Their names in files.
+    pub const NAMES: [&'static str; 2] = ["radial", "separable"];
+
+    /// The shape of a name in a file.
+    pub fn from_name(name: &str) -> Option<Shape> {
+        Shape::ALL.into_iter().find(|shape| shape.name() == name)
+    }
+
     /// The name in files.
     pub const fn name(self) -> &'static str {
         match self {

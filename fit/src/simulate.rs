@@ -17,9 +17,11 @@ mod params;
 pub mod profile;
 mod write;
 
+use crate::kernel::Kernel;
+use crate::lobe::Shape;
 pub use error::Error;
 use noise::PixelNoise;
-pub use params::{ByIncidence, Camera, Edge, Kernel, Lobe, Params, Shot, Truth};
+pub use params::{ByIncidence, Camera, Edge, Params, Shot, Truth};
 use profile::{Blur, Profile, STEPS_PER_PIXEL, Spread};
 pub use write::{Report, run};
 
@@ -131,8 +133,8 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
     };
     let spread = match (truth.kernel, truth.lobe) {
         (Kernel::Shift, _) => Spread::None,
-        (_, Lobe::Radial) => Spread::Radial { a_per_mm },
-        (_, Lobe::Separable) => Spread::Separable { a_per_mm },
+        (_, Shape::Radial) => Spread::Radial { a_per_mm },
+        (_, Shape::Separable) => Spread::Separable { a_per_mm },
     };
     let source = source_blur(camera, &shot.edge);
     let blur = Blur {

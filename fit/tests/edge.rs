@@ -4,10 +4,12 @@ mod planted;
 
 use fit::camera::{Camera, Lens};
 use fit::edge::{Fault, locate};
+use fit::kernel::Kernel;
+use fit::lobe::Shape;
 use fit::photo::Photo;
 use fit::profile::Profile;
 use fit::sfr::Estimator;
-use fit::simulate::{self, Edge, Kernel, Lobe};
+use fit::simulate::{self, Edge};
 use fit::window::Window;
 use planted::{Stream, camera, params, truth};
 
@@ -23,7 +25,7 @@ fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
 
 /// A noise-free source edge (camera blur only) at any direction.
 fn source(normal_deg: f64, offset_px: f64) -> Photo {
-    let truth = truth(Kernel::Lobe, Lobe::Radial, 3.0, 0.3, 0.6);
+    let truth = truth(Kernel::Lobe, Shape::Radial, 3.0, 0.3, 0.6);
     let mut params = params(1, truth, &[0.0], &[200.0], camera(1e12));
     params.reference = Some(Edge {
         normal_deg,

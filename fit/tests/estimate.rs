@@ -8,7 +8,6 @@ use fit::kernel::{Blur, Kernel};
 use fit::lobe::Shape;
 use fit::reflectance::Contrast;
 use fit::select::{Candidates, select};
-use fit::simulate::{Kernel as Planted, Lobe};
 use fit::view::Model;
 use nalgebra::DVector;
 use planted::{Stream, camera, params, scene, table, truth};
@@ -29,22 +28,14 @@ const SHARED: Choice = Choice {
 fn model_equals_noise_free_photographs() {
     let mut cases = 0;
     let mut worst: f64 = 0.0;
-    for (kernel, planted) in [
-        (Kernel::Eq1, Planted::Eq1),
-        (Kernel::Angular, Planted::Angular),
-        (Kernel::Shift, Planted::Shift),
-        (Kernel::Lobe, Planted::Lobe),
-    ] {
-        for (shape, lobe) in [
-            (Shape::Radial, Lobe::Radial),
-            (Shape::Separable, Lobe::Separable),
-        ] {
+    for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
+        for shape in Shape::ALL {
             let a = if kernel == Kernel::Angular {
                 700.0
             } else {
                 3.4
             };
-            let truth = truth(planted, lobe, a, 0.31, 0.6);
+            let truth = truth(kernel, shape, a, 0.31, 0.6);
             let incidence = [0.0, 20.0, 40.0];
             let table = table(&truth, &incidence, 20.0);
             let scene = scene(
@@ -97,7 +88,7 @@ fn model_equals_noise_free_photographs() {
 /// residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
 #[test]
 fn derivatives_match_differences() {
-    let truth = truth(Planted::Eq1, Lobe::Radial, 3.4, 0.31, 0.6);
+    let truth = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.31, 0.6);
     let incidence = [0.0, 30.0];
     let table = table(&truth, &incidence, 20.0);
     let scene = scene(
@@ -173,7 +164,7 @@ fn standard_errors_are_true() {
             stream.between(0.2, 0.5),
             stream.between(0.3, 0.8),
         );
-        let truth = truth(Planted::Eq1, Lobe::Radial, a, c, mu);
+        let truth = truth(Kernel::Eq1, Shape::Radial, a, c, mu);
         let incidence = [5.0, 30.0];
         let table = table(&truth, &incidence, 20.0);
         let scene = scene(
@@ -215,17 +206,14 @@ fn selection_finds_the_planted_terms() {
         per_angle_mu: None,
     };
     let mut cases = 0;
-    for (kernel, planted, a) in [
-        (Kernel::Eq1, Planted::Eq1, 3.4),
-        (Kernel::Angular, Planted::Angular, 700.0),
-        (Kernel::Shift, Planted::Shift, 1.0),
-        (Kernel::Lobe, Planted::Lobe, 2.5),
+    for (kernel, a) in [
+        (Kernel::Eq1, 3.4),
+        (Kernel::Angular, 700.0),
+        (Kernel::Shift, 1.0),
+        (Kernel::Lobe, 2.5),
     ] {
-        for (shape, lobe) in [
-            (Shape::Radial, Lobe::Radial),
-            (Shape::Separable, Lobe::Separable),
-        ] {
-            let truth = truth(planted, lobe, a, 0.35, 0.6);
+        for shape in Shape::ALL {
+            let truth = truth(kernel, shape, a, 0.35, 0.6);
             let incidence = [0.0, 25.0];
             let table = table(&truth, &incidence, 20.0);
             let scene = scene(
@@ -252,7 +240,7 @@ fn selection_finds_the_planted_terms() {
 fn absent_terms_are_bounded() {
     let incidence = [0.0, 25.0];
     // Pure diffraction: no shift, so c has an upper bound.
-    let planted = truth(Planted::Lobe, Lobe::Radial, 2.5, 0.3, 0.6);
+    let planted = truth(Kernel::Lobe, Shape::Radial, 2.5, 0.3, 0.6);
     let of_ideal = table(&planted, &incidence, 20.0);
     let diffraction = scene(
         &params(12, planted, &incidence, &[150.0, 300.0], camera(4e4)),
@@ -267,7 +255,7 @@ fn absent_terms_are_bounded() {
         .expect("it is bounded from above");
     assert!(c > 0.0 && c < 0.1, "c < {c} mm");
     // Pure shift: no lobe, so a has a lower bound.
-    let planted = truth(Planted::Shift, Lobe::Radial, 1.0, 0.35, 0.6);
+    let planted = truth(Kernel::Shift, Shape::Radial, 1.0, 0.35, 0.6);
     let shift = scene(
         &params(13, planted, &incidence, &[150.0, 300.0], camera(4e4)),
         &of_ideal,

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use fit::simulate::{self, ByIncidence, Camera, Edge, Error, Kernel, Lobe, Params, Shot, Truth};
+use fit::kernel::Kernel;
+use fit::lobe::Shape;
+use fit::simulate::{self, ByIncidence, Camera, Edge, Error, Params, Shot, Truth};
 use fit::{captures, photo};
 
 fn params() -> Params {
@@ -28,7 +30,7 @@ fn params() -> Params {
         },
         truth: Truth {
             kernel: Kernel::Eq1,
-            lobe: Lobe::Radial,
+            lobe: Shape::Radial,
             ior: 1.49,
             pair: true,
             a: ByIncidence::Table(vec![(0.0, 4.9), (20.0, 3.75)]),

@@ -1,5 +1,7 @@
 //! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
 
+use crate::kernel::Kernel;
+use crate::lobe::Shape;
 use std::path::Path;
 
 use super::Error;
@@ -32,68 +34,6 @@ const CAPTURE: [&str; 8] = [
     "offset_px",
     "exposure",
 ];
-
-/// Which terms blur the edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Kernel {
-    /// Ray shift and Eq. (1) of width a, 1/mm.
-    Eq1,
-    /// Ray shift and a lobe of width A/R, `a` being A.
-    Angular,
-    /// Ray shift alone.
-    Shift,
-    /// Lobe of width a alone.
-    Lobe,
-}
-
-impl Kernel {
-    /// Names in the file.
-    pub const NAMES: [&'static str; 4] = ["eq1", "angular", "shift", "lobe"];
-
-    /// Name in the file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Kernel::Eq1 => "eq1",
-            Kernel::Angular => "angular",
-            Kernel::Shift => "shift",
-            Kernel::Lobe => "lobe",
-        }
-    }
-
-    fn from_name(name: &str) -> Option<Kernel> {
-        [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe]
-            .into_iter()
-            .find(|kernel| kernel.name() == name)
-    }
-}
-
-/// Shape of the lobe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Lobe {
-    /// sinc^2(a r), cut at a r = 2.4 pi.
-    Radial,
-    /// sinc^2(a x) sinc^2(a y).
-    Separable,
-}
-
-impl Lobe {
-    /// Names in the file.
-    pub const NAMES: [&'static str; 2] = ["radial", "separable"];
-
-    /// Name in the file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Lobe::Radial => "radial",
-            Lobe::Separable => "separable",
-        }
-    }
-
-    fn from_name(name: &str) -> Option<Lobe> {
-        [Lobe::Radial, Lobe::Separable]
-            .into_iter()
-            .find(|lobe| lobe.name() == name)
-    }
-}
 
 /// The camera and the bench.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,7 +92,7 @@ pub struct Truth {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Shape of the lobe.
-    pub lobe: Lobe,
+    pub lobe: Shape,
     /// Refractive index behind the flat front; 1 for hollow cubes.
     pub ior: f64,
     /// Pair of cubes rather than one.
@@ -340,8 +280,8 @@ fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
         keys.choice("kernel", &Kernel::NAMES, Kernel::from_name)?,
     )?;
     let lobe = keys
-        .choice("lobe", &Lobe::NAMES, Lobe::from_name)?
-        .unwrap_or(Lobe::Radial);
+        .choice("lobe", &Shape::NAMES, Shape::from_name)?
+        .unwrap_or(Shape::Radial);
     // A parameter that the kernel does not have may be left out.
     let a = match kernel {
         Kernel::Shift => by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0)),

@@ -93,28 +93,19 @@ pub enum SharedName {
 }
 
 fn kernels(text: &str) -> Result<Kernels, String> {
-    // Among equals the literal Eq. (1) comes first.
-    let all = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
-    match text {
-        "auto" => Ok(Kernels(all.to_vec())),
-        name => all
-            .into_iter()
-            .find(|k| k.name() == name)
-            .map(|k| Kernels(vec![k]))
-            .ok_or_else(|| "use auto, eq1, angular, shift or lobe".into()),
+    if text == "auto" {
+        return Ok(Kernels(Kernel::ALL.to_vec()));
     }
+    let kernel = Kernel::from_name(text).ok_or("use auto, eq1, angular, shift or lobe")?;
+    Ok(Kernels(vec![kernel]))
 }
 
 fn shapes(text: &str) -> Result<Shapes, String> {
-    let all = [Shape::Radial, Shape::Separable];
-    match text {
-        "auto" => Ok(Shapes(all.to_vec())),
-        name => all
-            .into_iter()
-            .find(|s| s.name() == name)
-            .map(|s| Shapes(vec![s]))
-            .ok_or("use radial, separable or auto".into()),
+    if text == "auto" {
+        return Ok(Shapes(Shape::ALL.to_vec()));
     }
+    let shape = Shape::from_name(text).ok_or("use radial, separable or auto")?;
+    Ok(Shapes(vec![shape]))
 }
 
 /// What is asked for, checked.

@@ -3,9 +3,11 @@
 #![allow(dead_code, reason = "each test uses its part")]
 
 use fit::captures;
+use fit::kernel::Kernel;
+use fit::lobe::Shape;
 use fit::scene::Scene;
 use fit::simulate::{self, cell};
-use fit::simulate::{ByIncidence, Camera, Edge, Kernel, Lobe, Params, Shot, Truth};
+use fit::simulate::{ByIncidence, Camera, Edge, Params, Shot, Truth};
 use ndarray::{Array2, Array3, Array4};
 use tables::{Axes, Exact, Path, Provenance, Table};
 
@@ -147,7 +149,7 @@ pub fn params(
 }
 
 /// The truth of a campaign.
-pub fn truth(kernel: Kernel, lobe: Lobe, a: f64, c_mm: f64, mu: f64) -> Truth {
+pub fn truth(kernel: Kernel, lobe: Shape, a: f64, c_mm: f64, mu: f64) -> Truth {
     Truth {
         kernel,
         lobe,
