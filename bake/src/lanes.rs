@@ -6,6 +6,11 @@
 //! A set of rays is a mask per lane of which the top bit counts: the sign bit of a test's value is then the mask of
 //! the rays that fail it, and taking and leaving rays are bit operations.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the same lane of several arrays; iterators hide that"
+)]
+
 use crate::launch::{Launch, Piece};
 use crate::program::{Affine, DEPTH, End, Excerpt, Program, Step};
 use crate::sequence::{Sampler, Stream, centred, pascal, philox, scramble};
@@ -24,7 +29,7 @@ type Mask = [u64; LANES];
 const CELL_BITS: u32 = 4;
 
 /// Samples of the smallest block that is worth it: two bundles per cell.
-const BLOCK: u64 = 2 * (LANES as u64) << (2 * CELL_BITS);
+const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
 
 /// What a run keeps at hand from one bundle to the next.
 struct Work<'a> {

@@ -10,8 +10,8 @@ use crate::triangle::Facet;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::Cell;
 
-/// From this number of facets on, the hierarchy is faster than a loop over all (measured by
-/// `examples/crossover.rs`: the two break even between 12 and 24 facets).
+/// From this number of facets on, the hierarchy is faster than a loop over all. Measured by `examples/speed.rs`, million
+/// rays/s on 1 thread: 6 facets 2.9 against 5.0, 24 facets 2.6 against 2.0, 54 facets 2.0 against 1.0.
 const HIERARCHY_FROM: usize = 24;
 
 /// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray along a groove
@@ -256,8 +256,7 @@ impl Scene {
             if let Some(facet) = nearest.facet {
                 return self.hit(ray, &local, facet, &nearest, prism);
             }
-            // `last` is NaN or negative only where rounding puts the origin outside the sheet already.
-            if !(exit(axis) <= last) {
+            if exit(axis) > last {
                 return Event::Out;
             }
             prism[axis] += if rate[axis] > 0.0 { 1 } else { -1 };

@@ -141,7 +141,7 @@ fn every_bin_within_counting_error() {
     // Wilson-Hilferty: (chi2/k)^(1/3) is normal with mean 1 - 2/(9k) and variance 2/(9k); |z| < 3.09 is
     // 1e-3 < p < 1 - 1e-3.
     let variance: f64 = 2.0 / (9.0 * freedom);
-    let z = ((chi2 / freedom as f64).cbrt() - (1.0 - variance)) / variance.sqrt();
+    let z = ((chi2 / freedom).cbrt() - (1.0 - variance)) / variance.sqrt();
     println!("chi2 = {chi2:.1} over {freedom} degrees of freedom, z = {z:.2}");
     assert!(
         freedom > 5000.0 && z.abs() < 3.09,

@@ -40,14 +40,14 @@ fn program_equals_tracer_ray_for_ray() {
         ..MIRROR
     };
     // Enough for a block that is traced cell by cell, and for what lies before and after it.
-    let rays = 20_000;
+    let (first, rays) = ((1 << 15) - 5, 40_000);
     let (mut directions, mut maps) = (0, 0);
     for cell in [cells::triangular(), cells::pair(), bent()] {
         let scene = Arc::new(Scene::new(&cell, Index::Loop));
         let launch = Launch::new(&cell.entrance);
         for rules in [MIRROR, tir] {
             for incidence in [0.0, 5.0, 20.0, 35.0, 36.0, 45.0, 54.8, 70.0, 89.9] {
-                for azimuth in [0.0, 17.0, 60.0, 130.0, 180.0] {
+                for azimuth in [0.0, 17.0, 60.0, 130.0] {
                     let kernel = Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth);
                     let program = kernel.program().expect("a small planar cell");
                     maps = maps.max(program.maps.len());
@@ -58,8 +58,8 @@ fn program_equals_tracer_ray_for_ray() {
                     };
                     let stream = Stream::new(sampler, 3, incidence, azimuth, 0);
                     let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
-                    kernel.trace(&stream, 5..rays + 12, &mut fast);
-                    kernel.trace_one_by_one(&stream, 5..rays + 12, &mut plain);
+                    kernel.trace(&stream, first..first + rays, &mut fast);
+                    kernel.trace_one_by_one(&stream, first..first + rays, &mut plain);
                     assert_eq!(
                         fast.fates, plain.fates,
                         "{} at ({incidence}, {azimuth})",
@@ -70,13 +70,13 @@ fn program_equals_tracer_ray_for_ray() {
                         fast.histogram[..inside] == plain.histogram[..inside],
                         "bins at ({incidence}, {azimuth})"
                     );
-                    assert_eq!(fast.fates.iter().sum::<u64>(), rays + 7);
+                    assert_eq!(fast.fates.iter().sum::<u64>(), rays);
                     directions += 1;
                 }
             }
         }
     }
-    assert_eq!(directions, 3 * 2 * 9 * 5);
+    assert_eq!(directions, 3 * 2 * 9 * 4);
     assert!(maps >= 6, "a bent cube has a map per sequence, got {maps}");
 }
 
