@@ -223,7 +223,12 @@ impl Scene {
         } else {
             self.bottom
         };
-        let last = (end - ray.origin.z) / ray.direction.z;
+        // A level ray stays in the sheet until it meets something.
+        let last = if ray.direction.z == 0.0 {
+            f64::INFINITY
+        } else {
+            (end - ray.origin.z) / ray.direction.z
+        };
         let start = walls.lattice_from_plane * (ray.origin.truncate() - walls.corner);
         let rate = walls.lattice_from_plane * ray.direction.truncate();
         let mut prism = [start.x.floor() as i32, start.y.floor() as i32];
@@ -338,4 +343,33 @@ fn overlaps_unit_square(corners: [DVec2; 3]) -> bool {
             .iter()
             .any(|&point| outward.dot(point - from) <= WALL * outward.length())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meshes::design::{Design, Shape};
+    use meshes::{CellOptions, normalise};
+    use std::path::Path;
+
+    /// A level ray over a periodic cell crosses prisms until it meets a mirror.
+    #[test]
+    fn level_rays_are_not_lost() {
+        let mesh = Design::new(Shape::FullCube).mesh().expect("a design");
+        let cell =
+            normalise(&mesh, Path::new("full-cube"), &CellOptions::default()).expect("a cell");
+        let scene = Scene::new(&cell, Index::Auto);
+        let mut met = 0;
+        for step in 0..360 {
+            let (y, x) = f64::from(step).to_radians().sin_cos();
+            let ray = Ray::new(DVec3::new(0.01, 0.02, 0.5), DVec3::new(x, y, 0.0), 3.0);
+            // From inside the cell, at half its depth, every level direction ends at a facet.
+            assert!(
+                matches!(scene.next(&ray), Event::Hit { front: true, .. }),
+                "{step} deg"
+            );
+            met += 1;
+        }
+        assert_eq!(met, 360);
+    }
 }
