@@ -260,7 +260,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("bake: {failure}");
+            eprintln!("error: {failure}");
             ExitCode::from(failure.code())
         }
     }

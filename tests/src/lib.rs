@@ -1,1 +1,7 @@
-//! placeholder
+//! What the end-to-end tests share: the two programs as processes, the files of this folder, results and truths.
+
+#![forbid(unsafe_code)]
+
+pub mod estimate;
+pub mod files;
+pub mod program;

@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<[usize; 4]>,
     /// One pixel, mm: frequencies are then in 1/mm, else in cycles per pixel
-    #[arg(long, value_name = "MM", value_parser = cli::positive)]
+    #[arg(long, value_name = "MM", value_parser = cli::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
     /// Transfer function, where the format's own does not hold: linear or srgb
     #[arg(long, value_parser = transfer)]

@@ -1,0 +1,420 @@
+//! Bad files and wrong options, end to end: one sentence on standard error, the right exit code, and what stood at the
+//! output's place still stands there, byte for byte, with nothing half-written beside it.
+
+use std::path::{Path, PathBuf};
+
+use tests::files::{argument, bake_table, project};
+use tests::program::run;
+
+/// What stood at the output's place before.
+const KEPT: &[u8] = b"an older result that nobody wants to lose";
+
+/// A place to run in, with an output that must survive.
+struct Bench {
+    folder: tempfile::TempDir,
+    failures: Vec<String>,
+    cases: usize,
+}
+
+impl Bench {
+    fn new() -> Bench {
+        Bench {
+            folder: tempfile::tempdir().unwrap(),
+            failures: Vec::new(),
+            cases: 0,
+        }
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Runs a command line that must be refused with `code` and a sentence that holds all of `parts`. `from` is the
+    /// folder to run in; the output `OUT` stands for a file that exists already.
+    fn refuses(
+        &mut self,
+        from: &Path,
+        program: &str,
+        arguments: &[&str],
+        code: i32,
+        parts: &[&str],
+    ) {
+        let outputs = tempfile::tempdir_in(self.path()).unwrap();
+        let kept = outputs.path().join("kept");
+        std::fs::write(&kept, KEPT).unwrap();
+        let arguments: Vec<String> = arguments
+            .iter()
+            .map(|word| {
+                if *word == "OUT" {
+                    kept.display().to_string()
+                } else {
+                    (*word).to_owned()
+                }
+            })
+            .collect();
+        let run = run(program, from, &arguments);
+        let told: Vec<&str> = run
+            .err
+            .lines()
+            .filter(|line| line.starts_with("error: "))
+            .collect();
+        let mut wrong = Vec::new();
+        if run.code != Some(code) {
+            wrong.push(format!("exit code {:?}, not {code}", run.code));
+        }
+        if told.len() != 1
+            || (code == 1
+                && run
+                    .err
+                    .lines()
+                    .any(|line| !line.starts_with("error: ") && !line.starts_with("warning: ")))
+        {
+            wrong.push("not one sentence".to_owned());
+        }
+        for part in parts.iter().filter(|part| !run.err.contains(**part)) {
+            wrong.push(format!("without {part:?}"));
+        }
+        if run.err.contains("panicked") || !run.out.is_empty() {
+            wrong.push(format!("a panic, or output: {}", run.out));
+        }
+        if std::fs::read(&kept).ok().as_deref() != Some(KEPT) {
+            wrong.push("the output was changed".to_owned());
+        }
+        if std::fs::read_dir(outputs.path()).unwrap().count() != 1 {
+            wrong.push("a file was left beside the output".to_owned());
+        }
+        if !wrong.is_empty() {
+            self.failures
+                .push(format!("{}: {}\n{}", run.line, wrong.join(", "), run.err));
+        }
+        self.cases += 1;
+    }
+
+    #[track_caller]
+    fn all_refused(self, cases: usize) {
+        assert!(
+            self.failures.is_empty(),
+            "{} of {}:\n{}",
+            self.failures.len(),
+            self.cases,
+            self.failures.join("\n")
+        );
+        assert_eq!(self.cases, cases);
+    }
+}
+
+fn expected(file: &str) -> toml::Table {
+    std::fs::read_to_string(argument(file))
+        .unwrap()
+        .parse()
+        .unwrap()
+}
+
+#[test]
+fn meshes() {
+    let mut bench = Bench::new();
+    let folder = project().join("meshes/tests/bad");
+    let cases = expected("meshes/tests/bad/expected.toml");
+    for (file, parts) in &cases {
+        let parts: Vec<&str> = parts
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(toml::Value::as_str)
+            .collect();
+        bench.refuses(
+            &folder,
+            "bake",
+            &["trace", file, "-o", "OUT", "--rays", "1000"],
+            1,
+            &[&parts[..], &[file]].concat(),
+        );
+    }
+    assert!(cases.len() > 60);
+    bench.all_refused(cases.len());
+}
+
+#[test]
+fn photographs_manifests_and_parameters() {
+    let mut bench = Bench::new();
+    let table = bake_table(bench.path(), "triangular-pair", "0:45:15", "30");
+    let table = bench.path().join(table).display().to_string();
+    let folder = project().join("fit/tests");
+    let groups = expected("fit/tests/bad/expected.toml");
+    let mut cases = 0;
+    for (group, files) in &groups {
+        for (file, part) in files.as_table().unwrap() {
+            let file = format!("bad/{file}");
+            let arguments = match group.as_str() {
+                "manifests" => vec!["estimate", &file, "--table", &table, "-o", "OUT"],
+                "images" => vec!["mtf", &file, "-o", "OUT"],
+                "simulate" => vec!["simulate", &file, "-o", "OUT"],
+                other => panic!("no verb for the group {other}"),
+            };
+            bench.refuses(&folder, "fit", &arguments, 1, &[part.as_str().unwrap()]);
+            cases += 1;
+        }
+    }
+    assert!(groups.len() == 3 && cases > 40);
+    bench.all_refused(cases);
+}
+
+#[test]
+fn tables() {
+    let mut bench = Bench::new();
+    let here = bench.path().to_owned();
+    let name = bake_table(&here, "triangular-pair", "0,45", "30");
+    let good = std::fs::read(here.join(name)).unwrap();
+    let flipped = |at: usize| {
+        let mut bytes = good.clone();
+        bytes[at] ^= 1;
+        bytes
+    };
+    let damaged: [(&str, Vec<u8>, &str); 7] = [
+        ("empty.h5", Vec::new(), "is not an HDF5 file"),
+        (
+            "text.h5",
+            b"incidence,azimuth,eta\n".to_vec(),
+            "is not an HDF5 file",
+        ),
+        (
+            "picture.h5",
+            b"\x89PNG\r\n\x1a\n".repeat(100),
+            "is not an HDF5 file",
+        ),
+        ("head_only.h5", good[..512].to_vec(), "head_only.h5"),
+        (
+            "cut_short.h5",
+            good[..good.len() / 2].to_vec(),
+            "cut_short.h5",
+        ),
+        ("first_bit.h5", flipped(0), "is not an HDF5 file"),
+        ("one_bit.h5", flipped(good.len() / 2), "one_bit.h5"),
+    ];
+    let manifest = argument("tests/captures/public_shared/captures.toml");
+    for (file, bytes, part) in &damaged {
+        std::fs::write(here.join(file), bytes).unwrap();
+        bench.refuses(&here, "bake", &["inspect", file], 1, &[part, file]);
+        bench.refuses(&here, "bake", &["verify", file], 1, &[part, file]);
+        bench.refuses(
+            &here,
+            "fit",
+            &["estimate", &manifest, "--table", file, "-o", "OUT"],
+            1,
+            &[part, file],
+        );
+    }
+    bench.refuses(&here, "bake", &["inspect", "none.h5"], 1, &["none.h5"]);
+    bench.refuses(
+        &here,
+        "fit",
+        &["estimate", &manifest, "--table", "none.h5", "-o", "OUT"],
+        1,
+        &["none.h5"],
+    );
+    // A good table of another scene.
+    let other = bake_table(&here, "triangular", "0:20:10", "5");
+    let nearest = ["does not cover incidence", "nearest"];
+    bench.refuses(
+        &here,
+        "fit",
+        &["estimate", &manifest, "--table", &other, "-o", "OUT"],
+        1,
+        &nearest,
+    );
+    bench.all_refused(3 * 7 + 3);
+}
+
+#[test]
+fn options() {
+    let mut bench = Bench::new();
+    let here = bench.path().to_owned();
+    let table = bake_table(&here, "triangular", "10,25,40", "10");
+    let manifest = argument("tests/captures/public_axes/captures.toml");
+    let edge = argument("tests/edges/camera_5deg.exr");
+    let trace = |option: &'static str, value: &'static str, part: &'static str| {
+        (
+            "bake",
+            vec!["trace", "triangular.obj", "-o", "OUT", option, value],
+            2,
+            part,
+        )
+    };
+    let estimate = |option: &'static str, value: &'static str, part: &'static str| {
+        (
+            "fit",
+            vec![
+                "estimate", &manifest, "--table", &table, "-o", "OUT", option, value,
+            ],
+            2,
+            part,
+        )
+    };
+    let mtf = |option: &'static str, value: &'static str, code: i32, part: &'static str| {
+        (
+            "fit",
+            vec!["mtf", &edge, "-o", "OUT", option, value],
+            code,
+            part,
+        )
+    };
+    let cases = [
+        trace("--incidence", "90", "--incidence 90"),
+        trace("--incidence", "-1", "--incidence -1"),
+        trace("--incidence", "0:45", "--incidence 0:45"),
+        trace("--incidence", "0:45:0", "--incidence 0:45:0"),
+        trace("--incidence", "ten", "--incidence ten"),
+        trace("--azimuth", "nan", "--azimuth nan"),
+        trace("--azimuth", "", "--azimuth"),
+        trace("--refractive-index", "0.5", "--refractive-index 0.5"),
+        trace("--rays", "0", "--rays"),
+        trace("--rays", "many", "--rays"),
+        trace("--bins", "0", "--bins"),
+        trace("--range", "0", "--range"),
+        trace("--tolerance", "0", "--tolerance"),
+        trace("--angular-tolerance", "-3", "--angular-tolerance"),
+        trace("--lattice", "1,0,0", "--lattice"),
+        trace("--azimuth-zero", "1,0", "--azimuth-zero"),
+        trace("--edge-length", "-2", "--edge-length"),
+        trace("--threads", "0", "--threads"),
+        trace("--method", "guess", "--method"),
+        trace("--back", "glass", "--back"),
+        ("bake", vec!["trace", "triangular.obj"], 2, "--output"),
+        (
+            "bake",
+            vec!["trace", "triangular.obj", "-o", "no/such/folder/t.h5"],
+            1,
+            "no/such",
+        ),
+        ("bake", vec!["trace", "triangular.obj", "-o", "."], 1, ""),
+        (
+            "bake",
+            vec!["design", "pentagon", "-o", "OUT"],
+            2,
+            "pentagon",
+        ),
+        (
+            "bake",
+            vec!["design", "triangular", "-o", "OUT"],
+            2,
+            ".obj or .glb",
+        ),
+        (
+            "bake",
+            vec!["inspect", &table, "--plot", "OUT"],
+            2,
+            ".png or .svg",
+        ),
+        estimate("--kernel", "eq2", "--kernel"),
+        estimate("--lobe", "round", "--lobe"),
+        estimate("--per-angle", "c", "--per-angle"),
+        estimate("--threads", "0", "--threads"),
+        (
+            "fit",
+            vec!["estimate", &manifest, "-o", "OUT"],
+            2,
+            "--table",
+        ),
+        (
+            "fit",
+            vec![
+                "estimate",
+                &manifest,
+                "--table",
+                &table,
+                "-o",
+                "no/such/folder/r.json",
+            ],
+            1,
+            "no/such",
+        ),
+        (
+            "fit",
+            vec![
+                "estimate", &manifest, "--table", &table, "-o", "OUT", "--plot", "mtf.bmp",
+            ],
+            2,
+            "mtf.bmp",
+        ),
+        mtf("--roi", "1,2,3", 2, "--roi"),
+        mtf("--roi", "0,0,9999,9999", 1, "camera_5deg.exr"),
+        mtf("--roi", "0,0,4,4", 1, "camera_5deg.exr"),
+        mtf("--pixel-pitch", "-1", 2, "--pixel-pitch"),
+        mtf("--transfer", "gamma", 2, "--transfer"),
+        mtf("--channel", "infrared", 1, "infrared"),
+        (
+            "fit",
+            vec![
+                "predict",
+                "none.json",
+                "--table",
+                &table,
+                "--distance",
+                "9",
+                "--incidence",
+                "10",
+                "-o",
+                "OUT",
+            ],
+            1,
+            "none.json",
+        ),
+        (
+            "fit",
+            vec![
+                "predict",
+                &manifest,
+                "--table",
+                &table,
+                "--distance",
+                "9",
+                "--incidence",
+                "10",
+                "-o",
+                "OUT",
+            ],
+            1,
+            "captures.toml",
+        ),
+        (
+            "fit",
+            vec![
+                "predict",
+                "r.json",
+                "--table",
+                &table,
+                "--distance",
+                "0",
+                "--incidence",
+                "10",
+                "-o",
+                "OUT",
+            ],
+            2,
+            "--distance",
+        ),
+        (
+            "fit",
+            vec![
+                "predict",
+                "r.json",
+                "--table",
+                &table,
+                "--distance",
+                "9",
+                "--incidence",
+                "90",
+                "-o",
+                "OUT",
+            ],
+            2,
+            "--incidence",
+        ),
+    ];
+    let count = cases.len();
+    for (program, arguments, code, part) in cases {
+        bench.refuses(&here, program, &arguments, code, &[part]);
+    }
+    assert_eq!(count, 43);
+    bench.all_refused(count);
+}

@@ -1,0 +1,158 @@
+//! Who may depend on whom, and what stays behind one fence: `meshes <- bake -> tables <- fit`.
+
+use std::path::Path;
+
+use tests::files::project;
+use tests::program::sources;
+
+const PACKAGES: [&str; 4] = ["meshes", "tables", "bake", "fit"];
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Names under every heading of dependencies, those of tests, build scripts and single platforms too.
+fn dependencies(manifest: &toml::Table) -> Vec<String> {
+    let mut found = Vec::new();
+    for (heading, value) in manifest {
+        let Some(table) = value.as_table() else {
+            continue;
+        };
+        if heading.ends_with("dependencies") {
+            found.extend(table.keys().cloned());
+        } else if heading == "target" {
+            found.extend(
+                table
+                    .values()
+                    .filter_map(toml::Value::as_table)
+                    .flat_map(dependencies),
+            );
+        }
+    }
+    found
+}
+
+fn of(package: &str) -> Vec<String> {
+    let manifest = project().join(package).join("Cargo.toml");
+    dependencies(&read(&manifest).parse().unwrap())
+}
+
+/// Paths, from the root, of the sources that hold a line of code for which `is` answers yes.
+fn files_with(is: impl Fn(&str) -> bool) -> Vec<String> {
+    let root = project();
+    PACKAGES
+        .iter()
+        .flat_map(|package| sources(&root.join(package).join("src")))
+        .filter(|file| {
+            read(file)
+                .lines()
+                .any(|line| !line.trim_start().starts_with("//") && is(line))
+        })
+        .map(|file| file.strip_prefix(&root).unwrap().display().to_string())
+        .collect()
+}
+
+#[test]
+fn dependencies_go_one_way() {
+    let allowed: [(&str, &[&str]); 4] = [
+        ("meshes", &[]),
+        ("tables", &[]),
+        ("bake", &["meshes", "tables"]),
+        ("fit", &["tables"]),
+    ];
+    for (package, may) in allowed {
+        let names = of(package);
+        assert!(
+            names.len() > 3,
+            "{package} has too few dependencies to be read rightly: {names:?}"
+        );
+        for other in PACKAGES
+            .iter()
+            .filter(|other| names.iter().any(|name| name == *other))
+        {
+            assert!(may.contains(other), "{package} must not depend on {other}");
+        }
+        for needed in may {
+            assert!(
+                names.iter().any(|name| name == needed),
+                "{package} no longer needs {needed}: say so here"
+            );
+        }
+    }
+}
+
+#[test]
+fn only_tables_knows_hdf5() {
+    for package in PACKAGES {
+        let named = of(package).iter().any(|name| name.contains("hdf5"));
+        assert_eq!(named, package == "tables", "{package}");
+    }
+    let files = files_with(|line| line.contains("hdf5::") || line.contains("hdf5_sys"));
+    assert!(
+        !files.is_empty() && files.iter().all(|file| file.starts_with("tables/")),
+        "{files:?}"
+    );
+}
+
+#[test]
+fn one_file_names_the_bvh() {
+    for package in PACKAGES {
+        assert_eq!(
+            of(package).iter().any(|name| name == "obvhs"),
+            package == "bake",
+            "{package}"
+        );
+    }
+    assert_eq!(
+        files_with(|line| line.contains("obvhs")),
+        ["bake/src/bvh.rs"]
+    );
+}
+
+#[test]
+fn unsafe_code_stays_behind_its_fences() {
+    let fences = ["bake/src/simd.rs", "tables/src/scales.rs"];
+    let keyword = |line: &str| {
+        line.split(|c: char| !c.is_alphanumeric() && c != '_')
+            .any(|word| word == "unsafe")
+    };
+    for file in files_with(keyword) {
+        assert!(fences.contains(&file.as_str()), "{file} holds unsafe code");
+    }
+    for package in PACKAGES {
+        let library = read(&project().join(package).join("src/lib.rs"));
+        let fenced = fences.iter().any(|fence| fence.starts_with(package));
+        let level = if fenced {
+            "#![deny(unsafe_code)]"
+        } else {
+            "#![forbid(unsafe_code)]"
+        };
+        assert!(
+            library.contains(level) || library.contains("#![forbid(unsafe_code)]"),
+            "{package} lacks {level}"
+        );
+    }
+}
+
+/// Two nouns in one room start here. Unit tests beside the code do not count.
+const LONGEST_FILE: usize = 560;
+
+#[test]
+fn no_file_outgrows_its_noun() {
+    let mut counted = 0;
+    for package in PACKAGES {
+        for file in sources(&project().join(package).join("src")) {
+            let lines = read(&file)
+                .lines()
+                .take_while(|line| line.trim() != "#[cfg(test)]")
+                .count();
+            assert!(
+                lines <= LONGEST_FILE,
+                "{} has {lines} lines: split it",
+                file.display()
+            );
+            counted += 1;
+        }
+    }
+    assert!(counted > 60, "{counted}");
+}

@@ -1,0 +1,74 @@
+//! `fit mtf` on edges whose MTF is known: noise-free, so that what is left is the estimator's own error.
+
+use std::path::Path;
+
+use tests::files::argument;
+use tests::program::fit;
+
+const PITCH_MM: f64 = 0.05;
+
+/// Frequency (1/mm) and the numbers beside it, in the rows of a CSV.
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    text.lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect()
+}
+
+/// The signed truth between its rows, by the cubic through four of them: its error is 3/128 h^4 f'''' for rows h apart.
+/// A mid-air edge 1 mm wide has f'''' of at most (2 pi 0.5 mm)^4 = 97, h = 0.1 per mm: 2.3e-4 at worst, a tenth of the limit.
+fn cubic(truth: &[Vec<f64>], frequency: f64) -> f64 {
+    let step = truth[1][0] - truth[0][0];
+    let first = ((frequency / step) as usize)
+        .saturating_sub(1)
+        .min(truth.len() - 4);
+    let four = &truth[first..first + 4];
+    let weight = |j: usize| -> f64 {
+        (0..4)
+            .filter(|k| *k != j)
+            .map(|k| (frequency - four[k][0]) / (four[j][0] - four[k][0]))
+            .product()
+    };
+    (0..4).map(|j| weight(j) * four[j][1]).sum()
+}
+
+#[test]
+fn the_mtf_of_every_edge_is_right_to_half_the_sampling_frequency() {
+    let (mut edges, mut compared) = (0, 0);
+    for name in [
+        "camera_2deg",
+        "camera_5deg",
+        "camera_12deg",
+        "camera_92deg",
+        "aerial_10deg_incidence",
+    ] {
+        let image = argument(&format!("tests/edges/{name}.exr"));
+        let csv = std::fs::read_to_string(argument(&format!("tests/edges/{name}.csv"))).unwrap();
+        let truth = rows(&csv);
+        let printed = fit(
+            Path::new("."),
+            &["mtf", &image, "--pixel-pitch", &PITCH_MM.to_string()],
+        )
+        .done();
+        let measured: Vec<_> = rows(&printed)
+            .into_iter()
+            .filter(|row| row[0] <= 0.5 / PITCH_MM)
+            .collect();
+        assert!(
+            measured.len() > 20 && measured.last().unwrap()[0] > 0.48 / PITCH_MM,
+            "{name}: too few frequencies"
+        );
+        let mut largest = 0.0_f64;
+        for row in &measured {
+            largest = largest.max((row[1] - cubic(&truth, row[0]).abs()).abs());
+            compared += 1;
+        }
+        println!("{name}: largest error {largest:.5}");
+        assert!(largest < 0.002, "{name}: {largest}");
+        edges += 1;
+    }
+    assert!(
+        edges == 5 && compared > 200,
+        "{edges} edges, {compared} frequencies"
+    );
+}

@@ -1,0 +1,146 @@
+//! Help that works: every verb shows an example, every example runs as printed, and exit codes mean what they say.
+
+use std::path::Path;
+
+use tests::files::{argument, project};
+use tests::program::{Run, bake, fit, run};
+
+const PROGRAMS: [&str; 2] = ["bake", "fit"];
+
+/// Names under `Commands:`, without `help` itself.
+fn verbs(program: &str) -> Vec<String> {
+    run(program, Path::new("."), &["--help"])
+        .done()
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        // A wrapped description is indented further than a name.
+        .filter(|line| !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|verb| *verb != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The command lines of a help text's examples; a line that the terminal's width broke is joined again.
+fn examples(help: &str) -> Vec<Vec<String>> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut inside = false;
+    for line in help.lines().skip_while(|line| !line.starts_with("Example")) {
+        let command = PROGRAMS
+            .iter()
+            .any(|name| line.trim_start().starts_with(&format!("{name} ")));
+        match (line.starts_with("  "), command, inside) {
+            (true, true, _) => lines.push(line.trim().to_owned()),
+            (true, false, true) => {
+                let last = lines.last_mut().expect("a command came before");
+                last.push(' ');
+                last.push_str(line.trim());
+            }
+            _ => {}
+        }
+        inside = line.starts_with("  ") && (command || inside);
+    }
+    lines
+        .iter()
+        .map(|line| line.split_whitespace().map(str::to_owned).collect())
+        .collect()
+}
+
+/// The parameters that the help of `fit simulate` shows, as a file.
+fn parameters(help: &str) -> String {
+    help.lines()
+        .skip_while(|line| !line.contains("PARAMS.toml):"))
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .map(|line| format!("{}\n", line.trim()))
+        .collect()
+}
+
+/// A photograph large enough for the region that the help names, as a 16-bit PNG.
+fn photograph(file: &Path) {
+    let bright = |x: u32, y: u32| f64::from(x) + 0.09 * f64::from(y) > 385.0;
+    image::ImageBuffer::from_fn(640, 480, |x, y| {
+        image::Luma([if bright(x, y) { 50_000_u16 } else { 2_000 }])
+    })
+    .save(file)
+    .unwrap();
+}
+
+#[test]
+fn every_example_runs_as_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let campaign = project().join("tests/captures/public_per_angle");
+    for entry in std::fs::read_dir(&campaign).unwrap() {
+        let file = entry.unwrap().path();
+        std::fs::copy(&file, here.join(file.file_name().unwrap())).unwrap();
+    }
+    std::fs::copy(
+        argument("tests/edges/camera_5deg.exr"),
+        here.join("edge.exr"),
+    )
+    .unwrap();
+    photograph(&here.join("photo.png"));
+    // What the first examples write, the next ones read.
+    let mut helps = Vec::new();
+    for program in PROGRAMS {
+        helps.push((program.to_owned(), run(program, here, &["--help"]).done()));
+        for verb in verbs(program) {
+            let help = run(program, here, &[&verb, "--help"]).done();
+            assert_eq!(help, run(program, here, &["help", &verb]).done());
+            helps.push((format!("{program} {verb}"), help));
+        }
+    }
+    let (mut with_example, mut ran) = (0, 0);
+    for (verb, help) in &helps {
+        if verb == "fit simulate" {
+            std::fs::write(here.join("params.toml"), parameters(help)).unwrap();
+        }
+        let examples = examples(help);
+        // The program's own page may leave examples to its verbs.
+        assert!(
+            !examples.is_empty() || !verb.contains(' '),
+            "{verb} --help has no example"
+        );
+        with_example += usize::from(!examples.is_empty());
+        for words in examples {
+            let (program, arguments) = words.split_first().unwrap();
+            // The tables of the examples are not read for their precision.
+            let fewer = ["--rays".to_owned(), "65536".to_owned()];
+            let quick =
+                arguments[0] == "trace" && !arguments.iter().any(|word| word == "--tolerance");
+            let arguments = [arguments, if quick { &fewer } else { &[] }].concat();
+            let Run {
+                line, code, err, ..
+            } = run(program, here, &arguments);
+            assert_eq!(code, Some(0), "example of {verb}: {line}\n{err}");
+            ran += 1;
+        }
+    }
+    assert!(
+        with_example >= helps.len() - 1 && ran >= 12,
+        "{with_example} of {}, {ran} ran",
+        helps.len()
+    );
+}
+
+#[test]
+fn exit_codes() {
+    let here = Path::new(".");
+    for program in PROGRAMS {
+        for verb in verbs(program) {
+            assert_eq!(
+                run(program, here, &[verb.as_str(), "--no-such-option"]).code,
+                Some(2),
+                "{program} {verb}"
+            );
+        }
+        assert_eq!(run(program, here, &["--version"]).code, Some(0));
+        assert_eq!(run(program, here, &["no-such-verb"]).code, Some(2));
+        assert_eq!(run::<&str>(program, here, &[]).code, Some(2));
+    }
+    assert_eq!(bake(here, &["inspect", "no-such-table.h5"]).code, Some(1));
+    assert_eq!(fit(here, &["mtf", "no-such-image.exr"]).code, Some(1));
+}

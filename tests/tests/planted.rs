@@ -1,0 +1,76 @@
+//! `fit simulate` and then `fit estimate`: photographs made in the spatial domain from the closed form of the ideal
+//! cube, and numbers found in the frequency domain from a traced table. The two share no formula of blur.
+
+use tests::estimate::{json, numbers};
+use tests::files::{argument, bake_table};
+use tests::program::fit;
+
+/// 13 numbers are compared: were they independent and normal, one of them would lie 4.5 standard errors off in one
+/// of 11,000 draws of the noise; the seeds are fixed, so this rejects errors that are reported too small, not luck.
+const STANDARD_ERRORS: f64 = 4.5;
+
+#[test]
+fn planted_numbers_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let sheets: [(&str, &str, &str, &str, &[&str]); 3] = [
+        (
+            "eq1",
+            "triangular-pair",
+            "0,20,40",
+            "30",
+            &["--lobe", "radial", "--per-angle", "a,mu"],
+        ),
+        (
+            "angular",
+            "triangular-pair",
+            "0,30",
+            "30",
+            &["--lobe", "separable", "--shared", "a,mu"],
+        ),
+        (
+            "single",
+            "triangular",
+            "15,35",
+            "47",
+            &["--lobe", "radial", "--shared", "a,mu"],
+        ),
+    ];
+    let mut compared = 0;
+    for (name, design, incidence, azimuth, options) in sheets {
+        let table = bake_table(here, design, incidence, azimuth);
+        fit(
+            here,
+            &[
+                "simulate",
+                &argument(&format!("tests/tests/planted/{name}.toml")),
+                "-o",
+                name,
+            ],
+        )
+        .done();
+        let truth = json(&here.join(name).join("truth.json"));
+        let kernel = truth["truth"]["kernel"].as_str().unwrap();
+        let manifest = format!("{name}/captures.toml");
+        let files = [
+            "estimate",
+            &manifest,
+            "--table",
+            &table,
+            "-o",
+            "result.json",
+            "--kernel",
+            kernel,
+        ];
+        fit(here, &[&files[..], options].concat()).done();
+        let result = json(&here.join("result.json"));
+        assert_eq!(result["kernel"], truth["truth"]["kernel"]);
+        for number in numbers(&result, &truth) {
+            println!("{name}: {number:?} score {:.2}", number.score());
+            assert!(number.score().abs() < STANDARD_ERRORS, "{name}: {number:?}");
+            assert!(number.relative().abs() < 0.02, "{name}: {number:?}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 7 + 3 + 3);
+}

@@ -1,0 +1,27 @@
+//! A freshly baked table, read from Python as a user would: h5py, and xarray through h5netcdf.
+
+use std::process::Command;
+
+use tests::files::{argument, bake_table};
+
+#[test]
+fn a_baked_table_opens_in_h5py_and_xarray() {
+    let Some(python) = std::env::var_os("AIRR_PYTHON") else {
+        panic!(
+            "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf"
+        );
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let table = bake_table(folder.path(), "triangular", "0,10,35", "0,30");
+    let output = Command::new(python)
+        .arg(argument("tests/tests/read_table.py"))
+        .arg(folder.path().join(table))
+        .output()
+        .unwrap();
+    let (out, err) = (
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr),
+    );
+    assert!(output.status.success(), "{out}{err}");
+    assert_eq!(out.trim(), "read 6 directions twice", "{err}");
+}

@@ -1,0 +1,61 @@
+"""Opens a table of the single triangular cell, index 1.49, with h5py and with xarray, and checks what they show.
+
+The retroreflected fraction has a closed form: 2/3 (1 - 2 tan^2 theta) up to 19.47 deg, theta the angle inside.
+Only the packages' own calls are used: what a user types in a notebook must be enough."""
+import math
+import sys
+
+import h5py
+import numpy as np
+import xarray
+
+path = sys.argv[1]
+directions = 0
+
+
+def fraction(incidence_deg):
+    inside = math.asin(math.sin(math.radians(incidence_deg)) / 1.49)
+    return 2 / 3 * (1 - 2 * math.tan(inside) ** 2) if inside < math.radians(19.47) else None
+
+
+def check_direction(incidence_deg, histogram, retroreflected, standard_error, fates):
+    global directions
+    assert abs(histogram.sum() - 1) < 1e-9, histogram.sum()
+    assert (histogram >= 0).all()
+    assert abs(fates.sum() - 1) < 1e-9, fates.sum()
+    expected = fraction(incidence_deg)
+    # 4.5 standard errors, never less than one ray in the million launched.
+    assert expected is None or abs(retroreflected - expected) < 4.5 * max(standard_error, 1e-6)
+    directions += 1
+
+
+with h5py.File(path) as file:
+    assert [dimension.label or dimension[0].name.strip("/") for dimension in file["histogram"].dims] == [
+        "incidence_deg", "azimuth_deg", "shift_v", "shift_u"]
+    assert list(file["incidence_deg"]) == [0, 10, 35] and list(file["azimuth_deg"]) == [0, 30]
+    for i, incidence in enumerate(file["incidence_deg"]):
+        for j in range(2):
+            check_direction(incidence, *(file[name][i, j] for name in (
+                "histogram", "retroreflected", "standard_error", "fate")))
+    for name in ("incidence_deg", "azimuth_deg", "shift_u", "shift_v"):
+        assert file[name].attrs["units"] and file[name].attrs["long_name"], name
+    for name in ("format", "version", "generator", "design", "mesh_hash", "edge_length", "refractive_index", "back",
+                 "method", "sampler", "seed", "content_hash"):
+        assert name in file.attrs, name
+    plain = file["histogram"][1, 1]
+
+with xarray.open_dataset(path, engine="h5netcdf") as table:
+    assert table.histogram.dims == ("incidence_deg", "azimuth_deg", "shift_v", "shift_u")
+    assert table.retroreflected.dims == ("incidence_deg", "azimuth_deg")
+    for incidence in (0, 10, 35):
+        for azimuth in (0, 30):
+            at = table.sel(incidence_deg=incidence, azimuth_deg=azimuth)
+            check_direction(incidence, at.histogram.values, float(at.retroreflected), float(at.standard_error),
+                            at.fate.values)
+    assert np.array_equal(table.histogram.sel(incidence_deg=10, azimuth_deg=30).values, plain)
+    # The shift of an ideal cube at normal incidence is 2(q - p): its mean is zero by the point symmetry of the hexagon.
+    upright = table.histogram.sel(incidence_deg=0, azimuth_deg=0)
+    mean = [float((upright * upright[axis]).sum()) for axis in ("shift_u", "shift_v")]
+    assert max(map(abs, mean)) < 3e-3, mean
+
+print(f"read {directions // 2} directions twice")
