@@ -235,6 +235,11 @@ impl Failure {
             | Failure::Design(_)
             | Failure::MeshExtension(_)
             | Failure::Plot(plot::PlotError::Extension { .. }) => 2,
+            // Options that only the mesh's own code can judge.
+            Failure::Mesh(error) => match *error.fault {
+                Fault::EdgeLength { .. } | Fault::AzimuthZero { .. } => 2,
+                _ => 1,
+            },
             _ => 1,
         }
     }

@@ -1,6 +1,7 @@
 //! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
 
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -105,6 +106,16 @@ pub enum Failure {
     },
 }
 
+impl Failure {
+    /// 2 for wrong usage that clap cannot see, 1 for work that failed.
+    fn code(&self) -> u8 {
+        match self {
+            Failure::Plot(plot::Error::Ending { .. }) => 2,
+            _ => 1,
+        }
+    }
+}
+
 /// Runs the program.
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().verb {
@@ -121,7 +132,7 @@ pub fn main() -> ExitCode {
         }
         Err(failure) => {
             let _ = writeln!(std::io::stderr(), "error: {failure}");
-            ExitCode::FAILURE
+            ExitCode::from(failure.code())
         }
     }
 }
@@ -234,8 +245,8 @@ pub fn positive(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// [`Failure::Threads`].
-pub fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Failure> {
-    let threads = threads.unwrap_or(0);
+pub fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, Failure> {
+    let threads = threads.map_or(0, NonZeroUsize::get);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

@@ -18,12 +18,12 @@ pub fn argument(parts: &str) -> String {
 }
 
 /// Bakes a design into a table in `folder` and returns its name: behind a front face of index 1.49, like the acrylic of
-/// the campaigns, with a million rays a direction: a retroreflected fraction is then good to 5e-5.
+/// the campaigns, otherwise as `bake trace` does without being told.
 pub fn bake_table(folder: &Path, design: &str, incidence: &str, azimuth: &str) -> String {
-    bake_table_with(folder, design, incidence, azimuth, &["--rays", "1048576"])
+    bake_table_with(folder, design, incidence, azimuth, &[])
 }
 
-/// Likewise, with the user's own options or none.
+/// Likewise, with further options.
 pub fn bake_table_with(
     folder: &Path,
     design: &str,

@@ -1,7 +1,7 @@
 //! Bad files and wrong options, end to end: one sentence on standard error, the right exit code, and what stood at the
 //! output's place still stands there, byte for byte, with nothing half-written beside it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use tests::files::{argument, bake_table, project};
 use tests::program::run;

@@ -70,6 +70,8 @@ fn a_result_does_not_depend_on_threads() {
             &[
                 "estimate",
                 &manifest,
+                "--lobe",
+                "auto",
                 "--table",
                 &table,
                 "-o",

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import xarray
 
-path = sys.argv[1]
+path, method = sys.argv[1:]
 directions = 0
 
 
@@ -24,8 +24,10 @@ def check_direction(incidence_deg, histogram, retroreflected, standard_error, fa
     assert (histogram >= 0).all()
     assert abs(fates.sum() - 1) < 1e-9, fates.sum()
     expected = fraction(incidence_deg)
-    # 4.5 standard errors, never less than one ray in the million launched.
-    assert expected is None or abs(retroreflected - expected) < 4.5 * max(standard_error, 1e-6)
+    # Rays: 4.5 standard errors, never less than one ray in the million launched. Exact: rounding.
+    assert (standard_error == 0) == (method == "exact"), standard_error
+    within = 1e-12 if method == "exact" else 4.5 * max(standard_error, 1e-6)
+    assert expected is None or abs(retroreflected - expected) < within, (incidence_deg, retroreflected, expected)
     directions += 1
 
 
@@ -42,6 +44,7 @@ with h5py.File(path) as file:
     for name in ("format", "version", "generator", "design", "mesh_hash", "edge_length", "refractive_index", "back",
                  "method", "sampler", "seed", "content_hash"):
         assert name in file.attrs, name
+    assert file.attrs["method"] == method and ("counts" in file) == (method == "rays")
     plain = file["histogram"][1, 1]
 
 with xarray.open_dataset(path, engine="h5netcdf") as table:

@@ -1,6 +1,7 @@
 //! `fit estimate`: a, c and mu from a campaign of photographs.
 
 use std::fmt::Write;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -54,7 +55,7 @@ pub struct Arguments {
     pub plot: Option<PathBuf>,
     /// Threads; one per core if left out
     #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    pub threads: Option<NonZeroUsize>,
     /// Print the result as one JSON object instead of a table
     #[arg(long)]
     pub json: bool,

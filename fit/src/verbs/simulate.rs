@@ -1,5 +1,6 @@
 //! `fit simulate`: a synthetic campaign with a planted answer.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use crate::cli::{self, Failure};
@@ -44,7 +45,7 @@ pub struct Arguments {
     pub json: bool,
     /// Threads; one per core if left out
     #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    pub threads: Option<NonZeroUsize>,
 }
 
 /// Runs the verb.
