@@ -12,7 +12,7 @@ use crate::kernel::{Blur, Kernel};
 use crate::layout::Layout;
 use crate::lobe::Shape;
 use crate::scene::{Aerial, Scene};
-use crate::solve::{Solution, least_squares};
+use crate::solve::{CONVERGED, Solution, least_squares};
 use crate::start;
 use crate::view::{Curve, Model};
 
@@ -136,22 +136,37 @@ impl Optimum {
 
 /// Fits one candidate to a scene.
 pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
+    refined(scene, rough(scene, choice))
+}
+
+/// The optimum of a candidate to a thousandth: enough to tell a hopeless one.
+pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
+    const ROUGH: f64 = 1e-3;
     let layout = Layout::new(choice, scene.groups.len());
-    let evaluate = |parameters: &DVector<f64>| residuals(scene, &layout, parameters);
     let solution = start::points(scene, choice)
         .into_iter()
         .map(|start| {
-            let spreads = (0..layout.spreads)
-                .map(|g| start.spread[if choice.per_angle_a { g } else { 0 }].ln());
+            let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
             let c = choice.kernel.has_shift().then(|| start.c_mm.ln());
-            least_squares(
-                DVector::from_iterator(layout.parameters(), c.into_iter().chain(spreads)),
-                evaluate,
-            )
+            let point = c.into_iter().chain((0..layout.spreads).map(spread));
+            let point = DVector::from_iterator(layout.parameters(), point);
+            least_squares(point, ROUGH, |at| residuals(scene, &layout, at))
         })
         .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
         .expect("there is always a starting point");
     Optimum { choice, solution }
+}
+
+/// The same optimum to convergence.
+pub fn refined(scene: &Scene, rough: Optimum) -> Optimum {
+    let layout = Layout::new(rough.choice, scene.groups.len());
+    let from = rough.solution.parameters.clone();
+    let mut solution = least_squares(from, CONVERGED, |at| residuals(scene, &layout, at));
+    solution.iterations += rough.solution.iterations;
+    Optimum {
+        choice: rough.choice,
+        solution,
+    }
 }
 
 /// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of the profile likelihood.
@@ -172,7 +187,7 @@ pub fn sum_of_squares_with(
     if free.is_empty() {
         return (evaluate(&free).0.norm_squared(), with(&free));
     }
-    let solution = least_squares(free, evaluate);
+    let solution = least_squares(free, CONVERGED, evaluate);
     (solution.sum_of_squares(), with(&solution.parameters))
 }
 

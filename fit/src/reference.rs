@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 
 use crate::camera::{Camera, Lens};
 use crate::reflectance::Contrast;
-use crate::solve::{Solution, least_squares};
+use crate::solve::{CONVERGED, Solution, least_squares};
 use crate::view::View;
 
 /// A measured reference.
@@ -114,7 +114,7 @@ fn fit(view: &mut View, pitch_mm: f64, start: DVector<f64>) -> Solution {
             .collect();
         view.whiten(&difference)
     };
-    least_squares(start, |parameters| {
+    least_squares(start, CONVERGED, |parameters| {
         let here = residuals(parameters);
         // Central differences: the model is smooth and its rounding 1e-13, so a step of 1e-4 is good to 1e-8.
         let columns: Vec<DVector<f64>> = (0..parameters.len())

@@ -3,13 +3,17 @@
 //! The criterion is Bayes' (BIC) on the MTF differences after whitening with their noise covariance, so that neighbouring
 //! frequencies, which share pixels, are not counted twice. A further term must lower it by more than [`CLEAR`].
 
-use crate::estimate::{Choice, Estimate, Optimum, estimate, optimum};
+use crate::estimate::{Choice, Estimate, Optimum, estimate, refined, rough};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use crate::scene::Scene;
 
 /// Fall of the criterion below which the simpler candidate stays.
 pub const CLEAR: f64 = 4.0;
+
+/// Candidates whose criterion is so many times the best at first sight are not refined: theirs in the report is good to a
+/// thousandth.
+const HOPELESS: f64 = 3.0;
 
 /// What the user leaves open: every combination is a candidate.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,8 +53,17 @@ pub struct Compared {
 pub fn select(scene: &Scene, open: &Candidates) -> Selection {
     let mut fits: Vec<Optimum> = choices(scene, open)
         .into_iter()
-        .map(|choice| optimum(scene, choice))
+        .map(|choice| rough(scene, choice))
         .collect();
+    let least = fits
+        .iter()
+        .map(Optimum::criterion)
+        .fold(f64::INFINITY, f64::min);
+    for fit in &mut fits {
+        if fit.criterion() <= HOPELESS * least + CLEAR {
+            *fit = refined(scene, fit.clone());
+        }
+    }
     let mut compared: Vec<Compared> = fits
         .iter()
         .map(|fit| Compared {

@@ -87,10 +87,14 @@ impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for 
     }
 }
 
+/// Change of the parameters, and of the sum of squares relative to itself, below which an iteration has converged.
+pub const CONVERGED: f64 = 1e-10;
+
 /// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of scales); the iteration ends
-/// when they or the sum of squares change by less than 1e-10 of themselves.
+/// when they or the sum of squares change by less than `tolerance` of themselves.
 pub fn least_squares(
     start: DVector<f64>,
+    tolerance: f64,
     evaluate: impl Fn(&DVector<f64>) -> Evaluation,
 ) -> Solution {
     let now = evaluate(&start);
@@ -100,8 +104,8 @@ pub fn least_squares(
         now,
     };
     let solver = LevenbergMarquardt::new()
-        .with_ftol(1e-10)
-        .with_xtol(1e-10)
+        .with_ftol(tolerance)
+        .with_xtol(tolerance)
         .with_gtol(1e-12)
         .with_patience(40);
     let (problem, report) = solver.minimize(problem);

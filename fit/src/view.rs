@@ -168,7 +168,7 @@ impl View {
         }
         for (&f, &camera) in self.grid.frequencies_per_mm.iter().zip(&self.camera) {
             // Beyond the camera's reach the rest need not be worked out.
-            let values = if camera.abs() < 1e-9 {
+            let values = if camera.abs() < 1e-8 {
                 [Complex64::ZERO; 3]
             } else {
                 model.otf(blur, f)
