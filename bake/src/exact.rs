@@ -12,6 +12,7 @@
 
 mod beam;
 mod bins;
+mod candidate;
 mod facet;
 mod paths;
 mod rim;

@@ -173,8 +173,8 @@ pub fn subtract(polygon: &[DVec2], planes: &[HalfPlane], least: f64) -> Option<V
     Some(parts)
 }
 
-/// Convex hull, counter-clockwise, without corners that lie within `slack` (same unit as the points) of the line between
-/// their neighbours.
+/// Convex hull, counter-clockwise, without corners that lie within `slack` (same unit as the points) of the line
+/// between their neighbours.
 pub fn hull(points: &[DVec2], slack: f64) -> Polygon {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
@@ -224,7 +224,7 @@ pub fn is_convex(polygon: &[DVec2]) -> bool {
     })
 }
 
-/// A simple counter-clockwise polygon as convex parts: itself where it is convex, triangles (by ear clipping) otherwise.
+/// A simple counter-clockwise polygon as convex parts: itself where it is convex, otherwise triangles, by ear clipping.
 pub fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
     if is_convex(polygon) {
         return vec![polygon.to_vec()];

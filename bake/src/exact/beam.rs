@@ -7,6 +7,7 @@
 use glam::{DMat2, DVec2, DVec3};
 use tables::table::Fate;
 
+use super::candidate::Candidate;
 use super::view::{Affine, Isometry, Shadow, View};
 use crate::optics::totally_reflected;
 use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
@@ -95,56 +96,6 @@ fn bounds_of_all(parts: &[Polygon]) -> (DVec2, DVec2) {
         .iter()
         .map(|part| polygon::bounds(part))
         .fold(start, |a, b| (a.0.min(b.0), a.1.max(b.1)))
-}
-
-/// A facet's shadow on a beam, cut to the beam.
-struct Candidate {
-    shadow: Shadow,
-    seen: Polygon,
-    /// Nearest and furthest depth over `seen`.
-    near: f64,
-    far: f64,
-}
-
-impl Candidate {
-    /// `None` where the shadow misses `polygon` or lies before `start`.
-    fn new(shadow: Shadow, polygon: &[DVec2], start: Option<&Affine>, least: f64) -> Option<Self> {
-        let (low, high) = polygon::bounds(polygon);
-        if shadow.high.cmple(low).any() || shadow.low.cmpge(high).any() {
-            return None;
-        }
-        let behind = start.map(|start| start.at_most(&shadow.depth, 0.0));
-        let seen = polygon::clip(polygon, polygon::edges(&shadow.outline).chain(behind));
-        if polygon::area(&seen) <= least {
-            return None;
-        }
-        let depths = || seen.iter().map(|&p| shadow.depth.at(p));
-        let (near, far) = (
-            depths().fold(f64::INFINITY, f64::min),
-            depths().fold(f64::NEG_INFINITY, f64::max),
-        );
-        Some(Candidate {
-            shadow,
-            seen,
-            near,
-            far,
-        })
-    }
-
-    /// Whether the two can overlap, `self` in front somewhere.
-    fn may_hide(&self, other: &Candidate) -> bool {
-        let ((low, high), (other_low, other_high)) =
-            (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
-        self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
-    }
-
-    /// Where the facet lies before one at `depth` + `tie`: a positive tie hides a facet that coincides.
-    fn hiding(&self, depth: &Affine, start: Option<&Affine>, tie: f64) -> Vec<HalfPlane> {
-        polygon::edges(&self.shadow.outline)
-            .chain([self.shadow.depth.at_most(depth, tie)])
-            .chain(start.map(|start| start.at_most(&self.shadow.depth, 0.0)))
-            .collect()
-    }
 }
 
 impl Tracer<'_> {

@@ -1,7 +1,7 @@
 //! Ideal cubes: the whole distribution is known.
 //!
-//! Oracle: q = the apex carried along the light to the aperture plane; light entering at p leaves at 2q - p, so that the
-//! shift is uniform over 2(q - K), K = T and its point reflection through q. Its own polygon code and bins by clipping
+//! Oracle: q = the apex carried along the light to the aperture plane; light entering at p leaves at 2q - p, so that
+//! the shift is uniform over 2(q - K), K = T and its point reflection through q. Its own polygon code and bins by clipping
 //! each bin's square: nothing is shared with the crate.
 
 use bake::exact::ExactCell;
