@@ -74,7 +74,8 @@ doc: tools
 	@RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
 bench: tools
-	@$(CARGO) bench --workspace --locked --benches
+	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
+		else echo "bench: no package has a benches/ folder yet"; fi
 
 # ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets results.
 

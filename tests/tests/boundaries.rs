@@ -135,24 +135,33 @@ fn unsafe_code_stays_behind_its_fences() {
 }
 
 /// Two nouns in one room start here. Unit tests beside the code do not count.
-const LONGEST_FILE: usize = 560;
+const LONGEST_FILE: usize = 460;
+
+/// Files that were longer when this limit came, and the length that they may not pass: split them, do not raise it.
+const LONGER: [(&str, usize); 2] = [("bake/src/cli.rs", 530), ("bake/src/program.rs", 530)];
 
 #[test]
 fn no_file_outgrows_its_noun() {
+    let root = project();
     let mut counted = 0;
-    for package in PACKAGES {
-        for file in sources(&project().join(package).join("src")) {
-            let lines = read(&file)
-                .lines()
-                .take_while(|line| line.trim() != "#[cfg(test)]")
-                .count();
-            assert!(
-                lines <= LONGEST_FILE,
-                "{} has {lines} lines: split it",
-                file.display()
-            );
-            counted += 1;
-        }
+    for file in PACKAGES
+        .iter()
+        .flat_map(|package| sources(&root.join(package).join("src")))
+    {
+        let name = file.strip_prefix(&root).unwrap().display().to_string();
+        let lines = read(&file)
+            .lines()
+            .take_while(|line| line.trim() != "#[cfg(test)]")
+            .count();
+        let most = LONGER
+            .iter()
+            .find(|(longer, _)| *longer == name)
+            .map_or(LONGEST_FILE, |(_, most)| *most);
+        assert!(
+            lines <= most,
+            "{name} has {lines} lines before its tests, more than {most}: split it"
+        );
+        counted += 1;
     }
     assert!(counted > 60, "{counted}");
 }
