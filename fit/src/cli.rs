@@ -153,6 +153,18 @@ pub fn warn(text: &str) {
     let _ = writeln!(std::io::stderr(), "warning: {text}");
 }
 
+/// An object as JSON text, keys in the order of the struct.
+pub fn json(object: &impl serde::Serialize) -> String {
+    let text = serde_json::to_string_pretty(object)
+        .expect("all keys are strings and all values are numbers or text");
+    text + "\n"
+}
+
+/// Prints a remark to standard error.
+pub fn note(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 /// Reads a JSON file.
 ///
 /// # Errors

@@ -201,13 +201,6 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
-    /// The file's contents, keys in the order of this struct.
-    pub fn to_json(&self) -> String {
-        let text = serde_json::to_string_pretty(self)
-            .expect("all keys are strings and all values are numbers or text");
-        text + "\n"
-    }
-
     /// Gathers an estimate.
     pub fn new(
         scene: &Scene,

@@ -3,11 +3,14 @@
 mod planted;
 
 use fit::bound::bounds;
+use fit::captures;
 use fit::estimate::{Choice, Estimate, estimate, optimum, residuals_at};
 use fit::kernel::{Blur, Kernel};
 use fit::lobe::Shape;
 use fit::reflectance::Contrast;
+use fit::scene::Scene;
 use fit::select::{Candidates, select};
+use fit::simulate;
 use fit::view::Model;
 use nalgebra::DVector;
 use planted::{Stream, camera, params, scene, table, truth};
@@ -269,4 +272,54 @@ fn absent_terms_are_bounded() {
         .expect("it is bounded from below");
     assert!(a > 20.0 && a.is_finite(), "a > {a} /mm");
     println!("c < {c:.4} mm, a > {a:.1} /mm");
+}
+
+/// Legal but degenerate campaigns have an answer: nothing retroreflected at one angle, one photograph, no reference.
+#[test]
+fn degenerate_campaigns() {
+    // A single hollow cube at azimuth 20 returns nothing at 50 degrees.
+    let mut hollow = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.35, 0.6);
+    (hollow.ior, hollow.pair) = (1.0, false);
+    let incidence = [10.0, 50.0];
+    let of_hollow = table(&hollow, &incidence, 20.0);
+    assert_eq!(of_hollow.retroreflected[[1, 0]], 0.0);
+    let both = scene(
+        &params(21, hollow.clone(), &incidence, &[200.0], camera(4e4)),
+        &of_hollow,
+    );
+    assert_eq!(both.shots.len(), 1);
+    assert!(
+        both.warnings
+            .iter()
+            .any(|w| w.contains("left out") && w.contains("50 deg")),
+        "{:?}",
+        both.warnings
+    );
+    let fit = estimate(&both, optimum(&both, SHARED));
+    assert!(
+        fit.c_mm
+            .is_some_and(|c| ((c.value - 0.35) / c.standard_error).abs() < 4.5)
+    );
+
+    // No reference: c and a all the same (a sharper camera is assumed, which the warning says), mu is null.
+    let mut alone = params(22, hollow.clone(), &incidence[..1], &[200.0], camera(4e4));
+    alone.reference = None;
+    let alone = scene(&alone, &of_hollow);
+    assert!(
+        alone.reference.is_none() && alone.warnings.iter().any(|w| w.contains("no [reference]"))
+    );
+    let fit = estimate(&alone, optimum(&alone, SHARED));
+    assert!(fit.mu.is_none() && fit.c_mm.is_some_and(|c| c.value.is_finite()));
+
+    // Nothing returns anywhere: an error that says so.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let nothing = params(23, hollow, &incidence[1..], &[200.0], camera(4e4));
+    simulate::run(&nothing, folder.path(), true).expect("the campaign can be written");
+    let campaign =
+        captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
+    let error = Scene::load(&campaign, &of_hollow)
+        .err()
+        .expect("there is nothing to fit")
+        .to_string();
+    assert!(error.contains("no capture is left"), "{error}");
 }

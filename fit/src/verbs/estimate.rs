@@ -41,6 +41,12 @@ pub struct Arguments {
     /// Shape of the lobe: radial, separable or auto
     #[arg(long, default_value = "radial", value_parser = shapes)]
     pub lobe: Shapes,
+    /// How the model is evaluated
+    #[arg(long, value_enum, default_value_t = Forward::Spectral)]
+    pub forward: Forward,
+    /// What is minimised
+    #[arg(long, value_enum, default_value_t = Loss::Mtf)]
+    pub loss: Loss,
     /// Parameters fitted for every incidence angle: a, mu, or auto (what is named in neither list is decided)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub per_angle: Vec<PerAngle>,
@@ -68,6 +74,20 @@ pub struct Kernels(Vec<Kernel>);
 /// The lobe shapes that are open.
 #[derive(Debug, Clone)]
 pub struct Shapes(Vec<Shape>);
+
+/// Forward models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Forward {
+    /// Closed form in the frequency domain
+    Spectral,
+}
+
+/// Losses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Loss {
+    /// Differences of the MTFs, whitened with their noise covariance
+    Mtf,
+}
 
 /// What may be fitted per angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -172,7 +192,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             cli::warn(&format!("{}: {warning}", capture.image));
         }
     }
-    let json = result.to_json();
+    let json = cli::json(&result);
     if let Some((path, output)) = picture {
         output.commit(&plot::fitted(&result, path)?)?;
     }

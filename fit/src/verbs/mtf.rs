@@ -128,42 +128,46 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(level) = photo.clip_level {
         warnings.extend(window.clipping_warning(level));
     }
+    let ends = (profile.len() / 12).max(4);
+    let level = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
+    let contrast = level(&profile.mean[profile.len() - ends..]) - level(&profile.mean[..ends]);
+    let mtf50 = crossing(frequency, &mtf.modulus, 0.5);
+    let unit = if arguments.pixel_pitch.is_some() {
+        "1/mm"
+    } else {
+        "cycles/pixel"
+    };
     let text = if arguments.json {
-        let ends = (profile.len() / 12).max(4);
-        let level = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
-        let (dark, bright) = (
-            level(&profile.mean[..ends]),
-            level(&profile.mean[profile.len() - ends..]),
-        );
         let report = Report {
             image: arguments.image.display().to_string(),
             edge_angle_deg: line.normal_rad.to_degrees(),
             edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
             edge_offset_px: line.offset_px,
-            contrast: bright - dark,
+            contrast,
             pixel_noise: profile.noise,
-            frequency_unit: if arguments.pixel_pitch.is_some() {
-                "1/mm"
-            } else {
-                "cycles/pixel"
-            },
-            mtf50: crossing(frequency, &mtf.modulus, 0.5),
+            frequency_unit: unit,
+            mtf50,
             frequency,
             mtf: &mtf.modulus,
             standard_error: &standard_error,
             warnings: &warnings,
         };
-        format!("{:#}\n", serde_json::json!(report))
+        cli::json(&report)
     } else {
         for warning in &warnings {
             cli::warn(&format!("{}: {warning}", arguments.image.display()));
         }
-        let unit = if arguments.pixel_pitch.is_some() {
+        let half = mtf50.map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
+        let angle = line.normal_rad.to_degrees();
+        cli::note(&format!(
+            "edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}"
+        ));
+        let column = if arguments.pixel_pitch.is_some() {
             "frequency_per_mm"
         } else {
             "cycles_per_pixel"
         };
-        let mut csv = format!("{unit},mtf,standard_error\n");
+        let mut csv = format!("{column},mtf,standard_error\n");
         for ((f, m), e) in frequency.iter().zip(&mtf.modulus).zip(&standard_error) {
             let _ = writeln!(csv, "{f:.6},{m:.6},{e:.6}");
         }

@@ -3,7 +3,10 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use serde::Serialize;
+
 use crate::cli::{self, Failure};
+use crate::kernel::Kernel;
 use crate::output::Output;
 use crate::plot;
 use crate::predict::{Axis, Places, Prediction, predict};
@@ -48,6 +51,13 @@ pub struct Arguments {
     pub output: Option<PathBuf>,
 }
 
+#[derive(Serialize)]
+struct Report<'a> {
+    kernel: Kernel,
+    frequency_per_mm: &'a [f64],
+    predictions: &'a [Prediction],
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -86,12 +96,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         )?)?;
     }
     let text = if arguments.json {
-        let object = serde_json::json!({
-            "kernel": result.kernel,
-            "frequency_per_mm": places.frequency_per_mm,
-            "predictions": predictions,
-        });
-        format!("{object:#}\n")
+        cli::json(&Report {
+            kernel: result.kernel,
+            frequency_per_mm: &places.frequency_per_mm,
+            predictions: &predictions,
+        })
     } else {
         csv(&predictions, &places.frequency_per_mm)
     };
