@@ -4,11 +4,12 @@ use crate::exact;
 use crate::plan::{Back, Method, Plan, PlanError, Request, default};
 use crate::progress::Progress;
 use crate::sequence::Sampler;
+use crate::study::{self, StudyError};
 use crate::{inspect, plot, report, run};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{CellOptions, Fault};
+use meshes::{Cell, CellOptions, Fault};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,12 @@ enum Verb {
         bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30"
     )]
     Trace(Box<TraceArgs>),
+    /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
+    #[command(
+        after_help = "Example: up to 4 million rays per direction, and the curves as a picture\n  \
+        bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 4194304 --plot study.svg"
+    )]
+    Study(Box<StudyArgs>),
     /// Says what is in a table
     #[command(
         after_help = "Example: a text report, and the histograms as a picture\n  \
@@ -126,6 +133,22 @@ struct TraceArgs {
     /// Largest deviation of a path's linear map from -I that counts as retroreflected, degrees
     #[arg(long, value_name = "DEG", default_value_t = default::ANGULAR_TOLERANCE_DEG, allow_negative_numbers = true)]
     angular_tolerance: f64,
+    #[command(flatten)]
+    cell: CellArgs,
+    /// Seed of the samples
+    #[arg(long, default_value_t = default::SEED)]
+    seed: u64,
+    /// Threads [default: all processors]; the table does not depend on it
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Prints the report as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a user says about a cell instead of the mesh file.
+#[derive(Debug, Args)]
+struct CellArgs {
     /// Lattice vectors of a periodic cell, file units
     #[arg(long, value_name = "AX,AY,AZ,BX,BY,BZ", allow_hyphen_values = true)]
     lattice: Option<String>,
@@ -135,13 +158,54 @@ struct TraceArgs {
     /// Length of an edge from the apex, file units [default: found from the mesh]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     edge_length: Option<f64>,
-    /// Seed of the samples
+}
+
+#[derive(Debug, Args)]
+struct StudyArgs {
+    /// Mesh: .obj, .gltf or .glb
+    mesh: PathBuf,
+    /// Incidence angles outside the sheet, degrees: a list or start:stop:step
+    #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
+    incidence: String,
+    /// Azimuths, degrees: a list, start:stop:step, or mean for the average over all
+    #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
+    azimuth: String,
+    /// Refractive index behind a flat front face [default: the file's, else 1]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    refractive_index: Option<f64>,
+    /// What the facets are backed with
+    #[arg(long, value_enum, default_value_t = Back::Mirror)]
+    back: Back,
+    /// Most rays per direction; the study begins with 1024 and takes four times as many each time
+    #[arg(long, value_name = "N", default_value_t = default::RAYS)]
+    rays: u64,
+    /// Histogram bins along u and along v
+    #[arg(long, value_name = "N", default_value_t = default::BINS)]
+    bins: usize,
+    /// The histogram covers u, v from -RANGE to RANGE, edge lengths
+    #[arg(long, default_value_t = default::RANGE, allow_negative_numbers = true)]
+    range: f64,
+    #[command(flatten)]
+    cell: CellArgs,
+    /// Seed of the samples of the first repeat; each further repeat takes the next
     #[arg(long, default_value_t = default::SEED)]
     seed: u64,
-    /// Threads [default: all processors]; the table does not depend on it
+    /// Threads [default: all processors]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// Prints the report as one JSON object
+    /// Bakes of each kind: seconds are their median, errors their mean
+    #[arg(long, value_name = "N", default_value_t = study::default::REPEATS)]
+    repeats: usize,
+    /// L1 error of the worst direction that the time is asked for
+    #[arg(long, value_name = "E", default_value_t = study::default::TARGET, allow_negative_numbers = true)]
+    target: f64,
+    /// Writes the figures as comma-separated values
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Draws error against rays and against seconds into a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Prints one JSON object
     #[arg(long)]
     json: bool,
 }
@@ -207,6 +271,8 @@ enum Failure {
     #[error(transparent)]
     Run(#[from] run::RunError),
     #[error(transparent)]
+    Study(#[from] StudyError),
+    #[error(transparent)]
     Table(#[from] tables::Error),
     #[error(transparent)]
     Plot(#[from] plot::PlotError),
@@ -217,7 +283,7 @@ enum Failure {
         second: PathBuf,
         reason: &'static str,
     },
-    #[error("{}: cannot be written ({source}); choose another place with -o or --plot", file.display())]
+    #[error("{}: cannot be written ({source}); choose another place with -o, --plot or --csv", file.display())]
     Write {
         file: PathBuf,
         source: std::io::Error,
@@ -227,10 +293,17 @@ enum Failure {
 }
 
 impl Failure {
+    fn write(file: &Path, source: std::io::Error) -> Self {
+        let file = file.to_path_buf();
+        Failure::Write { file, source }
+    }
+
     /// 2 for wrong usage, 1 for work that failed.
     fn code(&self) -> u8 {
         match self {
+            Failure::Study(StudyError::Run(_)) => 1,
             Failure::Plan(_)
+            | Failure::Study(_)
             | Failure::Numbers { .. }
             | Failure::Design(_)
             | Failure::MeshExtension(_)
@@ -258,6 +331,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match cli.verb {
         Verb::Design(args) => design(&args),
         Verb::Trace(args) => trace(&args),
+        Verb::Study(args) => study(&args),
         Verb::Inspect(args) => inspect_table(&args),
         Verb::Compare(args) => compare(&args),
         Verb::Verify(args) => verify(&args),
@@ -350,23 +424,7 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
         seed: args.seed,
         threads: args.threads,
     })?;
-    let lattice = args
-        .lattice
-        .as_deref()
-        .map(|text| numbers::<6>("--lattice", text, "1,0,0,0,1,0"))
-        .transpose()?;
-    let azimuth_zero = args
-        .azimuth_zero
-        .as_deref()
-        .map(|text| numbers::<3>("--azimuth-zero", text, "1,0,0"))
-        .transpose()?;
-    let options = CellOptions {
-        lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
-        azimuth_zero: azimuth_zero.map(DVec3::from_array),
-        edge_length: args.edge_length,
-    };
-    let cell = meshes::load_cell(&args.mesh, &options)?;
-    warn(&cell.warnings);
+    let cell = args.cell.load(&args.mesh)?;
     warn(&plan.warnings(&cell));
     warn(&method_warning(args, &cell, &plan));
     let reservation = tables::reserve(&args.output)?;
@@ -390,7 +448,7 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
 }
 
 /// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
-fn method_warning(args: &TraceArgs, cell: &meshes::Cell, plan: &Plan) -> Vec<String> {
+fn method_warning(args: &TraceArgs, cell: &Cell, plan: &Plan) -> Vec<String> {
     let refusal = exact::prepare(cell, &plan.axes).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
     match (args.method, refusal) {
@@ -401,6 +459,72 @@ fn method_warning(args: &TraceArgs, cell: &meshes::Cell, plan: &Plan) -> Vec<Str
         ],
         _ => Vec::new(),
     }
+}
+
+impl CellArgs {
+    /// The cell of `mesh`; what was repaired or assumed goes to stderr.
+    fn load(&self, mesh: &Path) -> Result<Cell, Failure> {
+        let lattice = self
+            .lattice
+            .as_deref()
+            .map(|text| numbers::<6>("--lattice", text, "1,0,0,0,1,0"))
+            .transpose()?;
+        let azimuth_zero = self
+            .azimuth_zero
+            .as_deref()
+            .map(|text| numbers::<3>("--azimuth-zero", text, "1,0,0"))
+            .transpose()?;
+        let options = CellOptions {
+            lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
+            azimuth_zero: azimuth_zero.map(DVec3::from_array),
+            edge_length: self.edge_length,
+        };
+        let cell = meshes::load_cell(mesh, &options)?;
+        warn(&cell.warnings);
+        Ok(cell)
+    }
+}
+
+fn study(args: &StudyArgs) -> Result<(), Failure> {
+    let study = study::Checked::new(study::Request {
+        trace: Request {
+            incidence: args.incidence.clone(),
+            azimuth: args.azimuth.clone(),
+            refractive_index: args.refractive_index,
+            back: args.back,
+            rays: Some(args.rays),
+            bins: args.bins,
+            range: args.range,
+            seed: args.seed,
+            threads: args.threads,
+            ..Request::default()
+        },
+        repeats: args.repeats,
+        target: args.target,
+    })?;
+    if let Some(file) = &args.plot {
+        plot::Format::of(file)?;
+    }
+    let cell = args.cell.load(&args.mesh)?;
+    // Minutes of work are not lost to a folder that is not there.
+    let csv = args.csv.as_deref().map(Draft::new).transpose()?;
+    let picture = args.plot.as_deref().map(Draft::new).transpose()?;
+    let progress = Progress::of_study();
+    let study = study.run(&cell, &|name, done, all| progress.step(name, done, all))?;
+    progress.finish();
+    if let Some(csv) = csv {
+        csv.put(study::report::csv(&study).as_bytes())?;
+    }
+    if let Some(picture) = picture {
+        let bytes = study::picture::draw(&study, picture.file)?;
+        picture.put(&bytes)?;
+    }
+    print(&if args.json {
+        study::report::json(&study)
+    } else {
+        study::report::text(&study)
+    });
+    Ok(())
 }
 
 fn inspect_table(args: &InspectArgs) -> Result<(), Failure> {
@@ -481,25 +605,43 @@ fn extension(path: &Path) -> String {
 
 /// Puts a whole file in place: a temporary one beside it, then a rename, so that an old one is never half replaced.
 fn replace(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let failed = |source| Failure::Write {
-        file: file.to_path_buf(),
-        source,
-    };
-    let folder = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".bake-").suffix(".partial");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    Draft::new(file)?.put(bytes)
+}
+
+/// A file to be replaced at the end of the work.
+struct Draft<'a> {
+    file: &'a Path,
+    temporary: tempfile::NamedTempFile,
+}
+
+impl<'a> Draft<'a> {
+    /// A temporary file beside `file`.
+    fn new(file: &'a Path) -> Result<Self, Failure> {
+        let folder = file
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty())
+            .unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".bake-").suffix(".partial");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        match builder.tempfile_in(folder) {
+            Ok(temporary) => Ok(Draft { file, temporary }),
+            Err(source) => Err(Failure::write(file, source)),
+        }
     }
-    let mut temporary = builder.tempfile_in(folder).map_err(failed)?;
-    temporary.write_all(bytes).map_err(failed)?;
-    temporary
-        .persist(file)
-        .map_err(|error| failed(error.error))?;
-    Ok(())
+
+    /// Fills it and renames it.
+    fn put(mut self, bytes: &[u8]) -> Result<(), Failure> {
+        self.temporary
+            .write_all(bytes)
+            .map_err(|source| Failure::write(self.file, source))?;
+        self.temporary
+            .persist(self.file)
+            .map_err(|error| Failure::write(self.file, error.error))?;
+        Ok(())
+    }
 }

@@ -57,6 +57,14 @@ impl Kernel {
         }
     }
 
+    /// The same tracer without a program: every ray goes by [`trace`].
+    pub fn one_by_one(self) -> Self {
+        Kernel {
+            program: None,
+            ..self
+        }
+    }
+
     /// The program of this direction, where there is one.
     pub fn program(&self) -> Option<&Program> {
         self.program.as_ref()

@@ -25,5 +25,6 @@ pub mod run;
 pub mod scene;
 pub mod sequence;
 pub mod simd;
+pub mod study;
 pub mod tally;
 pub mod triangle;

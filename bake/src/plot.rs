@@ -6,6 +6,7 @@ use kuva::plot::Heatmap;
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
 use std::path::{Path, PathBuf};
 use tables::Table;
 use thiserror::Error;
@@ -35,24 +36,61 @@ pub enum PlotError {
     },
 }
 
+/// Picture formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Vector.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// The format that the extension of `file` names.
+    ///
+    /// # Errors
+    /// [`PlotError::Extension`].
+    pub fn of(file: &Path) -> Result<Self, PlotError> {
+        let extension = file
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("png") => Ok(Format::Png),
+            Some("svg") => Ok(Format::Svg),
+            _ => Err(PlotError::Extension {
+                file: file.to_path_buf(),
+            }),
+        }
+    }
+
+    /// The scene as the bytes of `file`.
+    ///
+    /// # Errors
+    /// [`PlotError::Draw`].
+    pub fn render(self, scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
+        match self {
+            Format::Svg => Ok(SvgBackend::new()
+                .with_embedded_font(true)
+                .render_scene(scene)
+                .into_bytes()),
+            Format::Png => PngBackend::new()
+                .with_scale(1.5)
+                .render_scene(scene)
+                .map_err(|reason| PlotError::Draw {
+                    file: file.to_path_buf(),
+                    reason,
+                }),
+        }
+    }
+}
+
 /// The histograms of `table` as the bytes of a PNG or SVG file, by the extension of `file`: one panel per direction
 /// with its retroreflected fraction, u to the right, v upward, density per launched ray and square edge length.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
-    let extension = file
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase());
-    let png = match extension.as_deref() {
-        Some("png") => true,
-        Some("svg") => false,
-        _ => {
-            return Err(PlotError::Extension {
-                file: file.to_path_buf(),
-            });
-        }
-    };
+    let format = Format::of(file)?;
     let (incidences, azimuths) = table.axes.shape();
     let stride = (incidences * azimuths).div_ceil(PANELS);
     let chosen: Vec<(usize, usize)> = (0..incidences * azimuths)
@@ -71,20 +109,7 @@ pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
         .with_layouts(layouts)
         .with_cell_size(370.0, 300.0)
         .render();
-    if !png {
-        return Ok(SvgBackend::new()
-            .with_embedded_font(true)
-            .render_scene(&scene)
-            .into_bytes());
-    }
-    let failed = |reason| PlotError::Draw {
-        file: file.to_path_buf(),
-        reason,
-    };
-    PngBackend::new()
-        .with_scale(1.5)
-        .render_scene(&scene)
-        .map_err(failed)
+    format.render(&scene, file)
 }
 
 fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {

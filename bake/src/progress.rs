@@ -36,6 +36,25 @@ impl Progress {
         Progress { bar }
     }
 
+    /// A bar over the bakes of a study, which names the one that runs.
+    pub fn of_study() -> Self {
+        let bar = ProgressBar::no_length();
+        if !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}") {
+            bar.set_style(style);
+        }
+        Progress { bar }
+    }
+
+    /// The bake called `name` begins, after `done` of `all`.
+    pub fn step(&self, name: &str, done: usize, all: usize) {
+        self.bar.set_length(all as u64);
+        self.bar.set_position(done as u64);
+        self.bar.set_message(name.to_owned());
+    }
+
     /// Counts rays; may be called from any thread.
     pub fn advance(&self, rays: u64) {
         self.bar.inc(rays);

@@ -21,6 +21,15 @@ const RUN: u64 = 1 << 18;
 /// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
 const FIRST_ROUND: u64 = 1 << 12;
 
+/// How the rays of a direction are traced; tests hold both to the same fates, ray for ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tracer {
+    /// As a program, many rays at once, where the cell and the direction allow it; else one by one.
+    Fastest,
+    /// One by one, against all facets: what every cell allows.
+    OneByOne,
+}
+
 /// Why a bake failed.
 #[derive(Debug, Error)]
 pub enum RunError {
@@ -127,8 +136,21 @@ fn pool(plan: &Plan) -> Result<rayon::ThreadPool, RunError> {
 /// # Errors
 /// [`RunError`]: no threads, or a tolerance out of reach.
 pub fn rays(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
+    rays_by(Tracer::Fastest, cell, plan, progress)
+}
+
+/// [`rays`] by the tracer given.
+///
+/// # Errors
+/// As [`rays`].
+pub fn rays_by(
+    tracer: Tracer,
+    cell: &Cell,
+    plan: &Plan,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Table, RunError> {
     pool(plan)?.install(|| {
-        let bundles = bundles(cell, plan, Index::Auto);
+        let bundles = bundles(cell, plan, tracer);
         let bins = Bins::new(plan.axes.bins, plan.axes.range);
         match plan.effort {
             Effort::Rays(rays) => {
@@ -149,8 +171,8 @@ fn share(rays: u64, among: usize, which: usize) -> u64 {
     rays / among + u64::from((which as u64) < rays % among)
 }
 
-fn bundles(cell: &Cell, plan: &Plan, index: Index) -> Vec<Bundle> {
-    let scene = std::sync::Arc::new(Scene::new(cell, index));
+fn bundles(cell: &Cell, plan: &Plan, tracer: Tracer) -> Vec<Bundle> {
+    let scene = std::sync::Arc::new(Scene::new(cell, Index::Auto));
     let launch = Launch::new(&cell.entrance);
     let bins = Bins::new(plan.axes.bins, plan.axes.range);
     let rules = plan.rules(cell);
@@ -161,7 +183,14 @@ fn bundles(cell: &Cell, plan: &Plan, index: Index) -> Vec<Bundle> {
         .flat_map(|&i| plan.axes.azimuth_deg.iter().map(move |&a| (i, a)));
     directions
         .map(|(incidence_deg, azimuth_deg)| Bundle {
-            kernel: Kernel::new(&scene, &launch, &rules, &bins, incidence_deg, azimuth_deg),
+            kernel: {
+                let kernel =
+                    Kernel::new(&scene, &launch, &rules, &bins, incidence_deg, azimuth_deg);
+                match tracer {
+                    Tracer::Fastest => kernel,
+                    Tracer::OneByOne => kernel.one_by_one(),
+                }
+            },
             streams: (0..plan.randomisations as u64)
                 .map(|r| Stream::new(plan.sampler, plan.seed, incidence_deg, azimuth_deg, r))
                 .collect(),
