@@ -1,10 +1,12 @@
 //! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
 
+mod study;
+
 use crate::exact;
 use crate::plan::{Back, Method, Plan, PlanError, Request, default};
 use crate::progress::Progress;
 use crate::sequence::Sampler;
-use crate::study::{self, StudyError};
+use crate::study::StudyError;
 use crate::{inspect, plot, report, run};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
@@ -47,7 +49,7 @@ enum Verb {
         after_help = "Example: up to 4 million rays per direction, and the curves as a picture\n  \
         bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 4194304 --plot study.svg"
     )]
-    Study(Box<StudyArgs>),
+    Study(Box<study::StudyArgs>),
     /// Says what is in a table
     #[command(
         after_help = "Example: a text report, and the histograms as a picture\n  \
@@ -158,56 +160,6 @@ struct CellArgs {
     /// Length of an edge from the apex, file units [default: found from the mesh]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     edge_length: Option<f64>,
-}
-
-#[derive(Debug, Args)]
-struct StudyArgs {
-    /// Mesh: .obj, .gltf or .glb
-    mesh: PathBuf,
-    /// Incidence angles outside the sheet, degrees: a list or start:stop:step
-    #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
-    incidence: String,
-    /// Azimuths, degrees: a list, start:stop:step, or mean for the average over all
-    #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
-    azimuth: String,
-    /// Refractive index behind a flat front face [default: the file's, else 1]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    refractive_index: Option<f64>,
-    /// What the facets are backed with
-    #[arg(long, value_enum, default_value_t = Back::Mirror)]
-    back: Back,
-    /// Most rays per direction; the study begins with 1024 and takes four times as many each time
-    #[arg(long, value_name = "N", default_value_t = default::RAYS)]
-    rays: u64,
-    /// Histogram bins along u and along v
-    #[arg(long, value_name = "N", default_value_t = default::BINS)]
-    bins: usize,
-    /// The histogram covers u, v from -RANGE to RANGE, edge lengths
-    #[arg(long, default_value_t = default::RANGE, allow_negative_numbers = true)]
-    range: f64,
-    #[command(flatten)]
-    cell: CellArgs,
-    /// Seed of the samples of the first repeat; each further repeat takes the next
-    #[arg(long, default_value_t = default::SEED)]
-    seed: u64,
-    /// Threads [default: all processors]
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Bakes of each kind: seconds are their median, errors their mean
-    #[arg(long, value_name = "N", default_value_t = study::default::REPEATS)]
-    repeats: usize,
-    /// L1 error of the worst direction that the time is asked for
-    #[arg(long, value_name = "E", default_value_t = study::default::TARGET, allow_negative_numbers = true)]
-    target: f64,
-    /// Writes the figures as comma-separated values
-    #[arg(long, value_name = "FILE.csv")]
-    csv: Option<PathBuf>,
-    /// Draws error against rays and against seconds into a .png or .svg file
-    #[arg(long, value_name = "FILE")]
-    plot: Option<PathBuf>,
-    /// Prints one JSON object
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -331,7 +283,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match cli.verb {
         Verb::Design(args) => design(&args),
         Verb::Trace(args) => trace(&args),
-        Verb::Study(args) => study(&args),
+        Verb::Study(args) => study::run(&args),
         Verb::Inspect(args) => inspect_table(&args),
         Verb::Compare(args) => compare(&args),
         Verb::Verify(args) => verify(&args),
@@ -483,48 +435,6 @@ impl CellArgs {
         warn(&cell.warnings);
         Ok(cell)
     }
-}
-
-fn study(args: &StudyArgs) -> Result<(), Failure> {
-    let study = study::Checked::new(study::Request {
-        trace: Request {
-            incidence: args.incidence.clone(),
-            azimuth: args.azimuth.clone(),
-            refractive_index: args.refractive_index,
-            back: args.back,
-            rays: Some(args.rays),
-            bins: args.bins,
-            range: args.range,
-            seed: args.seed,
-            threads: args.threads,
-            ..Request::default()
-        },
-        repeats: args.repeats,
-        target: args.target,
-    })?;
-    if let Some(file) = &args.plot {
-        plot::Format::of(file)?;
-    }
-    let cell = args.cell.load(&args.mesh)?;
-    // Minutes of work are not lost to a folder that is not there.
-    let csv = args.csv.as_deref().map(Draft::new).transpose()?;
-    let picture = args.plot.as_deref().map(Draft::new).transpose()?;
-    let progress = Progress::of_study();
-    let study = study.run(&cell, &|name, done, all| progress.step(name, done, all))?;
-    progress.finish();
-    if let Some(csv) = csv {
-        csv.put(study::report::csv(&study).as_bytes())?;
-    }
-    if let Some(picture) = picture {
-        let bytes = study::picture::draw(&study, picture.file)?;
-        picture.put(&bytes)?;
-    }
-    print(&if args.json {
-        study::report::json(&study)
-    } else {
-        study::report::text(&study)
-    });
-    Ok(())
 }
 
 fn inspect_table(args: &InspectArgs) -> Result<(), Failure> {
