@@ -269,9 +269,18 @@ pub fn estimate(scene: &Scene, optimum: Optimum) -> Estimate {
     let covariance = DMatrix::from_fn(names.len(), names.len(), |i, j| {
         q[(i, j)] * scale[i] * scale[j]
     });
-    let value = |i: usize| Value {
-        value: scale[i],
-        standard_error: covariance[(i, i)].max(0.0).sqrt(),
+    // A parameter that the photographs do not depend on has no finite error.
+    let value = |i: usize| {
+        let variance = covariance[(i, i)];
+        let standard_error = if variance.is_finite() {
+            variance.max(0.0).sqrt()
+        } else {
+            f64::INFINITY
+        };
+        Value {
+            value: scale[i],
+            standard_error,
+        }
     };
     let p = layout.parameters();
     let losses = parts

@@ -255,6 +255,7 @@ fn measure(
             .clip_level
             .and_then(|level| window.clipping_warning(level)),
     );
+    warnings.extend(window.floor_warning());
     warnings.extend(profile.warnings(&line));
     Ok((
         View::new(line, profile, pitch_mm, tangential_rad, camera),

@@ -90,6 +90,10 @@ impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for 
 /// Change of the parameters, and of the sum of squares relative to itself, below which an iteration has converged.
 pub const CONVERGED: f64 = 1e-10;
 
+/// Length of the first step, in units of the parameters' own scaled length (MINPACK's factor, 100 by default): a longer one
+/// from a rough start can leap to where a term has faded away and its derivative with it.
+const STEP_BOUND: f64 = 0.3;
+
 /// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of scales); the iteration ends
 /// when they or the sum of squares change by less than `tolerance` of themselves.
 pub fn least_squares(
@@ -107,7 +111,8 @@ pub fn least_squares(
         .with_ftol(tolerance)
         .with_xtol(tolerance)
         .with_gtol(1e-12)
-        .with_patience(40);
+        .with_patience(40)
+        .with_stepbound(STEP_BOUND);
     let (problem, report) = solver.minimize(problem);
     let stop = match report.termination {
         TerminationReason::Converged { .. }

@@ -19,7 +19,8 @@ pub struct Start {
 /// Steps of the grids of c and of a over two decades each.
 const STEPS: usize = 20;
 
-/// The best starting point, and the best of a clearly different c: the MTF's first minimum can stem from either term.
+/// The best starting points, one for each third of the range of c: the MTF's first minimum can stem from either term, and
+/// where c is small the model does not depend on it, so that no path leads back from there.
 ///
 /// c from 0.01 to 1 mm, a from 0.3 to 30 /mm. The comparison leaves out what the estimator adds (its taper and window), a
 /// few percent, which the solver then accounts for.
@@ -85,13 +86,12 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
             )
         })
         .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let first = found[0].1.clone();
-    let second = found
-        .iter()
-        .skip(1)
-        .map(|(_, s)| s)
-        .find(|s| (s.c_mm / first.c_mm).ln().abs() > 0.6)
-        .cloned();
-    std::iter::once(first).chain(second).collect()
+    // c is tried from below, within and above what most photographs can tell.
+    let bands = if choice.kernel.has_shift() { 3 } else { 1 };
+    let size = found.len().div_ceil(bands);
+    let best = |band: &mut [(f64, Start)]| {
+        band.sort_by(|a, b| a.0.total_cmp(&b.0));
+        band[0].1.clone()
+    };
+    found.chunks_mut(size).map(best).collect()
 }

@@ -82,6 +82,18 @@ impl Window {
         (f64::from(low), f64::from(high))
     }
 
+    /// What to say of pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 200 are.
+    pub fn floor_warning(&self) -> Option<String> {
+        let zero = self.values.iter().filter(|&&v| v == 0.0).count();
+        (200 * zero > self.values.len()).then(|| {
+            let share = 100.0 * zero as f64 / self.values.len() as f64;
+            format!(
+                "{zero} pixels ({share:.1} %) are exactly 0: cut-off noise raises the dark plateau and lowers mu; \
+                 keep the camera's black offset, or expose more"
+            )
+        })
+    }
+
     /// What to say of pixels at or above the level where the format saturates; `None` where there are none.
     pub fn clipping_warning(&self, level: f32) -> Option<String> {
         let clipped = self.values.iter().filter(|&&v| v >= level).count();

@@ -323,3 +323,40 @@ fn degenerate_campaigns() {
         .to_string();
     assert!(error.contains("no capture is left"), "{error}");
 }
+
+/// A large c beside a wide lobe: from a start with a small c, where the model does not depend on it, no path leads here.
+#[test]
+fn starting_values_reach_every_c() {
+    let mut cases = 0;
+    for (a, c) in [
+        (2.28, 0.45),
+        (2.24, 0.276),
+        (2.23, 0.292),
+        (7.4, 0.12),
+        (1.6, 0.48),
+        (5.0, 0.1),
+    ] {
+        let planted = truth(Kernel::Eq1, Shape::Radial, a, c, 0.6);
+        let incidence = [0.0, 7.0, 14.0];
+        let of_ideal = table(&planted, &incidence, 20.0);
+        let photographed = scene(
+            &params(31, planted, &incidence, &[150.0, 300.0], camera(18e3)),
+            &of_ideal,
+        );
+        let fit = estimate(&photographed, optimum(&photographed, SHARED));
+        let found = fit.c_mm.expect("eq1 has c");
+        let freedom = (fit.residuals - fit.blur_parameters()) as f64;
+        // Chi-square per degree of freedom has a standard deviation of sqrt(2/n) < 0.2 here.
+        assert!(
+            fit.chi2 / freedom < 2.0,
+            "a {a} c {c}: chi-square {:.1} over {freedom}",
+            fit.chi2
+        );
+        assert!(
+            ((found.value - c) / found.standard_error).abs() < 4.5,
+            "a {a} c {c}: {found:?}"
+        );
+        cases += 1;
+    }
+    assert_eq!(cases, 6);
+}

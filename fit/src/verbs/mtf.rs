@@ -124,6 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let standard_error: Vec<f64> = mtf.standard_error(&profile);
     let frequency = &estimator.frequencies_per_mm;
     let mut warnings = photo.warnings.clone();
+    warnings.extend(window.floor_warning());
     warnings.extend(profile.warnings(&line));
     if let Some(level) = photo.clip_level {
         warnings.extend(window.clipping_warning(level));
