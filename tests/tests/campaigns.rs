@@ -147,9 +147,11 @@ fn compare(folder: &Path, campaign: &Campaign, table: &str, options: &[&str]) ->
     numbers.len()
 }
 
+type Is = fn(&Value) -> bool;
+
 /// What scripts rely on: every key, with the type that it must have.
 fn has_the_keys_of_a_result(result: &Value) {
-    let kinds: [(&str, fn(&Value) -> bool); 19] = [
+    let kinds: [(&str, Is); 19] = [
         ("/kernel", Value::is_string),
         ("/lobe", Value::is_string),
         ("/iterations", Value::is_u64),
