@@ -187,7 +187,7 @@ fn turn(window: &Window, line: &mut Line, profile: &Profile) -> f64 {
         n += 1.0;
     }
     let spread = wtt - wt * wt / w;
-    if !(spread > 0.0) {
+    if spread.is_nan() || spread <= 0.0 {
         return 0.0;
     }
     let step = ((wtr - wt * wr / w) / spread).clamp(-0.1, 0.1);

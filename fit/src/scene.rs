@@ -28,8 +28,8 @@ pub enum Error {
         manifest: PathBuf,
         /// The capture's image.
         image: String,
-        /// What the table says.
-        source: tables::Error,
+        /// What the table says. Boxed: every result of the crate would grow with it.
+        source: Box<tables::Error>,
     },
     /// No edge in a photograph.
     #[error("{}: {fault}", image.display())]
@@ -275,7 +275,7 @@ fn aerial(
         .map_err(|source| Error::Direction {
             manifest: campaign.file.clone(),
             image: image.clone(),
-            source,
+            source: Box::new(source),
         })?;
     if direction.eta <= 0.0 {
         return Ok(None);
