@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::output::Output;
 use crate::verbs;
 use crate::{captures, edge, output, photo, plot, predict, scene, simulate};
 
@@ -146,6 +147,35 @@ pub fn print(text: &str) -> Result<(), Failure> {
     out.write_all(text.as_bytes())
         .and_then(|()| out.flush())
         .map_err(Failure::Stdout)
+}
+
+/// Writes a verb's text to the file that was reserved for it, or to standard output.
+///
+/// # Errors
+/// [`Failure::Output`], [`Failure::Stdout`].
+pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Failure> {
+    match output {
+        Some(output) => Ok(output.commit(text.as_bytes())?),
+        None => print(text),
+    }
+}
+
+/// Reserves the files that were asked for.
+///
+/// # Errors
+/// [`Failure::Output`].
+pub fn reserve(path: Option<&Path>) -> Result<Option<Output>, Failure> {
+    Ok(path.map(Output::reserve).transpose()?)
+}
+
+/// Reserves the picture that was asked for; its ending is checked first.
+///
+/// # Errors
+/// [`Failure::Plot`], [`Failure::Output`].
+pub fn reserve_picture(path: Option<&Path>) -> Result<Option<(&Path, Output)>, Failure> {
+    let Some(path) = path else { return Ok(None) };
+    plot::Format::of(path)?;
+    Ok(Some((path, Output::reserve(path)?)))
 }
 
 /// Prints a warning to standard error.

@@ -82,14 +82,19 @@ impl Window {
         (f64::from(low), f64::from(high))
     }
 
-    /// What to say of pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 200 are.
+    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 100
+    /// are, or all are (a picture without noise).
     pub fn floor_warning(&self) -> Option<String> {
-        let zero = self.values.iter().filter(|&&v| v == 0.0).count();
-        (200 * zero > self.values.len()).then(|| {
-            let share = 100.0 * zero as f64 / self.values.len() as f64;
+        let dark = 0.05 * self.extremes().1 as f32;
+        let count =
+            |holds: fn(f32, f32) -> bool| self.values.iter().filter(|&&v| holds(v, dark)).count();
+        let (zero, dark) = (count(|v, _| v == 0.0), count(|v, dark| v < dark));
+        let share = zero as f64 / dark.max(1) as f64;
+        (0.01..0.95).contains(&share).then(|| {
             format!(
-                "{zero} pixels ({share:.1} %) are exactly 0: cut-off noise raises the dark plateau and lowers mu; \
-                 keep the camera's black offset, or expose more"
+                "{zero} pixels ({:.1} % of the dark ones) are exactly 0: cut-off noise raises the dark plateau and \
+                 lowers mu; keep the camera's black offset, or expose more",
+                100.0 * share
             )
         })
     }

@@ -10,7 +10,6 @@ use crate::captures;
 use crate::cli::{self, Failure};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
-use crate::output::Output;
 use crate::plot;
 use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
@@ -166,18 +165,8 @@ impl Plan {
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plan = Plan::new(arguments);
-    let output = arguments
-        .output
-        .as_deref()
-        .map(Output::reserve)
-        .transpose()?;
-    let picture = match &arguments.plot {
-        Some(path) => {
-            plot::Format::of(path)?;
-            Some((path, Output::reserve(path)?))
-        }
-        None => None,
-    };
+    let output = cli::reserve(arguments.output.as_deref())?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref())?;
     let truth: Option<serde_json::Value> = arguments
         .truth
         .as_deref()

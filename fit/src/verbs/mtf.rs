@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use crate::cli::{self, Failure};
 use crate::edge;
-use crate::output::Output;
 use crate::photo::{self, Channel, Decode, Transfer};
 use crate::profile::Profile;
 use crate::sfr::{Estimator, crossing};
@@ -86,11 +85,7 @@ struct Report<'a> {
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = arguments
-        .output
-        .as_deref()
-        .map(Output::reserve)
-        .transpose()?;
+    let output = cli::reserve(arguments.output.as_deref())?;
     let decode = Decode {
         transfer: arguments.transfer,
         channel: arguments.channel.clone(),
@@ -174,8 +169,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         csv
     };
-    match output {
-        Some(output) => Ok(output.commit(text.as_bytes())?),
-        None => cli::print(&text),
-    }
+    cli::deliver(&text, output)
 }

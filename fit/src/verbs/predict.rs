@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use crate::cli::{self, Failure};
 use crate::kernel::Kernel;
-use crate::output::Output;
 use crate::plot;
 use crate::predict::{Axis, Places, Prediction, predict};
 use crate::verbs::estimate::read_result;
@@ -63,18 +62,8 @@ struct Report<'a> {
 /// # Errors
 /// Result, table, direction or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = arguments
-        .output
-        .as_deref()
-        .map(Output::reserve)
-        .transpose()?;
-    let picture = match &arguments.plot {
-        Some(path) => {
-            plot::Format::of(path)?;
-            Some((path, Output::reserve(path)?))
-        }
-        None => None,
-    };
+    let output = cli::reserve(arguments.output.as_deref())?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref())?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
     let only = match table.axes.azimuth_deg[..] {
@@ -104,10 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         csv(&predictions, &places.frequency_per_mm)
     };
-    match output {
-        Some(output) => Ok(output.commit(text.as_bytes())?),
-        None => cli::print(&text),
-    }
+    cli::deliver(&text, output)
 }
 
 /// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.
