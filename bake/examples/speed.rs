@@ -127,7 +127,9 @@ fn fast(
     let mut rays = 0;
     for incidence in angles {
         let kernel = Kernel::new(&scene, &launch, &RULES, bins, incidence, 0.0);
-        let program = kernel.program().ok_or("no program for this cell")?;
+        let [program] = kernel.programs() else {
+            return Err("no program for this cell".into());
+        };
         if set == InstructionSet::best() && sampler == Sampler::Sobol {
             println!(
                 "  {incidence} deg: {} steps, {} tests, {} maps",
@@ -140,7 +142,7 @@ fn fast(
         for part in 0..8 {
             let start = busy_seconds();
             set.run(
-                program,
+                kernel.programs(),
                 &launch,
                 bins,
                 &stream,

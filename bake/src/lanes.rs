@@ -28,13 +28,15 @@ type Mask = [u64; LANES];
 /// The square is cut into 2^4 x 2^4 cells where a block is traced cell by cell.
 const CELL_BITS: u32 = 4;
 
+/// Pieces of the entrance up to which that is done: each cell looks at all of them.
+const CELL_PIECES: usize = 64;
+
 /// Samples of the smallest block that is worth it: two bundles per cell.
 const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
 
 /// What a run keeps at hand from one bundle to the next.
 struct Work<'a> {
     bins: &'a Bins,
-    maps: &'a [[Affine; 2]],
     /// Rays left at each depth of the tree.
     left: [Mask; DEPTH],
     /// Rays ended with each fate, per lane.
@@ -42,10 +44,10 @@ struct Work<'a> {
     histogram: &'a mut [u32],
 }
 
-/// Traces `samples` of `stream`.
+/// Traces `samples` of `stream`; `programs` are those of the scenes that `launch` leads into.
 #[inline(always)]
 pub fn run(
-    program: &Program,
+    programs: &[Program],
     launch: &Launch,
     bins: &Bins,
     stream: &Stream,
@@ -54,34 +56,27 @@ pub fn run(
 ) {
     let mut work = Work {
         bins,
-        maps: &program.maps,
         left: [[0; LANES]; DEPTH],
         ended: [[0; LANES]; Fate::ALL.len()],
         histogram: &mut tally.histogram,
     };
-    let piece = match (stream.sampler, launch.pieces()) {
-        (Sampler::Sobol, [piece]) => Some(piece),
-        _ => None,
-    };
+    let cells = stream.sampler == Sampler::Sobol && launch.pieces().len() <= CELL_PIECES;
     let mut first = samples.start;
     while first < samples.end {
         // The largest block of 2^k samples that starts at a multiple of its size.
         let left = samples.end - first;
         let aligned = 1 << first.trailing_zeros().min(left.ilog2());
-        match piece {
-            Some(piece) if aligned >= BLOCK => {
-                by_cells(program, piece, stream, first, aligned, &mut work);
-                first += aligned;
-            }
-            _ => {
-                let next = left.min(if piece.is_some() {
-                    BLOCK - first % BLOCK
-                } else {
-                    left
-                });
-                in_order(program, launch, stream, first..first + next, &mut work);
-                first += next;
-            }
+        if cells && aligned >= BLOCK {
+            by_cells(programs, launch, stream, first, aligned, &mut work);
+            first += aligned;
+        } else {
+            let next = if cells {
+                left.min(BLOCK - first % BLOCK)
+            } else {
+                left
+            };
+            in_order(programs, launch, stream, first..first + next, &mut work);
+            first += next;
         }
     }
     let ended = work.ended;
@@ -93,7 +88,7 @@ pub fn run(
 /// Traces samples in the order of their indices.
 #[inline(always)]
 fn in_order(
-    program: &Program,
+    programs: &[Program],
     launch: &Launch,
     stream: &Stream,
     samples: Range<u64>,
@@ -102,10 +97,18 @@ fn in_order(
     let mut first = samples.start;
     while first < samples.end {
         let active = (samples.end - first).min(LANES as u64) as usize;
-        let (x, y) = entries(launch, stream, first);
-        let mut start = [0; LANES];
-        start[..active].fill(1 << 63);
-        bundle(&program.steps, &program.tests, None, &x, &y, start, work);
+        let (a, b) = digits(stream, first);
+        let mut started = [0; LANES];
+        started[..active].fill(1 << 63);
+        for piece in launch.pieces() {
+            let (x, y, chosen) = points(piece, &a, &b);
+            let mut start = started;
+            for lane in 0..LANES {
+                start[lane] &= chosen[lane];
+            }
+            let Program { steps, tests, maps } = &programs[piece.scene];
+            bundle(steps, tests, maps, None, &x, &y, start, work);
+        }
         first += LANES as u64;
     }
 }
@@ -118,8 +121,8 @@ fn in_order(
 /// of four digits) of the exclusive or of all its groups of four bits.
 #[inline(always)]
 fn by_cells(
-    program: &Program,
-    piece: &Piece,
+    programs: &[Program],
+    launch: &Launch,
     stream: &Stream,
     first: u64,
     count: u64,
@@ -138,43 +141,46 @@ fn by_cells(
         let digits = stream
             .pair(u64::from(index(base)))
             .map(|digits| f64::from(digits >> (32 - CELL_BITS)));
-        let corner = |i: f64, j: f64| {
-            piece.point((digits[0] + i) / 16.0 - 0.5, (digits[1] + j) / 16.0 - 0.5)
-        };
-        excerpt.refill(
-            program,
-            &[
-                corner(0.0, 0.0),
-                corner(1.0, 0.0),
-                corner(0.0, 1.0),
-                corner(1.0, 1.0),
-            ],
-        );
-        let mut maps = excerpt.steps.iter().filter_map(|step| match step.end {
-            End::Shift(map) => Some(map),
-            _ => None,
-        });
-        let map = maps.next();
-        let map = if maps.all(|other| Some(other) == map) {
-            map
-        } else {
-            None
-        };
-        for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
-            let mut indices = [0u32; LANES];
-            for lane in 0..LANES {
-                indices[lane] = index(base + group * LANES as u32 + lane as u32);
+        for piece in launch.pieces() {
+            // The part of the cell that chooses this piece.
+            let (from, to) = (digits[0] / 16.0, (digits[0] + 1.0) / 16.0);
+            let (from, to) = (from.max(piece.from), to.min(piece.to));
+            if from >= to {
+                continue;
             }
-            let (x, y) = sobol_entries(piece, stream, &indices);
-            bundle(
-                &excerpt.steps,
-                &excerpt.tests,
-                map,
-                &x,
-                &y,
-                [1 << 63; LANES],
-                work,
-            );
+            let [from, to] = [from, to].map(|along| piece.stretched(along - 0.5));
+            let [low, high] = [digits[1], digits[1] + 1.0].map(|end| end / 16.0 - 0.5);
+            let corners = [(from, low), (to, low), (from, high), (to, high)];
+            let program = &programs[piece.scene];
+            excerpt.refill(program, &corners.map(|(c0, c1)| piece.point(c0, c1)));
+            let mut maps = excerpt.steps.iter().filter_map(|step| match step.end {
+                End::Shift(map) => Some(map),
+                _ => None,
+            });
+            let map = maps.next();
+            let map = if maps.all(|other| Some(other) == map) {
+                map
+            } else {
+                None
+            };
+            for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
+                let mut indices = [0u32; LANES];
+                for lane in 0..LANES {
+                    indices[lane] = index(base + group * LANES as u32 + lane as u32);
+                }
+                let (a, b) = sobol(stream, &indices);
+                let (x, y, start) = points(piece, &a, &b);
+                bundle(
+                    &excerpt.steps,
+                    &excerpt.tests,
+                    &program.maps,
+                    map,
+                    &x,
+                    &y,
+                    start,
+                    work,
+                );
+            }
         }
     }
 }
@@ -185,6 +191,7 @@ fn by_cells(
 fn bundle(
     steps: &[Step],
     tests: &[Affine],
+    maps: &[[Affine; 2]],
     only: Option<usize>,
     x: &Reals,
     y: &Reals,
@@ -227,7 +234,7 @@ fn bundle(
                     back[lane] |= taken[lane];
                 }
                 if only.is_none() {
-                    let [along, across] = &work.maps[map];
+                    let [along, across] = &maps[map];
                     let (mu, mv) = (affine(along, x, y), affine(across, x, y));
                     for lane in 0..LANES {
                         let chosen = taken[lane] >> 63 == 1;
@@ -242,7 +249,7 @@ fn bundle(
         return;
     }
     if let Some(map) = only {
-        let [along, across] = &work.maps[map];
+        let [along, across] = &maps[map];
         (u, v) = (affine(along, x, y), affine(across, x, y));
     }
     scatter(&u, &v, &back, work);
@@ -310,24 +317,16 @@ fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
     value
 }
 
-/// Entry points of samples `first..first + LANES`: those of [`Launch::point`].
+/// Digits of samples `first..first + LANES`: those of [`Stream::pair`].
 #[inline(always)]
-fn entries(launch: &Launch, stream: &Stream, first: u64) -> (Reals, Reals) {
-    let [piece] = launch.pieces() else {
-        let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            let point = launch.point(stream, first + lane as u64);
-            (x[lane], y[lane]) = (point.x, point.y);
-        }
-        return (x, y);
-    };
+fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
     match stream.sampler {
         Sampler::Sobol => {
             let mut indices = [0u32; LANES];
             for lane in 0..LANES {
                 indices[lane] = (first as u32).wrapping_add(lane as u32);
             }
-            sobol_entries(piece, stream, &indices)
+            sobol(stream, &indices)
         }
         Sampler::Random => {
             let (mut low, mut high) = ([0u32; LANES], [0u32; LANES]);
@@ -336,31 +335,40 @@ fn entries(launch: &Launch, stream: &Stream, first: u64) -> (Reals, Reals) {
                 [low[lane], high[lane]] = stream.counter(index);
             }
             philox(&mut low, &mut high, stream.keys[0]);
-            points(piece, &low, &high)
+            (low, high)
         }
     }
 }
 
-/// Entry points of the Sobol samples `indices`.
+/// Digits of the Sobol samples `indices`.
 #[inline(always)]
-fn sobol_entries(piece: &Piece, stream: &Stream, indices: &[u32; LANES]) -> (Reals, Reals) {
+fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
     let (mut a, mut b) = ([0u32; LANES], [0u32; LANES]);
     for lane in 0..LANES {
         a[lane] = scramble(indices[lane], stream.keys[0]);
         b[lane] = scramble(pascal(indices[lane]), stream.keys[1]);
     }
-    points(piece, &a, &b)
+    (a, b)
 }
 
-/// [`Piece::point`], the same operations lane by lane.
+/// Entry points in `piece`, and the rays that choose it: the operations of [`Launch::entry`] lane by lane.
 #[inline(always)]
-fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals) {
+fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
     let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
         c0[lane] = centred(a[lane]);
     }
     for lane in 0..LANES {
         c1[lane] = centred(b[lane]);
+    }
+    let mut chosen: Mask = [1 << 63; LANES];
+    if !piece.takes_all() {
+        for lane in 0..LANES {
+            let along = c0[lane] + 0.5;
+            // Top bits: along < to, along >= from.
+            chosen[lane] = (along - piece.to).to_bits() & !(along - piece.from).to_bits();
+            c0[lane] = piece.stretched(c0[lane]);
+        }
     }
     if piece.folded {
         for lane in 0..LANES {
@@ -378,5 +386,5 @@ fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals) {
     for lane in 0..LANES {
         y[lane] = piece.centre.y + (s.y * c0[lane] + t.y * c1[lane]);
     }
-    (x, y)
+    (x, y, chosen)
 }

@@ -25,8 +25,14 @@ pub struct Piece {
     pub sides: [DVec2; 2],
     /// Whether only one half belongs to the entrance.
     pub folded: bool,
-    /// Share of the entrance's area in the pieces up to and including this one.
-    share_up_to: f64,
+    /// Which scene it leads into.
+    pub scene: usize,
+    /// The part of [0, 1) from which the first coordinate chooses it: where it starts,
+    pub from: f64,
+    /// and ends.
+    pub to: f64,
+    /// 1 over its length.
+    stretch: f64,
 }
 
 impl Piece {
@@ -52,6 +58,18 @@ impl Piece {
         }
     }
 
+    /// Whether every sample chooses it.
+    #[inline(always)]
+    pub fn takes_all(&self) -> bool {
+        self.from == 0.0 && self.to == 1.0
+    }
+
+    /// The first centred coordinate, which has chosen the piece, stretched over it.
+    #[inline(always)]
+    pub fn stretched(&self, c0: f64) -> f64 {
+        (c0 + 0.5 - self.from) * self.stretch - 0.5
+    }
+
     /// The point of the piece for centred coordinates of the square.
     #[inline(always)]
     pub fn point(&self, c0: f64, c1: f64) -> DVec2 {
@@ -64,23 +82,27 @@ impl Piece {
 impl Launch {
     /// The launch over `entrance`: a simple polygon, or the parallelogram of a periodic cell.
     pub fn new(entrance: &Entrance) -> Self {
-        let mut pieces = match entrance.polygon[..] {
-            [a, b, c, d] if (a + c - b - d).length() <= 1e-12 * (c - a).length() => {
-                let centre = (a + b + c + d) / 4.0;
-                vec![Piece {
-                    centre,
-                    sides: [b - a, d - a],
-                    folded: false,
-                    share_up_to: 1.0,
-                }]
+        Launch::among(&[(entrance, 1)])
+    }
+
+    /// The launch over several entrances, one for each scene, that stand for so many of their kind.
+    pub fn among(entrances: &[(&Entrance, usize)]) -> Self {
+        let mut pieces = Vec::new();
+        let mut areas = Vec::new();
+        for (scene, &(entrance, count)) in entrances.iter().enumerate() {
+            for piece in cut(entrance) {
+                areas.push(piece.area() * count as f64);
+                pieces.push(Piece { scene, ..piece });
             }
-            _ => ears(&entrance.polygon).into_iter().map(folded).collect(),
-        };
-        let whole: f64 = pieces.iter().map(Piece::area).sum();
+        }
+        let whole: f64 = areas.iter().sum();
         let mut sum = 0.0;
-        for piece in &mut pieces {
-            sum += piece.area();
-            piece.share_up_to = sum / whole;
+        let last = pieces.len().saturating_sub(1);
+        for (i, piece) in pieces.iter_mut().enumerate() {
+            piece.from = sum / whole;
+            sum += areas[i];
+            piece.to = if i == last { 1.0 } else { sum / whole };
+            piece.stretch = 1.0 / (piece.to - piece.from);
         }
         Launch { pieces }
     }
@@ -93,26 +115,23 @@ impl Launch {
     /// Where the ray of sample `index` of `stream` starts, cell frame, edge lengths.
     #[inline]
     pub fn point(&self, stream: &Stream, index: u64) -> DVec2 {
+        self.entry(stream, index).1
+    }
+
+    /// The scene that the ray of sample `index` of `stream` enters, and where.
+    ///
+    /// The first coordinate chooses the piece by area, and what is left of it is stretched over the piece.
+    #[inline]
+    pub fn entry(&self, stream: &Stream, index: u64) -> (usize, DVec2) {
         let [x, y] = stream.pair(index);
         let (c0, c1) = (centred(x), centred(y));
-        if let [piece] = self.pieces[..] {
-            return piece.point(c0, c1);
+        if let [piece] = &self.pieces[..] {
+            return (piece.scene, piece.point(c0, c1));
         }
-        // The first coordinate chooses the piece by area, and what is left of it is stretched over the piece.
-        let along = c0 + 0.5;
         let last = self.pieces.len() - 1;
-        let chosen = self
-            .pieces
-            .iter()
-            .position(|piece| along < piece.share_up_to)
-            .unwrap_or(last);
-        let from = if chosen == 0 {
-            0.0
-        } else {
-            self.pieces[chosen - 1].share_up_to
-        };
-        let piece = &self.pieces[chosen];
-        piece.point((along - from) / (piece.share_up_to - from) - 0.5, c1)
+        let chosen = self.pieces.iter().position(|piece| c0 + 0.5 < piece.to);
+        let piece = &self.pieces[chosen.unwrap_or(last)];
+        (piece.scene, piece.point(piece.stretched(c0), c1))
     }
 
     /// Where an azimuth between 0 and 2 pi lies that is the third coordinate of sample `index`, rad.
@@ -122,13 +141,39 @@ impl Launch {
     }
 }
 
+/// An entrance cut into pieces.
+fn cut(entrance: &Entrance) -> Vec<Piece> {
+    match entrance.polygon[..] {
+        [a, b, c, d] if (a + c - b - d).length() <= 1e-12 * (c - a).length() => {
+            vec![Piece {
+                centre: (a + b + c + d) / 4.0,
+                sides: [b - a, d - a],
+                folded: false,
+                ..WHOLE
+            }]
+        }
+        _ => ears(&entrance.polygon).into_iter().map(folded).collect(),
+    }
+}
+
+/// A piece that takes all samples.
+const WHOLE: Piece = Piece {
+    centre: DVec2::ZERO,
+    sides: [DVec2::X, DVec2::Y],
+    folded: false,
+    scene: 0,
+    from: 0.0,
+    to: 1.0,
+    stretch: 1.0,
+};
+
 fn folded([a, b, c]: [DVec2; 3]) -> Piece {
     // The half c0 + c1 <= 0 of the parallelogram a, b, ., c about the middle of b and c is the triangle.
     Piece {
         centre: (b + c) / 2.0,
         sides: [b - a, c - a],
         folded: true,
-        share_up_to: 1.0,
+        ..WHOLE
     }
 }
 

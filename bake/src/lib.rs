@@ -5,6 +5,7 @@
 //! lengths and radians; degrees exist at the door only ([`plan`]).
 #![deny(unsafe_code)]
 
+pub mod bodies;
 pub mod bvh;
 pub mod cli;
 pub mod exact;
@@ -24,6 +25,7 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod sequence;
+pub mod sheet;
 pub mod simd;
 pub mod study;
 pub mod tally;

@@ -13,7 +13,6 @@
 //! Cells that do not fit (periodic, many facets, facets that pierce each other or hide each other in a circle) have
 //! no program and are traced facet by facet: `Program::new` returns `None`.
 
-use crate::launch::Launch;
 use crate::optics::{reflect, reflection, totally_reflected};
 use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
 use crate::ray::Direction;
@@ -120,10 +119,11 @@ pub struct Program {
 }
 
 impl Program {
-    /// The program for rays along `direction` that start as `launch` says, or `None` where the cell does not fit.
+    /// The program for rays along `direction` that enter in the convex parts `entry`, or `None` where the cell does
+    /// not fit.
     pub fn new(
         scene: &Scene,
-        launch: &Launch,
+        entry: Vec<Vec<DVec2>>,
         rules: &Rules,
         direction: &Direction,
         bins: &Bins,
@@ -153,15 +153,7 @@ impl Program {
             bins,
             program,
         };
-        builder.node(
-            &root,
-            0,
-            launch
-                .pieces()
-                .iter()
-                .map(|piece| piece.polygon())
-                .collect(),
-        )?;
+        builder.node(&root, 0, entry)?;
         Some(builder.program)
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::exact::{self, ExactCell, ExactError};
 use crate::kernel::Kernel;
-use crate::launch::Launch;
 use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION};
-use crate::scene::{Index, Scene};
+use crate::scene::Index;
 use crate::sequence::Stream;
+use crate::sheet::Sheet;
 use crate::tally::{Bins, Sums, Tally};
 use meshes::Cell;
 use ndarray::{Array2, Array4, Array5};
@@ -172,8 +172,7 @@ fn share(rays: u64, among: usize, which: usize) -> u64 {
 }
 
 fn bundles(cell: &Cell, plan: &Plan, tracer: Tracer) -> Vec<Bundle> {
-    let scene = std::sync::Arc::new(Scene::new(cell, Index::Auto));
-    let launch = Launch::new(&cell.entrance);
+    let sheet = Sheet::new(cell, Index::Auto);
     let bins = Bins::new(plan.axes.bins, plan.axes.range);
     let rules = plan.rules(cell);
     let directions = plan
@@ -184,8 +183,7 @@ fn bundles(cell: &Cell, plan: &Plan, tracer: Tracer) -> Vec<Bundle> {
     directions
         .map(|(incidence_deg, azimuth_deg)| Bundle {
             kernel: {
-                let kernel =
-                    Kernel::new(&scene, &launch, &rules, &bins, incidence_deg, azimuth_deg);
+                let kernel = Kernel::over(&sheet, &rules, &bins, incidence_deg, azimuth_deg);
                 match tracer {
                     Tracer::Fastest => kernel,
                     Tracer::OneByOne => kernel.one_by_one(),

@@ -8,11 +8,11 @@ use crate::bvh::Hierarchy;
 use crate::ray::Ray;
 use crate::triangle::Facet;
 use glam::{DMat2, DVec2, DVec3};
-use meshes::Cell;
+use meshes::{Cell, Entrance};
 
 /// From this number of facets on, the hierarchy is faster than a loop over all. Measured by `examples/speed.rs`, million
 /// rays/s on 1 thread: 6 facets 2.9 against 5.0, 24 facets 2.6 against 2.0, 54 facets 2.0 against 1.0.
-const HIERARCHY_FROM: usize = 24;
+pub const SMALL: usize = 24;
 
 /// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray along a groove
 /// would never stop.
@@ -114,42 +114,37 @@ pub enum Event {
 }
 
 impl Scene {
-    /// The scene of a cell. Facets of zero area are left out: no ray can meet them.
+    /// The scene of a cell.
     pub fn new(cell: &Cell, index: Index) -> Self {
-        let own: Vec<Facet> = cell
-            .facets
+        Scene::of(&cell.facets, &cell.entrance, index)
+    }
+
+    /// The scene of `facets` under `entrance`. Facets of zero area are left out: no ray can meet them.
+    pub fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
+        let own: Vec<Facet> = facets
             .iter()
             .filter_map(|&corners| Facet::new(corners))
             .collect();
-        let walls = cell.entrance.lattice.map(|lattice| Walls {
+        let walls = entrance.lattice.map(|lattice| Walls {
             lattice,
             lattice_from_plane: DMat2::from_cols(lattice[0], lattice[1]).inverse(),
-            corner: cell
-                .entrance
-                .polygon
-                .first()
-                .copied()
-                .unwrap_or(DVec2::ZERO),
+            corner: entrance.polygon.first().copied().unwrap_or(DVec2::ZERO),
         });
         let facets = match &walls {
             None => own,
             Some(walls) => walls.copies(&own),
         };
         let hierarchy = match index {
-            Index::Auto => facets.len() >= HIERARCHY_FROM,
+            Index::Auto => facets.len() >= SMALL,
             Index::Loop => false,
             Index::Hierarchy => !facets.is_empty(),
         }
         .then(|| Hierarchy::new(&facets));
-        let height = cell.entrance.height;
+        let height = entrance.height;
         let corners = || facets.iter().flat_map(|facet| facet.corners);
-        let entrance = || cell.entrance.polygon.iter().map(|p| p.extend(height));
-        let low = corners()
-            .chain(entrance())
-            .fold(DVec3::INFINITY, DVec3::min);
-        let high = corners()
-            .chain(entrance())
-            .fold(DVec3::NEG_INFINITY, DVec3::max);
+        let rim = || entrance.polygon.iter().map(|p| p.extend(height));
+        let low = corners().chain(rim()).fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().chain(rim()).fold(DVec3::NEG_INFINITY, DVec3::max);
         Scene {
             facets,
             hierarchy,

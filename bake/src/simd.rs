@@ -62,7 +62,7 @@ impl InstructionSet {
     /// Runs [`lanes::run`] with this instruction set.
     pub fn run(
         self,
-        program: &Program,
+        programs: &[Program],
         launch: &Launch,
         bins: &Bins,
         stream: &Stream,
@@ -70,13 +70,13 @@ impl InstructionSet {
         tally: &mut Tally,
     ) {
         match self.0 {
-            Level::Baseline => lanes::run(program, launch, bins, stream, samples, tally),
+            Level::Baseline => lanes::run(programs, launch, bins, stream, samples, tally),
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2(program, launch, bins, stream, samples, tally) },
+            Level::Avx2 => unsafe { avx2(programs, launch, bins, stream, samples, tally) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512(program, launch, bins, stream, samples, tally) },
+            Level::Avx512 => unsafe { avx512(programs, launch, bins, stream, samples, tally) },
         }
     }
 }
@@ -84,25 +84,25 @@ impl InstructionSet {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2(
-    program: &Program,
+    programs: &[Program],
     launch: &Launch,
     bins: &Bins,
     stream: &Stream,
     samples: Range<u64>,
     tally: &mut Tally,
 ) {
-    lanes::run(program, launch, bins, stream, samples, tally);
+    lanes::run(programs, launch, bins, stream, samples, tally);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
 fn avx512(
-    program: &Program,
+    programs: &[Program],
     launch: &Launch,
     bins: &Bins,
     stream: &Stream,
     samples: Range<u64>,
     tally: &mut Tally,
 ) {
-    lanes::run(program, launch, bins, stream, samples, tally);
+    lanes::run(programs, launch, bins, stream, samples, tally);
 }

@@ -10,15 +10,14 @@ pub mod report;
 
 use crate::exact::{self, ExactError};
 use crate::kernel::Kernel;
-use crate::launch::Launch;
 use crate::plan::{self, Method, Plan, PlanError};
 use crate::run::{self, RunError, Tracer};
-use crate::scene::{Index, Scene};
+use crate::scene::Index;
 use crate::sequence::Sampler;
+use crate::sheet::Sheet;
 use crate::tally::{Bins, Sums};
 use fit::{Reached, Slope};
 use meshes::Cell;
-use std::sync::Arc;
 use std::time::Instant;
 use tables::{Fate, Table};
 use thiserror::Error;
@@ -381,8 +380,7 @@ pub fn name(tracer: Tracer) -> &'static str {
 
 /// Directions that run as programs.
 fn programs(cell: &Cell, plan: &Plan) -> usize {
-    let scene = Arc::new(Scene::new(cell, Index::Auto));
-    let launch = Launch::new(&cell.entrance);
+    let sheet = Sheet::new(cell, Index::Auto);
     let bins = Bins::new(plan.axes.bins, plan.axes.range);
     let rules = plan.rules(cell);
     let directions = plan
@@ -392,9 +390,9 @@ fn programs(cell: &Cell, plan: &Plan) -> usize {
         .flat_map(|&i| plan.axes.azimuth_deg.iter().map(move |&a| (i, a)));
     directions
         .filter(|&(i, a)| {
-            Kernel::new(&scene, &launch, &rules, &bins, i, a)
-                .program()
-                .is_some()
+            !Kernel::over(&sheet, &rules, &bins, i, a)
+                .programs()
+                .is_empty()
         })
         .count()
 }

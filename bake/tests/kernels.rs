@@ -2,15 +2,18 @@
 
 mod cells;
 
+use bake::bodies;
 use bake::kernel::Kernel;
 use bake::launch::Launch;
-use bake::path::Rules;
+use bake::path::{Rules, trace};
+use bake::ray::Direction;
 use bake::scene::{Index, Scene};
 use bake::sequence::{Sampler, Stream};
+use bake::sheet::Sheet;
 use bake::simd::InstructionSet;
 use bake::tally::{Bins, Tally};
 use glam::DVec3;
-use meshes::Cell;
+use meshes::{Cell, Entrance};
 use std::sync::Arc;
 
 const MIRROR: Rules = Rules {
@@ -49,7 +52,9 @@ fn program_equals_tracer_ray_for_ray() {
             for incidence in [0.0, 5.0, 20.0, 35.0, 36.0, 45.0, 54.8, 70.0, 89.9] {
                 for azimuth in [0.0, 17.0, 60.0, 130.0] {
                     let kernel = Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth);
-                    let program = kernel.program().expect("a small planar cell");
+                    let [program] = kernel.programs() else {
+                        panic!("a small planar cell has a program")
+                    };
                     maps = maps.max(program.maps.len());
                     let sampler = if azimuth == 17.0 {
                         Sampler::Random
@@ -90,13 +95,20 @@ fn instruction_sets_agree_bit_for_bit() {
         let launch = Launch::new(&cell.entrance);
         for sampler in [Sampler::Random, Sampler::Sobol] {
             let kernel = Kernel::new(&scene, &launch, &MIRROR, &bins, 12.0, 40.0);
-            let program = kernel.program().expect("a small planar cell");
+            assert_eq!(kernel.programs().len(), 1, "a small planar cell");
             let stream = Stream::new(sampler, 9, 12.0, 40.0, 1);
             let counts: Vec<Tally> = InstructionSet::available()
                 .into_iter()
                 .map(|set| {
                     let mut tally = Tally::new(&bins);
-                    set.run(program, &launch, &bins, &stream, 0..100_003, &mut tally);
+                    set.run(
+                        kernel.programs(),
+                        &launch,
+                        &bins,
+                        &stream,
+                        0..100_003,
+                        &mut tally,
+                    );
                     tally
                 })
                 .collect();
@@ -134,4 +146,158 @@ fn hierarchy_equals_loop() {
         }
     }
     assert_eq!(compared, 12);
+}
+
+/// A parallelogram of `columns` x `rows` pairs of cubes, welded along the rims.
+fn patch(columns: usize, rows: usize) -> Cell {
+    let pair = cells::pair();
+    let [a, b, _, d] = pair.entrance.polygon[..] else {
+        panic!("the pair's entrance is a parallelogram")
+    };
+    let (right, up) = (b - a, d - a);
+    let place = |p: DVec3, i: usize, j: usize| {
+        let offset = right * i as f64 + up * j as f64;
+        p + offset.extend(0.0)
+    };
+    let mut known: Vec<DVec3> = Vec::new();
+    let mut weld = |p: DVec3| match known.iter().find(|q| q.distance(p) < 1e-9) {
+        Some(&q) => q,
+        None => {
+            known.push(p);
+            p
+        }
+    };
+    let mut facets = Vec::new();
+    for i in 0..columns {
+        for j in 0..rows {
+            facets.extend(
+                pair.facets
+                    .iter()
+                    .map(|facet| facet.map(|p| weld(place(p, i, j)))),
+            );
+        }
+    }
+    let (right, up) = (right * columns as f64, up * rows as f64);
+    Cell {
+        facets,
+        entrance: Entrance {
+            polygon: vec![a, a + right, a + right + up, a + up],
+            ..pair.entrance.clone()
+        },
+        ..pair
+    }
+}
+
+/// A patch of 120 pairs falls into two kinds of cubes, and tracing one of each gives, ray for ray, what the whole mesh
+/// gives by hierarchy and, for some directions, by the loop over all its facets. Which body of its kind a ray of the whole
+/// enters is chosen at random.
+#[test]
+fn bodies_equal_the_whole_mesh_ray_for_ray() {
+    let cell = patch(12, 10);
+    let kinds = bodies::kinds(&cell).expect("a patch of cubes");
+    assert_eq!(
+        kinds
+            .iter()
+            .map(|kind| kind.places.len())
+            .collect::<Vec<_>>(),
+        [120, 120]
+    );
+    let sheet = Sheet::new(&cell, Index::Auto);
+    assert_eq!(sheet.scenes.len(), 2);
+    let wholes = [Index::Hierarchy, Index::Loop].map(|index| Scene::new(&cell, index));
+    let bins = Bins::new(32, 1.5);
+    let tir = Rules {
+        refractive_index: 1.49,
+        mirror_back: false,
+        ..MIRROR
+    };
+    let (first, rays) = ((1 << 15) - 5, 40_000u64);
+    let mut entered = vec![[false; 2]; 120];
+    let mut compared = 0;
+    for (incidence, azimuth) in [
+        (0.0, 0.0),
+        (11.0, 200.0),
+        (20.0, 0.0),
+        (34.0, 75.0),
+        (54.0, 60.0),
+        (80.0, 33.0),
+    ] {
+        for sampler in [Sampler::Random, Sampler::Sobol] {
+            for rules in [MIRROR, tir] {
+                let kernel = Kernel::over(&sheet, &rules, &bins, incidence, azimuth);
+                assert_eq!(kernel.programs().len(), 2, "one program per kind");
+                let stream = Stream::new(sampler, 5, incidence, azimuth, 0);
+                let choices = Stream::new(Sampler::Random, 6, incidence, azimuth, 0);
+                let angles = [incidence, azimuth].map(f64::to_radians);
+                let direction = Direction::new(angles[0], angles[1], rules.refractive_index);
+                for (whole, rays) in wholes.iter().zip([rays, 500]) {
+                    let (mut parts, mut all) = (Tally::new(&bins), Tally::new(&bins));
+                    kernel.trace(&stream, first..first + rays, &mut parts);
+                    for index in first..first + rays {
+                        let (kind, point) = sheet.launch.entry(&stream, index);
+                        let choice = choices.pair(index)[0] as usize % 120;
+                        entered[choice][kind] = true;
+                        let point = point + kinds[kind].places[choice];
+                        all.count(&bins, &trace(whole, &rules, &direction, point));
+                    }
+                    assert_eq!(parts.fates, all.fates, "at ({incidence}, {azimuth})");
+                    let size = bins.len();
+                    assert!(parts.histogram[..size] == all.histogram[..size]);
+                    assert_eq!(parts.fates.iter().sum::<u64>(), rays);
+                    compared += rays;
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 6 * 2 * 2 * 40_500);
+    assert!(entered.iter().flatten().all(|&entered| entered));
+}
+
+/// What is not a set of separate bodies is traced as a whole.
+#[test]
+fn what_is_no_set_of_bodies_is_left_whole() {
+    let cell = patch(3, 3);
+    assert!(bodies::kinds(&cell).is_some());
+    let spoilt = |spoil: &dyn Fn(&mut Cell)| {
+        let mut cell = cell.clone();
+        spoil(&mut cell);
+        bodies::kinds(&cell).is_none()
+    };
+    let rims = |cell: &mut Cell, change: &dyn Fn(&mut DVec3)| {
+        let corner = cell.facets[0][1];
+        let corners = cell.facets.iter_mut().flatten();
+        corners.filter(|p| **p == corner).for_each(change);
+    };
+    let cases = [
+        spoilt(&|cell| cell.entrance.lattice = Some([glam::DVec2::X, glam::DVec2::Y])),
+        // a facet missing: a hole below the entrance plane
+        spoilt(&|cell| cell.facets.truncate(cell.facets.len() - 1)),
+        // a facet twice
+        spoilt(&|cell| cell.facets.push(cell.facets[0])),
+        // a facet turned over
+        spoilt(&|cell| cell.facets[4].swap(0, 1)),
+        // a rim vertex off the entrance plane
+        spoilt(&|cell| rims(cell, &|p| p.z -= 1e-6)),
+        // a body left out: the apertures do not cover the entrance
+        spoilt(&|cell| drop(cell.facets.drain(0..3))),
+        // a body moved over its neighbours
+        spoilt(&|cell| {
+            cell.facets[..3]
+                .iter_mut()
+                .flatten()
+                .for_each(|p| p.x += 0.1)
+        }),
+        // an apex outside its aperture
+        spoilt(&|cell| {
+            let apex = cell.facets[0][0];
+            let corners = cell.facets.iter_mut().flatten();
+            corners.filter(|p| **p == apex).for_each(|p| p.x += 2.0);
+        }),
+        // a facet in the entrance plane
+        spoilt(&|cell| {
+            cell.facets
+                .push(cell.facets[0].map(|p| p.with_z(cells::HEIGHT)))
+        }),
+    ];
+    assert_eq!(cases, [true; 9]);
 }
