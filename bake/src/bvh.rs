@@ -4,6 +4,7 @@
 //! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets
 //! finds, bit for bit (tested). Its wide variant has an absolute epsilon near surfaces and is not used.
 
+use crate::bundle::Bundle;
 use crate::ray::Ray;
 use crate::scene::Nearest;
 use crate::triangle::Facet;
@@ -13,6 +14,9 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::ray::{Ray as RayF32, RayHit};
 use std::time::Duration;
+
+/// Nodes on the way down at most, for bundles.
+const DEPTH: usize = 64;
 
 /// A hierarchy over a list of facets.
 pub struct Hierarchy {
@@ -79,6 +83,80 @@ impl Hierarchy {
             });
         nearest
     }
+
+    /// The same for all rays of `bundle`. They start where facets are, so no digits are lost on the way.
+    #[inline(always)]
+    pub fn nearest_of(&self, facets: &[Facet], bundle: &mut Bundle) {
+        let bounds = bundle.bounds(self.centre);
+        // Whatever is in the ball of the facets is no further than this from an origin.
+        let span = bounds.farthest() + 2.0 * self.radius;
+        let mut limit = span;
+        let mut stack = [(0.0f64, 0usize); DEPTH];
+        let mut open = 1;
+        while open > 0 {
+            open -= 1;
+            let (from, at) = stack[open];
+            if from > limit {
+                continue;
+            }
+            let node = &self.tree.nodes[at];
+            let first = node.first_index as usize;
+            if node.prim_count > 0 {
+                for &facet in &self.tree.primitive_indices[first..][..node.prim_count as usize] {
+                    bundle.offer(facet as usize, &facets[facet as usize]);
+                }
+                limit = (bundle.limit() * (1.0 + 1e-6) + self.padding).min(span);
+                continue;
+            }
+            let reach = |child: usize| {
+                let bounds_of_child = &self.tree.nodes[child].aabb;
+                bounds.reach(
+                    double(bounds_of_child.min),
+                    double(bounds_of_child.max),
+                    limit,
+                )
+            };
+            let near = [first, first + 1].map(|child| (reach(child), child));
+            let mut push = |(from, child): (Option<f64>, usize)| {
+                if let Some(from) = from {
+                    stack[open] = (from, child);
+                    open += 1;
+                }
+            };
+            // The nearer child last: it is looked at first.
+            let [one, two] = near;
+            if one.0 < two.0 {
+                push(two);
+                push(one);
+            } else {
+                push(one);
+                push(two);
+            }
+        }
+    }
+
+    /// Whether the stack of [`Hierarchy::nearest_of`] is deep enough for it.
+    pub fn takes_bundles(&self) -> bool {
+        let mut depth = vec![0usize; self.tree.nodes.len()];
+        let mut deepest = 0;
+        let mut open = vec![0usize];
+        while let Some(at) = open.pop() {
+            let node = &self.tree.nodes[at];
+            deepest = deepest.max(depth[at]);
+            if node.prim_count == 0 {
+                let first = node.first_index as usize;
+                for child in [first, first + 1] {
+                    depth[child] = depth[at] + 1;
+                    open.push(child);
+                }
+            }
+        }
+        deepest + 2 < DEPTH
+    }
+}
+
+fn double(v: Vec3A) -> [f64; 3] {
+    v.to_array().map(f64::from)
 }
 
 fn single(v: DVec3) -> Vec3A {

@@ -1,7 +1,9 @@
 //! The tracer of one direction: every ray of a run from its sample to the tally.
 
+use crate::bundle::{Bundle, NEIGHBOURS};
+use crate::lanes::LANES;
 use crate::launch::{Launch, Piece};
-use crate::path::{Rules, trace};
+use crate::path::{Path, Rules, trace};
 use crate::program::Program;
 use crate::ray::Direction;
 use crate::scene::Scene;
@@ -9,6 +11,7 @@ use crate::sequence::Stream;
 use crate::sheet::Sheet;
 use crate::simd::InstructionSet;
 use crate::tally::{Bins, Tally};
+use glam::DVec2;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -25,6 +28,8 @@ pub struct Kernel {
     /// The same in a form that many rays run at once, one per scene; none where a scene does not allow it.
     programs: Vec<Program>,
     instructions: InstructionSet,
+    /// Whether scenes with a hierarchy are traced in bundles.
+    bundles: bool,
 }
 
 impl Kernel {
@@ -70,6 +75,8 @@ impl Kernel {
         Kernel {
             programs: programs.unwrap_or_default(),
             instructions: InstructionSet::best(),
+            // With an azimuth of its own for each, rays part at once.
+            bundles: direction.is_some(),
             scenes: scenes.clone(),
             launch: launch.clone(),
             rules: *rules,
@@ -83,6 +90,7 @@ impl Kernel {
     pub fn one_by_one(self) -> Self {
         Kernel {
             programs: Vec::new(),
+            bundles: false,
             ..self
         }
     }
@@ -95,7 +103,7 @@ impl Kernel {
     /// Traces `samples` of `stream` into `tally`.
     pub fn trace(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         match &self.programs[..] {
-            [] => self.trace_one_by_one(stream, samples, tally),
+            [] => self.trace_paths(stream, samples, tally),
             programs => {
                 self.instructions
                     .run(programs, &self.launch, &self.bins, stream, samples, tally)
@@ -103,18 +111,102 @@ impl Kernel {
         }
     }
 
+    /// The same facet by facet: in bundles where a scene has a hierarchy for them, else by [`trace`].
+    fn trace_paths(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
+        let takes_bundles = |scene: &Arc<Scene>| scene.for_bundles().is_some();
+        if !self.bundles || !self.scenes.iter().any(takes_bundles) {
+            return self.trace_one_by_one(stream, samples, tally);
+        }
+        for (number, scene) in self.scenes.iter().enumerate() {
+            let mut starts = Vec::new();
+            for index in samples.clone() {
+                let (chosen, point) = self.launch.entry(stream, index);
+                if chosen == number {
+                    starts.push((place(&self.launch, point), index));
+                }
+            }
+            starts.sort_unstable();
+            for neighbours in starts.chunks(NEIGHBOURS) {
+                let indices = neighbours.iter().map(|&(_, index)| index);
+                self.trace_neighbours(scene, stream, indices, tally);
+            }
+        }
+    }
+
+    /// Traces samples that enter `scene` near each other.
+    fn trace_neighbours(
+        &self,
+        scene: &Scene,
+        stream: &Stream,
+        indices: impl Iterator<Item = u64>,
+        tally: &mut Tally,
+    ) {
+        let mut paths: Vec<(Path, Direction)> = indices
+            .map(|index| {
+                let direction = self.direction_of(stream, index);
+                let point = self.launch.point(stream, index);
+                (Path::new(scene, &direction, point), direction)
+            })
+            .collect();
+        // Rays under way, after the first reflection in the order of the facets that they come from.
+        let mut order: Vec<(u64, u32)> = (0..paths.len() as u32).map(|which| (0, which)).collect();
+        let mut next = Vec::with_capacity(paths.len());
+        let mut bundle = Bundle::new();
+        while !order.is_empty() {
+            for group in order
+                .chunk_by(|a, b| a.0 == b.0)
+                .flat_map(|alike| alike.chunks(LANES))
+            {
+                let Some(hierarchy) = scene.for_bundles() else {
+                    return;
+                };
+                bundle.fill(group.iter().map(|&(_, which)| &paths[which as usize].0.ray));
+                self.instructions
+                    .nearest_of(hierarchy, scene.facets(), &mut bundle);
+                for (lane, &(from, which)) in group.iter().enumerate() {
+                    let nearest = bundle.nearest(lane, scene.facets());
+                    let (path, direction) = &mut paths[which as usize];
+                    let event = scene.event(&path.ray, &nearest);
+                    match path.pass(&event, scene, &self.rules, direction) {
+                        Some(outcome) => tally.count(&self.bins, &outcome),
+                        None => {
+                            let facet = nearest.facet.map_or(0, |facet| facet as u64 + 1);
+                            next.push((from << 32 | facet, which));
+                        }
+                    }
+                }
+            }
+            next.sort_unstable();
+            std::mem::swap(&mut order, &mut next);
+            next.clear();
+        }
+    }
+
+    fn direction_of(&self, stream: &Stream, index: u64) -> Direction {
+        self.direction.unwrap_or_else(|| {
+            let azimuth_rad = self.launch.azimuth_rad(stream, index);
+            Direction::new(self.incidence_rad, azimuth_rad, self.rules.refractive_index)
+        })
+    }
+
     /// The same by [`trace`], ray by ray.
     pub fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         for index in samples {
             let (scene, point) = self.launch.entry(stream, index);
-            let direction = self.direction.unwrap_or_else(|| {
-                let azimuth_rad = self.launch.azimuth_rad(stream, index);
-                Direction::new(self.incidence_rad, azimuth_rad, self.rules.refractive_index)
-            });
+            let direction = self.direction_of(stream, index);
             tally.count(
                 &self.bins,
                 &trace(&self.scenes[scene], &self.rules, &direction, point),
             );
         }
     }
+}
+
+/// Where a point of the entrance lies, neighbours near each other: its column and row of 1,024 each way, bit by bit in
+/// turn (Morton 1966).
+fn place(launch: &Launch, point: DVec2) -> u32 {
+    let [low, high] = launch.box_of_entrance();
+    let at = (point - low) / (high - low) * 1024.0;
+    let spread = |x: u32| (0..10).fold(0, |sum, bit| sum | ((x >> bit & 1) << (2 * bit)));
+    spread((at.x as u32).min(1023)) | spread((at.y as u32).min(1023)) << 1
 }

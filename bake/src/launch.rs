@@ -14,6 +14,8 @@ use meshes::Entrance;
 pub struct Launch {
     /// Pieces of the entrance.
     pieces: Vec<Piece>,
+    /// The box of all pieces.
+    bounds: [DVec2; 2],
 }
 
 /// A parallelogram, or the half of it where c0 + c1 <= 0.
@@ -104,7 +106,17 @@ impl Launch {
             piece.to = if i == last { 1.0 } else { sum / whole };
             piece.stretch = 1.0 / (piece.to - piece.from);
         }
-        Launch { pieces }
+        let corners = || pieces.iter().flat_map(Piece::polygon);
+        let bounds = [
+            corners().fold(DVec2::INFINITY, DVec2::min),
+            corners().fold(DVec2::NEG_INFINITY, DVec2::max),
+        ];
+        Launch { pieces, bounds }
+    }
+
+    /// The least box that holds the entrance: its lower and its upper corner.
+    pub fn box_of_entrance(&self) -> [DVec2; 2] {
+        self.bounds
     }
 
     /// The pieces.

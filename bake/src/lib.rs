@@ -6,6 +6,7 @@
 #![deny(unsafe_code)]
 
 pub mod bodies;
+pub mod bundle;
 pub mod bvh;
 pub mod cli;
 pub mod exact;

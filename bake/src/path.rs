@@ -65,54 +65,93 @@ pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, tolerance_rad: f
     }
 }
 
-/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
-pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) -> Outcome {
-    let mut ray = scene.enter(point, direction.travel);
-    let mut map = DMat3::IDENTITY;
-    let mut prism = [0i32, 0i32];
-    let mut bounces = 0;
-    let ended = |fate, ray: &Ray, bounces| Outcome {
-        fate,
-        shift: DVec2::ZERO,
-        bounces,
-        travel: ray.direction,
-    };
-    loop {
-        match scene.next(&ray) {
-            Event::Hit { front: false, .. } => return ended(Fate::Absorbed, &ray, bounces),
+/// A ray under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Path {
+    /// Its present piece.
+    pub ray: Ray,
+    /// Where it entered.
+    point: DVec2,
+    /// Linear map of the reflections so far.
+    map: DMat3,
+    prism: [i32; 2],
+    bounces: u32,
+}
+
+impl Path {
+    /// The ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
+    pub fn new(scene: &Scene, direction: &Direction, point: DVec2) -> Self {
+        Path {
+            ray: scene.enter(point, direction.travel),
+            point,
+            map: DMat3::IDENTITY,
+            prism: [0, 0],
+            bounces: 0,
+        }
+    }
+
+    /// Takes the path, launched along `direction`, past the next event of its ray; the outcome if it ends there.
+    #[inline]
+    pub fn pass(
+        &mut self,
+        event: &Event,
+        scene: &Scene,
+        rules: &Rules,
+        direction: &Direction,
+    ) -> Option<Outcome> {
+        let fate = match *event {
+            Event::Hit { front: false, .. } => Fate::Absorbed,
+            Event::Hit { .. } if self.bounces == BOUNCE_LIMIT => Fate::BounceLimit,
             Event::Hit {
                 arrival,
                 normal,
-                prism: crossed,
+                prism,
                 ..
             } => {
-                if bounces == BOUNCE_LIMIT {
-                    return ended(Fate::BounceLimit, &ray, bounces);
-                }
                 let cosine = arrival.direction.dot(normal);
-                if !rules.mirror_back && !totally_reflected(cosine, rules.refractive_index) {
-                    return ended(Fate::Transmitted, &ray, bounces);
+                if rules.mirror_back || totally_reflected(cosine, rules.refractive_index) {
+                    self.bounces += 1;
+                    self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
+                    self.map = reflection(normal) * self.map;
+                    self.ray = arrival;
+                    self.ray.direction = reflect(arrival.direction, normal);
+                    return None;
                 }
-                bounces += 1;
-                prism = [prism[0] + crossed[0], prism[1] + crossed[1]];
-                map = reflection(normal) * map;
-                ray = arrival;
-                ray.direction = reflect(ray.direction, normal);
+                Fate::Transmitted
             }
-            Event::Endless => return ended(Fate::BounceLimit, &ray, bounces),
-            Event::Out => break,
+            Event::Endless => Fate::BounceLimit,
+            Event::Out => {
+                let tolerance = rules.angular_tolerance_rad;
+                fate_of_leaving(self.map, direction.travel, self.bounces, tolerance)
+            }
+        };
+        let mut shift = DVec2::ZERO;
+        if fate == Fate::Retroreflected {
+            let Ray {
+                origin,
+                direction: up,
+                ..
+            } = self.ray;
+            let exit = origin + up * ((scene.height() - origin.z) / up.z);
+            shift =
+                direction.to_frame(exit.truncate() + scene.displacement(self.prism) - self.point);
         }
+        Some(Outcome {
+            fate,
+            shift,
+            bounces: self.bounces,
+            travel: self.ray.direction,
+        })
     }
-    let fate = fate_of_leaving(map, direction.travel, bounces, rules.angular_tolerance_rad);
-    if fate != Fate::Retroreflected {
-        return ended(fate, &ray, bounces);
-    }
-    let exit = ray.origin + ray.direction * ((scene.height() - ray.origin.z) / ray.direction.z);
-    let shift = exit.truncate() + scene.displacement(prism) - point;
-    Outcome {
-        fate,
-        shift: direction.to_frame(shift),
-        bounces,
-        travel: ray.direction,
+}
+
+/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
+pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) -> Outcome {
+    let mut path = Path::new(scene, direction, point);
+    loop {
+        let event = scene.next(&path.ray);
+        if let Some(outcome) = path.pass(&event, scene, rules, direction) {
+            return outcome;
+        }
     }
 }

@@ -190,14 +190,22 @@ impl Scene {
     /// What `ray` comes to next.
     pub fn next(&self, ray: &Ray) -> Event {
         match &self.walls {
-            None => {
-                let nearest = self.nearest(ray, f64::INFINITY);
-                nearest.facet.map_or(Event::Out, |facet| {
-                    self.hit(ray, ray, facet, &nearest, [0, 0])
-                })
-            }
+            None => self.event(ray, &self.nearest(ray, f64::INFINITY)),
             Some(walls) => self.walk(walls, ray),
         }
+    }
+
+    /// What `ray` comes to in a cell that is not periodic, its nearest facet known.
+    pub fn event(&self, ray: &Ray, nearest: &Nearest) -> Event {
+        nearest.facet.map_or(Event::Out, |facet| {
+            self.hit(ray, ray, facet, nearest, [0, 0])
+        })
+    }
+
+    /// The hierarchy, where rays can go down it in bundles: the cell is not periodic.
+    pub fn for_bundles(&self) -> Option<&Hierarchy> {
+        let hierarchy = self.hierarchy.as_ref();
+        hierarchy.filter(|hierarchy| self.walls.is_none() && hierarchy.takes_bundles())
     }
 
     fn nearest(&self, ray: &Ray, limit: f64) -> Nearest {

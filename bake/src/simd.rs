@@ -8,11 +8,14 @@
     reason = "a function compiled for an instruction set may be called only where it is present"
 )]
 
+use crate::bundle::Bundle;
+use crate::bvh::Hierarchy;
 use crate::lanes;
 use crate::launch::Launch;
 use crate::program::Program;
 use crate::sequence::Stream;
 use crate::tally::{Bins, Tally};
+use crate::triangle::Facet;
 use std::ops::Range;
 
 /// An instruction set that this processor has.
@@ -57,6 +60,20 @@ impl InstructionSet {
             .last()
             .copied()
             .unwrap_or(InstructionSet(Level::Baseline))
+    }
+
+    /// Runs [`Hierarchy::nearest_of`] with this instruction set.
+    #[inline]
+    pub fn nearest_of(self, hierarchy: &Hierarchy, facets: &[Facet], bundle: &mut Bundle) {
+        match self.0 {
+            Level::Baseline => hierarchy.nearest_of(facets, bundle),
+            // SAFETY: the value exists, so `available` found the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { nearest_of_avx2(hierarchy, facets, bundle) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { nearest_of_avx512(hierarchy, facets, bundle) },
+        }
     }
 
     /// Runs [`lanes::run`] with this instruction set.
@@ -105,4 +122,16 @@ fn avx512(
     tally: &mut Tally,
 ) {
     lanes::run(programs, launch, bins, stream, samples, tally);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn nearest_of_avx2(hierarchy: &Hierarchy, facets: &[Facet], bundle: &mut Bundle) {
+    hierarchy.nearest_of(facets, bundle);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
+fn nearest_of_avx512(hierarchy: &Hierarchy, facets: &[Facet], bundle: &mut Bundle) {
+    hierarchy.nearest_of(facets, bundle);
 }

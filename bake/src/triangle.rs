@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// Facets closer to parallel with the ray than this (cosine) are seen edge-on and not met: their cross-section is
 /// below the rounding error of the ray.
-const EDGE_ON: f64 = 1e-14;
+pub const EDGE_ON: f64 = 1e-14;
 
 /// A triangular facet in the cell frame: a mirror from the front, where its corners run counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +43,11 @@ impl Facet {
             normal,
             lengths: [(b - a).length(), (c - b).length(), (a - c).length()],
         })
+    }
+
+    /// Lengths of the edges 0-1, 1-2, 2-0.
+    pub fn lengths(&self) -> [f64; 3] {
+        self.lengths
     }
 
     /// The facet moved by `offset`.

@@ -301,3 +301,68 @@ fn what_is_no_set_of_bodies_is_left_whole() {
     ];
     assert_eq!(cases, [true; 9]);
 }
+
+/// A patch whose cubes all differ, so that they have no kinds: every vertex below the entrance plane is moved.
+fn uneven(columns: usize, rows: usize) -> Cell {
+    let mut cell = patch(columns, rows);
+    for corner in cell.facets.iter_mut().flatten() {
+        if corner.z < cells::HEIGHT / 2.0 {
+            let t = 37.0 * corner.x + 91.0 * corner.y;
+            *corner += DVec3::new(t.sin(), (1.3 * t).sin(), (1.7 * t).sin()) * 1e-3;
+        }
+    }
+    cell
+}
+
+/// Rays in bundles have the outcomes that they have one by one, and by a loop over all facets, bit for bit: of meshes
+/// of like and of unlike cubes and of one whose rays stay in it for long.
+#[test]
+fn bundles_equal_single_rays_bit_for_bit() {
+    let bins = Bins::new(64, 1.5);
+    let tir = Rules {
+        refractive_index: 1.49,
+        mirror_back: false,
+        ..MIRROR
+    };
+    let mut compared = 0;
+    for cell in [patch(5, 4), uneven(12, 9), uneven(3, 2)] {
+        let launch = Launch::new(&cell.entrance);
+        let [scene, oracle] =
+            [Index::Hierarchy, Index::Loop].map(|index| Arc::new(Scene::new(&cell, index)));
+        assert!(scene.for_bundles().is_some());
+        for (incidence, azimuth) in [
+            (0.0, 0.0),
+            (20.0, 0.0),
+            (33.0, 90.0),
+            (54.8, 12.0),
+            (89.0, 60.0),
+        ] {
+            for rules in [MIRROR, tir] {
+                for sampler in [Sampler::Random, Sampler::Sobol] {
+                    let kernel = Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth);
+                    assert!(kernel.programs().is_empty());
+                    let stream = Stream::new(sampler, 8, incidence, azimuth, 0);
+                    let tallies = [0, 1, 2].map(|way| {
+                        let mut tally = Tally::new(&bins);
+                        let rays = 1_000..6_001;
+                        match way {
+                            0 => kernel.trace(&stream, rays, &mut tally),
+                            1 => kernel.trace_one_by_one(&stream, rays, &mut tally),
+                            _ => Kernel::new(&oracle, &launch, &rules, &bins, incidence, azimuth)
+                                .trace_one_by_one(&stream, rays, &mut tally),
+                        }
+                        tally
+                    });
+                    assert!(
+                        tallies[0] == tallies[1],
+                        "single at ({incidence}, {azimuth})"
+                    );
+                    assert!(tallies[0] == tallies[2], "loop at ({incidence}, {azimuth})");
+                    assert_eq!(tallies[0].fates.iter().sum::<u64>(), 5_001);
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 3 * 5 * 2 * 2);
+}
