@@ -80,7 +80,9 @@ impl Bundle {
             self.slack[lane] = self.slack[last];
             self.grain[lane] = self.grain[last];
         }
-        self.distance = [f64::INFINITY; LANES];
+        // Lanes beyond the whole vectors of the rays look for nothing.
+        self.distance = [0.0; LANES];
+        self.distance[..self.count.next_multiple_of(8).min(LANES)].fill(f64::INFINITY);
         self.facet = [NONE; LANES];
     }
 
@@ -132,11 +134,13 @@ impl Bundle {
     pub fn offer(&mut self, index: usize, facet: &Facet) {
         let [dx, dy, dz] = &self.direction;
         let [ox, oy, oz] = &self.origin;
+        // Whole vectors: the lanes that are left over repeat the last ray.
+        let lanes = self.count.next_multiple_of(8).min(LANES);
         let normal = facet.normal;
         let [a, b, c] = facet.corners;
         let (mut cosine, mut height): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
         let mut ahead = [0u64; LANES];
-        for lane in 0..LANES {
+        for lane in 0..lanes {
             cosine[lane] = dx[lane] * normal.x + dy[lane] * normal.y + dz[lane] * normal.z;
             let (x, y, z) = (a.x - ox[lane], a.y - oy[lane], a.z - oz[lane]);
             height[lane] = -(x * normal.x + y * normal.y + z * normal.z);
@@ -152,7 +156,7 @@ impl Bundle {
             return;
         }
         let [ab, bc, ca] = facet.lengths();
-        for lane in 0..LANES {
+        for lane in 0..lanes {
             let (px, py, pz) = (ox[lane], oy[lane], oz[lane]);
             let (d0, d1, d2) = (dx[lane], dy[lane], dz[lane]);
             let (ax, ay, az) = (a.x - px, a.y - py, a.z - pz);

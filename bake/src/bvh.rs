@@ -21,6 +21,7 @@ const DEPTH: usize = 64;
 /// A hierarchy over a list of facets.
 pub struct Hierarchy {
     tree: Bvh2,
+    depth: usize,
     centre: DVec3,
     /// Radius of a ball about `centre` that holds every facet, edge lengths.
     radius: f64,
@@ -54,6 +55,7 @@ impl Hierarchy {
         let mut build_time = Duration::ZERO;
         let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut build_time);
         Hierarchy {
+            depth: depth(&tree),
             tree,
             centre,
             radius,
@@ -137,22 +139,23 @@ impl Hierarchy {
 
     /// Whether the stack of [`Hierarchy::nearest_of`] is deep enough for it.
     pub fn takes_bundles(&self) -> bool {
-        let mut depth = vec![0usize; self.tree.nodes.len()];
-        let mut deepest = 0;
-        let mut open = vec![0usize];
-        while let Some(at) = open.pop() {
-            let node = &self.tree.nodes[at];
-            deepest = deepest.max(depth[at]);
-            if node.prim_count == 0 {
-                let first = node.first_index as usize;
-                for child in [first, first + 1] {
-                    depth[child] = depth[at] + 1;
-                    open.push(child);
-                }
-            }
-        }
-        deepest + 2 < DEPTH
+        self.depth + 2 < DEPTH
     }
+}
+
+/// Nodes on the longest way down.
+fn depth(tree: &Bvh2) -> usize {
+    let mut deepest = 0;
+    let mut open = vec![(0usize, 0usize)];
+    while let Some((at, depth)) = open.pop() {
+        let node = &tree.nodes[at];
+        deepest = deepest.max(depth);
+        if node.prim_count == 0 {
+            let first = node.first_index as usize;
+            open.extend([first, first + 1].map(|child| (child, depth + 1)));
+        }
+    }
+    deepest
 }
 
 fn double(v: Vec3A) -> [f64; 3] {

@@ -1,6 +1,7 @@
 //! The tracer of one direction: every ray of a run from its sample to the tally.
 
 use crate::bundle::{Bundle, NEIGHBOURS};
+use crate::bvh::Hierarchy;
 use crate::lanes::LANES;
 use crate::launch::{Launch, Piece};
 use crate::path::{Path, Rules, trace};
@@ -111,13 +112,14 @@ impl Kernel {
         }
     }
 
-    /// The same facet by facet: in bundles where a scene has a hierarchy for them, else by [`trace`].
+    /// The same facet by facet: in bundles where every scene has a hierarchy for them, else by [`trace`].
     fn trace_paths(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
-        let takes_bundles = |scene: &Arc<Scene>| scene.for_bundles().is_some();
-        if !self.bundles || !self.scenes.iter().any(takes_bundles) {
+        let hierarchies = self.scenes.iter().map(|scene| scene.for_bundles());
+        let hierarchies: Option<Vec<&Hierarchy>> = hierarchies.collect();
+        let Some(hierarchies) = hierarchies.filter(|_| self.bundles) else {
             return self.trace_one_by_one(stream, samples, tally);
-        }
-        for (number, scene) in self.scenes.iter().enumerate() {
+        };
+        for (number, (scene, hierarchy)) in self.scenes.iter().zip(hierarchies).enumerate() {
             let mut starts = Vec::new();
             for index in samples.clone() {
                 let (chosen, point) = self.launch.entry(stream, index);
@@ -128,7 +130,7 @@ impl Kernel {
             starts.sort_unstable();
             for neighbours in starts.chunks(NEIGHBOURS) {
                 let indices = neighbours.iter().map(|&(_, index)| index);
-                self.trace_neighbours(scene, stream, indices, tally);
+                self.trace_neighbours(scene, hierarchy, stream, indices, tally);
             }
         }
     }
@@ -137,6 +139,7 @@ impl Kernel {
     fn trace_neighbours(
         &self,
         scene: &Scene,
+        hierarchy: &Hierarchy,
         stream: &Stream,
         indices: impl Iterator<Item = u64>,
         tally: &mut Tally,
@@ -157,9 +160,6 @@ impl Kernel {
                 .chunk_by(|a, b| a.0 == b.0)
                 .flat_map(|alike| alike.chunks(LANES))
             {
-                let Some(hierarchy) = scene.for_bundles() else {
-                    return;
-                };
                 bundle.fill(group.iter().map(|&(_, which)| &paths[which as usize].0.ray));
                 self.instructions
                     .nearest_of(hierarchy, scene.facets(), &mut bundle);
