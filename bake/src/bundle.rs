@@ -1,9 +1,10 @@
 //! Many rays through a hierarchy at once, for meshes that no program fits (curved, or of many different cells).
 //!
 //! Rays that enter side by side mostly meet the same facets. So the rays of a run are sorted by where they enter; after
-//! each reflection those of a neighbourhood are sorted by the facets that they come from; and up to 64 that follow each
-//! other go down the hierarchy as one [`Bundle`], by bounds on all of them, and are tested against each candidate side by
-//! side. The test is [`Facet::meet`], operation by operation, so every ray has the outcome that it has alone, bit for bit.
+//! each reflection those of a neighbourhood are sorted by the facets that they come from; and up to 64 that follow
+//! each other go down the hierarchy as one [`Bundle`], by bounds on all of them, and are tested against each
+//! candidate side by side. The test is [`Facet::meet`], operation by operation, so every ray has the outcome that it
+//! has alone, bit for bit.
 
 #![allow(
     clippy::needless_range_loop,
@@ -150,7 +151,7 @@ impl Bundle {
             } else {
                 height[lane] > -self.slack[lane]
             };
-            ahead[lane] = u64::from(!(cosine[lane].abs() < EDGE_ON) & !behind);
+            ahead[lane] = u64::from((cosine[lane].abs() >= EDGE_ON) & !behind);
         }
         if ahead.iter().fold(0, |any, lane| any | lane) == 0 {
             return;

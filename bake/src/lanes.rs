@@ -107,7 +107,7 @@ fn in_order(
                 start[lane] &= chosen[lane];
             }
             let Program { steps, tests, maps } = &programs[piece.scene];
-            bundle(steps, tests, maps, None, &x, &y, start, work);
+            bundle(steps, tests, maps, None, [&x, &y], start, work);
         }
         first += LANES as u64;
     }
@@ -175,8 +175,7 @@ fn by_cells(
                     &excerpt.tests,
                     &program.maps,
                     map,
-                    &x,
-                    &y,
+                    [&x, &y],
                     start,
                     work,
                 );
@@ -193,8 +192,7 @@ fn bundle(
     tests: &[Affine],
     maps: &[[Affine; 2]],
     only: Option<usize>,
-    x: &Reals,
-    y: &Reals,
+    [x, y]: [&Reals; 2],
     start: Mask,
     work: &mut Work,
 ) {

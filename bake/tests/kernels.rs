@@ -189,8 +189,8 @@ fn patch(columns: usize, rows: usize) -> Cell {
 }
 
 /// A patch of 120 pairs falls into two kinds of cubes, and tracing one of each gives, ray for ray, what the whole mesh
-/// gives by hierarchy and, for some directions, by the loop over all its facets. Which body of its kind a ray of the whole
-/// enters is chosen at random.
+/// gives by hierarchy and, for fewer rays, by the loop over all its facets. Which body of its kind a ray of the
+/// whole enters is chosen at random.
 #[test]
 fn bodies_equal_the_whole_mesh_ray_for_ray() {
     let cell = patch(12, 10);
