@@ -10,8 +10,9 @@ use crate::triangle::Facet;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance};
 
-/// From this number of facets on, the hierarchy is faster than a loop over all, and a cell is worth taking apart.
-/// Ray by ray, measured by `examples/speed.rs`, million rays/s on 1 thread: 6 facets 2.9 against 5.0, 24 facets 2.6 against 2.0, 54 facets 2.0 against 1.0.
+/// From this number of facets on, the hierarchy is faster than a loop over all, and a cell is worth taking apart. Ray
+/// by ray, measured by `examples/speed.rs`, million rays/s on 1 thread: 6 facets 2.9 against 5.0, 24 facets 2.6 against
+/// 2.0, 54 facets 2.0 against 1.0.
 pub const SMALL: usize = 24;
 
 /// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray along a groove
