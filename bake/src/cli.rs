@@ -1,22 +1,23 @@
 //! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
 
+mod failure;
 mod study;
 
+use failure::Failure;
+
 use crate::exact;
-use crate::plan::{Back, Method, Plan, PlanError, Request, default};
+use crate::plan::{Back, Method, Plan, Request, default};
 use crate::progress::Progress;
 use crate::sequence::Sampler;
-use crate::study::StudyError;
 use crate::{inspect, plot, report, run};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Fault};
+use meshes::{Cell, CellOptions};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use thiserror::Error;
 
 /// Traces a corner-cube mesh into a ray-shift table.
 #[derive(Debug, Parser)]
@@ -200,74 +201,6 @@ struct VerifyArgs {
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
-}
-
-/// Why a verb failed.
-#[derive(Debug, Error)]
-enum Failure {
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error("{option} {text}: give {count} numbers separated by commas, such as {example}")]
-    Numbers {
-        option: &'static str,
-        text: String,
-        count: usize,
-        example: &'static str,
-    },
-    #[error(transparent)]
-    Design(Fault),
-    #[error("-o {}: the extension must be .obj or .glb", .0.display())]
-    MeshExtension(PathBuf),
-    #[error(transparent)]
-    Mesh(#[from] meshes::Error),
-    #[error(transparent)]
-    Run(#[from] run::RunError),
-    #[error(transparent)]
-    Study(#[from] StudyError),
-    #[error(transparent)]
-    Table(#[from] tables::Error),
-    #[error(transparent)]
-    Plot(#[from] plot::PlotError),
-    #[error("{} and {}: {reason}; bake both with the same --incidence, --azimuth, --bins and --range",
-        first.display(), second.display())]
-    Axes {
-        first: PathBuf,
-        second: PathBuf,
-        reason: &'static str,
-    },
-    #[error("{}: cannot be written ({source}); choose another place with -o, --plot or --csv", file.display())]
-    Write {
-        file: PathBuf,
-        source: std::io::Error,
-    },
-    #[error("the tables differ by more than their errors allow")]
-    Differ,
-}
-
-impl Failure {
-    fn write(file: &Path, source: std::io::Error) -> Self {
-        let file = file.to_path_buf();
-        Failure::Write { file, source }
-    }
-
-    /// 2 for wrong usage, 1 for work that failed.
-    fn code(&self) -> u8 {
-        match self {
-            Failure::Study(StudyError::Run(_)) => 1,
-            Failure::Plan(_)
-            | Failure::Study(_)
-            | Failure::Numbers { .. }
-            | Failure::Design(_)
-            | Failure::MeshExtension(_)
-            | Failure::Plot(plot::PlotError::Extension { .. }) => 2,
-            // Options that only the mesh's own code can judge.
-            Failure::Mesh(error) => match *error.fault {
-                Fault::EdgeLength { .. } | Fault::AzimuthZero { .. } => 2,
-                _ => 1,
-            },
-            _ => 1,
-        }
-    }
 }
 
 /// Runs the program on its arguments (the program's name first): results to stdout, the rest to stderr.
