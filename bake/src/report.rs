@@ -148,11 +148,14 @@ impl Comparison {
             let (pa, pb) = (a.probability(i, j), b.probability(i, j));
             let difference = (&pa - &pb).mapv(f64::abs);
             let gap = (eta - b.retroreflected[[i, j]]).abs();
-            let error = a.standard_error[[i, j]].hypot(b.standard_error[[i, j]]);
             // Random counts: a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on average. A
             // low-discrepancy sequence stays below.
             let share = |rays: u64| if rays == 0 { 0.0 } else { 1.0 / rays as f64 };
             let per_ray = share(a.rays[[i, j]]) + share(b.rays[[i, j]]);
+            // Where all rays or none came back the standard error is 0, but the fraction is known to one ray only.
+            let error = a.standard_error[[i, j]]
+                .hypot(b.standard_error[[i, j]])
+                .max(per_ray);
             let root = |(&pa, &pb): (&f64, &f64)| (f64::midpoint(pa, pb) * per_ray).sqrt();
             Row {
                 incidence_deg: a.axes.incidence_deg[i],
