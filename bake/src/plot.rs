@@ -69,10 +69,8 @@ impl Format {
     /// [`PlotError::Draw`].
     pub fn render(self, scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
         match self {
-            Format::Svg => Ok(SvgBackend::new()
-                .with_embedded_font(true)
-                .render_scene(scene)
-                .into_bytes()),
+            // The viewer's own font: an embedded one takes 3 MB.
+            Format::Svg => Ok(SvgBackend::new().render_scene(scene).into_bytes()),
             Format::Png => PngBackend::new()
                 .with_scale(1.5)
                 .render_scene(scene)

@@ -46,6 +46,8 @@ pub mod default {
     pub const REPEATS: usize = 3;
     /// `--target`, L1: what 16.8 million random rays a direction reach on 128 x 128 bins.
     pub const TARGET: f64 = 0.008;
+    /// `--longest`, s
+    pub const LONGEST_SECONDS: f64 = 60.0;
 }
 
 /// What to study.
@@ -58,6 +60,8 @@ pub struct Request {
     pub repeats: usize,
     /// L1 error of the worst direction that the time is asked for.
     pub target: f64,
+    /// A bake that is expected to take longer than this, s, is left out, and all with more rays.
+    pub longest_seconds: f64,
 }
 
 /// Why a study failed.
@@ -85,6 +89,12 @@ pub enum StudyError {
     Target {
         /// The number given.
         target: f64,
+    },
+    /// A time that no bake can keep.
+    #[error("--longest {seconds}: give a number of seconds above 0")]
+    Longest {
+        /// The number given.
+        seconds: f64,
     },
     /// A bake failed.
     #[error(transparent)]
@@ -206,6 +216,10 @@ impl Checked {
         if !(target > 0.0 && target <= 2.0) {
             return Err(StudyError::Target { target });
         }
+        let seconds = request.longest_seconds;
+        if seconds.is_nan() || seconds <= 0.0 {
+            return Err(StudyError::Longest { seconds });
+        }
         let rays = request.trace.rays.unwrap_or(plan::default::RAYS);
         let counts = ray_counts(rays);
         let Some(&most) = counts.last() else {
@@ -253,8 +267,12 @@ impl Checked {
         let mut series = Vec::new();
         for tracer in tracers {
             for sampler in [Sampler::Random, Sampler::Sobol] {
-                let mut points = Vec::new();
+                let mut points: Vec<Point> = Vec::new();
                 for &rays in &self.counts {
+                    let expected = points.last().map_or(0.0, |point| 4.0 * point.seconds);
+                    if expected > self.request.longest_seconds {
+                        break;
+                    }
                     let at = 1 + series.len() * self.counts.len() + points.len();
                     done(
                         &format!("{}, {}, {rays} rays", name(tracer), sampler.name()),
@@ -468,6 +486,7 @@ mod tests {
                 trace,
                 repeats,
                 target,
+                longest_seconds: default::LONGEST_SECONDS,
             })
             .expect_err("out of range")
             .to_string()

@@ -21,6 +21,7 @@ fn study(trace: plan::Request, repeats: usize, target: f64) -> Study {
         trace,
         repeats,
         target,
+        longest_seconds: f64::INFINITY,
     })
     .expect("a valid request")
     .run(&pair(), &|_, _, _| ())
@@ -234,13 +235,26 @@ fn the_verb_writes_what_it_measures() {
     let png = std::fs::read(folder.path().join("study.png")).expect("a picture");
     assert!(png.starts_with(b"\x89PNG"));
 
-    let wrong: [(&[&str], i32, &str); 5] = [
+    // Every bake takes longer than a quarter of a nanosecond: one point a series is left.
+    let short = run(&["--json", "--longest", "1e-9", "--repeats", "1"]);
+    let value: serde_json::Value = serde_json::from_slice(&short.stdout).expect("JSON");
+    for series in value["series"].as_array().expect("a list") {
+        assert_eq!(series["points"].as_array().expect("a list").len(), 1);
+        assert!(series["slope"].is_null());
+    }
+
+    let wrong: [(&[&str], i32, &str); 6] = [
         (
             &["--rays", "1000"],
             2,
             "--rays 1000: a study begins with 1024",
         ),
         (&["--repeats", "0"], 2, "--repeats 0: give a whole number"),
+        (
+            &["--longest", "-1"],
+            2,
+            "--longest -1: give a number of seconds",
+        ),
         (&["--target", "0"], 2, "--target 0: give a number above 0"),
         (
             &["--plot", "study.jpg"],

@@ -48,6 +48,9 @@ pub(super) struct StudyArgs {
     /// L1 error of the worst direction that the time is asked for
     #[arg(long, value_name = "E", default_value_t = study::default::TARGET, allow_negative_numbers = true)]
     target: f64,
+    /// Leaves out bakes that are expected to take longer than this, s, and all with more rays
+    #[arg(long, value_name = "SECONDS", default_value_t = study::default::LONGEST_SECONDS, allow_negative_numbers = true)]
+    longest: f64,
     /// Writes the figures as comma-separated values
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -76,6 +79,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         },
         repeats: args.repeats,
         target: args.target,
+        longest_seconds: args.longest,
     })?;
     if let Some(file) = &args.plot {
         plot::Format::of(file)?;
