@@ -21,7 +21,9 @@ fn grazing_incidence() {
         for index in [1.0, 1.49] {
             let mut light = Light::new("89.9", "0,30,77,180").inside(index);
             if shape == Shape::FullCube && index == 1.0 {
-                // A ray crosses hundreds of cells before it meets a mirror: 0.1 million rays a second.
+                // A ray crosses hundreds of cells before it meets a mirror: 0.1 million rays a second. Azimuth 30, along
+                // the rows of the lattice, is left out: there the exact shares of left_after_1 and left_after_2 are
+                // off, by 0.003 at 89.8 deg and 0.018 at 89.9 deg (eta is 0 in both methods).
                 light.azimuth = "0,77,180".into();
                 light.rays = 20_000;
             }

