@@ -131,6 +131,11 @@ fn hierarchy_2048_cubes(bencher: Bencher) {
 #[divan::bench]
 fn bodies_2048_cubes(bencher: Bencher) {
     let sheet = Sheet::new(&sheet(), Index::Auto);
+    assert_eq!(
+        sheet.scenes.len(),
+        2,
+        "a cube and its copy turned by 180 degrees"
+    );
     let kernel = |&incidence| Kernel::over(&sheet, &RULES, &bins(), incidence, AZIMUTH_DEG);
     let kernels = INCIDENCE_DEG.iter().map(kernel).collect();
     ten_directions(

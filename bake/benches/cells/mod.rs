@@ -2,9 +2,8 @@
 #![allow(dead_code, reason = "each benchmark takes what it needs")]
 
 use bake::path::Rules;
-use glam::{DVec2, DVec3};
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Entrance};
+use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
 
 /// Mirrors behind a flat face of acrylic.
@@ -21,33 +20,32 @@ pub const INCIDENCE_DEG: [f64; 10] = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35
 pub const AZIMUTH_DEG: f64 = 30.0;
 
 pub fn design(shape: Shape) -> Cell {
-    let mesh = Design::new(shape).mesh().expect("a design");
-    meshes::normalise(&mesh, Path::new("design"), &CellOptions::default()).expect("a cell")
+    cell(&Design::new(shape).mesh().expect("a design"))
 }
 
-/// 2,048 cubes: 32 x 32 pairs side by side, no two alike in their rounding.
+/// 2,048 cubes: 32 x 32 pairs side by side. All coordinates are whole file units, so that neighbours share vertices.
 pub fn sheet() -> Cell {
-    let pair = design(Shape::TriangularPair);
-    let side = 32;
-    let [a, b, _, d] = pair.entrance.polygon[..] else {
-        unreachable!("the entrance of a pair is a rhombus");
+    let pair = Design::new(Shape::TriangularPair).mesh().expect("a design");
+    let [_, a, b, c, ..] = pair.positions[..] else {
+        unreachable!("a pair has an apex and three edge ends first");
     };
-    let (right, up) = (b - a, d - a);
-    let places = (0..side * side).map(|k| right * f64::from(k % side) + up * f64::from(k / side));
-    let facets = places
-        .flat_map(|place: DVec2| {
-            let moved = move |p: DVec3| p + place.extend(0.0);
-            pair.facets.iter().map(move |facet| facet.map(moved))
-        })
-        .collect();
-    let size = f64::from(side);
-    let polygon = vec![a, a + right * size, a + (right + up) * size, a + up * size];
-    Cell {
-        facets,
-        entrance: Entrance {
-            polygon,
-            ..pair.entrance
-        },
-        ..pair
+    let (right, up) = (a - c, b - c);
+    let mut mesh = Mesh {
+        positions: Vec::new(),
+        triangles: Vec::new(),
+        ..pair.clone()
+    };
+    for (i, j) in (0..32).flat_map(|i| (0..32).map(move |j| (i, j))) {
+        let place = right * f64::from(i) + up * f64::from(j);
+        let first = mesh.positions.len() as u32;
+        mesh.positions
+            .extend(pair.positions.iter().map(|&p| p + place));
+        mesh.triangles
+            .extend(pair.triangles.iter().map(|t| t.map(|v| v + first)));
     }
+    cell(&mesh)
+}
+
+fn cell(mesh: &Mesh) -> Cell {
+    meshes::normalise(mesh, Path::new("mesh"), &CellOptions::default()).expect("a cell")
 }
