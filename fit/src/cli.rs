@@ -1,6 +1,6 @@
 //! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -190,9 +190,12 @@ pub fn json(object: &impl serde::Serialize) -> String {
     text + "\n"
 }
 
-/// Prints a remark to standard error.
+/// Prints a remark to standard error where a person reads it; a pipe stays quiet.
 pub fn note(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let mut stderr = std::io::stderr();
+    if stderr.is_terminal() {
+        let _ = writeln!(stderr, "{text}");
+    }
 }
 
 /// Reads a JSON file.
