@@ -312,7 +312,7 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let cell = args.cell.load(&args.mesh)?;
     warn(&plan.warnings(&cell));
     warn(&method_warning(args, &cell, &plan));
-    let reservation = tables::reserve(&args.output)?;
+    let reservation = failure::reserve(&args.output, &args.mesh)?;
     let progress = Progress::new(&plan);
     let start = std::time::Instant::now();
     let table = run::bake(&cell, &plan, &|rays| progress.advance(rays))?;

@@ -94,6 +94,19 @@ pub enum Failure {
         /// What writes such files.
         expected: &'static str,
     },
+    /// An output that is also read.
+    #[error("{}: is an input of this command and would be overwritten; write to another file", path.display())]
+    Overwrites {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The solver found no optimum.
+    #[error("{}: the fit failed (the model is not finite near its starting values); \
+             check pixel_pitch_mm and the distances", manifest.display())]
+    NoFit {
+        /// The manifest.
+        manifest: PathBuf,
+    },
     /// Standard output is closed or full.
     #[error("standard output cannot be written ({0}); check the pipe, or use -o")]
     Stdout(std::io::Error),
@@ -160,22 +173,32 @@ pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Failure> {
     }
 }
 
-/// Reserves the files that were asked for.
+/// Reserves the file that was asked for, unless it is one of the `inputs`.
 ///
 /// # Errors
-/// [`Failure::Output`].
-pub fn reserve(path: Option<&Path>) -> Result<Option<Output>, Failure> {
-    Ok(path.map(Output::reserve).transpose()?)
+/// [`Failure::Output`], [`Failure::Overwrites`].
+pub fn reserve(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<Output>, Failure> {
+    let Some(path) = path else { return Ok(None) };
+    let same = |input: &&Path| matches!((path.canonicalize(), input.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    if inputs.iter().any(same) {
+        return Err(Failure::Overwrites {
+            path: path.to_owned(),
+        });
+    }
+    Ok(Some(Output::reserve(path)?))
 }
 
 /// Reserves the picture that was asked for; its ending is checked first.
 ///
 /// # Errors
-/// [`Failure::Plot`], [`Failure::Output`].
-pub fn reserve_picture(path: Option<&Path>) -> Result<Option<(&Path, Output)>, Failure> {
+/// [`Failure::Plot`], [`Failure::Output`], [`Failure::Overwrites`].
+pub fn reserve_picture<'a>(
+    path: Option<&'a Path>,
+    inputs: &[&Path],
+) -> Result<Option<(&'a Path, Output)>, Failure> {
     let Some(path) = path else { return Ok(None) };
     plot::Format::of(path)?;
-    Ok(Some((path, Output::reserve(path)?)))
+    Ok(reserve(Some(path), inputs)?.map(|output| (path, output)))
 }
 
 /// Prints a warning to standard error.

@@ -287,7 +287,7 @@ impl ResultFile {
             },
             half_mirror: scene.half_mirror,
             table,
-            warnings: warnings(scene, best),
+            warnings: warnings(scene, selection),
             bounds,
         }
     }
@@ -330,8 +330,22 @@ fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
 /// Reduced chi-square above which the model is said not to describe the photographs.
 const POOR_FIT: f64 = 2.0;
 
-fn warnings(scene: &Scene, best: &Estimate) -> Vec<String> {
+fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
+    let best = &selection.best;
     let mut warnings = scene.warnings.clone();
+    // Which way a scales with distance: told apart only by photographs at several distances.
+    let distance = |kernel: Kernel| matches!(kernel, Kernel::Eq1 | Kernel::Angular);
+    let one_distance = scene
+        .shots
+        .iter()
+        .all(|shot| (shot.r_mm / scene.shots[0].r_mm - 1.0).abs() < 1e-6);
+    if distance(best.choice.kernel) && one_distance {
+        warnings.push(
+            "all photographs are at one floating distance: whether a (eq1) or a R (angular) is constant cannot be told, \
+             and predictions at other distances depend on it; photograph a second distance, or name --kernel"
+                .into(),
+        );
+    }
     let freedom = best.residuals.saturating_sub(best.blur_parameters()).max(1) as f64;
     let reduced = best.chi2 / freedom;
     if reduced > POOR_FIT {

@@ -25,6 +25,8 @@ pub(super) enum Failure {
     Design(Fault),
     #[error("-o {}: the extension must be .obj or .glb", .0.display())]
     MeshExtension(PathBuf),
+    #[error("{}: is an input of this command and would be overwritten; write to another file", .0.display())]
+    Overwrites(PathBuf),
     #[error(transparent)]
     Mesh(#[from] meshes::Error),
     #[error(transparent)]
@@ -74,5 +76,13 @@ impl Failure {
             },
             _ => 1,
         }
+    }
+}
+
+/// Reserves the table to come, unless it would overwrite the mesh.
+pub(super) fn reserve(table: &Path, mesh: &Path) -> Result<tables::Reservation, Failure> {
+    match (table.canonicalize(), mesh.canonicalize()) {
+        (Ok(a), Ok(b)) if a == b => Err(Failure::Overwrites(table.to_owned())),
+        _ => Ok(tables::reserve(table)?),
     }
 }

@@ -8,12 +8,14 @@ use std::time::Instant;
 use crate::bound::bounds;
 use crate::captures;
 use crate::cli::{self, Failure};
+use crate::estimate::Value;
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use crate::plot;
 use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
 use crate::select::{Candidates, select};
+use crate::solve::Stop;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
@@ -165,8 +167,18 @@ impl Plan {
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plan = Plan::new(arguments);
-    let output = cli::reserve(arguments.output.as_deref())?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref())?;
+    // The photographs too: a manifest that cannot be read is reported by the estimate.
+    let named = captures::load(&arguments.captures).ok();
+    let shots = named.iter().flat_map(|c| {
+        c.reference
+            .iter()
+            .chain(c.captures.iter().map(|capture| &capture.shot))
+    });
+    let mut inputs: Vec<&Path> = vec![&arguments.captures, &arguments.table];
+    inputs.extend(shots.map(|shot| shot.image.as_path()));
+    inputs.extend(arguments.truth.as_deref());
+    let output = cli::reserve(arguments.output.as_deref(), &inputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &inputs)?;
     let truth: Option<serde_json::Value> = arguments
         .truth
         .as_deref()
@@ -201,6 +213,19 @@ fn estimate(arguments: &Arguments, plan: &Plan) -> Result<ResultFile, Failure> {
     let table = tables::read(&arguments.table)?;
     let scene = Scene::load(&campaign, &table)?;
     let selection = select(&scene, &plan.candidates);
+    let finite = |value: &Value| value.value.is_finite();
+    let best = &selection.best;
+    let all = best
+        .c_mm
+        .iter()
+        .chain(&best.spread)
+        .chain(best.mu.iter().flatten());
+    if best.solution.stop == Stop::Failed || !best.chi2.is_finite() || !all.into_iter().all(finite)
+    {
+        return Err(Failure::NoFit {
+            manifest: arguments.captures.clone(),
+        });
+    }
     let bounds = bounds(&scene, &selection.best);
     let source = TableResult {
         content_hash: table.content_hash(),

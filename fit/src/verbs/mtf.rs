@@ -13,7 +13,7 @@ use crate::sfr::{Estimator, crossing};
 use crate::window::Window;
 
 /// Points of the curve from 0 to the pixel frequency.
-const POINTS: usize = 128;
+const POINTS: usize = 512;
 
 /// Measures the slanted-edge MTF of one photograph (ISO 12233 style) and writes it as CSV or JSON.
 #[derive(Debug, clap::Args)]
@@ -85,7 +85,7 @@ struct Report<'a> {
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = cli::reserve(arguments.output.as_deref())?;
+    let output = cli::reserve(arguments.output.as_deref(), &[&arguments.image])?;
     let decode = Decode {
         transfer: arguments.transfer,
         channel: arguments.channel.clone(),

@@ -62,8 +62,9 @@ struct Report<'a> {
 /// # Errors
 /// Result, table, direction or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = cli::reserve(arguments.output.as_deref())?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref())?;
+    let inputs = [arguments.result.as_path(), &arguments.table];
+    let output = cli::reserve(arguments.output.as_deref(), &inputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &inputs)?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
     let only = match table.axes.azimuth_deg[..] {
