@@ -333,13 +333,19 @@ const POOR_FIT: f64 = 2.0;
 fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
     let best = &selection.best;
     let mut warnings = scene.warnings.clone();
-    // Which way a scales with distance: told apart only by photographs at several distances.
-    let distance = |kernel: Kernel| matches!(kernel, Kernel::Eq1 | Kernel::Angular);
+    // Which way a scales with distance: told apart only by photographs at several distances, or named by the user.
+    let tried = |kernel| {
+        selection
+            .compared
+            .iter()
+            .any(|row| row.choice.kernel == kernel)
+    };
+    let open = best.choice.kernel.has_lobe() && tried(Kernel::Eq1) && tried(Kernel::Angular);
     let one_distance = scene
         .shots
         .iter()
         .all(|shot| (shot.r_mm / scene.shots[0].r_mm - 1.0).abs() < 1e-6);
-    if distance(best.choice.kernel) && one_distance {
+    if open && one_distance {
         warnings.push(
             "all photographs are at one floating distance: whether a (eq1) or a R (angular) is constant cannot be told, \
              and predictions at other distances depend on it; photograph a second distance, or name --kernel"
