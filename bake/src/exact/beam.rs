@@ -46,6 +46,17 @@ struct Beam {
     reflections: u32,
 }
 
+/// What a beam looks for facets with.
+struct Ahead<'a> {
+    beam: &'a Beam,
+    /// Where it starts, corner by corner, and its direction of travel, unit length: real space.
+    from: Vec<DVec3>,
+    toward: DVec3,
+    /// How far it travels before it has left the layer of facets.
+    leave: f64,
+    shadows: Vec<Shadow>,
+}
+
 /// Follows all light of one direction to its end.
 pub(super) fn trace(view: &View, rules: &Rules) -> Outcome {
     let mut tracer = Tracer {
@@ -76,9 +87,9 @@ fn total_area(parts: &[Polygon]) -> f64 {
     parts.iter().map(|part| polygon::area(part)).sum()
 }
 
-/// Convex parts less some of their parts, as convex parts of more than `least` area.
-fn without(parts: &[Polygon], taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
-    let mut left = parts.to_vec();
+/// A convex polygon less some of its parts, as convex parts of more than `least` area.
+fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
+    let mut left = vec![polygon.clone()];
     for (_, taken) in taken {
         let planes: Vec<HalfPlane> = polygon::edges(taken).collect();
         left = left
@@ -200,86 +211,100 @@ impl Tracer<'_> {
     fn step(&mut self, beam: &Beam) {
         let view = self.view;
         let toward = beam.isometry.linear * view.direction;
-        let points: Vec<DVec3> = beam
+        let from: Vec<DVec3> = beam
             .polygon
             .iter()
             .map(|&p| beam.isometry.linear * view.point(p, beam.depth.at(p)) + beam.isometry.shift)
             .collect();
-        let leave = view.travel_to_leave(&points, toward);
-        let shadows = view.shadows(&beam.isometry);
+        let ahead = Ahead {
+            beam,
+            toward,
+            leave: view.travel_to_leave(&from, toward),
+            from,
+            shadows: view.shadows(&beam.isometry),
+        };
         let mut open = vec![beam.polygon.clone()];
         let mut look = FIRST_LOOK;
-        loop {
-            let boxes: Vec<(DVec2, DVec2)> =
-                open.iter().map(|part| polygon::bounds(part)).collect();
-            let mut candidates = Vec::new();
-            for shadow in &shadows {
-                view.copies(
-                    shadow,
-                    &beam.isometry,
-                    &points,
-                    toward,
-                    leave.min(look),
-                    |step| {
-                        for (part, (low, high)) in open.iter().zip(&boxes) {
-                            if shadow.may_touch(step, *low, *high) {
-                                let copy = shadow.moved(step);
-                                candidates.extend(Candidate::new(
-                                    copy,
-                                    part,
-                                    Some(&beam.depth),
-                                    view.least_area,
-                                ));
-                            }
-                        }
-                    },
-                );
-            }
-            let mut visible = self.visible(&candidates, &beam.depth);
-            let all_seen = view.lattice.is_none() || leave <= look || look >= LAST_LOOK;
-            if !all_seen {
-                // Beyond what was looked at another copy may stand before these.
-                visible.retain(|(i, polygon)| {
-                    let depth = &candidates[*i].shadow.depth;
-                    polygon
-                        .iter()
-                        .all(|&p| depth.at(p) - beam.depth.at(p) <= look)
-                });
-            }
-            let rest = total_area(&open)
-                - visible
-                    .iter()
-                    .map(|(_, polygon)| polygon::area(polygon))
-                    .sum::<f64>();
-            let gone = rest.abs() <= view.least_area;
-            if gone {
-                self.outcome.dropped += rest;
-            } else if all_seen && leave > look && view.lattice.is_some() {
-                self.settle(rest, Fate::BounceLimit);
-            } else if all_seen {
-                self.leave(
-                    beam,
-                    toward,
-                    without(&open, &visible, view.least_area),
-                    rest,
-                );
-            } else {
-                open = without(&open, &visible, view.least_area);
-                self.outcome.dropped += rest - total_area(&open);
-            }
-            for (i, polygon) in visible {
-                self.hit(
-                    &candidates[i].shadow,
-                    polygon,
-                    &beam.isometry,
-                    beam.reflections,
-                );
-            }
-            if gone || all_seen {
-                return;
-            }
+        while !open.is_empty() {
+            let candidates = self.candidates(&ahead, &open, look);
+            open = open
+                .iter()
+                .zip(&candidates)
+                .flat_map(|(part, candidates)| self.cut(&ahead, part, candidates, look))
+                .collect();
             look *= 4.0;
         }
+    }
+
+    /// The facets within `look` of where the beam starts, for each of its parts.
+    fn candidates(&self, ahead: &Ahead, parts: &[Polygon], look: f64) -> Vec<Vec<Candidate>> {
+        let Ahead { beam, toward, .. } = *ahead;
+        let view = self.view;
+        let boxes: Vec<_> = parts.iter().map(|part| polygon::bounds(part)).collect();
+        let mut candidates: Vec<Vec<Candidate>> = parts.iter().map(|_| Vec::new()).collect();
+        for shadow in &ahead.shadows {
+            let travel = ahead.leave.min(look);
+            view.copies(
+                shadow,
+                &beam.isometry,
+                &ahead.from,
+                toward,
+                travel,
+                |step| {
+                    for (i, &(low, high)) in boxes.iter().enumerate() {
+                        if shadow.may_touch(step, low, high) {
+                            let (copy, start) = (shadow.moved(step), Some(&beam.depth));
+                            let candidate = Candidate::new(copy, &parts[i], start, view.least_area);
+                            candidates[i].extend(candidate);
+                        }
+                    }
+                },
+            );
+        }
+        candidates
+    }
+
+    /// Sends the light of one part of a beam to what it meets of its own `candidates`: a facet that two parts see is a
+    /// candidate of each, and must not hide itself. Gives what has to look further.
+    fn cut(
+        &mut self,
+        ahead: &Ahead,
+        part: &Polygon,
+        candidates: &[Candidate],
+        look: f64,
+    ) -> Vec<Polygon> {
+        let Ahead { beam, toward, .. } = *ahead;
+        let view = self.view;
+        let all_seen = view.lattice.is_none() || ahead.leave <= look || look >= LAST_LOOK;
+        let mut visible = self.visible(candidates, &beam.depth);
+        if !all_seen {
+            // Beyond what was looked at another copy may stand before these.
+            visible.retain(|(i, polygon)| {
+                let depth = &candidates[*i].shadow.depth;
+                polygon
+                    .iter()
+                    .all(|&p| depth.at(p) - beam.depth.at(p) <= look)
+            });
+        }
+        let seen: f64 = visible.iter().map(|(_, seen)| polygon::area(seen)).sum();
+        let rest = polygon::area(part) - seen;
+        let mut open = Vec::new();
+        if rest.abs() <= view.least_area {
+            self.outcome.dropped += rest;
+        } else if !all_seen {
+            open = without(part, &visible, view.least_area);
+            self.outcome.dropped += rest - total_area(&open);
+        } else if ahead.leave > look && view.lattice.is_some() {
+            self.settle(rest, Fate::BounceLimit);
+        } else {
+            let parts = without(part, &visible, view.least_area);
+            self.leave(beam, toward, parts, rest);
+        }
+        for (i, seen) in visible {
+            let shadow = &candidates[i].shadow;
+            self.hit(shadow, seen, &beam.isometry, beam.reflections);
+        }
+        open
     }
 
     /// What the light sees of each candidate: (its number, convex part).
