@@ -18,6 +18,7 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use tables::{Output, Outputs};
 
 /// Traces a corner-cube mesh into a ray-shift table.
 #[derive(Debug, Parser)]
@@ -230,9 +231,13 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Prints a result. A closed pipe (`bake inspect ... | head`) is the reader's wish, not a failure.
-fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Prints a result. A closed pipe (`bake inspect ... | head`) is the reader's wish, not a failure; a full disk is one.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::Stdout(error)),
+        _ => Ok(()),
+    }
 }
 
 fn warn(warnings: &[String]) {
@@ -245,8 +250,7 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
     if args.list {
         let lines =
             meshes::design::list().map(|(name, description)| format!("{name:16} {description}\n"));
-        print(&lines.concat());
-        return Ok(());
+        return print(&lines.concat());
     }
     // clap asks for both unless --list is there.
     let (Some(name), Some(output)) = (&args.name, &args.output) else {
@@ -287,7 +291,7 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
         "glb" => meshes::write::glb(&mesh),
         _ => return Err(Failure::MeshExtension(output.clone())),
     };
-    replace(output, &bytes)
+    Ok(Outputs::beside([]).reserve(output)?.commit(&bytes)?)
 }
 
 fn trace(args: &TraceArgs) -> Result<(), Failure> {
@@ -312,13 +316,13 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let cell = args.cell.load(&args.mesh)?;
     warn(&plan.warnings(&cell));
     warn(&method_warning(args, &cell, &plan));
-    let reservation = failure::reserve(&args.output, &args.mesh)?;
+    let output = Outputs::beside([args.mesh.as_path()]).reserve(&args.output)?;
     let progress = Progress::new(&plan);
     let start = std::time::Instant::now();
     let table = run::bake(&cell, &plan, &|rays| progress.advance(rays))?;
     let seconds = start.elapsed().as_secs_f64();
     progress.finish();
-    reservation.commit(&table)?;
+    tables::commit(&table, output)?;
     let report = report::Trace {
         table: &table,
         file: &args.output,
@@ -328,8 +332,7 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
         report.json()
     } else {
         report.text()
-    });
-    Ok(())
+    })
 }
 
 /// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
@@ -371,16 +374,19 @@ impl CellArgs {
 }
 
 fn inspect_table(args: &InspectArgs) -> Result<(), Failure> {
+    let picture = reserve_picture(
+        args.plot.as_deref(),
+        &mut Outputs::beside([args.table.as_path()]),
+    )?;
     let table = tables::read(&args.table)?;
-    if let Some(file) = &args.plot {
-        replace(file, &plot::histograms(&table, file)?)?;
+    if let Some((file, output)) = picture {
+        output.commit(&plot::histograms(&table, file)?)?;
     }
     print(&if args.json {
         inspect::json(&table)
     } else {
         inspect::text(&table)
-    });
-    Ok(())
+    })
 }
 
 fn compare(args: &CompareArgs) -> Result<(), Failure> {
@@ -394,7 +400,7 @@ fn compare(args: &CompareArgs) -> Result<(), Failure> {
         comparison.json()
     } else {
         comparison.text()
-    });
+    })?;
     if comparison.agrees() {
         Ok(())
     } else {
@@ -404,19 +410,25 @@ fn compare(args: &CompareArgs) -> Result<(), Failure> {
 
 fn verify(args: &VerifyArgs) -> Result<(), Failure> {
     let table = tables::read(&args.table)?;
+    let sealed = tables::is_sealed(&args.table)?;
     let (incidences, azimuths) = table.axes.shape();
     let hash = table.content_hash();
     print(&if args.json {
-        let value = serde_json::json!({ "valid": true, "content_hash": hash, "directions": incidences * azimuths });
+        let value = serde_json::json!({
+            "valid": true, "sealed": sealed, "content_hash": hash, "directions": incidences * azimuths });
         format!("{value}\n")
     } else {
+        let seal = if sealed {
+            ""
+        } else {
+            "; its seal is gone: another program wrote to it, its content hash still holds"
+        };
         format!(
-            "{}: valid, {} directions, content {hash}\n",
+            "{}: valid, {} directions, content {hash}{seal}\n",
             args.table.display(),
             incidences * azimuths
         )
-    });
-    Ok(())
+    })
 }
 
 fn numbers<const N: usize>(
@@ -440,51 +452,18 @@ fn numbers<const N: usize>(
         })
 }
 
+/// Reserves the picture that was asked for; its extension is checked first.
+fn reserve_picture<'a>(
+    file: Option<&'a Path>,
+    outputs: &mut Outputs,
+) -> Result<Option<(&'a Path, Output)>, Failure> {
+    let Some(file) = file else { return Ok(None) };
+    plot::Format::of(file)?;
+    Ok(Some((file, outputs.reserve(file)?)))
+}
+
 fn extension(path: &Path) -> String {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_lowercase())
         .unwrap_or_default()
-}
-
-/// Puts a whole file in place: a temporary one beside it, then a rename, so that an old one is never half replaced.
-fn replace(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    Draft::new(file)?.put(bytes)
-}
-
-/// A file to be replaced at the end of the work.
-struct Draft<'a> {
-    file: &'a Path,
-    temporary: tempfile::NamedTempFile,
-}
-
-impl<'a> Draft<'a> {
-    /// A temporary file beside `file`.
-    fn new(file: &'a Path) -> Result<Self, Failure> {
-        let folder = file
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".bake-").suffix(".partial");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        match builder.tempfile_in(folder) {
-            Ok(temporary) => Ok(Draft { file, temporary }),
-            Err(source) => Err(Failure::write(file, source)),
-        }
-    }
-
-    /// Fills it and renames it.
-    fn put(mut self, bytes: &[u8]) -> Result<(), Failure> {
-        self.temporary
-            .write_all(bytes)
-            .map_err(|source| Failure::write(self.file, source))?;
-        self.temporary
-            .persist(self.file)
-            .map_err(|error| Failure::write(self.file, error.error))?;
-        Ok(())
-    }
 }

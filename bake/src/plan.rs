@@ -248,11 +248,21 @@ impl Plan {
             "mean" => vec![f64::NAN],
             text => angles("--azimuth", text)?,
         };
-        if let Some(&value) = azimuth_deg.iter().find(|angle| angle.abs() > 360.0) {
+        let turn = |angle: f64| angle > -360.0 && angle <= 360.0;
+        if let Some(&value) = azimuth_deg
+            .iter()
+            .find(|&&angle| !angle.is_nan() && !turn(angle))
+        {
             return Err(PlanError::AngleRange {
                 option: "--azimuth",
                 value,
-                range: "from -360 to 360 degrees",
+                range: "above -360 and at most 360 degrees",
+            });
+        }
+        if request.method == Method::Exact && azimuth_deg[0].is_nan() {
+            return Err(PlanError::Both {
+                first: "--method exact",
+                second: "--azimuth mean",
             });
         }
         let directions = incidence_deg.len() * azimuth_deg.len();
@@ -263,8 +273,8 @@ impl Plan {
         positive(
             "--range",
             request.range,
-            1e6,
-            "above 0 and at most 1e6 edge lengths",
+            1e5,
+            "above 0 and at most 1e5 edge lengths",
         )?;
         positive(
             "--angular-tolerance",
@@ -516,7 +526,7 @@ mod tests {
                     azimuth: "400".into(),
                     ..base()
                 },
-                "--azimuth 400: the angle must be from -360",
+                "--azimuth 400: the angle must be above -360",
             ),
             (
                 Request { bins: 0, ..base() },

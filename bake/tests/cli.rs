@@ -66,6 +66,10 @@ fn from_design_to_picture() {
         );
     }
     assert!(good(here, &["verify", "pair.h5"]).contains("valid"));
+    // The seal cut off, as by a program that opened the table for writing.
+    let sealed = std::fs::read(here.join("pair.h5")).expect("a table");
+    std::fs::write(here.join("cut.h5"), &sealed[..sealed.len() - 40]).expect("writes");
+    assert!(good(here, &["verify", "cut.h5"]).contains("its seal is gone"));
     // Another seed agrees within errors; another index does not, and says so with code 1.
     let again = |seed: &str, index: &str, file: &str| {
         let more = ["--seed", seed, "--refractive-index", index, "-o", file];
@@ -153,6 +157,50 @@ fn wrong_usage_and_failed_work() {
         .map(|entry| entry.file_name())
         .collect();
     assert_eq!(left.len(), 3, "no half-written file stays: {left:?}");
+}
+
+/// A table in the folder, and a picture that would take its place.
+#[test]
+fn outputs_that_would_be_lost_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    good(here, &["design", "triangular", "-o", "cube.obj"]);
+    good(
+        here,
+        &["trace", "cube.obj", "-o", "cube.svg", "--incidence", "0"],
+    );
+    let table = std::fs::read(here.join("cube.svg")).expect("a table");
+    let refused = bake(here, &["inspect", "cube.svg", "--plot", "./cube.svg"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("is an input of this command"));
+    let refused = bake(
+        here,
+        &[
+            "study", "cube.obj", "--csv", "a.svg", "--plot", "./a.svg", "--rays", "1024",
+        ],
+    );
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("named for two outputs"));
+    assert_eq!(
+        std::fs::read(here.join("cube.svg")).expect("still there"),
+        table
+    );
+}
+
+/// Results that nobody gets are a failure.
+#[test]
+fn a_full_standard_output_is_a_failure() {
+    let full = std::fs::File::options()
+        .write(true)
+        .open("/dev/full")
+        .expect("Linux has one");
+    let output = Command::new(env!("CARGO_BIN_EXE_bake"))
+        .args(["design", "--list"])
+        .stdout(full)
+        .output()
+        .expect("bake runs");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("standard output cannot be written"));
 }
 
 #[test]

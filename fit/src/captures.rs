@@ -225,6 +225,15 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
         });
     }
     for (index, capture) in captures.iter().enumerate() {
+        if let Some(path) = capture
+            .path_mm
+            .filter(|&path| path < capture.floating_distance_mm)
+        {
+            warnings.push(format!(
+                "{}: path_mm {path} is shorter than floating_distance_mm {}, which is a part of it; the fit takes path_mm.",
+                capture.shot.place, capture.floating_distance_mm
+            ));
+        }
         if captures[..index]
             .iter()
             .any(|other| other.shot.image == capture.shot.image)
@@ -255,6 +264,14 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     if transmittance.is_none() || reflectance.is_none() {
         warnings.push(format!(
             "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it counts as 1, and mu includes it.",
+            file.display()
+        ));
+    }
+    if let (Some(t), Some(r)) = (transmittance, reflectance)
+        && t + r > 1.0
+    {
+        warnings.push(format!(
+            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} are more than all light; measure them again",
             file.display()
         ));
     }

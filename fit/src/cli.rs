@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use tables::{Output, OutputError, Outputs};
 
-use crate::output::Output;
 use crate::verbs;
-use crate::{captures, edge, output, photo, plot, predict, scene, simulate};
+use crate::{captures, edge, photo, plot, predict, scene, simulate};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
 /// mid-air images, and predicts what the sheet shows elsewhere.
@@ -53,7 +53,7 @@ pub enum Failure {
     Simulate(#[from] simulate::Error),
     /// An output.
     #[error(transparent)]
-    Output(#[from] output::Error),
+    Output(#[from] OutputError),
     /// A picture.
     #[error(transparent)]
     Plot(#[from] plot::Error),
@@ -93,12 +93,6 @@ pub enum Failure {
         message: String,
         /// What writes such files.
         expected: &'static str,
-    },
-    /// An output that is also read.
-    #[error("{}: is an input of this command and would be overwritten; write to another file", path.display())]
-    Overwrites {
-        /// The file.
-        path: PathBuf,
     },
     /// The solver found no optimum.
     #[error("{}: the fit failed (the model is not finite near its starting values); \
@@ -173,32 +167,25 @@ pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Failure> {
     }
 }
 
-/// Reserves the file that was asked for, unless it is one of the `inputs`.
+/// Reserves the file that was asked for.
 ///
 /// # Errors
-/// [`Failure::Output`], [`Failure::Overwrites`].
-pub fn reserve(path: Option<&Path>, inputs: &[&Path]) -> Result<Option<Output>, Failure> {
-    let Some(path) = path else { return Ok(None) };
-    let same = |input: &&Path| matches!((path.canonicalize(), input.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    if inputs.iter().any(same) {
-        return Err(Failure::Overwrites {
-            path: path.to_owned(),
-        });
-    }
-    Ok(Some(Output::reserve(path)?))
+/// [`Failure::Output`].
+pub fn reserve(path: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Output>, Failure> {
+    Ok(path.map(|path| outputs.reserve(path)).transpose()?)
 }
 
 /// Reserves the picture that was asked for; its ending is checked first.
 ///
 /// # Errors
-/// [`Failure::Plot`], [`Failure::Output`], [`Failure::Overwrites`].
+/// [`Failure::Plot`], [`Failure::Output`].
 pub fn reserve_picture<'a>(
     path: Option<&'a Path>,
-    inputs: &[&Path],
+    outputs: &mut Outputs,
 ) -> Result<Option<(&'a Path, Output)>, Failure> {
     let Some(path) = path else { return Ok(None) };
     plot::Format::of(path)?;
-    Ok(reserve(Some(path), inputs)?.map(|output| (path, output)))
+    Ok(Some((path, outputs.reserve(path)?)))
 }
 
 /// Prints a warning to standard error.

@@ -14,7 +14,6 @@ pub mod hermite;
 pub mod kernel;
 pub mod layout;
 pub mod lobe;
-pub mod output;
 pub mod photo;
 pub mod plot;
 pub mod predict;

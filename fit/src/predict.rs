@@ -5,7 +5,7 @@ use tables::Table;
 
 use crate::kernel::{Blur, Kernel};
 use crate::lobe::Shape;
-use crate::report::ResultFile;
+use crate::report::{ResultFile, TableResult};
 use crate::shift::ShiftLine;
 use crate::view::Model;
 
@@ -22,15 +22,15 @@ pub enum Error {
         /// The parameter.
         parameter: &'static str,
     },
-    /// The table was not the one that the fit used.
+    /// The table is one of another cell than the fit's.
     #[error(
-        "the result was fitted with table {fitted}, not with this one ({given}); \
-             give the table that it names, or fit again"
+        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): mesh, edge length, \
+             azimuth zero, refractive index or back differ; bake the fitted cell, or fit again"
     )]
-    OtherTable {
-        /// Content hash in the result.
+    OtherCell {
+        /// Design and content hash in the result.
         fitted: String,
-        /// Content hash of the table given.
+        /// Those of the table given.
         given: String,
     },
     /// The table has no such direction.
@@ -71,6 +71,8 @@ pub struct Prediction {
     pub axis: Axis,
     /// Retroreflected fraction of the table.
     pub eta: f64,
+    /// Whether the direction lies between those of the table, which costs accuracy.
+    pub interpolated: bool,
     /// Luminance of the mid-air image over that of the source, half mirror included; null without mu.
     pub luminance: Option<f64>,
     /// Frequency at which the MTF is one half, 1/mm; null where it stays above, or nothing returns.
@@ -96,17 +98,18 @@ pub struct Places {
 /// interpolated linearly in the incidence and held constant beyond the fitted angles.
 ///
 /// # Errors
-/// [`Error::OtherTable`], [`Error::Unknown`], [`Error::Direction`].
+/// [`Error::OtherCell`], [`Error::Unknown`], [`Error::Direction`].
 pub fn predict(
     result: &ResultFile,
     table: &Table,
     places: &Places,
 ) -> Result<Vec<Prediction>, Error> {
-    let given = table.content_hash();
-    if given != result.table.content_hash {
-        return Err(Error::OtherTable {
-            fitted: result.table.content_hash.clone(),
-            given,
+    let given = TableResult::of(table);
+    if !result.table.same_cell(&given) {
+        let name = |table: &TableResult| format!("{} {}", table.design, table.content_hash);
+        return Err(Error::OtherCell {
+            fitted: name(&result.table),
+            given: name(&given),
         });
     }
     let mut predictions = Vec::new();
@@ -138,6 +141,7 @@ pub fn predict(
                     azimuth_deg: places.azimuth_deg,
                     axis,
                     eta: direction.eta,
+                    interpolated: direction.interpolated,
                     luminance: mu.map(|mu| mu * direction.eta * result.half_mirror),
                     mtf50_per_mm: if returns {
                         crate::sfr::crossing(&places.frequency_per_mm, &mtf, 0.5)

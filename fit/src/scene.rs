@@ -116,6 +116,11 @@ impl Scene {
             pitch_mm,
             lens: None,
         };
+        if table.axes.is_mean() && campaign.captures.iter().any(|c| c.azimuth_deg.is_some()) {
+            warnings.push(
+                "the table is a mean over azimuths: azimuth_deg of the captures has no effect; bake the azimuths to use it".into(),
+            );
+        }
         let reference = match &campaign.reference {
             None => {
                 warnings.push(

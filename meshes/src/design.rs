@@ -100,7 +100,7 @@ pub struct Design {
     /// their shape and become smaller, which only the recorded edge length tells.
     pub truncation: f64,
     /// [`Shape::Canted`]: angle of the sheet's normal against the cube's axis, rad, towards edge 1 where positive;
-    /// between -0.6 and 0.9; 0.15 by default. Others: 0.
+    /// between -0.602 (-34.5 degrees) and 0.907 (52 degrees); 0.15 by default. Others: 0.
     pub cant_rad: f64,
 }
 
@@ -154,7 +154,7 @@ impl Design {
         };
         inside("edge length", self.edge_length, 1e-30, 1e30)?;
         for error in self.dihedral_error_rad {
-            inside("dihedral error", error, -0.1, 0.1)?;
+            inside("dihedral error in mrad", 1e3 * error, -100.0, 100.0)?;
         }
         inside(
             "truncation",
@@ -167,7 +167,8 @@ impl Design {
             },
         )?;
         if self.shape == Shape::Canted {
-            return inside("cant", self.cant_rad, -0.6, 0.9);
+            // Beyond, the sheet's normal comes near a facet (at -35.26 degrees) or an edge (at 54.74).
+            return inside("cant in degrees", self.cant_rad.to_degrees(), -34.5, 52.0);
         }
         if self.cant_rad != 0.0 {
             return Err(Fault::DesignOptionUnused {

@@ -273,6 +273,10 @@ pub enum Fault {
     )]
     EdgeLength { edge_length: f64 },
     #[error(
+        "edge length {edge_length} does not fit a cell {extent} wide; give the length of an edge in file units (--edge-length)"
+    )]
+    EdgeLengthScale { edge_length: f64, extent: f64 },
+    #[error(
         "azimuth zero {x},{y},{z} has no direction in the sheet's plane; give another one (--azimuth-zero)"
     )]
     AzimuthZero { x: f64, y: f64, z: f64 },

@@ -171,6 +171,16 @@ fn placed(
     let mesh = surface.mesh;
     let lattice = options.lattice.or(mesh.lattice);
     let frame = Frame::of(surface, lattice, options)?;
+    if let Some(edge_length) = options.edge_length {
+        let extent = extent(&mesh.positions);
+        // A cell of a millionth of an edge, or of a million edges, is a wrong unit.
+        if !(1e-6..=1e6).contains(&(extent / edge_length)) {
+            return Err(Fault::EdgeLengthScale {
+                edge_length,
+                extent,
+            });
+        }
+    }
     let (largest, rounding) = (
         surface.rounding / f64::EPSILON,
         surface.rounding / frame.edge_length,
@@ -207,4 +217,11 @@ fn placed(
         mesh_hash: mesh.hash.clone(),
         warnings,
     })
+}
+
+/// The greatest side of the box around the points.
+fn extent(points: &[DVec3]) -> f64 {
+    let least = points.iter().copied().reduce(DVec3::min);
+    let most = points.iter().copied().reduce(DVec3::max);
+    least.zip(most).map_or(0.0, |(a, b)| (b - a).max_element())
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use crate::invalid::Invalid;
 use crate::lookup::NoDirection;
 use crate::merge::Mismatch;
+use crate::output::OutputError;
 
 /// Why a table could not be read, written, merged or looked up.
 ///
@@ -266,35 +267,9 @@ pub enum Error {
         /// Hash of the content, lower-case hex.
         computed: String,
     },
-    /// The folder of the table cannot be written.
-    #[error(
-        "{}: cannot create a file in this folder ({source}); choose another output or make it writable",
-        folder.display()
-    )]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The table that would be replaced is write-protected.
-    #[error("{}: is write-protected; choose another output or allow writing", file.display())]
-    Protected {
-        /// The existing file.
-        file: PathBuf,
-    },
-    /// Writing failed; an old table of that name is untouched.
-    #[error(
-        "{}: cannot be written ({source}), what was there before is unchanged; free some space or choose \
-         another output",
-        file.display()
-    )]
-    Write {
-        /// The table to be written.
-        file: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
+    /// The table cannot be put in its place.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// Tables that cannot be merged.
     #[error(transparent)]
     Merge(#[from] Mismatch),

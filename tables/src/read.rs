@@ -49,6 +49,19 @@ pub fn read(path: &Path) -> Result<Table, Error> {
     Ok(table)
 }
 
+/// Whether the file still ends with the seal that [`crate::write()`] puts there. A program that opens the table for
+/// writing takes it off; what the table holds is then vouched for by its content hash alone.
+///
+/// # Errors
+/// [`Error::Open`].
+pub fn is_sealed(path: &Path) -> Result<bool, Error> {
+    let bytes = std::fs::read(path).map_err(|source| Error::Open {
+        file: path.to_owned(),
+        source,
+    })?;
+    Ok(seal::check(&bytes) == Seal::Intact)
+}
+
 /// What can be told without the HDF5 library, which is not made for damaged files.
 fn guard(path: &Path) -> Result<(), Error> {
     let failed = |source| Error::Open {

@@ -3,8 +3,9 @@
 mod sample;
 
 use std::fs;
+use std::path::Path;
 
-use tables::{Error, Table, read, reserve, write};
+use tables::{Error, Output, OutputError, Outputs, Table, read, write};
 
 fn kinds() -> Vec<(&'static str, Table)> {
     let mut plain = sample::rays(1, 7);
@@ -64,7 +65,7 @@ fn a_failed_write_leaves_the_old_table_and_nothing_else() {
     let mut wrong = sample::rays(1, 7);
     wrong.histogram[[0, 0, 0, 0]] = f64::NAN;
     assert!(matches!(write(&wrong, &file), Err(Error::Invalid { .. })));
-    drop(reserve(&file).unwrap());
+    drop(Output::reserve(&file).unwrap());
 
     assert_eq!(fs::read(&file).unwrap(), old);
     assert_eq!(
@@ -78,16 +79,48 @@ fn a_failed_write_leaves_the_old_table_and_nothing_else() {
 fn a_place_that_cannot_be_written_is_refused_before_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let inside = folder.path().join("no/such/folder/table.h5");
-    assert!(matches!(reserve(&inside), Err(Error::Folder { .. })));
+    let refused = |path: &Path| Output::reserve(path).unwrap_err();
+    assert!(matches!(refused(&inside), OutputError::Folder { .. }));
     assert!(matches!(
-        reserve(folder.path()),
-        Err(Error::NotAFile { .. })
+        refused(folder.path()),
+        OutputError::NotAFile { .. }
+    ));
+    // Renamed over, a device would be gone for every program.
+    assert!(matches!(
+        refused(Path::new("/dev/full")),
+        OutputError::NotAFile { .. }
     ));
     let file = folder.path().join("table.h5");
     fs::write(&file, "kept").unwrap();
     let mut permissions = fs::metadata(&file).unwrap().permissions();
     permissions.set_readonly(true);
     fs::set_permissions(&file, permissions).unwrap();
-    assert!(matches!(reserve(&file), Err(Error::Protected { .. })));
+    assert!(matches!(refused(&file), OutputError::Protected { .. }));
     assert_eq!(fs::read(&file).unwrap(), b"kept");
+}
+
+#[test]
+fn outputs_spare_inputs_and_each_other_under_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let [input, link, new] = ["in.h5", "link.h5", "new.h5"].map(|name| folder.path().join(name));
+    fs::write(&input, "kept").unwrap();
+    std::os::unix::fs::symlink(&input, &link).unwrap();
+    let roundabout = folder.path().join(".").join("new.h5");
+    let mut outputs = Outputs::beside([input.as_path()]);
+    let mut refused = 0;
+    for (path, reserved) in [
+        (&input, false),
+        (&link, false),
+        (&new, true),
+        (&new, false),
+        (&roundabout, false),
+    ] {
+        match (outputs.reserve(path), reserved) {
+            (Ok(output), true) => assert!(!output.path().exists(), "a reservation leaves no file"),
+            (Err(OutputError::Input { .. } | OutputError::Twice { .. }), false) => refused += 1,
+            (other, _) => panic!("{}: {other:?}", path.display()),
+        }
+    }
+    assert_eq!(refused, 4);
+    assert_eq!(fs::read(&input).unwrap(), b"kept");
 }

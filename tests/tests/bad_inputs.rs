@@ -232,6 +232,7 @@ fn options() {
     let table = bake_table(&here, "triangular", "10,25,40", "10");
     let manifest = argument("tests/captures/public_axes/captures.toml");
     let edge = argument("tests/edges/camera_5deg.exr");
+    let edge_of_campaign = argument("tests/captures/public_axes/source.exr");
     let trace = |option: &'static str, value: &'static str, part: &'static str| {
         (
             "bake",
@@ -276,6 +277,83 @@ fn options() {
         trace("--lattice", "1,0,0", "--lattice"),
         trace("--azimuth-zero", "1,0", "--azimuth-zero"),
         trace("--edge-length", "-2", "--edge-length"),
+        trace("--edge-length", "1e20", "does not fit a cell 3 wide"),
+        trace("--azimuth", "-360", "above -360"),
+        trace("--range", "1e6", "--range 1000000"),
+        (
+            "bake",
+            vec![
+                "trace",
+                "triangular.obj",
+                "-o",
+                "OUT",
+                "--method",
+                "exact",
+                "--azimuth",
+                "mean",
+            ],
+            2,
+            "--method exact and --azimuth mean exclude each other",
+        ),
+        (
+            "bake",
+            vec!["trace", "triangular.obj", "-o", "./triangular.obj"],
+            1,
+            "is an input of this command",
+        ),
+        (
+            "bake",
+            vec!["study", "triangular.obj", "--csv", "triangular.obj"],
+            1,
+            "is an input of this command",
+        ),
+        (
+            "bake",
+            vec!["design", "canted", "--cant-deg", "80", "-o", "x.obj"],
+            2,
+            "cant in degrees of 80 is outside -34.5 to 52",
+        ),
+        (
+            "bake",
+            vec![
+                "design",
+                "triangular",
+                "--dihedral-error-mrad",
+                "0,900,0",
+                "-o",
+                "x.obj",
+            ],
+            2,
+            "dihedral error in mrad of 900 is outside -100 to 100",
+        ),
+        (
+            "fit",
+            vec![
+                "estimate",
+                &manifest,
+                "--table",
+                &table,
+                "-o",
+                "mtf.svg",
+                "--plot",
+                "./mtf.svg",
+            ],
+            1,
+            "is named for two outputs",
+        ),
+        (
+            "fit",
+            vec![
+                "estimate",
+                &manifest,
+                "--table",
+                &table,
+                "-o",
+                &edge_of_campaign,
+            ],
+            1,
+            "is an input of this command",
+        ),
         trace("--threads", "0", "--threads"),
         trace("--method", "guess", "--method"),
         trace("--back", "glass", "--back"),
@@ -415,6 +493,6 @@ fn options() {
     for (program, arguments, code, part) in cases {
         bench.refuses(&here, program, &arguments, code, &[part]);
     }
-    assert_eq!(count, 43);
+    assert_eq!(count, 53);
     bench.all_refused(count);
 }

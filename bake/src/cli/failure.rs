@@ -1,6 +1,6 @@
 //! Why a verb of `bake` failed: one sentence, and the exit code that it ends with.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use meshes::Fault;
 use thiserror::Error;
@@ -25,8 +25,6 @@ pub(super) enum Failure {
     Design(Fault),
     #[error("-o {}: the extension must be .obj or .glb", .0.display())]
     MeshExtension(PathBuf),
-    #[error("{}: is an input of this command and would be overwritten; write to another file", .0.display())]
-    Overwrites(PathBuf),
     #[error(transparent)]
     Mesh(#[from] meshes::Error),
     #[error(transparent)]
@@ -44,21 +42,15 @@ pub(super) enum Failure {
         second: PathBuf,
         reason: &'static str,
     },
-    #[error("{}: cannot be written ({source}); choose another place with -o, --plot or --csv", file.display())]
-    Write {
-        file: PathBuf,
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Output(#[from] tables::OutputError),
+    #[error("standard output cannot be written ({0}); free some space or check the pipe")]
+    Stdout(std::io::Error),
     #[error("the tables differ by more than their errors allow")]
     Differ,
 }
 
 impl Failure {
-    pub(super) fn write(file: &Path, source: std::io::Error) -> Self {
-        let file = file.to_path_buf();
-        Failure::Write { file, source }
-    }
-
     /// 2 for wrong usage, 1 for work that failed.
     pub(super) fn code(&self) -> u8 {
         match self {
@@ -71,18 +63,12 @@ impl Failure {
             | Failure::Plot(plot::PlotError::Extension { .. }) => 2,
             // Options that only the mesh's own code can judge.
             Failure::Mesh(error) => match *error.fault {
-                Fault::EdgeLength { .. } | Fault::AzimuthZero { .. } => 2,
+                Fault::EdgeLength { .. }
+                | Fault::EdgeLengthScale { .. }
+                | Fault::AzimuthZero { .. } => 2,
                 _ => 1,
             },
             _ => 1,
         }
-    }
-}
-
-/// Reserves the table to come, unless it would overwrite the mesh.
-pub(super) fn reserve(table: &Path, mesh: &Path) -> Result<tables::Reservation, Failure> {
-    match (table.canonicalize(), mesh.canonicalize()) {
-        (Ok(a), Ok(b)) if a == b => Err(Failure::Overwrites(table.to_owned())),
-        _ => Ok(tables::reserve(table)?),
     }
 }

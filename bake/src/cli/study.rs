@@ -1,12 +1,12 @@
 //! `bake study`: its options and what is done with them.
 
-use super::{CellArgs, Draft, Failure, print};
+use super::{CellArgs, Failure, print, reserve_picture};
 use crate::plan::{Back, Request, default};
-use crate::plot;
 use crate::progress::Progress;
 use crate::study::{self, Checked, picture, report};
 use clap::Args;
 use std::path::PathBuf;
+use tables::Outputs;
 
 /// Options of `bake study`.
 #[derive(Debug, Args)]
@@ -81,27 +81,27 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         target: args.target,
         longest_seconds: args.longest,
     })?;
-    if let Some(file) = &args.plot {
-        plot::Format::of(file)?;
-    }
-    let cell = args.cell.load(&args.mesh)?;
     // Minutes of work are not lost to a folder that is not there.
-    let csv = args.csv.as_deref().map(Draft::new).transpose()?;
-    let picture = args.plot.as_deref().map(Draft::new).transpose()?;
+    let mut outputs = Outputs::beside([args.mesh.as_path()]);
+    let picture = reserve_picture(args.plot.as_deref(), &mut outputs)?;
+    let csv = args
+        .csv
+        .as_deref()
+        .map(|file| outputs.reserve(file))
+        .transpose()?;
+    let cell = args.cell.load(&args.mesh)?;
     let progress = Progress::of_study();
     let study = study.run(&cell, &|name, done, all| progress.step(name, done, all))?;
     progress.finish();
     if let Some(csv) = csv {
-        csv.put(report::csv(&study).as_bytes())?;
+        csv.commit(report::csv(&study).as_bytes())?;
     }
-    if let Some(picture) = picture {
-        let bytes = picture::draw(&study, picture.file)?;
-        picture.put(&bytes)?;
+    if let Some((file, output)) = picture {
+        output.commit(&picture::draw(&study, file)?)?;
     }
     print(&if args.json {
         report::json(&study)
     } else {
         report::text(&study)
-    });
-    Ok(())
+    })
 }

@@ -5,8 +5,10 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use tables::Outputs;
+
 use crate::bound::bounds;
-use crate::captures;
+use crate::captures::{self, Campaign};
 use crate::cli::{self, Failure};
 use crate::estimate::Value;
 use crate::kernel::Kernel;
@@ -167,24 +169,27 @@ impl Plan {
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plan = Plan::new(arguments);
-    // The photographs too: a manifest that cannot be read is reported by the estimate.
-    let named = captures::load(&arguments.captures).ok();
-    let shots = named.iter().flat_map(|c| {
-        c.reference
-            .iter()
-            .chain(c.captures.iter().map(|capture| &capture.shot))
-    });
-    let mut inputs: Vec<&Path> = vec![&arguments.captures, &arguments.table];
-    inputs.extend(shots.map(|shot| shot.image.as_path()));
-    inputs.extend(arguments.truth.as_deref());
-    let output = cli::reserve(arguments.output.as_deref(), &inputs)?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &inputs)?;
+    let start = Instant::now();
+    let campaign = captures::load(&arguments.captures)?;
+    let shots = campaign
+        .reference
+        .iter()
+        .chain(campaign.captures.iter().map(|capture| &capture.shot));
+    let named = [arguments.captures.as_path(), &arguments.table];
+    let inputs = named
+        .into_iter()
+        .chain(arguments.truth.as_deref())
+        .chain(shots.map(|shot| shot.image.as_path()));
+    let mut outputs = Outputs::beside(inputs);
+    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let truth: Option<serde_json::Value> = arguments
         .truth
         .as_deref()
         .map(|path| cli::read_json(path, "holds a planted answer"))
         .transpose()?;
-    let result = cli::pool(arguments.threads)?.install(|| estimate(arguments, &plan))?;
+    let result =
+        cli::pool(arguments.threads)?.install(|| estimate(arguments, &plan, &campaign, start))?;
     for warning in &result.warnings {
         cli::warn(warning);
     }
@@ -207,11 +212,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-fn estimate(arguments: &Arguments, plan: &Plan) -> Result<ResultFile, Failure> {
-    let start = Instant::now();
-    let campaign = captures::load(&arguments.captures)?;
+fn estimate(
+    arguments: &Arguments,
+    plan: &Plan,
+    campaign: &Campaign,
+    start: Instant,
+) -> Result<ResultFile, Failure> {
     let table = tables::read(&arguments.table)?;
-    let scene = Scene::load(&campaign, &table)?;
+    let scene = Scene::load(campaign, &table)?;
     let selection = select(&scene, &plan.candidates);
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;
@@ -227,10 +235,7 @@ fn estimate(arguments: &Arguments, plan: &Plan) -> Result<ResultFile, Failure> {
         });
     }
     let bounds = bounds(&scene, &selection.best);
-    let source = TableResult {
-        content_hash: table.content_hash(),
-        design: table.provenance.design.clone(),
-    };
+    let source = TableResult::of(&table);
     Ok(ResultFile::new(
         &scene,
         &selection,

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use serde::Serialize;
+use tables::Outputs;
 
 use crate::cli::{self, Failure};
 use crate::edge;
@@ -85,7 +86,10 @@ struct Report<'a> {
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = cli::reserve(arguments.output.as_deref(), &[&arguments.image])?;
+    let output = cli::reserve(
+        arguments.output.as_deref(),
+        &mut Outputs::beside([arguments.image.as_path()]),
+    )?;
     let decode = Decode {
         transfer: arguments.transfer,
         channel: arguments.channel.clone(),

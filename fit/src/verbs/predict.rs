@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use serde::Serialize;
+use tables::Outputs;
 
 use crate::cli::{self, Failure};
 use crate::kernel::Kernel;
@@ -24,7 +25,7 @@ Examples:
 pub struct Arguments {
     /// What `fit estimate -o` wrote
     pub result: PathBuf,
-    /// The table that the result was fitted with
+    /// A table of the fitted cell: the fit's own, or one of the same mesh and index with more directions
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
     /// Floating distances, mm
@@ -62,9 +63,9 @@ struct Report<'a> {
 /// # Errors
 /// Result, table, direction or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let inputs = [arguments.result.as_path(), &arguments.table];
-    let output = cli::reserve(arguments.output.as_deref(), &inputs)?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &inputs)?;
+    let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
+    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
     let only = match table.axes.azimuth_deg[..] {
@@ -78,6 +79,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
     let predictions = predict(&result, &table, &places)?;
+    if arguments.azimuth.is_some() && table.axes.is_mean() {
+        cli::warn("the table is a mean over azimuths: --azimuth has no effect");
+    }
+    let mut between: Vec<String> = predictions
+        .iter()
+        .filter(|p| p.interpolated)
+        .map(|p| p.incidence_deg.to_string())
+        .collect();
+    between.dedup();
+    if !between.is_empty() {
+        cli::warn(&format!(
+            "interpolated between directions of the table, which costs accuracy: incidence {} deg; bake them",
+            between.join(", ")
+        ));
+    }
     if let Some((path, output)) = picture {
         output.commit(&plot::predicted(
             &predictions,
