@@ -5,13 +5,17 @@
 //! leave only through the aperture, upward. Bodies that are copies of each other (a **kind**) shift it alike, so one of
 //! each kind is traced, as often as the kind's share of the entrance.
 //!
-//! Every condition is checked; where one fails, [`kinds`] returns `None` and the mesh is traced as a whole:
+//! Every condition is checked; where one fails, [`kinds`] says so and the mesh is traced as a whole:
 //!
 //! - every edge of a body has a facet on either side, or lies in the entrance plane with the body on its left;
 //! - the latter form one convex loop, the aperture, and no vertex of the body is above or beside it;
 //! - an edge of an aperture is shared with a neighbour's, or lies on the entrance polygon. Then the number of apertures
 //!   over a point is the same everywhere in the entrance, and it is 1 because the areas add up.
+//!
+//! Vertices are shared where their coordinates are equal to the last bit, as they are in a file that gives them the same
+//! digits.
 
+use crate::scene::SMALL;
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 use std::collections::HashMap;
@@ -42,21 +46,47 @@ pub struct Kind {
     pub places: Vec<DVec2>,
 }
 
+/// Why a cell is traced as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Whole {
+    /// It is one.
+    #[error("the cell has few facets")]
+    Small,
+    /// Its neighbours are what the lattice says.
+    #[error("the cell is periodic")]
+    Periodic,
+    /// It is no set of separate bodies.
+    #[error(
+        "its facets do not fall into cubes side by side, each closed below the entrance plane and sharing the rim's \
+         vertices with its neighbours to the last digit"
+    )]
+    Connected,
+    /// Too many bodies differ.
+    #[error("more than {KINDS} of its cubes differ by more than the rounding of their coordinates")]
+    Unlike,
+}
+
 /// A vertex: the same position is the same vertex.
 type Vertex = usize;
 
-/// The kinds of bodies of `cell`, or `None` where it does not fall into bodies as described above.
-pub fn kinds(cell: &Cell) -> Option<Vec<Kind>> {
+/// The kinds of bodies of `cell`, as described above.
+///
+/// # Errors
+/// [`Whole`]: why it is not taken apart.
+pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.entrance.lattice.is_some() {
-        return None;
+        return Err(Whole::Periodic);
+    }
+    if cell.facets.len() < SMALL {
+        return Err(Whole::Small);
     }
     let surface = Surface::new(cell);
-    let bodies = surface.bodies()?;
+    let bodies = surface.bodies().ok_or(Whole::Connected)?;
     let mut kinds: Vec<Kind> = Vec::new();
     let mut rims = Vec::new();
     let mut area = 0.0;
     for body in bodies {
-        let rim = surface.aperture(&body)?;
+        let rim = surface.aperture(&body).ok_or(Whole::Connected)?;
         rims.extend(edges_of_loop(&rim));
         let corners: Vec<DVec2> = rim.iter().map(|&v| surface.flat(v)).collect();
         area += doubled_area(&corners) / 2.0;
@@ -66,7 +96,7 @@ pub fn kinds(cell: &Cell) -> Option<Vec<Kind>> {
         let alike = |kind: &Kind| same_facets(&kind.facets, &facets, surface.tolerance);
         match kinds.iter().position(alike) {
             Some(known) => kinds[known].places.push(place),
-            None if kinds.len() == KINDS => return None,
+            None if kinds.len() == KINDS => return Err(Whole::Unlike),
             None => kinds.push(Kind {
                 facets,
                 entrance: Entrance {
@@ -80,7 +110,12 @@ pub fn kinds(cell: &Cell) -> Option<Vec<Kind>> {
     }
     let whole = doubled_area(&cell.entrance.polygon) / 2.0;
     let covered = (area - whole).abs() <= COVERED * whole;
-    (covered && surface.has_outline(&rims, &cell.entrance.polygon)).then_some(kinds)
+    let fits = covered && surface.has_outline(&rims, &cell.entrance.polygon);
+    if fits {
+        Ok(kinds)
+    } else {
+        Err(Whole::Connected)
+    }
 }
 
 /// The facets with their vertices numbered.

@@ -4,7 +4,7 @@
 //! piecewise affine: every sequence of facets maps one polygon of the entrance plane by one affine map, so the whole
 //! distribution of ray shifts is a finite set of polygons, and the probability of a bin is an area. Where this differs
 //! from the article: all light of a direction is parallel and stays so, so that facets are unfolded into the entrance
-//! plane and the whole problem is two-dimensional; cells may be periodic.
+//! plane and the whole problem is two-dimensional; cells may be periodic; of many equal cubes one is followed.
 //!
 //! Accuracy: areas and shifts to a few ulp of the longest path in the cell, 1e-15 / cos(incidence) edge lengths.
 //! Facets mirror on the side that is wound counter-clockwise and let light through from behind (a checked cell shows
@@ -12,6 +12,7 @@
 
 mod beam;
 mod bins;
+mod body;
 mod candidate;
 mod facet;
 mod paths;
@@ -24,10 +25,11 @@ use ndarray::{Array2, Array3, Array4};
 use rayon::prelude::*;
 use tables::table::{Axes, Exact, Fate, Path};
 
-use self::facet::Facet;
+use self::body::Body;
 use self::view::View;
+use crate::bodies;
 use crate::path::Rules;
-use crate::polygon::{self, Polygon};
+use crate::polygon;
 use crate::ray::Direction;
 
 /// Why a cell cannot be baked exactly.
@@ -51,7 +53,8 @@ pub enum ExactError {
     },
 }
 
-/// Most facets, after joining coplanar triangles, that the exact method takes: the work grows with their square.
+/// Most facets, after joining coplanar triangles, that the exact method takes of a cell, or of one body of each kind where
+/// the cell is taken apart: the work grows with their square.
 pub const MOST_FACETS: usize = 2048;
 
 /// What became of the light of one direction.
@@ -69,58 +72,52 @@ pub struct Share {
     pub dropped: f64,
 }
 
-/// A cell prepared for exact baking: planar facets joined.
+/// A cell prepared for exact baking: planar facets joined, and of a sheet of many cells one of each kind.
 #[derive(Debug, Clone)]
-pub struct ExactCell<'a> {
-    cell: &'a Cell,
-    facets: Vec<Facet>,
-    /// `None` too where the cell is a lattice of pits, which do not see each other.
-    lattice: Option<[DVec2; 2]>,
-    /// Convex parts of the openings.
-    doors: Vec<Polygon>,
+pub struct ExactCell {
+    bodies: Vec<Body>,
+    /// Of all bodies, each by its weight, square edge lengths.
     entrance_area: f64,
 }
 
-impl<'a> ExactCell<'a> {
-    /// Joins coplanar triangles and checks the number of facets.
+impl ExactCell {
+    /// Takes the cell apart where it can be ([`bodies::kinds`]), joins coplanar triangles and checks the number of
+    /// facets.
     ///
     /// # Errors
     /// [`ExactError::TooManyFacets`].
-    pub fn new(cell: &'a Cell) -> Result<Self, ExactError> {
-        let facets = facet::join(&cell.facets);
-        if facets.len() > MOST_FACETS {
+    pub fn new(cell: &Cell) -> Result<Self, ExactError> {
+        let bodies: Vec<Body> = match bodies::kinds(cell) {
+            Ok(kinds) => {
+                let most = kinds.iter().map(|kind| kind.places.len()).max();
+                let weight = |places: usize| places as f64 / most.unwrap_or(1) as f64;
+                kinds
+                    .iter()
+                    .map(|kind| Body::new(&kind.facets, &kind.entrance, weight(kind.places.len())))
+                    .collect()
+            }
+            Err(_) => vec![Body::new(&cell.facets, &cell.entrance, 1.0)],
+        };
+        let prepared = ExactCell {
+            entrance_area: bodies
+                .iter()
+                .map(|body| body.weight * body.entrance_area)
+                .sum(),
+            bodies,
+        };
+        let facets = prepared.facet_count();
+        if facets > MOST_FACETS {
             return Err(ExactError::TooManyFacets {
-                facets: facets.len(),
+                facets,
                 limit: MOST_FACETS,
             });
         }
-        let entrance = &cell.entrance;
-        let entrance_area = polygon::area(&entrance.polygon);
-        let pits = entrance
-            .lattice
-            .and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
-        let lattice = if pits.is_some() {
-            None
-        } else {
-            entrance.lattice
-        };
-        let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
-        let doors = openings
-            .iter()
-            .flat_map(|opening| polygon::convex_parts(opening))
-            .collect();
-        Ok(ExactCell {
-            cell,
-            facets,
-            lattice,
-            doors,
-            entrance_area,
-        })
+        Ok(prepared)
     }
 
-    /// Number of planar facets after joining coplanar triangles.
+    /// Number of planar facets after joining coplanar triangles, in one body of each kind.
     pub fn facet_count(&self) -> usize {
-        self.facets.len()
+        self.bodies.iter().map(|body| body.facets.len()).sum()
     }
 
     /// Traces one direction: angles in degrees, outside the front face, cell frame; `bins` x `bins` over
@@ -135,23 +132,33 @@ impl<'a> ExactCell<'a> {
     ) -> Share {
         let (incidence_rad, azimuth_rad) = (incidence_deg.to_radians(), azimuth_deg.to_radians());
         let light = Direction::new(incidence_rad, azimuth_rad, rules.refractive_index);
-        let view = View::new(self, &light);
-        let outcome = beam::trace(&view, rules);
-        let paths = paths::merge(outcome.pieces, &view);
         let mut filled = bins::Bins::new(bins, range);
-        let mut eta = 0.0;
-        for path in &paths {
-            let polygon: Vec<DVec2> = path.polygon.iter().map(|&p| DVec2::from_array(p)).collect();
-            let [[uu, uv], [vu, vv]] = path.matrix;
-            let matrix = DMat2::from_cols(DVec2::new(uu, vu), DVec2::new(uv, vv));
-            let density = path.weight / view.entrance_area;
-            eta += density * polygon::area(&polygon);
-            filled.add(&polygon, matrix, DVec2::from_array(path.offset), density);
+        let mut paths = Vec::new();
+        let mut fate = [0.0; Fate::ALL.len()];
+        let (mut eta, mut dropped) = (0.0, 0.0);
+        for body in &self.bodies {
+            let view = View::new(body, &light);
+            let outcome = beam::trace(&view, rules);
+            let density = body.weight / self.entrance_area;
+            for path in paths::merge(outcome.pieces, &view) {
+                let polygon: Vec<DVec2> =
+                    path.polygon.iter().map(|&p| DVec2::from_array(p)).collect();
+                let [[uu, uv], [vu, vv]] = path.matrix;
+                let matrix = DMat2::from_cols(DVec2::new(uu, vu), DVec2::new(uv, vv));
+                eta += density * polygon::area(&polygon);
+                filled.add(&polygon, matrix, DVec2::from_array(path.offset), density);
+                paths.push(Path {
+                    weight: body.weight,
+                    ..path
+                });
+            }
+            for (share, area) in fate.iter_mut().zip(outcome.area) {
+                *share += density * area;
+            }
+            dropped += density * outcome.dropped;
         }
-        let mut fate = outcome.area.map(|area| area / view.entrance_area);
         fate[Fate::OutOfRange as usize] = filled.out_of_range;
         fate[Fate::Retroreflected as usize] = (eta - filled.out_of_range).max(0.0);
-        let dropped = outcome.dropped / view.entrance_area;
         Share {
             paths,
             fate,
@@ -179,7 +186,7 @@ pub struct Baked {
 ///
 /// # Errors
 /// [`ExactError`]: why not.
-pub fn prepare<'a>(cell: &'a Cell, axes: &Axes) -> Result<ExactCell<'a>, ExactError> {
+pub fn prepare(cell: &Cell, axes: &Axes) -> Result<ExactCell, ExactError> {
     if axes.azimuth_deg.iter().any(|azimuth| azimuth.is_nan()) {
         return Err(ExactError::MeanAzimuth);
     }

@@ -1,5 +1,6 @@
 //! From raw arguments to a checked plan. Every default of `bake trace` is stated here, once.
 
+use crate::bodies::{self, Whole};
 use crate::path::Rules;
 use crate::sequence::Sampler;
 use std::num::NonZeroUsize;
@@ -381,7 +382,7 @@ impl Plan {
         }
     }
 
-    /// What contradicts itself without being wrong, for the user.
+    /// What contradicts itself without being wrong, and what makes a bake slow that need not be, for the user.
     pub fn warnings(&self, cell: &meshes::Cell) -> Vec<String> {
         let mut warnings = Vec::new();
         if let (Some(asked), Some(own)) = (self.refractive_index, cell.refractive_index)
@@ -389,6 +390,12 @@ impl Plan {
         {
             warnings.push(format!(
                 "--refractive-index {asked} overrides the {own} that the mesh file gives"
+            ));
+        }
+        if let Err(reason @ (Whole::Connected | Whole::Unlike)) = bodies::kinds(cell) {
+            warnings.push(format!(
+                "the mesh is traced as a whole, not one cube of each kind: {reason}; if it is a sheet of equal cubes, \
+                 give one period of it"
             ));
         }
         warnings

@@ -2,7 +2,7 @@
 
 use crate::bodies;
 use crate::launch::Launch;
-use crate::scene::{Index, SMALL, Scene};
+use crate::scene::{Index, Scene};
 use meshes::Cell;
 use std::sync::Arc;
 
@@ -15,12 +15,9 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// The sheet of `cell`. A cell of many facets is taken apart where it can be ([`bodies::kinds`]).
+    /// The sheet of `cell`, taken apart where it can be ([`bodies::kinds`]).
     pub fn new(cell: &Cell, index: Index) -> Self {
-        let kinds = (cell.facets.len() >= SMALL)
-            .then(|| bodies::kinds(cell))
-            .flatten();
-        let Some(kinds) = kinds else {
+        let Ok(kinds) = bodies::kinds(cell) else {
             return Sheet {
                 scenes: vec![Arc::new(Scene::new(cell, index))],
                 launch: Launch::new(&cell.entrance),

@@ -2,7 +2,7 @@
 
 mod cells;
 
-use bake::bodies;
+use bake::bodies::{self, Whole};
 use bake::kernel::Kernel;
 use bake::launch::Launch;
 use bake::path::{Rules, trace};
@@ -257,11 +257,11 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
 #[test]
 fn what_is_no_set_of_bodies_is_left_whole() {
     let cell = patch(3, 3);
-    assert!(bodies::kinds(&cell).is_some());
+    assert!(bodies::kinds(&cell).is_ok());
     let spoilt = |spoil: &dyn Fn(&mut Cell)| {
         let mut cell = cell.clone();
         spoil(&mut cell);
-        bodies::kinds(&cell).is_none()
+        bodies::kinds(&cell).err()
     };
     let rims = |cell: &mut Cell, change: &dyn Fn(&mut DVec3)| {
         let corner = cell.facets[0][1];
@@ -299,7 +299,11 @@ fn what_is_no_set_of_bodies_is_left_whole() {
                 .push(cell.facets[0].map(|p| p.with_z(cells::HEIGHT)))
         }),
     ];
-    assert_eq!(cases, [true; 9]);
+    let mut expected = [Some(Whole::Connected); 9];
+    expected[0] = Some(Whole::Periodic);
+    assert_eq!(cases, expected);
+    assert_eq!(bodies::kinds(&patch(3, 1)).err(), Some(Whole::Small));
+    assert_eq!(bodies::kinds(&uneven(3, 3)).err(), Some(Whole::Unlike));
 }
 
 /// A patch whose cubes all differ, so that they have no kinds: every vertex below the entrance plane is moved.

@@ -120,20 +120,23 @@ impl Axes {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
     /// Corners of the polygon of entry points in the incidence frame (u, v), counter-clockwise, edge lengths,
-    /// relative to the apex's perpendicular foot on the entrance plane.
+    /// relative to the apex's perpendicular foot on the entrance plane (of a sheet of many cubes: to the middle of the
+    /// corners of the cube's rim).
     pub polygon: Vec<[f64; 2]>,
     /// Linear part of the shift map, row-major [[uu, uv], [vu, vv]].
     pub matrix: [[f64; 2]; 2],
     /// Constant part of the shift map, edge lengths.
     pub offset: [f64; 2],
-    /// Share of the launched power that this path returns (1 for lossless reflections).
+    /// Share of the launched power that this path returns (1 for lossless reflections); of a sheet of many cubes, times
+    /// how often its kind of cube occurs relative to the most frequent kind.
     pub weight: f64,
 }
 
 /// What `bake --method exact` found: the polygons and maps behind the histogram.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Exact {
-    /// Area of the entrance, square edge lengths; eta = sum of weight x polygon area / entrance area.
+    /// Area of the entrance, square edge lengths (of a sheet of many cubes: of one of each kind, weighted as its paths);
+    /// eta = sum of weight x polygon area / entrance area.
     pub entrance_area: f64,
     /// Retroreflecting paths of each direction: index = incidence * azimuths + azimuth.
     pub paths: Vec<Vec<Path>>,

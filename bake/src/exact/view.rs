@@ -7,7 +7,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::ExactCell;
+use super::body::Body;
 use super::facet::Facet;
 use crate::polygon::{self, HalfPlane, Polygon};
 use crate::ray::Direction;
@@ -127,13 +127,13 @@ pub(super) struct View {
 }
 
 impl View {
-    /// A cell seen along `light`.
-    pub fn new(cell: &ExactCell, light: &Direction) -> View {
+    /// A body seen along `light`.
+    pub fn new(body: &Body, light: &Direction) -> View {
         // The frame's u is the light's own, so that nothing but rounding is left of v.
         let (sin, cos) = (light.travel.truncate().dot(light.u), -light.travel.z);
         let turn = |p: DVec2| light.to_frame(p);
-        let facets: Vec<Facet> = cell.facets.iter().map(|f| f.turned(light)).collect();
-        let height = cell.cell.entrance.height;
+        let facets: Vec<Facet> = body.facets.iter().map(|f| f.turned(light)).collect();
+        let height = body.height;
         let floor = facets
             .iter()
             .flat_map(|f| &f.corners)
@@ -143,16 +143,16 @@ impl View {
         let extent = 1.0 + (height - floor) * sin / cos;
         View {
             direction: DVec3::new(sin, 0.0, -cos),
-            lattice: cell.lattice.map(|[a, b]| [turn(a), turn(b)]),
-            doors: cell
+            lattice: body.lattice.map(|[a, b]| [turn(a), turn(b)]),
+            doors: body
                 .doors
                 .iter()
                 .map(|door| door.iter().map(|&p| turn(p)).collect())
                 .collect(),
-            entrance_area: cell.entrance_area,
+            entrance_area: body.entrance_area,
             height,
             floor,
-            least_area: 4.0 * f64::EPSILON * cell.entrance_area * extent,
+            least_area: 4.0 * f64::EPSILON * body.entrance_area * extent,
             least_depth: 16.0 * f64::EPSILON * extent,
             facets,
         }

@@ -6,3 +6,4 @@ mod cells;
 mod closed_form;
 mod designs;
 mod invariants;
+mod sheets;

@@ -1,0 +1,52 @@
+//! A cell, or one of the bodies that it falls into, prepared for exact baking.
+
+use glam::{DVec2, DVec3};
+use meshes::Entrance;
+
+use super::facet::{self, Facet};
+use super::rim;
+use crate::polygon::{self, Polygon};
+
+/// Planar facets and the openings that light enters by.
+#[derive(Debug, Clone)]
+pub(super) struct Body {
+    pub facets: Vec<Facet>,
+    /// `None` too where the body is a lattice of pits, which do not see each other.
+    pub lattice: Option<[DVec2; 2]>,
+    /// Convex parts of the openings.
+    pub doors: Vec<Polygon>,
+    /// Area of the entrance, square edge lengths.
+    pub entrance_area: f64,
+    /// Height of the entrance plane, edge lengths.
+    pub height: f64,
+    /// How often it occurs, as a part of the most frequent body of the cell.
+    pub weight: f64,
+}
+
+impl Body {
+    /// Joins coplanar `triangles` and finds the openings.
+    pub fn new(triangles: &[[DVec3; 3]], entrance: &Entrance, weight: f64) -> Self {
+        let facets = facet::join(triangles);
+        let entrance_area = polygon::area(&entrance.polygon);
+        let pits = entrance
+            .lattice
+            .and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
+        let lattice = if pits.is_some() {
+            None
+        } else {
+            entrance.lattice
+        };
+        let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
+        Body {
+            facets,
+            lattice,
+            doors: openings
+                .iter()
+                .flat_map(|opening| polygon::convex_parts(opening))
+                .collect(),
+            entrance_area,
+            height: entrance.height,
+            weight,
+        }
+    }
+}
