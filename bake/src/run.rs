@@ -339,6 +339,7 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
             .entrance
             .lattice
             .map(|lattice| lattice.map(|vector| vector.to_array())),
+        shards: None,
     }
 }
 

@@ -121,6 +121,7 @@ impl Items {
             angular_tolerance_deg,
             tolerance,
             lattice,
+            shards,
         } = provenance;
         self.text("generator", generator);
         self.text("design", design);
@@ -142,6 +143,9 @@ impl Items {
         self.floats("tolerance", [*tolerance].into_iter());
         let lattice: &[f64] = lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
         self.floats("lattice", lattice.iter().copied());
+        if let Some(shards) = shards {
+            self.text("shards", &shards.to_string());
+        }
     }
 }
 

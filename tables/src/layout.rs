@@ -161,6 +161,7 @@ mod attribute {
     pub const ANGULAR_TOLERANCE_DEG: &str = "angular_tolerance_deg";
     pub const TOLERANCE: &str = "tolerance";
     pub const LATTICE: &str = "lattice";
+    pub const SHARDS: &str = "shards";
     pub const UNITS: &str = "units";
     pub const LONG_NAME: &str = "long_name";
 }

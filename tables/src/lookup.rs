@@ -104,7 +104,7 @@ impl Table {
     /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0,
     /// #     back: "mirror".into(), losses: "none".into(), reflectance: 1.0, method: "rays".into(),
     /// #     sampler: "random".into(), seed: 1,
-    /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None,
+    /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, shards: None,
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg

@@ -1,176 +1,61 @@
-//! Adding the rays of tables.
+//! Adding the rays and the directions of tables.
 //!
-//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each randomisation.
-//! Two merges follow from that:
-//! - **more rays** ([`merge()`]): ranges of seeds that follow one another are put side by side along the
-//!   randomisation axis. The result is that of one bake with the first seed and all the randomisations.
-//! - **shards of one bake** ([`merge()`] where they are of different directions or randomisations,
-//!   [`merge_shards`] where they are blocks of the samples): counts of the same seed are added place by place.
+//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each randomisation. So tables
+//! of one cell are put together in three ways, all of them at once if need be:
+//! - **shards** of one bake, equal shares of its samples ([`Shards`]): counts are added place by place;
+//! - **directions**: those of a bake of all of them, because samples depend on the angles, not on their place in a list;
+//! - **more rays**: ranges of seeds that follow one another are put side by side along the randomisation axis, which is
+//!   the bake of the first seed with all the randomisations.
 //!
-//! Both are sums of integers, so the order and the grouping of the merges do not change a bit.
+//! All are sums of integers, so that the order and the grouping of the merges do not change a bit.
+
+mod directions;
+mod mismatch;
+
+use std::collections::BTreeSet;
 
 use ndarray::{Axis, Zip, concatenate};
 
 use crate::error::Error;
-use crate::table::Table;
+use crate::shards::Shards;
+use crate::table::{Axes, Table};
+use directions::{join, place, spread, union};
+pub use mismatch::Mismatch;
 
-/// Why tables cannot be merged. Indices are positions in the list given.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Mismatch {
-    /// Nothing to merge.
-    #[error("no table to merge; name at least one")]
-    Empty,
-    /// A table without counts.
-    #[error(
-        "table {index} holds no counts of rays (method {method:?}); an exact table has nothing to add, use it as it is"
-    )]
-    NoCounts {
-        /// Which table.
-        index: usize,
-        /// Its method.
-        method: String,
-    },
-    /// A field that says what was baked is not the same.
-    #[error(
-        "{field} of table {index} is {found}, that of the first is {expected}; merge tables of one design only"
-    )]
-    Field {
-        /// Name of the field, as in the file.
-        field: &'static str,
-        /// Which table.
-        index: usize,
-        /// Value in the first table.
-        expected: String,
-        /// Value in this one.
-        found: String,
-    },
-    /// Both tables hold rays of the same seed, randomisation and direction.
-    #[error(
-        "tables {first} and {second} both hold rays of seed {seed} at direction {direction:?}, which would be counted \
-         twice; bake one of them with another --seed"
-    )]
-    Overlap {
-        /// One table.
-        first: usize,
-        /// The other.
-        second: usize,
-        /// The seed.
-        seed: u64,
-        /// Index along incidence and azimuth.
-        direction: (usize, usize),
-    },
-    /// The ranges of seeds do not follow one another.
-    #[error(
-        "table {index} has seed {found}, expected {expected}, the one after the seeds of the other tables; bake it \
-         with --seed {expected}"
-    )]
-    Seed {
-        /// Which table.
-        index: usize,
-        /// The seed that would continue the range.
-        expected: u64,
-        /// The seed of the table.
-        found: u64,
-    },
-}
-
-/// Adds the rays of tables of one design: shards of one seed, and bakes of seeds that follow one another.
+/// Puts tables of one cell together; the order of the list does not matter. The shards of a bake, or tables of its
+/// directions, give the table of the whole bake, bit for bit.
 ///
-/// The order of the list does not matter. Tables of the same seed may hold different directions or
-/// randomisations, not the same ones: whether those are other samples or the same again cannot be told (see
-/// [`merge_shards`]).
+/// Exact tables have no rays to add; only their directions are joined.
 ///
 /// # Errors
-/// [`Error::Merge`] with the field that differs, the overlap, or the seed that is needed.
+/// [`Error::Merge`] with the field that differs, the overlap, the direction, seed or shard that is missing.
 pub fn merge(tables: &[Table]) -> Result<Table, Error> {
-    combine(tables, false)
-}
-
-/// As [`merge()`], where the caller vouches that tables of one seed hold different samples of it.
-///
-/// # Errors
-/// As [`merge()`], without [`Mismatch::Overlap`].
-pub fn merge_shards(tables: &[Table]) -> Result<Table, Error> {
-    combine(tables, true)
-}
-
-fn combine(tables: &[Table], disjoint: bool) -> Result<Table, Error> {
     let first = tables.first().ok_or(Mismatch::Empty)?;
     for (index, table) in tables.iter().enumerate() {
         same(first, table, index)?;
     }
-    let mut order: Vec<usize> = (0..tables.len()).collect();
-    order.sort_by_key(|&index| tables[index].provenance.seed);
-    // One entry per seed: the sum, and which tables are in it.
-    let mut ranges: Vec<(Table, Vec<usize>)> = Vec::new();
-    for index in order {
-        let table = &tables[index];
-        match ranges.last_mut() {
-            Some((sum, members)) if sum.provenance.seed == table.provenance.seed => {
-                if !disjoint {
-                    overlap(tables, members, index)?;
-                }
-                add(sum, table, index)?;
-                members.push(index);
-            }
-            _ => ranges.push((table.clone(), vec![index])),
-        }
+    if tables.len() == 1 {
+        return Ok(first.clone());
     }
-    let seed = ranges[0].0.provenance.seed;
-    let mut expected = seed;
-    for (table, members) in &ranges {
-        let found = table.provenance.seed;
-        if found != expected {
-            return Err(Mismatch::Seed {
-                index: members[0],
-                expected,
-                found,
-            }
-            .into());
-        }
-        expected = expected.wrapping_add(randomisations(table) as u64);
+    let axes = union(tables);
+    if first.counts.is_none() {
+        return Ok(join(tables, axes)?);
     }
-    let counts: Vec<_> = ranges
+    let mut seeds: Vec<u64> = tables.iter().map(|table| table.provenance.seed).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    let ranges = seeds
         .iter()
-        .filter_map(|(table, _)| table.counts.as_ref())
-        .map(|c| c.view())
-        .collect();
-    let fates: Vec<_> = ranges
-        .iter()
-        .filter_map(|(table, _)| table.fate_counts.as_ref())
-        .map(|c| c.view())
-        .collect();
-    let (Ok(counts), Ok(fates)) = (concatenate(Axis(2), &counts), concatenate(Axis(2), &fates))
-    else {
-        unreachable!("equal axes give equal shapes but for the randomisations");
-    };
-    let mut provenance = first.provenance.clone();
-    provenance.seed = seed;
-    // `concatenate` leaves a layout of its own.
-    let (counts, fates) = (
-        counts.as_standard_layout().into_owned(),
-        fates.as_standard_layout().into_owned(),
-    );
-    Ok(Table::from_counts(
-        first.axes.clone(),
-        counts,
-        fates,
-        provenance,
-    ))
+        .map(|&seed| of_one_seed(tables, &axes, seed))
+        .collect::<Result<Vec<Table>, Mismatch>>()?;
+    if let [only] = &ranges[..] {
+        return Ok(only.clone());
+    }
+    Ok(side_by_side(tables, &ranges)?)
 }
 
-fn randomisations(table: &Table) -> usize {
-    table.counts.as_ref().map_or(0, |counts| counts.shape()[2])
-}
-
-/// Compares everything that says what was baked; only the seed may differ.
+/// Compares everything that says what was baked; seed, shards and directions may differ.
 fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
-    if table.counts.is_none() || table.fate_counts.is_none() {
-        return Err(Mismatch::NoCounts {
-            index,
-            method: table.provenance.method.clone(),
-        });
-    }
     macro_rules! compare {
         ($($part:ident . $field:ident = $name:literal),* $(,)?) => {
             $(if first.$part.$field != table.$part.$field {
@@ -199,58 +84,149 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         provenance.tolerance = "tolerance",
         provenance.lattice = "lattice",
         provenance.generator = "generator",
-        axes.incidence_deg = "incidence_deg",
         axes.bins = "bins",
         axes.range = "shift_range",
     );
-    // The NaN azimuth of a mean equals itself in `Axes` only.
-    if first.axes != table.axes {
+    let kind = |table: &Table| match (&table.counts, table.axes.is_mean()) {
+        (Some(_), false) => "single directions, counts of rays",
+        (Some(_), true) => "a mean, counts of rays",
+        (None, _) => "no counts of rays",
+    };
+    if kind(first) != kind(table) {
         return Err(Mismatch::Field {
-            field: "azimuth_deg",
+            field: "azimuths",
             index,
-            expected: format!("{:?}", first.axes.azimuth_deg),
-            found: format!("{:?}", table.axes.azimuth_deg),
+            expected: kind(first).into(),
+            found: kind(table).into(),
         });
     }
     Ok(())
 }
 
-/// Refuses rays of one seed, randomisation and direction in two tables.
-fn overlap(tables: &[Table], members: &[usize], second: usize) -> Result<(), Mismatch> {
-    let launched = |table: &Table| {
-        table
-            .fate_counts
-            .as_ref()
-            .map(|fates| fates.sum_axis(Axis(3)))
-    };
-    for &first in members {
-        let (Some(a), Some(b)) = (launched(&tables[first]), launched(&tables[second])) else {
+/// The sum of all tables that start at `seed`, over `axes`.
+fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismatch> {
+    let mut sum: Option<Table> = None;
+    // What each direction holds: nothing yet, or shards (`None`: the whole bake) and the table that brought them.
+    let (incidences, azimuths) = axes.shape();
+    let mut held: Vec<Vec<(usize, Option<&Shards>)>> = vec![Vec::new(); incidences * azimuths];
+    for (index, table) in tables.iter().enumerate() {
+        if table.provenance.seed != seed {
             continue;
-        };
-        for ((i, j, r), &rays) in a.indexed_iter() {
-            if rays > 0 && b.get((i, j, r)).is_some_and(|&rays| rays > 0) {
-                let seed = tables[first].provenance.seed.wrapping_add(r as u64);
-                return Err(Mismatch::Overlap {
-                    first,
-                    second,
-                    seed,
-                    direction: (i, j),
-                });
+        }
+        let shards = table.provenance.shards.as_ref();
+        for (direction, held) in held.iter_mut().enumerate() {
+            let direction = (direction / azimuths, direction % azimuths);
+            let Some(own) = place(table, axes, direction) else {
+                continue;
+            };
+            for &(first, other) in held.iter() {
+                let what = match (other, shards) {
+                    (Some(a), Some(b)) if (a.of, a.rays) != (b.of, b.rays) => {
+                        return Err(Mismatch::Field {
+                            field: "shards",
+                            index,
+                            expected: a.to_string(),
+                            found: b.to_string(),
+                        });
+                    }
+                    (Some(a), Some(b)) => a
+                        .held
+                        .intersection(&b.held)
+                        .next()
+                        .map(|k| format!("shard {k} of seed {seed}")),
+                    _ => place(&tables[first], axes, direction)
+                        .and_then(|there| {
+                            shared_randomisation((&tables[first], there), (table, own))
+                        })
+                        .map(|r| format!("rays of seed {}", seed.wrapping_add(r))),
+                };
+                if let Some(what) = what {
+                    return Err(Mismatch::Overlap {
+                        first,
+                        second: index,
+                        what,
+                        direction,
+                    });
+                }
             }
+            held.push((index, shards));
+        }
+        let more = spread(table, axes);
+        match &mut sum {
+            None => sum = Some(more),
+            Some(sum) => add(sum, &more, index)?,
         }
     }
-    Ok(())
+    let Some(mut sum) = sum else {
+        return Err(Mismatch::Empty);
+    };
+    sum.provenance.shards = together(&held, axes, seed)?;
+    Ok(rebuilt(sum))
+}
+
+/// The shards that every direction holds in sum.
+fn together(
+    held: &[Vec<(usize, Option<&Shards>)>],
+    axes: &Axes,
+    seed: u64,
+) -> Result<Option<Shards>, Mismatch> {
+    let sum = |parts: &[(usize, Option<&Shards>)]| {
+        let mut shards = parts.iter().filter_map(|(_, shards)| *shards);
+        let first = shards.next()?.clone();
+        let held: BTreeSet<u32> = shards.fold(first.held, |held, more| &held | &more.held);
+        Some(Shards { held, ..first }).filter(Shards::is_valid)
+    };
+    let azimuths = axes.azimuth_deg.len();
+    let expected = sum(&held[0]);
+    let named = |shards: &Option<Shards>| {
+        shards
+            .as_ref()
+            .map_or("the whole bake".into(), |s| format!("shards {s}"))
+    };
+    for (direction, parts) in held.iter().enumerate() {
+        let incidence_deg = axes.incidence_deg[direction / azimuths];
+        let azimuth_deg = axes.azimuth_deg[direction % azimuths];
+        if parts.is_empty() {
+            return Err(Mismatch::Gap {
+                incidence_deg,
+                azimuth_deg,
+                seed,
+            });
+        }
+        let found = sum(parts);
+        if found != expected {
+            return Err(Mismatch::Uneven {
+                seed,
+                incidence_deg,
+                azimuth_deg,
+                expected: named(&expected),
+                found: named(&found),
+            });
+        }
+    }
+    Ok(expected)
+}
+
+/// A randomisation of which both tables hold rays, each at its own place of one direction.
+fn shared_randomisation(a: (&Table, (usize, usize)), b: (&Table, (usize, usize))) -> Option<u64> {
+    let rays = |(table, (i, j)): (&Table, (usize, usize)), r: usize| -> u64 {
+        let fates = table.fate_counts.as_ref();
+        fates.map_or(0, |fates| fates.slice(ndarray::s![i, j, r, ..]).sum())
+    };
+    let both = randomisations(a.0).min(randomisations(b.0));
+    (0..both)
+        .find(|&r| rays(a, r) > 0 && rays(b, r) > 0)
+        .map(|r| r as u64)
 }
 
 fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     let (expected, found) = (randomisations(sum), randomisations(table));
     if expected != found {
-        let (expected, found) = (expected.to_string(), found.to_string());
         return Err(Mismatch::Field {
             field: "randomisation",
             index,
-            expected,
-            found,
+            expected: expected.to_string(),
+            found: found.to_string(),
         });
     }
     if let (Some(counts), Some(more)) = (&mut sum.counts, &table.counts) {
@@ -260,4 +236,70 @@ fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         Zip::from(fates).and(more).for_each(|n, more| *n += more);
     }
     Ok(())
+}
+
+/// Whole tables of seeds that follow one another, along the randomisation axis.
+fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
+    let mut expected = ranges[0].provenance.seed;
+    for table in ranges {
+        let seed = table.provenance.seed;
+        if let Some(shards) = &table.provenance.shards {
+            return Err(Mismatch::Incomplete {
+                seed,
+                missing: crate::shards::ranges(&shards.missing()),
+                shards: shards.clone(),
+            });
+        }
+        if seed != expected {
+            let index = tables
+                .iter()
+                .position(|t| t.provenance.seed == seed)
+                .unwrap_or(0);
+            return Err(Mismatch::Seed {
+                index,
+                expected,
+                found: seed,
+            });
+        }
+        expected = expected.wrapping_add(randomisations(table) as u64);
+    }
+    let counts: Vec<_> = ranges
+        .iter()
+        .filter_map(|t| t.counts.as_ref())
+        .map(|c| c.view())
+        .collect();
+    let fates: Vec<_> = ranges
+        .iter()
+        .filter_map(|t| t.fate_counts.as_ref())
+        .map(|c| c.view())
+        .collect();
+    let (Ok(counts), Ok(fates)) = (concatenate(Axis(2), &counts), concatenate(Axis(2), &fates))
+    else {
+        unreachable!("equal axes give equal shapes but for the randomisations");
+    };
+    Ok(Table::from_counts(
+        ranges[0].axes.clone(),
+        // `concatenate` leaves a layout of its own.
+        counts.as_standard_layout().into_owned(),
+        fates.as_standard_layout().into_owned(),
+        ranges[0].provenance.clone(),
+    ))
+}
+
+fn randomisations(table: &Table) -> usize {
+    table.counts.as_ref().map_or(0, |counts| counts.shape()[2])
+}
+
+/// The table that follows from the counts, which were changed.
+fn rebuilt(table: Table) -> Table {
+    match (table.counts, table.fate_counts) {
+        (Some(counts), Some(fates)) => {
+            Table::from_counts(table.axes, counts, fates, table.provenance)
+        }
+        (counts, fate_counts) => Table {
+            counts,
+            fate_counts,
+            ..table
+        },
+    }
 }

@@ -5,6 +5,8 @@
 
 use ndarray::{Array2, Array3, Array4, Array5};
 
+use crate::shards::Shards;
+
 /// What became of a ray. The names and their order are those of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
@@ -177,6 +179,8 @@ pub struct Provenance {
     pub tolerance: f64,
     /// Lattice vectors in the cell frame, edge lengths, where the cell is periodic.
     pub lattice: Option<[[f64; 2]; 2]>,
+    /// Which shards of a bake these are; `None` for a whole one.
+    pub shards: Option<Shards>,
 }
 
 /// A ray-shift table.

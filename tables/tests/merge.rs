@@ -4,7 +4,10 @@ mod sample;
 
 use ndarray::{Axis, s};
 use proptest::prelude::*;
-use tables::{Error, Fate, Mismatch, Table, merge, merge_shards};
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use tables::{Axes, Error, Exact, Fate, Mismatch, Shards, Table, merge};
 
 /// A part of a table: its counts where `keep` says so, no rays elsewhere.
 fn part(table: &Table, keep: impl Fn(usize, usize, usize) -> bool) -> Table {
@@ -84,19 +87,19 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
         Mismatch::Overlap {
             first: 0,
             second: 1,
-            seed: 7,
+            what: "rays of seed 7".into(),
             direction: (0, 0)
         }
     );
-    // The caller may vouch for other samples of the same seed.
-    let sum = merge_shards(&twice).unwrap();
-    assert_eq!(sum.rays, &table.rays * 2);
-    assert_eq!(sum.histogram, table.histogram);
 
     assert_eq!(mismatch(&[]), Mismatch::Empty);
     assert!(matches!(
-        mismatch(&[sample::exact()]),
-        Mismatch::NoCounts { index: 0, .. }
+        mismatch(&[table.clone(), sample::exact()]),
+        Mismatch::Field { index: 1, .. }
+    ));
+    assert!(matches!(
+        mismatch(&[sample::exact(), sample::exact()]),
+        Mismatch::Overlap { second: 1, .. }
     ));
     let gap = [table.clone(), sample::rays(2, 11)];
     assert_eq!(
@@ -118,7 +121,7 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
     );
 
     type Change = fn(&mut Table);
-    let changes: [(&str, Change); 19] = [
+    let changes: [(&str, Change); 17] = [
         ("generator", |t| t.provenance.generator.push('1')),
         ("design", |t| t.provenance.design.push('1')),
         ("mesh_hash", |t| t.provenance.mesh_hash.push('1')),
@@ -138,8 +141,6 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
         }),
         ("tolerance", |t| t.provenance.tolerance = 1.0),
         ("lattice", |t| t.provenance.lattice = None),
-        ("incidence_deg", |t| t.axes.incidence_deg[1] = 11.0),
-        ("azimuth_deg", |t| t.axes.azimuth_deg[1] = 31.0),
         ("bins", |t| t.axes.bins = 16),
         ("shift_range", |t| t.axes.range = 3.0),
     ];
@@ -159,4 +160,188 @@ fn means_merge_too() {
     let mean = sample::mean();
     let shards = [part(&mean, |i, _, _| i == 0), part(&mean, |i, _, _| i > 0)];
     assert_eq!(merge(&shards).unwrap(), mean);
+}
+
+/// The directions of `table` that are named, as a bake of them alone.
+fn directions(table: &Table, incidences: &[usize], azimuths: &[usize]) -> Table {
+    let pick =
+        |angles: &[f64], which: &[usize]| which.iter().map(|&k| angles[k]).collect::<Vec<_>>();
+    let axes = Axes {
+        incidence_deg: pick(&table.axes.incidence_deg, incidences),
+        azimuth_deg: pick(&table.axes.azimuth_deg, azimuths),
+        ..table.axes.clone()
+    };
+    if let (Some(counts), Some(fates)) = (&table.counts, &table.fate_counts) {
+        return Table::from_counts(
+            axes,
+            counts.select(Axis(0), incidences).select(Axis(1), azimuths),
+            fates.select(Axis(0), incidences).select(Axis(1), azimuths),
+            table.provenance.clone(),
+        );
+    }
+    let exact = table.exact.as_ref().unwrap();
+    let all = table.axes.azimuth_deg.len();
+    let paths = incidences
+        .iter()
+        .flat_map(|i| azimuths.iter().map(move |j| i * all + j));
+    Table {
+        axes,
+        histogram: table
+            .histogram
+            .select(Axis(0), incidences)
+            .select(Axis(1), azimuths),
+        counts: None,
+        retroreflected: table
+            .retroreflected
+            .select(Axis(0), incidences)
+            .select(Axis(1), azimuths),
+        standard_error: table
+            .standard_error
+            .select(Axis(0), incidences)
+            .select(Axis(1), azimuths),
+        fate: table
+            .fate
+            .select(Axis(0), incidences)
+            .select(Axis(1), azimuths),
+        fate_counts: None,
+        rays: table
+            .rays
+            .select(Axis(0), incidences)
+            .select(Axis(1), azimuths),
+        exact: Some(Exact {
+            entrance_area: exact.entrance_area,
+            paths: paths.map(|k| exact.paths[k].clone()).collect(),
+        }),
+        provenance: table.provenance.clone(),
+    }
+}
+
+#[test]
+fn directions_join_to_the_table_of_all() {
+    let mut joined = 0;
+    for whole in [sample::rays(3, 7), sample::exact()] {
+        for parts in [
+            vec![
+                directions(&whole, &[0, 2], &[0, 1]),
+                directions(&whole, &[1], &[0, 1]),
+            ],
+            vec![
+                directions(&whole, &[0, 1, 2], &[1]),
+                directions(&whole, &[0, 1, 2], &[0]),
+            ],
+            vec![
+                directions(&whole, &[0], &[0]),
+                directions(&whole, &[1, 2], &[0, 1]),
+                directions(&whole, &[0], &[1]),
+            ],
+        ] {
+            let merged = merge(&parts).unwrap();
+            assert_eq!(merged, whole);
+            assert_eq!(merged.content_hash(), whole.content_hash());
+            joined += 1;
+        }
+        let gap = [
+            directions(&whole, &[0], &[0]),
+            directions(&whole, &[1, 2], &[0, 1]),
+        ];
+        match mismatch(&gap) {
+            Mismatch::Gap {
+                incidence_deg,
+                azimuth_deg,
+                ..
+            } => assert_eq!(
+                [incidence_deg, azimuth_deg],
+                [whole.axes.incidence_deg[0], whole.axes.azimuth_deg[1]]
+            ),
+            other => panic!("{other}"),
+        }
+    }
+    assert_eq!(joined, 6);
+}
+
+/// Shard `k` of `of`: a share of the counts that sums to them.
+fn shard(table: &Table, k: u32, of: u32) -> Table {
+    let share = |n: &u64| {
+        let Range { start, end } = Shards::samples(k, of, *n);
+        end - start
+    };
+    let mut fates = table.fate_counts.clone().unwrap().mapv(|n| share(&n));
+    let counts = table.counts.clone().unwrap().mapv(|n| share(&n));
+    // A share of a sum is not the sum of the shares: the counts of a direction are what its rays say.
+    let (i, j, r, _) = fates.dim();
+    for (i, j, r) in (0..i).flat_map(|i| (0..j).flat_map(move |j| (0..r).map(move |r| (i, j, r)))) {
+        fates[[i, j, r, Fate::Retroreflected as usize]] = counts.slice(s![i, j, r, .., ..]).sum();
+    }
+    let mut provenance = table.provenance.clone();
+    provenance.shards = Some(Shards {
+        of,
+        rays: 4_194_304,
+        held: BTreeSet::from([k]),
+    });
+    Table::from_counts(table.axes.clone(), counts, fates, provenance)
+}
+
+#[test]
+fn shards_in_any_order_and_grouping_are_the_whole_bake() {
+    let whole = sample::rays(3, 7);
+    let shards: Vec<Table> = (1..=5).map(|k| shard(&whole, k, 5)).collect();
+    let pick =
+        |which: &[usize]| -> Vec<Table> { which.iter().map(|&k| shards[k - 1].clone()).collect() };
+    for order in [[1, 2, 3, 4, 5], [4, 2, 5, 1, 3]] {
+        let merged = merge(&pick(&order)).unwrap();
+        assert_eq!(merged, whole);
+        assert_eq!(merged.content_hash(), whole.content_hash());
+    }
+    let some = merge(&pick(&[5, 1, 2])).unwrap();
+    let record = some.provenance.shards.as_ref().unwrap();
+    assert_eq!(record.to_string(), "1-2,5/5 of 4194304 rays");
+    assert_ne!(some.content_hash(), whole.content_hash());
+    assert_eq!(
+        merge(&[some.clone(), merge(&pick(&[4, 3])).unwrap()]).unwrap(),
+        whole
+    );
+
+    let refusals = [
+        (
+            vec![some.clone(), shards[1].clone()],
+            "both hold shard 2 of seed 7",
+        ),
+        (
+            vec![shards[0].clone(), shard(&whole, 2, 4)],
+            "shards of table 1 is 2/4",
+        ),
+        (
+            vec![whole.clone(), shards[0].clone()],
+            "both hold rays of seed 7",
+        ),
+        (
+            vec![some.clone(), sample::rays(3, 10)],
+            "shards 3-4 of 5 of seed 7 are missing",
+        ),
+        (
+            vec![
+                directions(&shards[0], &[0], &[0, 1]),
+                directions(&shards[1], &[1, 2], &[0, 1]),
+            ],
+            "hold shards 2/5 of 4194304 rays at incidence 10 deg",
+        ),
+    ];
+    let count = refusals.len();
+    for (tables, sentence) in refusals {
+        let error = mismatch(&tables).to_string();
+        assert!(
+            error.contains(sentence),
+            "\"{error}\" should say \"{sentence}\""
+        );
+    }
+    assert_eq!(count, 5);
+}
+
+#[test]
+fn a_shard_comes_back_from_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("shard.h5");
+    let table = shard(&sample::rays(2, 7), 2, 3);
+    tables::write(&table, &file).unwrap();
+    assert_eq!(tables::read(&file).unwrap(), table);
 }

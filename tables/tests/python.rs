@@ -7,6 +7,12 @@ use std::process::Command;
 
 use tables::write;
 
+fn some_shards() -> tables::Table {
+    let mut table = sample::rays(4, 7);
+    table.provenance.shards = Some("1-3,7/8 of 4194304 rays".parse().unwrap());
+    table
+}
+
 #[test]
 fn h5py_and_xarray_read_every_kind_of_table() {
     let Some(python) = std::env::var_os("AIRR_PYTHON") else {
@@ -19,6 +25,7 @@ fn h5py_and_xarray_read_every_kind_of_table() {
     for (kind, table) in [
         ("rays", sample::rays(4, 7)),
         ("mean", sample::mean()),
+        ("shards", some_shards()),
         ("exact", sample::exact()),
     ] {
         let file = folder.path().join(kind).with_extension("h5");
@@ -49,5 +56,5 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         assert!(out.starts_with("checks passed: "), "{kind}: {out}");
         tried += 1;
     }
-    assert_eq!(tried, 3);
+    assert_eq!(tried, 4);
 }

@@ -64,6 +64,8 @@ def content_hash(file):
             integers(name, attrs[name])
         else:
             floats(name, attrs.get(name, []))
+    if "shards" in attrs:
+        item("shards", attrs["shards"].encode())
     return digest.hexdigest()
 
 

@@ -90,6 +90,7 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
             angular_tolerance_deg: 0.5,
             tolerance: 0.0,
             lattice: None,
+            shards: None,
         },
     }
 }

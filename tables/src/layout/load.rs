@@ -39,7 +39,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
         file: path.to_owned(),
         source,
     };
-    let provenance = provenance(&root)?;
+    let provenance = provenance(&root, path)?;
     let axes = Axes {
         incidence_deg: root.scale(&super::INCIDENCE)?,
         azimuth_deg: root.scale(&super::AZIMUTH)?,
@@ -137,10 +137,23 @@ fn agree<D: Dimension>(
     }
 }
 
-fn provenance(root: &Place) -> Result<Provenance, Error> {
+fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
     let lattice = match root.attributes.contains(attribute::LATTICE) {
         true => Some(root.numbers::<4>(attribute::LATTICE)?)
             .map(|[ax, ay, bx, by]| [[ax, ay], [bx, by]]),
+        false => None,
+    };
+    let shards = match root.attributes.contains(attribute::SHARDS) {
+        true => {
+            let text = root.text(attribute::SHARDS)?;
+            let record = text.parse().map_err(|()| Error::AttributeType {
+                file: path.to_owned(),
+                attribute: attribute::SHARDS.into(),
+                expected: "shards such as 1-3,7/8 of 4194304 rays",
+                found: text,
+            })?;
+            Some(record)
+        }
         false => None,
     };
     Ok(Provenance {
@@ -160,5 +173,6 @@ fn provenance(root: &Place) -> Result<Provenance, Error> {
         angular_tolerance_deg: root.number(attribute::ANGULAR_TOLERANCE_DEG)?,
         tolerance: root.number(attribute::TOLERANCE)?,
         lattice,
+        shards,
     })
 }

@@ -214,8 +214,11 @@ fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
         &provenance.angular_tolerance_deg,
     )?;
     put(file, attribute::TOLERANCE, &provenance.tolerance)?;
-    match &provenance.lattice {
-        Some(lattice) => put_array(file, attribute::LATTICE, lattice.as_flattened(), &[2, 2]),
+    if let Some(lattice) = &provenance.lattice {
+        put_array(file, attribute::LATTICE, lattice.as_flattened(), &[2, 2])?;
+    }
+    match &provenance.shards {
+        Some(shards) => put_text(file, attribute::SHARDS, &shards.to_string()),
         None => Ok(()),
     }
 }
