@@ -37,7 +37,7 @@ impl Facet {
     /// A facet from its corners. `None` where they span no plane (zero area).
     pub fn new(corners: [DVec3; 3]) -> Option<Self> {
         let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).try_normalize()?;
+        let normal = normal(&corners)?;
         Some(Facet {
             corners,
             normal,
@@ -101,9 +101,53 @@ impl Facet {
     }
 }
 
+/// Unit normal of a planar polygon, on the side from which its corners run counter-clockwise; `None` without area.
+///
+/// It is square to the longest side within rounding, whatever the height over that side: rounding of a cross product
+/// tilts a sliver by 1e-16 / height about any axis, which lifts its ends off its plane by as much. About the longest side
+/// it stays tilted so, which lifts no corner by more than rounding.
+pub fn normal(corners: &[DVec3]) -> Option<DVec3> {
+    let first = *corners.first()?;
+    let sum: DVec3 = corners
+        .windows(2)
+        .map(|w| (w[0] - first).cross(w[1] - first))
+        .sum();
+    let sides = (0..corners.len()).map(|i| corners[(i + 1) % corners.len()] - corners[i]);
+    let along = sides
+        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?
+        .try_normalize()?;
+    (sum - along * along.dot(sum)).try_normalize()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Corners of unit coordinates are known to 1.1e-16 each, and so is the plane where they are.
+    #[test]
+    fn slivers_lie_in_their_planes() {
+        let (mut cases, mut worst) = (0, 0.0f64);
+        for turn in 0..200 {
+            let axis = DVec3::new(
+                (1.7 * f64::from(turn)).sin(),
+                0.3,
+                (2.3 * f64::from(turn)).cos(),
+            );
+            let turned = glam::DMat3::from_axis_angle(axis.normalize(), f64::from(turn));
+            for decade in -13..=0 {
+                let high = 10f64.powi(decade);
+                let corners =
+                    [DVec3::ZERO, DVec3::X, DVec3::new(0.4, high, 0.0)].map(|p| turned * p);
+                let normal = normal(&corners).expect("has area");
+                let lift = corners.map(|p| normal.dot(p - corners[0]).abs());
+                worst = lift.into_iter().fold(worst, f64::max);
+                cases += 1;
+            }
+        }
+        println!("{cases} slivers, corners within {worst:.1e} of their planes");
+        assert_eq!(cases, 200 * 14);
+        assert!(worst < 4.0 * f64::EPSILON, "{worst}");
+    }
 
     fn unit() -> Facet {
         Facet::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("has area")

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::ray::Direction;
+use crate::triangle;
 
 /// Corners further from a facet's plane than this do not join it, edge lengths. Far above the rounding of a placed
 /// mesh (1e-16), far below a dihedral error that anyone could ask for (1e-9 rad).
@@ -27,12 +28,7 @@ pub(super) struct Facet {
 impl Facet {
     /// `None` for corners without area.
     fn new(corners: Vec<DVec3>) -> Option<Self> {
-        let first = corners[0];
-        let sum: DVec3 = corners
-            .windows(2)
-            .map(|w| (w[0] - first).cross(w[1] - first))
-            .sum();
-        let normal = sum.try_normalize()?;
+        let normal = triangle::normal(&corners)?;
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         Some(Facet {
             normal,
