@@ -286,13 +286,17 @@ impl Builder<'_> {
             if inside.is_empty() {
                 continue;
             }
-            let tests = needed(&left, &next.tests);
             let tests = if outside.is_empty() {
                 Vec::new()
             } else {
-                tests
+                needed(&left, &next.tests)
             };
-            left = outside;
+            // A step without a test takes all rays: what is outside then is a strip no wider than rounding.
+            left = if tests.is_empty() {
+                Vec::new()
+            } else {
+                outside
+            };
             self.hit(line, bounces, &next, tests, inside)?;
         }
         if left.is_empty() {

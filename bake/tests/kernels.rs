@@ -6,6 +6,7 @@ use bake::bodies::{self, Whole};
 use bake::kernel::Kernel;
 use bake::launch::Launch;
 use bake::path::{Rules, trace};
+use bake::program::{End, Program};
 use bake::ray::Direction;
 use bake::scene::{Index, Scene};
 use bake::sequence::{Sampler, Stream};
@@ -56,6 +57,7 @@ fn program_equals_tracer_ray_for_ray() {
                         panic!("a small planar cell has a program")
                     };
                     maps = maps.max(program.maps.len());
+                    assert!(counts_every_ray_once(program), "{incidence} {azimuth}");
                     let sampler = if azimuth == 17.0 {
                         Sampler::Random
                     } else {
@@ -121,6 +123,60 @@ fn instruction_sets_agree_bit_for_bit() {
         "{compared} runs compared over {:?}",
         InstructionSet::available()
     );
+}
+
+/// Every node of a program ends with a step that takes all that is left, and has no other such step: so every ray
+/// is counted once, wherever it enters.
+fn counts_every_ray_once(program: &Program) -> bool {
+    // Whether the node open at each depth has had its last step.
+    let mut ended = vec![false];
+    program.steps.iter().all(|step| {
+        let deeper = ended.drain(step.from + 1..).all(|ended| ended);
+        let open = !ended[step.from];
+        ended[step.from] = step.tests.0 == step.tests.1;
+        if step.end == End::Onward {
+            ended.push(false);
+        }
+        deeper && open
+    }) && ended.iter().all(|&ended| ended)
+}
+
+/// Entrances that reach over a side of the cube's rim by about the width that counts as rounding: a strip beside the
+/// last facet that no test sees must not be a second end for all rays.
+#[test]
+fn a_strip_of_rounding_counts_no_ray_twice() {
+    let bins = Bins::new(32, 1.5);
+    let mut cases = 0;
+    for (side, decade) in [0, 1, 2]
+        .into_iter()
+        .flat_map(|s| (-15..=-9).map(move |d| (s, d)))
+    {
+        for incidence in [0.0, 13.0, 40.0] {
+            let mut cell = cells::triangular();
+            let corners = &mut cell.entrance.polygon;
+            let outward = -corners[(side + 2) % 3].normalize() * 10f64.powi(decade);
+            corners[side] += outward;
+            corners[(side + 1) % 3] += outward;
+            let scene = Arc::new(Scene::new(&cell, Index::Loop));
+            let launch = Launch::new(&cell.entrance);
+            let kernel = Kernel::new(&scene, &launch, &MIRROR, &bins, incidence, 20.0);
+            let [program] = kernel.programs() else {
+                panic!("a small planar cell has a program")
+            };
+            assert!(
+                counts_every_ray_once(program),
+                "{side} {decade} {incidence}"
+            );
+            let stream = Stream::new(Sampler::Random, 12, incidence, 20.0, 0);
+            let (mut all, mut single) = (Tally::new(&bins), Tally::new(&bins));
+            kernel.trace(&stream, 0..5_000, &mut all);
+            kernel.trace_one_by_one(&stream, 0..5_000, &mut single);
+            assert_eq!(all.fates, single.fates, "{side} {decade} {incidence}");
+            assert_eq!(all.fates.iter().sum::<u64>(), 5_000);
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 3 * 7 * 3);
 }
 
 /// A hierarchy, a loop and the program find the same hits.
