@@ -57,8 +57,8 @@ pub enum Whole {
     Periodic,
     /// It is no set of separate bodies.
     #[error(
-        "its facets do not fall into cubes side by side, each closed below the entrance plane and sharing the rim's \
-         vertices with its neighbours to the last digit"
+        "its facets do not fall into cubes side by side whose rims lie in one plane and share their vertices, to the \
+         last digit"
     )]
     Connected,
     /// Too many bodies differ.

@@ -159,6 +159,42 @@ fn wrong_usage_and_failed_work() {
     assert_eq!(left.len(), 3, "no half-written file stays: {left:?}");
 }
 
+/// A sheet of many cubes is taken apart without a word; where the digits of the file do not allow it, a line says why.
+#[test]
+fn a_sheet_that_is_traced_as_a_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
+    let pair = meshes::load(&here.join("pair.obj")).expect("a mesh");
+    let [right, up] = [1, 2].map(|corner| pair.positions[corner] - pair.positions[3]);
+    let sheet = |number: &dyn Fn(f64) -> String| {
+        let (mut obj, mut first) = (String::new(), 1);
+        for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (f64::from(i), f64::from(j)))) {
+            for &p in &pair.positions {
+                let [x, y, z] = (p + right * i + up * j).to_array().map(number);
+                obj += &format!("v {x} {y} {z}\n");
+            }
+            for [a, b, c] in &pair.triangles {
+                obj += &format!("f {} {} {}\n", a + first, b + first, c + first);
+            }
+            first += pair.positions.len() as u32;
+        }
+        obj
+    };
+    let trace = ["trace", "sheet.obj", "-o", "sheet.h5", "--incidence", "20"];
+    std::fs::write(here.join("sheet.obj"), sheet(&|x| x.to_string())).expect("writes");
+    assert!(good(here, &trace).contains("method exact"));
+    let rounded = sheet(&|x| format!("{:.6}", x * 0.057_735_03));
+    std::fs::write(here.join("sheet.obj"), rounded).expect("writes");
+    let output = bake(here, &trace);
+    assert!(output.status.success());
+    let message = text(&output.stderr);
+    assert!(
+        message.contains("the mesh is traced as a whole") && message.contains("to the last digit"),
+        "{message}"
+    );
+}
+
 /// A table in the folder, and a picture that would take its place.
 #[test]
 fn outputs_that_would_be_lost_are_refused() {
