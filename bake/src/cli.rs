@@ -1,5 +1,6 @@
 //! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
 
+mod check;
 mod failure;
 mod study;
 
@@ -62,9 +63,21 @@ enum Verb {
     #[command(after_help = "Example: do two seeds agree within their errors?\n  \
         bake compare seed1.h5 seed2.h5")]
     Compare(CompareArgs),
-    /// Checks a table: seal, checksums, schema, sums
-    #[command(after_help = "Example:\n  bake verify pair.h5")]
-    Verify(VerifyArgs),
+    /// Checks a table: seal, checksums, schema, sums; with the mesh, rays at a random part of its directions
+    #[command(
+        after_help = "Examples:\n  bake verify pair.h5\n  bake verify pair.h5 --mesh pair.obj"
+    )]
+    Verify(check::VerifyArgs),
+    /// Puts tables of one cell together: shards of a bake, other directions, more rays
+    #[command(after_help = "\
+Shards of one bake, in any order, give the table of the whole bake bit for bit; so do tables of its directions. Rays are \
+added by a bake with the seed that follows (the error names it).
+
+Example: a bake in two halves, as two machines would make them
+  bake trace pair.obj -o half1.h5 --method rays --rays 1000000 --shard 1/2
+  bake trace pair.obj -o half2.h5 --method rays --rays 1000000 --shard 2/2
+  bake merge half1.h5 half2.h5 -o pair.h5")]
+    Merge(check::MergeArgs),
 }
 
 #[derive(Debug, Args)]
@@ -145,6 +158,9 @@ struct TraceArgs {
     /// Threads [default: all processors]; the table does not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Traces only share K of N equal shares of the samples; `bake merge` puts them together
+    #[arg(long, value_name = "K/N")]
+    shard: Option<String>,
     /// Prints the report as one JSON object
     #[arg(long)]
     json: bool,
@@ -195,15 +211,6 @@ struct CompareArgs {
     json: bool,
 }
 
-#[derive(Debug, Args)]
-struct VerifyArgs {
-    /// Table to check
-    table: PathBuf,
-    /// Prints one JSON object
-    #[arg(long)]
-    json: bool,
-}
-
 /// Runs the program on its arguments (the program's name first): results to stdout, the rest to stderr.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(arguments) {
@@ -220,7 +227,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Study(args) => study::run(&args),
         Verb::Inspect(args) => inspect_table(&args),
         Verb::Compare(args) => compare(&args),
-        Verb::Verify(args) => verify(&args),
+        Verb::Verify(args) => check::verify(&args),
+        Verb::Merge(args) => check::merge(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -312,6 +320,7 @@ fn trace(args: &TraceArgs) -> Result<(), Failure> {
         angular_tolerance_deg: args.angular_tolerance,
         seed: args.seed,
         threads: args.threads,
+        shard: args.shard.clone(),
     })?;
     let cell = args.cell.load(&args.mesh)?;
     warn(&plan.warnings(&cell));
@@ -406,29 +415,6 @@ fn compare(args: &CompareArgs) -> Result<(), Failure> {
     } else {
         Err(Failure::Differ)
     }
-}
-
-fn verify(args: &VerifyArgs) -> Result<(), Failure> {
-    let table = tables::read(&args.table)?;
-    let sealed = tables::is_sealed(&args.table)?;
-    let (incidences, azimuths) = table.axes.shape();
-    let hash = table.content_hash();
-    print(&if args.json {
-        let value = serde_json::json!({
-            "valid": true, "sealed": sealed, "content_hash": hash, "directions": incidences * azimuths });
-        format!("{value}\n")
-    } else {
-        let seal = if sealed {
-            ""
-        } else {
-            "; its seal is gone: another program wrote to it, its content hash still holds"
-        };
-        format!(
-            "{}: valid, {} directions, content {hash}{seal}\n",
-            args.table.display(),
-            incidences * azimuths
-        )
-    })
 }
 
 fn numbers<const N: usize>(

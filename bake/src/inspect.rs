@@ -34,6 +34,9 @@ pub fn text(table: &Table) -> String {
         format!(", {}, seed {}", from.sampler, from.seed)
     };
     line("method", format!("{}{sampler}", from.method));
+    if let Some(shards) = &from.shards {
+        line("shards", shards.to_string());
+    }
     line(
         "angular tolerance",
         format!("{} deg", from.angular_tolerance_deg),
@@ -73,6 +76,7 @@ pub fn json(table: &Table) -> String {
         "method": from.method,
         "sampler": from.sampler,
         "seed": from.seed,
+        "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,
         "bins": table.axes.bins,

@@ -23,6 +23,7 @@ pub mod program;
 pub mod progress;
 pub mod ray;
 pub mod report;
+pub mod retrace;
 pub mod run;
 pub mod scene;
 pub mod sequence;

@@ -1,11 +1,15 @@
 //! From raw arguments to a checked plan. Every default of `bake trace` is stated here, once.
 
+mod error;
+
 use crate::bodies::{self, Whole};
 use crate::path::Rules;
 use crate::sequence::Sampler;
 use std::num::NonZeroUsize;
 use tables::Axes;
-use thiserror::Error;
+use tables::shards::MOST_SHARDS;
+
+pub use error::PlanError;
 
 /// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct points.
 pub const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
@@ -64,6 +68,13 @@ impl Back {
             Back::Tir => "tir",
         }
     }
+
+    /// The back of a name in a table.
+    pub fn from_name(name: &str) -> Option<Back> {
+        [Back::Mirror, Back::Tir]
+            .into_iter()
+            .find(|back| back.name() == name)
+    }
 }
 
 /// How much work to do.
@@ -104,6 +115,8 @@ pub struct Request {
     pub seed: u64,
     /// `--threads`, where given
     pub threads: Option<usize>,
+    /// `--shard`, where given
+    pub shard: Option<String>,
 }
 
 impl Default for Request {
@@ -122,6 +135,7 @@ impl Default for Request {
             angular_tolerance_deg: default::ANGULAR_TOLERANCE_DEG,
             seed: default::SEED,
             threads: None,
+            shard: None,
         }
     }
 }
@@ -149,83 +163,17 @@ pub struct Plan {
     pub seed: u64,
     /// Threads, all processors where `None`.
     pub threads: Option<NonZeroUsize>,
+    /// The share of the samples to trace, all of them where `None`.
+    pub shard: Option<Shard>,
 }
 
-/// Why a request is not a plan. Each names the option, what was given and what to give instead.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum PlanError {
-    /// A list of angles that cannot be read.
-    #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), start:stop:step (0:45:5){}",
-        if *.option == "--azimuth" { " or mean" } else { "" })]
-    Angle {
-        /// The option.
-        option: &'static str,
-        /// What was given.
-        text: String,
-        /// The part that cannot be read.
-        part: String,
-    },
-    /// A range of angles that is empty or too long.
-    #[error(
-        "{option} {text}: the step does not lead from start to stop in 1 to {DIRECTIONS_LIMIT} angles; give start:stop:step with start <= stop and step > 0"
-    )]
-    Steps {
-        /// The option.
-        option: &'static str,
-        /// What was given.
-        text: String,
-    },
-    /// An angle outside its range.
-    #[error("{option} {value}: the angle must be {range}")]
-    AngleRange {
-        /// The option.
-        option: &'static str,
-        /// The angle, degrees.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
-    /// A number outside its range.
-    #[error("{option} {value}: give a number {range}")]
-    Number {
-        /// The option.
-        option: &'static str,
-        /// The number.
-        value: f64,
-        /// What it may be.
-        range: &'static str,
-    },
-    /// A whole number outside its range.
-    #[error("{option} {value}: give a whole number from 1 to {most}")]
-    Count {
-        /// The option.
-        option: &'static str,
-        /// The number.
-        value: u64,
-        /// The greatest it may be.
-        most: u64,
-    },
-    /// Two options that exclude each other.
-    #[error("{first} and {second} exclude each other; leave one of them out")]
-    Both {
-        /// One option.
-        first: &'static str,
-        /// The other.
-        second: &'static str,
-    },
-    /// An error estimate without independent randomisations.
-    #[error(
-        "--tolerance needs --sampler sobol, whose error is estimated from independent randomisations; leave out --sampler random, or give --rays"
-    )]
-    ToleranceSampler,
-    /// Too many directions.
-    #[error(
-        "--incidence and --azimuth make {directions} directions; a table holds at most {DIRECTIONS_LIMIT}: give fewer angles"
-    )]
-    Directions {
-        /// Number of directions.
-        directions: usize,
-    },
+/// An equal share of the samples of a bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which one, from 1.
+    pub number: u32,
+    /// How many there are, at least 2.
+    pub of: u32,
 }
 
 impl Plan {
@@ -304,6 +252,12 @@ impl Plan {
                     second: "--tolerance",
                 });
             }
+            (_, Some(_)) if request.shard.is_some() => {
+                return Err(PlanError::Both {
+                    first: "--tolerance",
+                    second: "--shard",
+                });
+            }
             (_, Some(_)) if request.sampler == Sampler::Random => {
                 return Err(PlanError::ToleranceSampler);
             }
@@ -335,6 +289,7 @@ impl Plan {
                     .ok_or(wrong)
             })
             .transpose()?;
+        let shard = request.shard.as_deref().map(shard).transpose()?.flatten();
         let randomisations = match (request.sampler, effort) {
             (Sampler::Random, _) => 1,
             (Sampler::Sobol, Effort::Rays(rays)) => rays.min(default::RANDOMISATIONS) as usize,
@@ -356,6 +311,7 @@ impl Plan {
             angular_tolerance_deg: request.angular_tolerance_deg,
             seed: request.seed,
             threads,
+            shard,
         })
     }
 
@@ -442,6 +398,18 @@ fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
     angles.dedup();
     // -0 is 0.
     Ok(angles.into_iter().map(|angle| angle + 0.0).collect())
+}
+
+/// Reads `2/8`; the only share of one is the whole bake.
+fn shard(text: &str) -> Result<Option<Shard>, PlanError> {
+    let wrong = || PlanError::Shard { text: text.into() };
+    let number = |part: &str| part.trim().parse::<u32>().map_err(|_| wrong());
+    let (k, n) = text.split_once('/').ok_or_else(wrong)?;
+    let (k, n) = (number(k)?, number(n)?);
+    if k < 1 || k > n || n > MOST_SHARDS {
+        return Err(wrong());
+    }
+    Ok((n > 1).then_some(Shard { number: k, of: n }))
 }
 
 fn positive(
@@ -599,6 +567,28 @@ mod tests {
             ),
             (
                 Request {
+                    shard: Some("3/2".into()),
+                    ..base()
+                },
+                "--shard 3/2: give K/N",
+            ),
+            (
+                Request {
+                    shard: Some("2".into()),
+                    ..base()
+                },
+                "--shard 2: give K/N",
+            ),
+            (
+                Request {
+                    shard: Some("1/2".into()),
+                    tolerance: Some(0.1),
+                    ..base()
+                },
+                "--tolerance and --shard exclude",
+            ),
+            (
+                Request {
                     threads: Some(0),
                     ..base()
                 },
@@ -614,6 +604,6 @@ mod tests {
             );
             refused += 1;
         }
-        assert_eq!(refused, 19);
+        assert_eq!(refused, 22);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::exact::{self, ExactCell, ExactError};
 use crate::kernel::Kernel;
-use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION};
+use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION, Shard};
 use crate::scene::Index;
 use crate::sequence::Stream;
 use crate::sheet::Sheet;
@@ -12,7 +12,7 @@ use ndarray::{Array2, Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
-use tables::{Fate, Provenance, Table};
+use tables::{Fate, Provenance, Shards, Table};
 use thiserror::Error;
 
 /// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
@@ -20,6 +20,9 @@ const RUN: u64 = 1 << 18;
 
 /// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
 const FIRST_ROUND: u64 = 1 << 12;
+
+/// The only share of a bake that is not split.
+const WHOLE: Shard = Shard { number: 1, of: 1 };
 
 /// How the rays of a direction are traced; tests hold both to the same fates, ray for ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +47,12 @@ pub enum RunError {
     /// The cell or the directions are not for the exact method.
     #[error("--method exact: {0}")]
     Exact(#[from] ExactError),
+    /// A share of what has no samples.
+    #[error(
+        "--shard: the exact method takes this cell and traces no rays to share out; leave out --shard, or give --method \
+         rays"
+    )]
+    ShardOfExact,
     /// The tolerance is out of reach.
     #[error(
         "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
@@ -83,6 +92,7 @@ struct Bundle {
 pub fn bake(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
     match (plan.method, exact::prepare(cell, &plan.axes)) {
         (Method::Rays, _) | (Method::Auto, Err(_)) => rays(cell, plan, progress),
+        (_, Ok(_)) if plan.shard.is_some() => Err(RunError::ShardOfExact),
         (_, Ok(prepared)) => beams(cell, &prepared, plan, progress),
         (Method::Exact, Err(refusal)) => Err(refusal.into()),
     }
@@ -117,6 +127,7 @@ fn beams(
         provenance: Provenance {
             seed: 0,
             tolerance: 0.0,
+            shards: None,
             ..provenance(cell, plan, "exact".into(), "none".into())
         },
     })
@@ -155,8 +166,11 @@ pub fn rays_by(
         match plan.effort {
             Effort::Rays(rays) => {
                 let every: Vec<usize> = (0..bundles.len()).collect();
-                let share =
-                    |randomisation: usize| 0..share(rays, plan.randomisations, randomisation);
+                let share = |randomisation: usize| {
+                    let samples = share(rays, plan.randomisations, randomisation);
+                    let Shard { number, of } = plan.shard.unwrap_or(WHOLE);
+                    Shards::samples(number, of, samples)
+                };
                 run(&bundles, &bins, &every, &share, progress);
             }
             Effort::Tolerance(tolerance) => until(&bundles, &bins, plan, tolerance, progress)?,
@@ -339,7 +353,14 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
             .entrance
             .lattice
             .map(|lattice| lattice.map(|vector| vector.to_array())),
-        shards: None,
+        shards: match (plan.shard, plan.effort) {
+            (Some(Shard { number, of }), Effort::Rays(rays)) => Some(Shards {
+                of,
+                rays,
+                held: [number].into(),
+            }),
+            _ => None,
+        },
     }
 }
 

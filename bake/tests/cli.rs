@@ -243,12 +243,14 @@ fn a_full_standard_output_is_a_failure() {
 fn every_verb_helps_with_an_example() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut verbs = 0;
-    for verb in ["design", "trace", "inspect", "compare", "verify"] {
+    for verb in [
+        "design", "trace", "study", "inspect", "compare", "verify", "merge",
+    ] {
         assert!(
             good(folder.path(), &[verb, "--help"]).contains("Example"),
             "bake {verb} --help"
         );
         verbs += 1;
     }
-    assert_eq!(verbs, 5);
+    assert_eq!(verbs, 7);
 }

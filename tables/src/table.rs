@@ -3,7 +3,7 @@
 //! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane travel
 //! direction, v = n x u, in edge lengths. Array axes are `[incidence, azimuth, shift_v, shift_u]`.
 
-use ndarray::{Array2, Array3, Array4, Array5};
+use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
 use crate::shards::Shards;
 
@@ -208,4 +208,45 @@ pub struct Table {
     pub exact: Option<Exact>,
     /// Where it comes from.
     pub provenance: Provenance,
+}
+
+impl Table {
+    /// The table of some of its directions, named by their indices: that of a bake of them alone.
+    ///
+    /// # Panics
+    /// An index that is out of range.
+    pub fn part(&self, incidences: &[usize], azimuths: &[usize]) -> Table {
+        let pick = |angles: &[f64], which: &[usize]| which.iter().map(|&k| angles[k]).collect();
+        let columns = self.axes.azimuth_deg.len();
+        let paths = |exact: &Exact| {
+            let places = incidences
+                .iter()
+                .flat_map(|i| azimuths.iter().map(move |j| i * columns + j));
+            places.map(|place| exact.paths[place].clone()).collect()
+        };
+        macro_rules! part {
+            ($array:expr) => {
+                $array.select(Axis(0), incidences).select(Axis(1), azimuths)
+            };
+        }
+        Table {
+            axes: Axes {
+                incidence_deg: pick(&self.axes.incidence_deg, incidences),
+                azimuth_deg: pick(&self.axes.azimuth_deg, azimuths),
+                ..self.axes.clone()
+            },
+            histogram: part!(self.histogram),
+            counts: self.counts.as_ref().map(|counts| part!(counts)),
+            retroreflected: part!(self.retroreflected),
+            standard_error: part!(self.standard_error),
+            fate: part!(self.fate),
+            fate_counts: self.fate_counts.as_ref().map(|fates| part!(fates)),
+            rays: part!(self.rays),
+            exact: self.exact.as_ref().map(|exact| Exact {
+                entrance_area: exact.entrance_area,
+                paths: paths(exact),
+            }),
+            provenance: self.provenance.clone(),
+        }
+    }
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use tables::{Axes, Error, Exact, Fate, Mismatch, Shards, Table, merge};
+use tables::{Error, Fate, Mismatch, Shards, Table, merge};
 
 /// A part of a table: its counts where `keep` says so, no rays elsewhere.
 fn part(table: &Table, keep: impl Fn(usize, usize, usize) -> bool) -> Table {
@@ -162,77 +162,17 @@ fn means_merge_too() {
     assert_eq!(merge(&shards).unwrap(), mean);
 }
 
-/// The directions of `table` that are named, as a bake of them alone.
-fn directions(table: &Table, incidences: &[usize], azimuths: &[usize]) -> Table {
-    let pick =
-        |angles: &[f64], which: &[usize]| which.iter().map(|&k| angles[k]).collect::<Vec<_>>();
-    let axes = Axes {
-        incidence_deg: pick(&table.axes.incidence_deg, incidences),
-        azimuth_deg: pick(&table.axes.azimuth_deg, azimuths),
-        ..table.axes.clone()
-    };
-    if let (Some(counts), Some(fates)) = (&table.counts, &table.fate_counts) {
-        return Table::from_counts(
-            axes,
-            counts.select(Axis(0), incidences).select(Axis(1), azimuths),
-            fates.select(Axis(0), incidences).select(Axis(1), azimuths),
-            table.provenance.clone(),
-        );
-    }
-    let exact = table.exact.as_ref().unwrap();
-    let all = table.axes.azimuth_deg.len();
-    let paths = incidences
-        .iter()
-        .flat_map(|i| azimuths.iter().map(move |j| i * all + j));
-    Table {
-        axes,
-        histogram: table
-            .histogram
-            .select(Axis(0), incidences)
-            .select(Axis(1), azimuths),
-        counts: None,
-        retroreflected: table
-            .retroreflected
-            .select(Axis(0), incidences)
-            .select(Axis(1), azimuths),
-        standard_error: table
-            .standard_error
-            .select(Axis(0), incidences)
-            .select(Axis(1), azimuths),
-        fate: table
-            .fate
-            .select(Axis(0), incidences)
-            .select(Axis(1), azimuths),
-        fate_counts: None,
-        rays: table
-            .rays
-            .select(Axis(0), incidences)
-            .select(Axis(1), azimuths),
-        exact: Some(Exact {
-            entrance_area: exact.entrance_area,
-            paths: paths.map(|k| exact.paths[k].clone()).collect(),
-        }),
-        provenance: table.provenance.clone(),
-    }
-}
-
 #[test]
 fn directions_join_to_the_table_of_all() {
     let mut joined = 0;
     for whole in [sample::rays(3, 7), sample::exact()] {
         for parts in [
+            vec![whole.part(&[0, 2], &[0, 1]), whole.part(&[1], &[0, 1])],
+            vec![whole.part(&[0, 1, 2], &[1]), whole.part(&[0, 1, 2], &[0])],
             vec![
-                directions(&whole, &[0, 2], &[0, 1]),
-                directions(&whole, &[1], &[0, 1]),
-            ],
-            vec![
-                directions(&whole, &[0, 1, 2], &[1]),
-                directions(&whole, &[0, 1, 2], &[0]),
-            ],
-            vec![
-                directions(&whole, &[0], &[0]),
-                directions(&whole, &[1, 2], &[0, 1]),
-                directions(&whole, &[0], &[1]),
+                whole.part(&[0], &[0]),
+                whole.part(&[1, 2], &[0, 1]),
+                whole.part(&[0], &[1]),
             ],
         ] {
             let merged = merge(&parts).unwrap();
@@ -240,10 +180,7 @@ fn directions_join_to_the_table_of_all() {
             assert_eq!(merged.content_hash(), whole.content_hash());
             joined += 1;
         }
-        let gap = [
-            directions(&whole, &[0], &[0]),
-            directions(&whole, &[1, 2], &[0, 1]),
-        ];
+        let gap = [whole.part(&[0], &[0]), whole.part(&[1, 2], &[0, 1])];
         match mismatch(&gap) {
             Mismatch::Gap {
                 incidence_deg,
@@ -320,8 +257,8 @@ fn shards_in_any_order_and_grouping_are_the_whole_bake() {
         ),
         (
             vec![
-                directions(&shards[0], &[0], &[0, 1]),
-                directions(&shards[1], &[1, 2], &[0, 1]),
+                shards[0].part(&[0], &[0, 1]),
+                shards[1].part(&[1, 2], &[0, 1]),
             ],
             "hold shards 2/5 of 4194304 rays at incidence 10 deg",
         ),

@@ -48,6 +48,22 @@ pub(super) enum Failure {
     Stdout(std::io::Error),
     #[error("the tables differ by more than their errors allow")]
     Differ,
+    #[error("{} does not hold what rays find in {}: the differences are larger than both errors; bake it again",
+        table.display(), mesh.display())]
+    Retraced { table: PathBuf, mesh: PathBuf },
+    #[error("{}: its back \"{back}\" with losses \"{losses}\" is not known to this program; update it, or leave out --mesh",
+        file.display())]
+    Unknown {
+        file: PathBuf,
+        back: String,
+        losses: String,
+    },
+    #[error("{} (tables from 0: {})", source, files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", "))]
+    Merge {
+        files: Vec<PathBuf>,
+        // Boxed: every result of the program would grow with it.
+        source: Box<tables::Error>,
+    },
 }
 
 impl Failure {
@@ -55,6 +71,7 @@ impl Failure {
     pub(super) fn code(&self) -> u8 {
         match self {
             Failure::Study(StudyError::Run(_)) => 1,
+            Failure::Run(run::RunError::ShardOfExact) => 2,
             Failure::Plan(_)
             | Failure::Study(_)
             | Failure::Numbers { .. }

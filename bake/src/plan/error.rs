@@ -1,0 +1,88 @@
+//! Why the options of a bake make no plan.
+
+use super::DIRECTIONS_LIMIT;
+use tables::shards::MOST_SHARDS;
+use thiserror::Error;
+
+/// Why a request is not a plan. Each names the option, what was given and what to give instead.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PlanError {
+    /// A list of angles that cannot be read.
+    #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), start:stop:step (0:45:5){}",
+        if *.option == "--azimuth" { " or mean" } else { "" })]
+    Angle {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        text: String,
+        /// The part that cannot be read.
+        part: String,
+    },
+    /// A range of angles that is empty or too long.
+    #[error(
+        "{option} {text}: the step does not lead from start to stop in 1 to {DIRECTIONS_LIMIT} angles; give start:stop:step with start <= stop and step > 0"
+    )]
+    Steps {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        text: String,
+    },
+    /// An angle outside its range.
+    #[error("{option} {value}: the angle must be {range}")]
+    AngleRange {
+        /// The option.
+        option: &'static str,
+        /// The angle, degrees.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A number outside its range.
+    #[error("{option} {value}: give a number {range}")]
+    Number {
+        /// The option.
+        option: &'static str,
+        /// The number.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A whole number outside its range.
+    #[error("{option} {value}: give a whole number from 1 to {most}")]
+    Count {
+        /// The option.
+        option: &'static str,
+        /// The number.
+        value: u64,
+        /// The greatest it may be.
+        most: u64,
+    },
+    /// Two options that exclude each other.
+    #[error("{first} and {second} exclude each other; leave one of them out")]
+    Both {
+        /// One option.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// An error estimate without independent randomisations.
+    #[error(
+        "--tolerance needs --sampler sobol, whose error is estimated from independent randomisations; leave out --sampler random, or give --rays"
+    )]
+    ToleranceSampler,
+    /// A share that cannot be read.
+    #[error("--shard {text}: give K/N, share K of N, such as 2/8, with N at most {MOST_SHARDS}")]
+    Shard {
+        /// What was given.
+        text: String,
+    },
+    /// Too many directions.
+    #[error(
+        "--incidence and --azimuth make {directions} directions; a table holds at most {DIRECTIONS_LIMIT}: give fewer angles"
+    )]
+    Directions {
+        /// Number of directions.
+        directions: usize,
+    },
+}
