@@ -3,15 +3,12 @@
 mod check;
 mod failure;
 mod study;
+mod trace;
 
 use failure::Failure;
 
-use crate::exact;
-use crate::plan::{Back, Method, Plan, Request, default};
-use crate::progress::Progress;
-use crate::sequence::Sampler;
-use crate::{inspect, plot, report, run};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use crate::{inspect, plot, report};
+use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions};
@@ -46,7 +43,7 @@ enum Verb {
         after_help = "Example: acrylic prisms, 0 to 45 degrees at azimuth 30\n  \
         bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30"
     )]
-    Trace(Box<TraceArgs>),
+    Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
     #[command(
         after_help = "Example: up to 4 million rays per direction, and the curves as a picture\n  \
@@ -110,62 +107,6 @@ struct DesignArgs {
     cant_deg: Option<f64>,
 }
 
-#[derive(Debug, Args)]
-struct TraceArgs {
-    /// Mesh: .obj, .gltf or .glb
-    mesh: PathBuf,
-    /// Table to write (HDF5)
-    #[arg(short, long, value_name = "TABLE.h5")]
-    output: PathBuf,
-    /// Incidence angles outside the sheet, degrees: a list or start:stop:step
-    #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
-    incidence: String,
-    /// Azimuths, degrees: a list, start:stop:step, or mean for the average over all
-    #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
-    azimuth: String,
-    /// Refractive index behind a flat front face [default: the file's, else 1]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    refractive_index: Option<f64>,
-    /// What the facets are backed with
-    #[arg(long, value_enum, default_value_t = Back::Mirror)]
-    back: Back,
-    /// How to find the distribution
-    #[arg(long, value_enum, default_value_t = Method::Auto)]
-    method: Method,
-    /// How samples are spread
-    #[arg(long, value_enum, default_value_t = SamplerName::Sobol)]
-    sampler: SamplerName,
-    /// Rays per direction [default: 4194304]
-    #[arg(long, value_name = "N")]
-    rays: Option<u64>,
-    /// Trace until the estimated L1 error of every direction is below this
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// Histogram bins along u and along v
-    #[arg(long, value_name = "N", default_value_t = default::BINS)]
-    bins: usize,
-    /// The histogram covers u, v from -RANGE to RANGE, edge lengths
-    #[arg(long, default_value_t = default::RANGE, allow_negative_numbers = true)]
-    range: f64,
-    /// Largest deviation of a path's linear map from -I that counts as retroreflected, degrees
-    #[arg(long, value_name = "DEG", default_value_t = default::ANGULAR_TOLERANCE_DEG, allow_negative_numbers = true)]
-    angular_tolerance: f64,
-    #[command(flatten)]
-    cell: CellArgs,
-    /// Seed of the samples
-    #[arg(long, default_value_t = default::SEED)]
-    seed: u64,
-    /// Threads [default: all processors]; the table does not depend on it
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Traces only share K of N equal shares of the samples; `bake merge` puts them together
-    #[arg(long, value_name = "K/N")]
-    shard: Option<String>,
-    /// Prints the report as one JSON object
-    #[arg(long)]
-    json: bool,
-}
-
 /// What a user says about a cell instead of the mesh file.
 #[derive(Debug, Args)]
 struct CellArgs {
@@ -178,14 +119,6 @@ struct CellArgs {
     /// Length of an edge from the apex, file units [default: found from the mesh]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     edge_length: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum SamplerName {
-    /// Independent points
-    Random,
-    /// Owen-scrambled Sobol points
-    Sobol,
 }
 
 #[derive(Debug, Args)]
@@ -223,7 +156,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let done = match cli.verb {
         Verb::Design(args) => design(&args),
-        Verb::Trace(args) => trace(&args),
+        Verb::Trace(args) => trace::run(&args),
         Verb::Study(args) => study::run(&args),
         Verb::Inspect(args) => inspect_table(&args),
         Verb::Compare(args) => compare(&args),
@@ -300,62 +233,6 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
         _ => return Err(Failure::MeshExtension(output.clone())),
     };
     Ok(Outputs::beside([]).reserve(output)?.commit(&bytes)?)
-}
-
-fn trace(args: &TraceArgs) -> Result<(), Failure> {
-    let plan = Plan::new(&Request {
-        incidence: args.incidence.clone(),
-        azimuth: args.azimuth.clone(),
-        refractive_index: args.refractive_index,
-        back: args.back,
-        method: args.method,
-        sampler: match args.sampler {
-            SamplerName::Random => Sampler::Random,
-            SamplerName::Sobol => Sampler::Sobol,
-        },
-        rays: args.rays,
-        tolerance: args.tolerance,
-        bins: args.bins,
-        range: args.range,
-        angular_tolerance_deg: args.angular_tolerance,
-        seed: args.seed,
-        threads: args.threads,
-        shard: args.shard.clone(),
-    })?;
-    let cell = args.cell.load(&args.mesh)?;
-    warn(&plan.warnings(&cell));
-    warn(&method_warning(args, &cell, &plan));
-    let output = Outputs::beside([args.mesh.as_path()]).reserve(&args.output)?;
-    let progress = Progress::new(&plan);
-    let start = std::time::Instant::now();
-    let table = run::bake(&cell, &plan, &|rays| progress.advance(rays))?;
-    let seconds = start.elapsed().as_secs_f64();
-    progress.finish();
-    tables::commit(&table, output)?;
-    let report = report::Trace {
-        table: &table,
-        file: &args.output,
-        seconds,
-    };
-    print(&if args.json {
-        report.json()
-    } else {
-        report.text()
-    })
-}
-
-/// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
-fn method_warning(args: &TraceArgs, cell: &Cell, plan: &Plan) -> Vec<String> {
-    let refusal = exact::prepare(cell, &plan.axes).err();
-    let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
-    match (args.method, refusal) {
-        (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],
-        (Method::Auto | Method::Exact, None) if asks_for_rays => vec![
-            "the exact method traces no rays: --rays and --tolerance have no effect; give --method rays to use them"
-                .into(),
-        ],
-        _ => Vec::new(),
-    }
 }
 
 impl CellArgs {

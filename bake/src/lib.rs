@@ -25,6 +25,7 @@ pub mod ray;
 pub mod report;
 pub mod retrace;
 pub mod run;
+pub mod saves;
 pub mod scene;
 pub mod sequence;
 pub mod sheet;

@@ -3,15 +3,17 @@
 use crate::exact::{self, ExactCell, ExactError};
 use crate::kernel::Kernel;
 use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION, Shard};
+use crate::saves::Saves;
 use crate::scene::Index;
 use crate::sequence::Stream;
 use crate::sheet::Sheet;
 use crate::tally::{Bins, Sums, Tally};
 use meshes::Cell;
-use ndarray::{Array2, Array4, Array5};
+use ndarray::{Array2, Array4, Array5, s};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 use tables::{Fate, Provenance, Shards, Table};
 use thiserror::Error;
 
@@ -47,6 +49,11 @@ pub enum RunError {
     /// The cell or the directions are not for the exact method.
     #[error("--method exact: {0}")]
     Exact(#[from] ExactError),
+    /// Something else was saved.
+    #[error(
+        "the bake that was saved is another one (its mesh, directions or options differ); repeat the options that it began with, or leave out --resume"
+    )]
+    Saved,
     /// A share of what has no samples.
     #[error(
         "--shard: the exact method takes this cell and traces no rays to share out; leave out --shard, or give --method \
@@ -90,8 +97,23 @@ struct Bundle {
 /// # Errors
 /// As [`rays`]; [`RunError::Exact`] where the plan insists on the exact method and it does not take the cell.
 pub fn bake(cell: &Cell, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Table, RunError> {
+    bake_from(cell, plan, progress, None)
+}
+
+/// As [`bake`], from where an interrupted bake was saved, and saved in its turn.
+///
+/// # Errors
+/// As [`bake`]; [`RunError::Saved`] where what was saved is of another bake.
+pub fn bake_from(
+    cell: &Cell,
+    plan: &Plan,
+    progress: &(dyn Fn(u64) + Sync),
+    saves: Option<Saves<'_>>,
+) -> Result<Table, RunError> {
     match (plan.method, exact::prepare(cell, &plan.axes)) {
-        (Method::Rays, _) | (Method::Auto, Err(_)) => rays(cell, plan, progress),
+        (Method::Rays, _) | (Method::Auto, Err(_)) => {
+            traced(Tracer::Fastest, cell, plan, progress, saves)
+        }
         (_, Ok(_)) if plan.shard.is_some() => Err(RunError::ShardOfExact),
         (_, Ok(prepared)) => beams(cell, &prepared, plan, progress),
         (Method::Exact, Err(refusal)) => Err(refusal.into()),
@@ -160,23 +182,75 @@ pub fn rays_by(
     plan: &Plan,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Table, RunError> {
-    pool(plan)?.install(|| {
-        let bundles = bundles(cell, plan, tracer);
-        let bins = Bins::new(plan.axes.bins, plan.axes.range);
-        match plan.effort {
-            Effort::Rays(rays) => {
-                let every: Vec<usize> = (0..bundles.len()).collect();
-                let share = |randomisation: usize| {
-                    let samples = share(rays, plan.randomisations, randomisation);
-                    let Shard { number, of } = plan.shard.unwrap_or(WHOLE);
-                    Shards::samples(number, of, samples)
-                };
-                run(&bundles, &bins, &every, &share, progress);
+    traced(tracer, cell, plan, progress, None)
+}
+
+fn traced(
+    tracer: Tracer,
+    cell: &Cell,
+    plan: &Plan,
+    progress: &(dyn Fn(u64) + Sync),
+    mut saves: Option<Saves<'_>>,
+) -> Result<Table, RunError> {
+    let bundles = bundles(cell, plan, tracer);
+    if let Some(saved) = saves.as_mut().and_then(|saves| saves.start.take()) {
+        continued(&bundles, &saved, &table(cell, plan, &bundles))?;
+        progress(saved.rays.sum());
+    }
+    let work = Work {
+        cell,
+        plan,
+        bins: Bins::new(plan.axes.bins, plan.axes.range),
+        bundles,
+        progress,
+        pool: pool(plan)?,
+    };
+    match plan.effort {
+        Effort::Rays(rays) => {
+            let every: Vec<usize> = (0..work.bundles.len()).collect();
+            let share = |randomisation: usize| {
+                let samples = share(rays, plan.randomisations, randomisation);
+                let Shard { number, of } = plan.shard.unwrap_or(WHOLE);
+                Shards::samples(number, of, samples)
+            };
+            let beyond = |bundle: &Bundle| {
+                let sums = bundle.sums();
+                let mut launched = sums.launched.iter().enumerate();
+                launched.any(|(r, &done)| done > share(r).end - share(r).start)
+            };
+            if work.bundles.iter().any(beyond) {
+                return Err(RunError::Saved);
             }
-            Effort::Tolerance(tolerance) => until(&bundles, &bins, plan, tolerance, progress)?,
+            work.run(&every, &share, &mut saves);
         }
-        Ok(table(cell, plan, bundles))
-    })
+        Effort::Tolerance(tolerance) => work.until(tolerance, &mut saves)?,
+    }
+    Ok(table(cell, plan, &work.bundles))
+}
+
+/// Fills the sums of a bake that begins with those of one that was interrupted. `fresh` is the table of its start.
+fn continued(bundles: &[Bundle], saved: &Table, fresh: &Table) -> Result<(), RunError> {
+    let (Some(counts), Some(fates)) = (&saved.counts, &saved.fate_counts) else {
+        return Err(RunError::Saved);
+    };
+    let same = saved.provenance == fresh.provenance
+        && saved.axes == fresh.axes
+        && fresh
+            .counts
+            .as_ref()
+            .is_some_and(|fresh| fresh.dim() == counts.dim());
+    if !same {
+        return Err(RunError::Saved);
+    }
+    let azimuths = saved.axes.azimuth_deg.len();
+    for (direction, bundle) in bundles.iter().enumerate() {
+        let (i, j) = (direction / azimuths, direction % azimuths);
+        *bundle.sums() = Sums::of_counts(
+            counts.slice(s![i, j, .., .., ..]),
+            fates.slice(s![i, j, .., ..]),
+        );
+    }
+    Ok(())
 }
 
 /// Rays of randomisation number `which` when `rays` are shared by `among`.
@@ -211,93 +285,118 @@ fn bundles(cell: &Cell, plan: &Plan, tracer: Tracer) -> Vec<Bundle> {
         .collect()
 }
 
-/// Traces the samples `share(randomisation)` of every randomisation of the directions named.
-fn run(
-    bundles: &[Bundle],
-    bins: &Bins,
-    directions: &[usize],
-    share: &(dyn Fn(usize) -> Range<u64> + Sync),
-    progress: &(dyn Fn(u64) + Sync),
-) {
-    let mut runs = Vec::new();
-    for &direction in directions {
-        for randomisation in 0..bundles[direction].streams.len() {
-            let Range { start, end } = share(randomisation);
-            let cuts = (start..end).step_by(RUN as usize);
-            runs.extend(cuts.map(|from| Run {
-                direction,
-                randomisation,
-                samples: from..end.min(from + RUN),
-            }));
-        }
+impl Bundle {
+    /// Nothing can panic while the lock is held, so a poisoned lock still guards whole sums.
+    fn sums(&self) -> MutexGuard<'_, Sums> {
+        self.sums.lock().unwrap_or_else(PoisonError::into_inner)
     }
-    runs.par_iter().for_each_init(
-        || Tally::new(bins),
-        |tally, run| {
-            let bundle = &bundles[run.direction];
-            tally.clear();
-            bundle.kernel.trace(
-                &bundle.streams[run.randomisation],
-                run.samples.clone(),
-                tally,
-            );
-            // Nothing can panic while the lock is held, so a poisoned lock still guards whole sums.
-            bundle
-                .sums
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .add(run.randomisation, tally);
-            progress(run.samples.end - run.samples.start);
-        },
-    );
 }
 
-/// Doubles the rays of each direction until its estimated error is below `tolerance`.
-fn until(
-    bundles: &[Bundle],
-    bins: &Bins,
-    plan: &Plan,
-    tolerance: f64,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<(), RunError> {
-    let mut open: Vec<usize> = (0..bundles.len()).collect();
-    let mut samples = 0..FIRST_ROUND;
-    while !open.is_empty() {
-        if samples.end > RAYS_PER_RANDOMISATION {
-            let worst = open[0];
-            let sums = bundles[worst]
-                .sums
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner);
-            return Err(RunError::Tolerance {
-                incidence_deg: plan.axes.incidence_deg[worst / plan.axes.azimuth_deg.len()],
-                azimuth_deg: plan.axes.azimuth_deg[worst % plan.axes.azimuth_deg.len()],
-                reached: sums.l1_error(),
-                rays: sums.rays(),
-            });
-        }
-        let round = samples.clone();
-        run(bundles, bins, &open, &|_| round.clone(), progress);
-        let error = |direction: usize| {
-            bundles[direction]
-                .sums
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .l1_error()
-        };
-        let errors: Vec<f64> = open.par_iter().map(|&direction| error(direction)).collect();
-        open = open
-            .into_iter()
-            .zip(errors)
-            .filter(|(_, error)| *error >= tolerance)
-            .map(|(d, _)| d)
-            .collect();
-        samples = samples.end..samples.end * 2;
-    }
-    Ok(())
+/// A bake under way.
+struct Work<'a> {
+    cell: &'a Cell,
+    plan: &'a Plan,
+    bins: Bins,
+    bundles: Vec<Bundle>,
+    progress: &'a (dyn Fn(u64) + Sync),
+    pool: rayon::ThreadPool,
 }
 
-fn table(cell: &Cell, plan: &Plan, bundles: Vec<Bundle>) -> Table {
+impl Work<'_> {
+    /// Traces the samples `share(randomisation)` of every randomisation of the directions named, less those that are
+    /// done: the sums of a randomisation always hold the first samples of its share.
+    ///
+    /// Where the bake is saved, all advance together, in steps short enough to be saved in time.
+    fn run(
+        &self,
+        directions: &[usize],
+        share: &dyn Fn(usize) -> Range<u64>,
+        saves: &mut Option<Saves<'_>>,
+    ) {
+        let mut step = saves.as_ref().map_or(u64::MAX, |_| FIRST_ROUND);
+        loop {
+            let mut runs = Vec::new();
+            for &direction in directions {
+                let bundle = &self.bundles[direction];
+                let launched = &bundle.sums().launched;
+                for (randomisation, done) in launched.iter().enumerate() {
+                    let Range { start, end } = share(randomisation);
+                    let start = start + done;
+                    let end = end.min(start.saturating_add(step));
+                    let cuts = (start..end).step_by(RUN as usize);
+                    runs.extend(cuts.map(|from| Run {
+                        direction,
+                        randomisation,
+                        samples: from..end.min(from + RUN),
+                    }));
+                }
+            }
+            if runs.is_empty() {
+                return;
+            }
+            let begun = Instant::now();
+            self.pool.install(|| self.trace(&runs));
+            if let Some(saves) = saves {
+                if begun.elapsed() < saves.every / 8 {
+                    step = step.saturating_mul(2);
+                }
+                saves.when_due(|| table(self.cell, self.plan, &self.bundles));
+            }
+        }
+    }
+
+    fn trace(&self, runs: &[Run]) {
+        runs.par_iter().for_each_init(
+            || Tally::new(&self.bins),
+            |tally, run| {
+                let bundle = &self.bundles[run.direction];
+                tally.clear();
+                bundle.kernel.trace(
+                    &bundle.streams[run.randomisation],
+                    run.samples.clone(),
+                    tally,
+                );
+                bundle.sums().add(run.randomisation, tally);
+                (self.progress)(run.samples.end - run.samples.start);
+            },
+        );
+    }
+
+    /// Doubles the rays of each direction until its estimated error is below `tolerance`.
+    fn until(&self, tolerance: f64, saves: &mut Option<Saves<'_>>) -> Result<(), RunError> {
+        let mut open: Vec<usize> = (0..self.bundles.len()).collect();
+        let mut samples = FIRST_ROUND;
+        while !open.is_empty() {
+            if samples > RAYS_PER_RANDOMISATION {
+                let worst = open[0];
+                let azimuths = self.plan.axes.azimuth_deg.len();
+                let sums = self.bundles[worst].sums();
+                return Err(RunError::Tolerance {
+                    incidence_deg: self.plan.axes.incidence_deg[worst / azimuths],
+                    azimuth_deg: self.plan.axes.azimuth_deg[worst % azimuths],
+                    reached: sums.l1_error(),
+                    rays: sums.rays(),
+                });
+            }
+            self.run(&open, &|_| 0..samples, saves);
+            // A direction of a bake that goes on may be past this round, which then did not close it.
+            let stays = |direction: &usize| {
+                let sums = self.bundles[*direction].sums();
+                sums.launched[0] > samples || sums.l1_error() >= tolerance
+            };
+            let keep: Vec<bool> = self.pool.install(|| open.par_iter().map(stays).collect());
+            open = open
+                .into_iter()
+                .zip(keep)
+                .filter_map(|(d, keep)| keep.then_some(d))
+                .collect();
+            samples *= 2;
+        }
+        Ok(())
+    }
+}
+
+fn table(cell: &Cell, plan: &Plan, bundles: &[Bundle]) -> Table {
     let axes = plan.axes.clone();
     let ((ni, na), nb, nr) = (axes.shape(), axes.bins, plan.randomisations);
     let mut counts = Array5::zeros((ni, na, nr, nb, nb));
@@ -306,22 +405,19 @@ fn table(cell: &Cell, plan: &Plan, bundles: Vec<Bundle>) -> Table {
     let fates_by_direction = fates
         .exact_chunks_mut((1, 1, nr, Fate::ALL.len()))
         .into_iter();
-    for ((bundle, mut counts), mut fates) in bundles
-        .into_iter()
-        .zip(by_direction)
-        .zip(fates_by_direction)
+    for ((bundle, mut counts), mut fates) in
+        bundles.iter().zip(by_direction).zip(fates_by_direction)
     {
-        let sums = bundle
-            .sums
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner);
+        let sums = bundle.sums();
+        let from = sums.counts.iter().copied();
         counts
             .iter_mut()
-            .zip(sums.counts)
+            .zip(from)
             .for_each(|(count, sum)| *count = sum);
+        let from = sums.fates.iter().flatten().copied();
         fates
             .iter_mut()
-            .zip(sums.fates.into_iter().flatten())
+            .zip(from)
             .for_each(|(count, sum)| *count = sum);
     }
     let provenance = provenance(cell, plan, "rays".into(), plan.sampler.name().into());

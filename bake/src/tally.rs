@@ -3,6 +3,7 @@
 use crate::lanes::LANES;
 use crate::path::Outcome;
 use glam::DVec2;
+use ndarray::{ArrayView2, ArrayView3};
 use tables::Fate;
 
 /// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
@@ -103,6 +104,20 @@ impl Sums {
             counts: vec![0; bins.len() * randomisations],
             fates: vec![[0; Fate::ALL.len()]; randomisations],
             launched: vec![0; randomisations],
+        }
+    }
+
+    /// The sums of a table's direction: counts by `[randomisation, v, u]`, fates by `[randomisation, fate]`.
+    pub fn of_counts(counts: ArrayView3<'_, u64>, fates: ArrayView2<'_, u64>) -> Self {
+        let fates: Vec<[u64; Fate::ALL.len()]> = fates
+            .rows()
+            .into_iter()
+            .map(|row| std::array::from_fn(|fate| row[fate]))
+            .collect();
+        Sums {
+            counts: counts.iter().copied().collect(),
+            launched: fates.iter().map(|fates| fates.iter().sum()).collect(),
+            fates,
         }
     }
 

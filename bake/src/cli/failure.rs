@@ -71,7 +71,7 @@ impl Failure {
     pub(super) fn code(&self) -> u8 {
         match self {
             Failure::Study(StudyError::Run(_)) => 1,
-            Failure::Run(run::RunError::ShardOfExact) => 2,
+            Failure::Run(run::RunError::ShardOfExact | run::RunError::Saved) => 2,
             Failure::Plan(_)
             | Failure::Study(_)
             | Failure::Numbers { .. }
