@@ -13,6 +13,22 @@ fn main() {
     divan::main();
 }
 
+/// Taking the sheet apart included.
+#[divan::bench]
+fn ten_directions_of_a_sheet_of_2048_cubes(bencher: Bencher) {
+    let cell = cells::sheet();
+    bencher
+        .counter(ItemsCount::new(INCIDENCE_DEG.len()))
+        .bench(|| {
+            let exact = ExactCell::new(&cell).expect("two kinds of cubes");
+            INCIDENCE_DEG.map(|incidence| {
+                exact
+                    .direction(incidence, AZIMUTH_DEG, 128, 2.0, &RULES)
+                    .eta
+            })
+        });
+}
+
 #[divan::bench(args = ["triangular", "triangular-pair", "canted", "full-cube"])]
 fn ten_directions(bencher: Bencher, name: &str) {
     let cell = design(Shape::from_name(name).expect("a design"));
