@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 
 use crate::estimate::{Estimate, sum_of_squares_with};
+use crate::loss::Loss;
 use crate::report::Bound;
 use crate::scene::Scene;
 
@@ -17,10 +18,9 @@ const RISE: f64 = 2.706;
 
 /// Bounds of the blur parameters whose error is half of themselves or more: c at most, spread at least (each is the
 /// direction in which its blur fades away).
-pub fn bounds(scene: &Scene, fit: &Estimate) -> BTreeMap<String, Bound> {
+pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bound> {
     let mut found = BTreeMap::new();
-    let freedom = fit.residuals.saturating_sub(fit.blur_parameters()).max(1) as f64;
-    let unit = (fit.chi2 / freedom).max(1.0);
+    let unit = fit.reduced_chi2().max(1.0);
     for i in 0..fit.blur_parameters() {
         let relative = fit.covariance[(i, i)].sqrt() / fit.solution.parameters[i].exp();
         if relative.is_finite() && relative < MEANINGLESS {
@@ -28,7 +28,14 @@ pub fn bounds(scene: &Scene, fit: &Estimate) -> BTreeMap<String, Bound> {
         }
         let is_c = fit.names[i] == "c_mm";
         // c vanishes downwards, so its bound lies above; a vanishes upwards, so its bound lies below.
-        let limit = edge(scene, fit, i, if is_c { 1.0 } else { -1.0 }, RISE * unit);
+        let limit = edge(
+            scene,
+            loss,
+            fit,
+            i,
+            if is_c { 1.0 } else { -1.0 },
+            RISE * unit,
+        );
         let bound = match (is_c, limit) {
             (true, limit) => Bound {
                 at_least: None,
@@ -47,11 +54,11 @@ pub fn bounds(scene: &Scene, fit: &Estimate) -> BTreeMap<String, Bound> {
 }
 
 /// Where the profile likelihood of parameter `i` has risen by `rise`, walking up or down; `None` where it never does.
-fn edge(scene: &Scene, fit: &Estimate, i: usize, way: f64, rise: f64) -> Option<f64> {
+fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f64) -> Option<f64> {
     let start = &fit.solution.parameters;
     // The sum of squares at the vanishing end, where the optimum may lie flat.
     let risen = |x: f64, from: &DVector<f64>| {
-        let (squares, at) = sum_of_squares_with(scene, fit.choice, from, i, x);
+        let (squares, at) = sum_of_squares_with(scene, loss, fit.choice, from, i, x);
         (squares - fit.chi2 > rise, at)
     };
     let (mut inside, mut outside) = (start[i], None);

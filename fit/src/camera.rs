@@ -26,12 +26,36 @@ impl Camera {
     /// OTF at `frequency` (1/mm) along a normal at `normal_rad` in the photograph (from +x, right, towards +y, down):
     /// real, 1 at zero frequency.
     pub fn otf(&self, frequency: f64, normal_rad: f64) -> f64 {
+        self.pixel(frequency, normal_rad) * self.lens.map_or(1.0, |lens| lens.otf(frequency)[0])
+    }
+
+    /// The same with its derivatives by ln(blur) and by the exponent of the lens; these are 0 without a lens.
+    pub fn otf_and_slopes(&self, frequency: f64, normal_rad: f64) -> [f64; 3] {
+        let pixel = self.pixel(frequency, normal_rad);
+        self.lens
+            .map_or([1.0, 0.0, 0.0], |lens| lens.otf(frequency))
+            .map(|part| pixel * part)
+    }
+
+    fn pixel(&self, frequency: f64, normal_rad: f64) -> f64 {
         let (sin, cos) = normal_rad.sin_cos();
-        let pixel =
-            sinc(PI * frequency * self.pitch_mm * cos) * sinc(PI * frequency * self.pitch_mm * sin);
-        pixel
-            * self.lens.map_or(1.0, |lens| {
-                (-(frequency.abs() * lens.blur_mm).powf(lens.exponent)).exp()
-            })
+        sinc(PI * frequency * self.pitch_mm * cos) * sinc(PI * frequency * self.pitch_mm * sin)
+    }
+}
+
+impl Lens {
+    /// OTF and its derivatives by ln(blur) and by the exponent.
+    fn otf(&self, frequency: f64) -> [f64; 3] {
+        let x = frequency.abs() * self.blur_mm;
+        if x == 0.0 {
+            return [1.0, 0.0, 0.0];
+        }
+        let power = x.powf(self.exponent);
+        let value = (-power).exp();
+        [
+            value,
+            -self.exponent * power * value,
+            -power * x.ln() * value,
+        ]
     }
 }

@@ -27,10 +27,16 @@ pub struct Mu {
 impl Noise {
     /// Carries the noise of every bin, of the lens and of the reference's step through the estimate.
     ///
-    /// Every estimate is linearised in the bins of every photograph: d(ln p) = -H^-1 J^T dr for the blur, the fit of the
-    /// plateaus plus its dependence on the blur for mu. A model that fits worse than its noise has its blur covariance
-    /// raised by chi^2 per degree of freedom.
-    pub fn new(scene: &Scene, layout: &Layout, solution: &Solution, parts: &[Compared]) -> Noise {
+    /// Every estimate on the MTFs is linearised in the bins of every photograph: d(ln p) = -H^-1 J^T dr for the blur, the fit of the
+    /// plateaus plus its dependence on the blur for mu. `inflation` is chi^2 per degree of freedom where a model fits worse
+    /// than its noise, else 1: the blur's covariance is raised by it.
+    pub fn new(
+        scene: &Scene,
+        layout: &Layout,
+        solution: &Solution,
+        parts: &[Compared],
+        inflation: f64,
+    ) -> Noise {
         let p = layout.parameters();
         let normal = solution.jacobian.transpose() * &solution.jacobian;
         let inverse = normal
@@ -38,8 +44,6 @@ impl Noise {
             .try_inverse()
             .filter(|i| i.iter().all(|v| v.is_finite()))
             .unwrap_or_else(|| DMatrix::from_diagonal_element(p, p, f64::INFINITY));
-        let freedom = solution.residuals.len().saturating_sub(p).max(1) as f64;
-        let inflation = (solution.sum_of_squares() / freedom).max(1.0).sqrt();
 
         // -H^-1 J^T of each shot, over its whitened frequencies.
         let answers: Vec<DMatrix<f64>> = scene
@@ -67,7 +71,7 @@ impl Noise {
             .map(|(shot, answer)| {
                 let mut response = answer * shot.view.whitened_response();
                 for (j, v) in shot.view.profile.variance.iter().enumerate() {
-                    response.column_mut(j).scale_mut(v.sqrt() * inflation);
+                    response.column_mut(j).scale_mut((v * inflation).sqrt());
                 }
                 response
             })

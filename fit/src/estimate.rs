@@ -1,20 +1,24 @@
 //! The estimate: one candidate model fitted to all photographs of a scene.
 //!
 //! Sugawara and Koizumi minimise the squared difference of the MTFs of photographs and renders over a and c, then take
-//! mu from the luminance ratio. So does this, with three deviations: the render is replaced by its closed form; the
-//! differences are weighted by their noise covariance, which the estimator knows; and the solver is Levenberg-Marquardt.
+//! mu from the luminance ratio. So does the loss `mtf`, with three deviations: the render is replaced by its closed form; the
+//! differences are weighted by their noise covariance, which the estimator knows; and the solver is Levenberg-Marquardt. The
+//! loss `edge` puts the likelihood of the pixels in place of the MTF (see `likelihood`).
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::camera::Camera;
 use crate::covariance::Noise;
+use crate::joint::Used;
 use crate::kernel::{Blur, Kernel};
 use crate::layout::Layout;
 use crate::lobe::Shape;
+use crate::loss::Loss;
 use crate::scene::{Aerial, Scene};
 use crate::solve::{CONVERGED, Solution, least_squares};
 use crate::start;
-use crate::view::{Curve, Model};
+use crate::view::{Curve, Model, View};
 
 /// What a candidate lets vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,10 +57,12 @@ pub struct Estimate {
     pub names: Vec<String>,
     /// Covariance of all of them.
     pub covariance: DMatrix<f64>,
-    /// Sum of squares of the whitened MTF differences.
+    /// Sum of squares of the residuals in units of their noise.
     pub chi2: f64,
-    /// Whitened MTF differences.
+    /// Independent residuals.
     pub residuals: usize,
+    /// The camera: of the reference's fit, or refined with all pixels.
+    pub camera: Camera,
     /// Where the solver ended.
     pub solution: Solution,
     /// MTF of the model at each shot's frequencies, through its estimator.
@@ -68,7 +74,13 @@ pub struct Estimate {
 impl Estimate {
     /// Parameters of the blur.
     pub fn blur_parameters(&self) -> usize {
-        self.solution.parameters.len()
+        usize::from(self.c_mm.is_some()) + self.spread.len()
+    }
+
+    /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
+    pub fn reduced_chi2(&self) -> f64 {
+        let freedom = self.residuals.saturating_sub(self.blur_parameters()).max(1);
+        self.chi2 / freedom as f64
     }
 }
 
@@ -95,23 +107,24 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
     }
 }
 
-fn compare(shot: &Aerial, choice: Choice, blur: Blur) -> Compared {
-    let curve = shot.view.curve(&model(shot, choice), blur);
+/// Compares a photograph's MTF, seen through `view`, with that of a model.
+pub fn compare(shot: &Aerial, view: &View, choice: Choice, blur: Blur) -> Compared {
+    let curve = view.curve(&model(shot, choice), blur);
     let by: Vec<Vec<f64>> = curve
         .by_ln_spread
         .iter()
         .chain(&curve.by_ln_c)
         .cloned()
         .collect();
-    let (modelled, derivatives) = shot.view.predict(&curve.bins, &by);
+    let (modelled, derivatives) = view.predict(&curve.bins, &by);
     let difference: Vec<f64> = modelled
         .iter()
-        .zip(&shot.view.mtf.modulus)
+        .zip(&view.mtf.modulus)
         .map(|(m, d)| m - d)
         .collect();
     Compared {
-        residuals: shot.view.whiten(&difference),
-        derivatives: derivatives.iter().map(|d| shot.view.whiten(d)).collect(),
+        residuals: view.whiten(&difference),
+        derivatives: derivatives.iter().map(|d| view.whiten(d)).collect(),
         curve,
         modelled,
     }
@@ -122,26 +135,30 @@ fn compare(shot: &Aerial, choice: Choice, blur: Blur) -> Compared {
 pub struct Optimum {
     /// The candidate.
     pub choice: Choice,
-    /// Where the solver ended.
+    /// Where the solver ended; its parameters are ln c, ln spread, and under `edge` the lens.
     pub solution: Solution,
+    /// How many independent numbers were compared.
+    pub observations: usize,
 }
 
 impl Optimum {
-    /// Bayes' criterion on the whitened MTF differences: chi^2 + k ln n.
+    /// Bayes' criterion: chi^2 + k ln n, n the independent numbers compared (see [`Loss::observations`]).
     pub fn criterion(&self) -> f64 {
-        let n = self.solution.residuals.len() as f64;
+        let n = self.observations as f64;
         self.solution.sum_of_squares() + self.solution.parameters.len() as f64 * n.ln()
     }
 }
 
-/// Fits one candidate to a scene.
+/// Fits one candidate to the MTFs of a scene.
 pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
-    refined(scene, rough(scene, choice))
+    let start = rough(scene, choice);
+    refined(scene, &Loss::Mtf(scene), start)
 }
 
-/// The optimum of a candidate to a thousandth: enough to tell a hopeless one.
+/// The optimum of a candidate on the MTFs to a thousandth: enough to tell a hopeless one.
 pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
     const ROUGH: f64 = 1e-3;
+    let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
     let solution = start::points(scene, choice)
         .into_iter()
@@ -150,28 +167,51 @@ pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
             let c = choice.kernel.has_shift().then(|| start.c_mm.ln());
             let point = c.into_iter().chain((0..layout.spreads).map(spread));
             let point = DVector::from_iterator(layout.parameters(), point);
-            least_squares(point, ROUGH, |at| residuals(scene, &layout, at))
+            least_squares(point, ROUGH, |at| loss.evaluate(&layout, at))
         })
         .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
         .expect("there is always a starting point");
-    Optimum { choice, solution }
+    Optimum {
+        choice,
+        solution,
+        observations: loss.observations(),
+    }
 }
 
-/// The same optimum to convergence.
-pub fn refined(scene: &Scene, rough: Optimum) -> Optimum {
-    let layout = Layout::new(rough.choice, scene.groups.len());
-    let from = rough.solution.parameters.clone();
-    let mut solution = least_squares(from, CONVERGED, |at| residuals(scene, &layout, at));
-    solution.iterations += rough.solution.iterations;
+/// The optimum of a candidate under any loss, to convergence, from one on the MTFs.
+pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+    let layout = Layout::new(from.choice, scene.groups.len());
+    let start = loss.start(&from.solution.parameters);
+    let mut solution = least_squares(start, CONVERGED, |at| loss.evaluate(&layout, at));
+    solution.iterations += from.solution.iterations;
     Optimum {
-        choice: rough.choice,
+        choice: from.choice,
         solution,
+        observations: loss.observations(),
+    }
+}
+
+/// A candidate under any loss where its parameters stand: an upper limit of its sum of squares.
+pub fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+    let layout = Layout::new(from.choice, scene.groups.len());
+    let parameters = loss.start(&from.solution.parameters);
+    let (residuals, jacobian) = loss.evaluate(&layout, &parameters);
+    Optimum {
+        solution: Solution {
+            parameters,
+            residuals,
+            jacobian,
+            ..from.solution
+        },
+        observations: loss.observations(),
+        ..from
     }
 }
 
 /// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of the profile likelihood.
 pub fn sum_of_squares_with(
     scene: &Scene,
+    loss: &Loss,
     choice: Choice,
     from: &DVector<f64>,
     fixed: usize,
@@ -180,7 +220,7 @@ pub fn sum_of_squares_with(
     let layout = Layout::new(choice, scene.groups.len());
     let with = |free: &DVector<f64>| free.clone().insert_row(fixed, value);
     let evaluate = |free: &DVector<f64>| {
-        let (residuals, jacobian) = residuals(scene, &layout, &with(free));
+        let (residuals, jacobian) = loss.evaluate(&layout, &with(free));
         (residuals, jacobian.remove_column(fixed))
     };
     let free = from.clone().remove_row(fixed);
@@ -191,29 +231,22 @@ pub fn sum_of_squares_with(
     (solution.sum_of_squares(), with(&solution.parameters))
 }
 
-/// Whitened residuals and their derivatives at the given logarithms of c and the spreads.
+/// Whitened MTF differences and their derivatives at the given logarithms of c and the spreads.
 pub fn residuals_at(
     scene: &Scene,
     choice: Choice,
     parameters: &DVector<f64>,
 ) -> (DVector<f64>, DMatrix<f64>) {
-    residuals(scene, &Layout::new(choice, scene.groups.len()), parameters)
+    let layout = Layout::new(choice, scene.groups.len());
+    Loss::Mtf(scene).evaluate(&layout, parameters)
 }
 
-fn residuals(
+/// Stacks the residuals and derivatives of all photographs.
+pub fn assemble(
     scene: &Scene,
     layout: &Layout,
-    parameters: &DVector<f64>,
+    parts: &[Compared],
 ) -> (DVector<f64>, DMatrix<f64>) {
-    let parts: Vec<Compared> = scene
-        .shots
-        .par_iter()
-        .map(|shot| compare(shot, layout.choice, layout.blur(parameters, shot.group)))
-        .collect();
-    assemble(scene, layout, &parts)
-}
-
-fn assemble(scene: &Scene, layout: &Layout, parts: &[Compared]) -> (DVector<f64>, DMatrix<f64>) {
     let rows = parts.iter().map(|p| p.residuals.len()).sum();
     let (mut residuals, mut jacobian) = (
         DVector::zeros(rows),
@@ -238,15 +271,37 @@ fn assemble(scene: &Scene, layout: &Layout, parts: &[Compared]) -> (DVector<f64>
 }
 
 /// Everything that follows from the optimum: mu, covariance, losses.
-pub fn estimate(scene: &Scene, optimum: Optimum) -> Estimate {
-    let Optimum { choice, solution } = optimum;
+pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
+    let Optimum {
+        choice,
+        solution,
+        observations,
+    } = optimum;
     let layout = &Layout::new(choice, scene.groups.len());
+    let camera = match loss {
+        Loss::Mtf(_) => scene.camera,
+        Loss::Edge(joint) => joint.camera(layout, &solution.parameters),
+    };
     let parts: Vec<Compared> = scene
         .shots
         .par_iter()
-        .map(|shot| compare(shot, choice, layout.blur(&solution.parameters, shot.group)))
+        .map(|shot| {
+            let blur = layout.blur(&solution.parameters, shot.group);
+            match loss {
+                Loss::Mtf(_) => compare(shot, &shot.view, choice, blur),
+                Loss::Edge(_) => compare(shot, &shot.view.through(&camera), choice, blur),
+            }
+        })
         .collect();
-    let noise = Noise::new(scene, layout, &solution, &parts);
+    let p = layout.parameters();
+    let freedom = observations.saturating_sub(p).max(1) as f64;
+    let inflation = (solution.sum_of_squares() / freedom).max(1.0);
+    let noise = match loss {
+        Loss::Mtf(_) => Noise::new(scene, layout, &solution, &parts, inflation),
+        Loss::Edge(joint) => {
+            joint.information(layout, &solution.parameters, inflation, Used::ByTheEstimate)
+        }
+    };
     let mut q = noise.blur;
     let mut names: Vec<String> = Vec::new();
     let mut scale: Vec<f64> = Vec::new();
@@ -259,7 +314,7 @@ pub fn estimate(scene: &Scene, optimum: Optimum) -> Estimate {
         "a_per_mm"
     };
     names.extend(scene.names(spread_name, layout.spreads, choice.per_angle_a));
-    scale.extend(solution.parameters.iter().map(|p| p.exp()));
+    scale.extend(solution.parameters.iter().take(p).map(|p| p.exp()));
     let mu = noise.mu.map(|mu| {
         names.extend(scene.names("mu", mu.values.len(), choice.per_angle_mu));
         scale.extend(&mu.values);
@@ -282,7 +337,6 @@ pub fn estimate(scene: &Scene, optimum: Optimum) -> Estimate {
             standard_error,
         }
     };
-    let p = layout.parameters();
     let losses = parts
         .iter()
         .zip(&scene.shots)
@@ -302,7 +356,8 @@ pub fn estimate(scene: &Scene, optimum: Optimum) -> Estimate {
         spread: (p - layout.spreads..p).map(value).collect(),
         mu: mu.map(|mu| (p..p + mu.len()).map(value).collect()),
         chi2: solution.sum_of_squares(),
-        residuals: solution.residuals.len(),
+        residuals: observations,
+        camera,
         modelled: parts.into_iter().map(|part| part.modelled).collect(),
         names,
         covariance,

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix2};
 
 use crate::camera::{Camera, Lens};
+use crate::pixels::Pixels;
 use crate::reflectance::Contrast;
 use crate::solve::{CONVERGED, Solution, least_squares};
 use crate::view::View;
@@ -14,6 +15,12 @@ pub struct Reference {
     pub camera: Camera,
     /// Covariance of ln(blur) and of the exponent.
     pub lens_covariance: Matrix2<f64>,
+    /// What the reference told of the lens: ln(blur / mm), and the exponent where it is not 2.
+    pub lens: DVector<f64>,
+    /// Its pixels.
+    pub pixels: Pixels,
+    /// Its exposure.
+    pub exposure: f64,
     /// Bright minus dark of the source edge, per unit of exposure.
     pub step: f64,
     /// Relative standard error of `step`.
@@ -29,7 +36,7 @@ const KEEP_EXPONENT: f64 = 10.8;
 const STEP: f64 = 1e-4;
 
 /// Measures the camera with a photograph of the source edge. `view` carries the pixel box as its camera.
-pub fn measure(view: &mut View, exposure: f64) -> Reference {
+pub fn measure(view: &mut View, pixels: Pixels, exposure: f64) -> Reference {
     let pitch_mm = view.pitch_mm();
     // A Gaussian of half a pixel: 1/f0 = sqrt 2 pi sigma.
     let start = (std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.5 * pitch_mm).ln();
@@ -57,6 +64,9 @@ pub fn measure(view: &mut View, exposure: f64) -> Reference {
     Reference {
         camera,
         lens_covariance,
+        lens: solution.parameters,
+        pixels,
+        exposure,
         step: contrast.step / exposure,
         step_relative_error: contrast.variance(&view.profile).sqrt() / contrast.step.abs(),
         reduced_chi2,
@@ -91,7 +101,8 @@ impl Reference {
     }
 }
 
-fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
+/// The camera of lens parameters: ln(blur / mm), and the exponent where it is not 2.
+pub fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
     let exponent = parameters.get(1).copied().unwrap_or(2.0).clamp(0.5, 4.0);
     // A lens blur below a thousandth of a pixel is none, one beyond 100 pixels no camera.
     let blur_mm = parameters[0].exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm);

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimate::{Estimate, Value};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
+use crate::loss::Kind;
 use crate::scene::Scene;
 use crate::select::Selection;
 
@@ -101,7 +102,7 @@ pub struct Candidate {
     pub sharing: String,
     /// Bayes' criterion (smaller is better).
     pub criterion: f64,
-    /// Sum of squares of the MTF differences in units of their noise, correlations taken out.
+    /// Sum of squares of the residuals in units of their noise, correlations taken out.
     pub loss: f64,
     /// Parameters of the blur.
     pub parameters: usize,
@@ -209,6 +210,8 @@ pub struct ResultFile {
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
     pub lobe: Option<Shape>,
+    /// What was minimised.
+    pub loss: Kind,
     /// Evaluations of the solver.
     pub iterations: usize,
     /// Why it stopped.
@@ -285,10 +288,11 @@ impl ResultFile {
             Some(Parameter::PerAngle { per_angle })
         };
         let spread = |name: &str| parameter(name, &best.spread, best.choice.per_angle_a);
-        let lens = scene.camera.lens;
+        let lens = best.camera.lens;
         ResultFile {
             kernel,
             lobe: kernel.has_lobe().then_some(best.choice.shape),
+            loss: selection.loss.kind(),
             iterations: best.solution.iterations,
             stop: best.solution.stop.name().into(),
             seconds,
@@ -393,8 +397,7 @@ fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
                 .into(),
         );
     }
-    let freedom = best.residuals.saturating_sub(best.blur_parameters()).max(1) as f64;
-    let reduced = best.chi2 / freedom;
+    let reduced = best.reduced_chi2();
     if reduced > POOR_FIT {
         warnings.push(format!(
             "the model does not describe the photographs within their noise (chi-square {reduced:.1} per degree of \

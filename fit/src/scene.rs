@@ -8,6 +8,7 @@ use tables::Table;
 use crate::camera::Camera;
 use crate::captures::{self, Campaign, Capture};
 use crate::edge;
+use crate::pixels::Pixels;
 use crate::profile::Profile;
 use crate::reference::{self, Reference};
 use crate::shift::ShiftLine;
@@ -68,6 +69,8 @@ pub struct Aerial {
     pub shift: Option<ShiftLine>,
     /// The photograph, measured.
     pub view: View,
+    /// Its pixels.
+    pub pixels: Pixels,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -129,13 +132,13 @@ impl Scene {
                 None
             }
             Some(shot) => {
-                let (mut view, notes) = measure(shot, pitch_mm, 0.0, &pixel)?;
+                let (mut view, pixels, notes) = measure(shot, pitch_mm, 0.0, &pixel)?;
                 warnings.extend(
                     notes
                         .into_iter()
                         .map(|note| format!("{}: {note}", name(&shot.image))),
                 );
-                Some(reference::measure(&mut view, shot.exposure))
+                Some(reference::measure(&mut view, pixels, shot.exposure))
             }
         };
         let camera = reference.as_ref().map_or(pixel, |r| r.camera);
@@ -243,7 +246,7 @@ fn measure(
     pitch_mm: f64,
     tangential_rad: f64,
     camera: &Camera,
-) -> Result<(View, Vec<String>), Error> {
+) -> Result<(View, Pixels, Vec<String>), Error> {
     let photo = shot.load()?;
     let fault = |fault| Error::Edge {
         image: shot.image.clone(),
@@ -262,8 +265,10 @@ fn measure(
     );
     warnings.extend(window.floor_warning());
     warnings.extend(profile.warnings(&line));
+    let pixels = Pixels::new(&window, &line);
     Ok((
         View::new(line, profile, pitch_mm, tangential_rad, camera),
+        pixels,
         warnings,
     ))
 }
@@ -285,7 +290,7 @@ fn aerial(
     if direction.eta <= 0.0 {
         return Ok(None);
     }
-    let (view, mut warnings) = measure(
+    let (view, pixels, mut warnings) = measure(
         &capture.shot,
         campaign.setup.pixel_pitch_mm,
         capture.tangential_axis_rad(),
@@ -308,6 +313,7 @@ fn aerial(
         eta_standard_error: direction.standard_error,
         shift: ShiftLine::new(&direction, capture.incidence_rad(), normal),
         view,
+        pixels,
         warnings,
     }))
 }

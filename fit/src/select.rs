@@ -1,11 +1,15 @@
 //! Which terms the photographs need: candidates side by side, the simplest that none clearly beats.
 //!
-//! The criterion is Bayes' (BIC) on the MTF differences after whitening with their noise covariance, so that neighbouring
-//! frequencies, which share pixels, are not counted twice. A further term must lower it by more than [`CLEAR`].
+//! The criterion is Bayes' (BIC). Its n counts independent numbers: MTF differences after whitening with their noise
+//! covariance, so that neighbouring frequencies, which share pixels, are not counted twice; or under `edge` two numbers for
+//! every bin of pixels, not every pixel, for most pixels of a bin repeat one another. A further term must lower it by more
+//! than [`CLEAR`].
 
-use crate::estimate::{Choice, Estimate, Optimum, estimate, refined, rough};
+use crate::estimate::{Choice, Estimate, Optimum, estimate, refined, rough, unrefined};
 use crate::kernel::Kernel;
+use crate::layout::Layout;
 use crate::lobe::Shape;
+use crate::loss::{Kind, Loss};
 use crate::scene::Scene;
 
 /// Fall of the criterion below which the simpler candidate stays.
@@ -29,7 +33,9 @@ pub struct Candidates {
 }
 
 /// The chosen candidate, and all that were compared, best criterion first.
-pub struct Selection {
+pub struct Selection<'a> {
+    /// What was minimised.
+    pub loss: Loss<'a>,
     /// The estimate to report.
     pub best: Estimate,
     /// Every candidate's choice, criterion, sum of squares and parameters.
@@ -43,14 +49,15 @@ pub struct Compared {
     pub choice: Choice,
     /// Bayes' criterion.
     pub criterion: f64,
-    /// Sum of squares of the whitened MTF differences.
+    /// Sum of squares of the residuals in units of their noise.
     pub chi2: f64,
     /// Parameters of the blur.
     pub parameters: usize,
 }
 
-/// Fits all candidates and picks one.
-pub fn select(scene: &Scene, open: &Candidates) -> Selection {
+/// Fits all candidates and picks one. The MTFs come first whatever the loss: they find the neighbourhood of every candidate's
+/// optimum, and the pixels' noise is taken about the best of them.
+pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<'a> {
     let mut fits: Vec<Optimum> = choices(scene, open)
         .into_iter()
         .map(|choice| rough(scene, choice))
@@ -59,10 +66,16 @@ pub fn select(scene: &Scene, open: &Candidates) -> Selection {
         .iter()
         .map(Optimum::criterion)
         .fold(f64::INFINITY, f64::min);
+    let nearest = fits
+        .iter()
+        .min_by(|a, b| a.criterion().total_cmp(&b.criterion()))
+        .map(|fit| (fit.choice, fit.solution.parameters.clone()))
+        .expect("there is at least one candidate");
+    let loss = Loss::new(kind, scene, (nearest.0, &nearest.1));
     for fit in &mut fits {
-        if fit.criterion() <= HOPELESS * least + CLEAR {
-            *fit = refined(scene, fit.clone());
-        }
+        let hopeful = fit.criterion() <= HOPELESS * least + CLEAR;
+        let finish = if hopeful { refined } else { unrefined };
+        *fit = finish(scene, &loss, fit.clone());
     }
     let mut compared: Vec<Compared> = fits
         .iter()
@@ -70,7 +83,7 @@ pub fn select(scene: &Scene, open: &Candidates) -> Selection {
             choice: fit.choice,
             criterion: fit.criterion(),
             chi2: fit.solution.sum_of_squares(),
-            parameters: fit.solution.parameters.len(),
+            parameters: Layout::new(fit.choice, scene.groups.len()).parameters(),
         })
         .collect();
     compared.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
@@ -89,11 +102,15 @@ pub fn select(scene: &Scene, open: &Candidates) -> Selection {
         },
         ..chosen.clone()
     };
-    let mut best = estimate(scene, chosen);
+    let mut best = estimate(scene, &loss, chosen);
     if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
-        best = estimate(scene, shared_mu);
+        best = estimate(scene, &loss, shared_mu);
     }
-    Selection { best, compared }
+    Selection {
+        loss,
+        best,
+        compared,
+    }
 }
 
 fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {

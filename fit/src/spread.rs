@@ -34,14 +34,12 @@ impl Grid {
         }
     }
 
-    /// Mean of the edge profile over the pixels of every bin.
+    /// The edge profile averaged over evenly filled bins.
     ///
     /// `otf` at the grid's frequencies; its first value scales the step (1 for a profile, 0 for a derivative). `kink` is
     /// -d OTF/d|f| at 0 (mm): a kinked OTF has 1/s^2 tails, whose periodic images are taken out to second order. The
-    /// profile is the inverse transform at evenly filled bins, exact but for the images of a lobe wider than a profile;
-    /// a bin's excess moments (a few hundredths of a pixel) are then put in with the profile's own differences, whose
-    /// slope is good to (pi/4)^4/30 = 1.3 % at half the sampling frequency and to 1e-5 at a tenth of it.
-    pub fn profile(&self, otf: &[Complex64], kink: f64, profile: &Profile) -> Vec<f64> {
+    /// profile is the inverse transform, exact but for the images of a lobe wider than a profile.
+    pub fn even(&self, otf: &[Complex64], kink: f64) -> Even {
         let period = self.size as f64 * self.bin_mm;
         let step = otf[0].re;
         let mut half: Vec<Complex64> = otf
@@ -49,7 +47,8 @@ impl Grid {
             .zip(&self.frequencies_per_mm)
             .map(|(o, &f)| o * sinc(PI * f * self.bin_mm) / Complex64::new(0.0, TAU * f * period))
             .collect();
-        half[0] = Complex64::from(step / period);
+        // The mean of the profile: where its centre of mass lies, which the OTF's slope at 0 tells.
+        half[0] = Complex64::from(otf[1].im / (TAU * self.frequencies_per_mm[1] * period));
         // The last coefficient is real; what is dropped lies at 2 per pixel, beyond every camera's reach.
         half[self.size / 2].im = 0.0;
         let mut periodic = vec![0.0; self.size];
@@ -58,31 +57,60 @@ impl Grid {
             .expect("lengths and reality are set above");
         // C/s^2 is the tail of the line spread; its images sum to C pi^2/(3 P^2) + C pi^4 s^2/(15 P^4) + ...
         let tail = kink / (2.0 * PI * PI);
-        let (first, cubic) = (
-            tail * PI.powi(2) / (3.0 * period.powi(2)),
-            tail * PI.powi(4) / (45.0 * period.powi(4)),
-        );
-        let at = |offset: i64| {
-            let s = offset as f64 * self.bin_mm;
-            let index = offset.rem_euclid(self.size as i64) as usize;
-            step * (0.5 + s / period) + periodic[index] - first * s - cubic * s.powi(3)
-        };
+        let linear = step / period - tail * PI.powi(2) / (3.0 * period.powi(2));
+        let cubic = tail * PI.powi(4) / (45.0 * period.powi(4));
+        let middle = self.size / 2;
+        periodic.rotate_right(middle);
+        for (index, value) in periodic.iter_mut().enumerate() {
+            let s = (index as f64 - middle as f64) * self.bin_mm;
+            *value += 0.5 * step + (linear - cubic * s * s) * s;
+        }
+        Even { values: periodic }
+    }
+
+    /// Mean of the edge profile over the pixels of every bin; `otf` and `kink` as in [`Grid::even`].
+    ///
+    /// A bin's excess moments (a few hundredths of a pixel) are put in with the profile's own differences, whose slope is
+    /// good to (pi/4)^4/30 = 1.3 % at half the sampling frequency and to 1e-5 at a tenth of it.
+    pub fn profile(&self, otf: &[Complex64], kink: f64, profile: &Profile) -> Vec<f64> {
+        let even = self.even(otf, kink);
         let reach = profile.reach as i64;
-        let even: Vec<f64> = (-reach - 2..=reach + 2).map(at).collect();
-        let mut bins: Vec<f64> = (0..profile.len())
-            .map(|j| {
-                let [m1, m2, m3] = profile.excess[j];
+        let mut bins: Vec<f64> = (-reach..=reach)
+            .zip(&profile.excess)
+            .map(|(offset, &[m1, m2, m3])| {
                 let (m1, m2, m3) = (m1 / BIN_PX, m2 / BIN_PX.powi(2), m3 / BIN_PX.powi(3));
-                let [b2, b1, here, a1, a2] =
-                    [even[j], even[j + 1], even[j + 2], even[j + 3], even[j + 4]];
-                // Fourth-order differences; per bin.
-                let slope = (8.0 * (a1 - b1) - (a2 - b2)) / 12.0;
-                let curvature = (16.0 * (a1 + b1) - (a2 + b2) - 30.0 * here) / 12.0;
-                let third = 0.5 * (a2 - b2) - (a1 - b1);
+                let [here, slope, curvature, third] = even.around(offset);
                 here + slope * m1 + 0.5 * curvature * m2 + third * m3 / 6.0
             })
             .collect();
         profile.bridge(&mut bins);
         bins
+    }
+}
+
+/// An edge profile averaged over evenly filled bins: one period, the edge in the middle of bin 0.
+pub struct Even {
+    values: Vec<f64>,
+}
+
+impl Even {
+    /// Value and first three derivatives per bin at `offset` (within half a period), by differences of fourth order (second for the
+    /// third).
+    pub fn around(&self, offset: i64) -> [f64; 4] {
+        let middle = (self.values.len() / 2) as i64;
+        let at = (middle + offset).clamp(2, 2 * middle - 3) as usize;
+        let [b2, b1, here, a1, a2] = [
+            self.values[at - 2],
+            self.values[at - 1],
+            self.values[at],
+            self.values[at + 1],
+            self.values[at + 2],
+        ];
+        [
+            here,
+            (8.0 * (a1 - b1) - (a2 - b2)) / 12.0,
+            (16.0 * (a1 + b1) - (a2 + b2) - 30.0 * here) / 12.0,
+            0.5 * (a2 - b2) - (a1 - b1),
+        ]
     }
 }

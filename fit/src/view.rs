@@ -14,7 +14,7 @@ use crate::shift::ShiftLine;
 use crate::spread::Grid;
 
 /// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
-const MODEL_ERROR: f64 = 2e-5;
+pub const MODEL_ERROR: f64 = 2e-5;
 
 /// Most frequencies that one photograph is compared at.
 const MOST_FREQUENCIES: usize = 96;
@@ -81,7 +81,7 @@ impl Model<'_> {
     }
 
     /// Kink of the OTF at zero frequency (mm), and its derivative by ln(spread).
-    fn kink(&self, blur: Blur) -> (f64, f64) {
+    pub fn kink(&self, blur: Blur) -> (f64, f64) {
         if !self.kernel.has_lobe() {
             return (0.0, 0.0);
         }

@@ -82,14 +82,26 @@ impl Window {
         (f64::from(low), f64::from(high))
     }
 
-    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 100
-    /// are, or all are (a picture without noise).
-    pub fn floor_warning(&self) -> Option<String> {
+    /// Pixels that are exactly 0, and their share of the dark ones.
+    fn zeros(&self) -> (usize, f64) {
         let dark = 0.05 * self.extremes().1 as f32;
         let count =
             |holds: fn(f32, f32) -> bool| self.values.iter().filter(|&&v| holds(v, dark)).count();
         let (zero, dark) = (count(|v, _| v == 0.0), count(|v, dark| v < dark));
-        let share = zero as f64 / dark.max(1) as f64;
+        (zero, zero as f64 / dark.max(1) as f64)
+    }
+
+    /// Whether the noise is cut off at 0: some pixels are exactly 0, none is below, and the dark is no flat 0 (a picture
+    /// without noise).
+    pub fn cuts_off_at_zero(&self) -> bool {
+        let (zero, share) = self.zeros();
+        zero > 0 && share < 0.95 && self.extremes().0 == 0.0
+    }
+
+    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 100
+    /// are, or all are (a picture without noise).
+    pub fn floor_warning(&self) -> Option<String> {
+        let (zero, share) = self.zeros();
         (0.01..0.95).contains(&share).then(|| {
             format!(
                 "{zero} pixels ({:.1} % of the dark ones) are exactly 0: cut-off noise raises the dark plateau and \

@@ -7,6 +7,7 @@ use fit::captures;
 use fit::estimate::{Choice, Estimate, estimate, optimum, residuals_at};
 use fit::kernel::{Blur, Kernel};
 use fit::lobe::Shape;
+use fit::loss::{Kind, Loss};
 use fit::reflectance::Contrast;
 use fit::scene::Scene;
 use fit::select::{Candidates, select};
@@ -180,7 +181,7 @@ fn standard_errors_are_true() {
             ),
             &table,
         );
-        let fit = estimate(&scene, optimum(&scene, SHARED));
+        let fit = estimate(&scene, &Loss::Mtf(&scene), optimum(&scene, SHARED));
         for (sum, pull) in bias.iter_mut().zip(pulls(&fit, a, c, mu)) {
             assert!(pull.abs() < 5.0, "campaign {seed}: a pull of {pull}");
             squares += pull * pull;
@@ -223,7 +224,7 @@ fn selection_finds_the_planted_terms() {
                 &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
                 &table,
             );
-            let chosen = select(&scene, &everything).best.choice;
+            let chosen = select(&scene, Kind::Mtf, &everything).best.choice;
             assert_eq!(chosen.kernel, kernel, "planted {kernel:?} {shape:?}");
             if kernel.has_lobe() {
                 assert_eq!(chosen.shape, shape, "planted {kernel:?} {shape:?}");
@@ -249,8 +250,12 @@ fn absent_terms_are_bounded() {
         &params(12, planted, &incidence, &[150.0, 300.0], camera(4e4)),
         &of_ideal,
     );
-    let fit = estimate(&diffraction, optimum(&diffraction, SHARED));
-    let found = bounds(&diffraction, &fit);
+    let fit = estimate(
+        &diffraction,
+        &Loss::Mtf(&diffraction),
+        optimum(&diffraction, SHARED),
+    );
+    let found = bounds(&diffraction, &Loss::Mtf(&diffraction), &fit);
     let c = found
         .get("c_mm")
         .expect("c is not identified")
@@ -263,8 +268,8 @@ fn absent_terms_are_bounded() {
         &params(13, planted, &incidence, &[150.0, 300.0], camera(4e4)),
         &of_ideal,
     );
-    let fit = estimate(&shift, optimum(&shift, SHARED));
-    let found = bounds(&shift, &fit);
+    let fit = estimate(&shift, &Loss::Mtf(&shift), optimum(&shift, SHARED));
+    let found = bounds(&shift, &Loss::Mtf(&shift), &fit);
     let a = found
         .get("a_per_mm")
         .expect("a is not identified")
@@ -295,7 +300,7 @@ fn degenerate_campaigns() {
         "{:?}",
         both.warnings
     );
-    let fit = estimate(&both, optimum(&both, SHARED));
+    let fit = estimate(&both, &Loss::Mtf(&both), optimum(&both, SHARED));
     assert!(
         fit.c_mm
             .is_some_and(|c| ((c.value - 0.35) / c.standard_error).abs() < 4.5)
@@ -308,7 +313,7 @@ fn degenerate_campaigns() {
     assert!(
         alone.reference.is_none() && alone.warnings.iter().any(|w| w.contains("no [reference]"))
     );
-    let fit = estimate(&alone, optimum(&alone, SHARED));
+    let fit = estimate(&alone, &Loss::Mtf(&alone), optimum(&alone, SHARED));
     assert!(fit.mu.is_none() && fit.c_mm.is_some_and(|c| c.value.is_finite()));
 
     // Nothing returns anywhere: an error that says so.
@@ -343,7 +348,11 @@ fn starting_values_reach_every_c() {
             &params(31, planted, &incidence, &[150.0, 300.0], camera(18e3)),
             &of_ideal,
         );
-        let fit = estimate(&photographed, optimum(&photographed, SHARED));
+        let fit = estimate(
+            &photographed,
+            &Loss::Mtf(&photographed),
+            optimum(&photographed, SHARED),
+        );
         let found = fit.c_mm.expect("eq1 has c");
         let freedom = (fit.residuals - fit.blur_parameters()) as f64;
         // Chi-square per degree of freedom has a standard deviation of sqrt(2/n) < 0.2 here.

@@ -13,6 +13,7 @@ use crate::cli::{self, Failure};
 use crate::estimate::Value;
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
+use crate::loss::Kind;
 use crate::plot;
 use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
@@ -48,8 +49,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = Forward::Spectral)]
     pub forward: Forward,
     /// What is minimised
-    #[arg(long, value_enum, default_value_t = Loss::Mtf)]
-    pub loss: Loss,
+    #[arg(long, value_enum, default_value_t = Kind::Mtf)]
+    pub loss: Kind,
     /// Parameters fitted for every incidence angle: a, mu, or auto (what is named in neither list is decided)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub per_angle: Vec<PerAngle>,
@@ -83,13 +84,6 @@ pub struct Shapes(Vec<Shape>);
 pub enum Forward {
     /// Closed form in the frequency domain
     Spectral,
-}
-
-/// Losses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Loss {
-    /// Differences of the MTFs, whitened with their noise covariance
-    Mtf,
 }
 
 /// What may be fitted per angle.
@@ -220,7 +214,7 @@ fn estimate(
 ) -> Result<ResultFile, Failure> {
     let table = tables::read(&arguments.table)?;
     let scene = Scene::load(campaign, &table)?;
-    let selection = select(&scene, &plan.candidates);
+    let selection = select(&scene, arguments.loss, &plan.candidates);
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;
     let all = best
@@ -234,7 +228,7 @@ fn estimate(
             manifest: arguments.captures.clone(),
         });
     }
-    let bounds = bounds(&scene, &selection.best);
+    let bounds = bounds(&scene, &selection.loss, &selection.best);
     let source = TableResult::of(&table);
     Ok(ResultFile::new(
         &scene,
@@ -253,8 +247,9 @@ fn summary(result: &ResultFile, truth: Option<&serde_json::Value>) -> String {
         .map_or(String::new(), |l| format!(", lobe {}", l.name()));
     let _ = writeln!(
         text,
-        "kernel {}{lobe}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
+        "kernel {}{lobe}, loss {}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
         result.kernel.name(),
+        result.loss.name(),
         result.captures.len(),
         result.table.design,
         result.stop,

@@ -1,0 +1,95 @@
+//! What a fit minimises.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::{Choice, Compared, compare};
+use crate::joint::Joint;
+use crate::layout::Layout;
+use crate::scene::Scene;
+use crate::solve::Evaluation;
+
+/// The losses by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Differences of the MTFs, whitened with their noise covariance
+    Mtf,
+    /// Maximum likelihood on the pixels around the edge
+    Edge,
+}
+
+impl Kind {
+    /// The name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kind::Mtf => "mtf",
+            Kind::Edge => "edge",
+        }
+    }
+}
+
+/// A loss, ready to be evaluated.
+pub enum Loss<'a> {
+    /// Whitened differences of the MTFs.
+    Mtf(&'a Scene),
+    /// The likelihood of the pixels.
+    Edge(Joint<'a>),
+}
+
+impl<'a> Loss<'a> {
+    /// The loss of a kind; `near` is a candidate with parameters near the truth.
+    pub fn new(kind: Kind, scene: &'a Scene, near: (Choice, &DVector<f64>)) -> Loss<'a> {
+        match kind {
+            Kind::Mtf => Loss::Mtf(scene),
+            Kind::Edge => Loss::Edge(Joint::new(scene, near.0, near.1)),
+        }
+    }
+
+    /// Its kind.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Loss::Mtf(_) => Kind::Mtf,
+            Loss::Edge(_) => Kind::Edge,
+        }
+    }
+
+    /// The parameters of this loss from those of the blur: the lens beside them where the pixels tell it too.
+    pub fn start(&self, blur: &DVector<f64>) -> DVector<f64> {
+        match self {
+            Loss::Mtf(_) => blur.clone(),
+            Loss::Edge(joint) => joint.start(blur),
+        }
+    }
+
+    /// Residuals in units of their noise, and derivatives, at a point. Only their products have a meaning.
+    pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
+        match self {
+            Loss::Mtf(scene) => differences(scene, layout, at),
+            Loss::Edge(joint) => joint.evaluate(layout, at),
+        }
+    }
+
+    /// How many independent numbers are compared: whitened MTF differences, or means and slopes along the edge of all bins
+    /// of pixels less the nuisances. The n of Bayes' criterion.
+    pub fn observations(&self) -> usize {
+        match self {
+            Loss::Mtf(scene) => {
+                let of = |shot: &crate::scene::Aerial| shot.view.mtf.modulus.len() - 1;
+                scene.shots.iter().map(of).sum()
+            }
+            Loss::Edge(joint) => joint.observations(),
+        }
+    }
+}
+
+/// Whitened differences of the MTFs of all photographs, and their derivatives.
+fn differences(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> Evaluation {
+    let parts: Vec<Compared> = scene
+        .shots
+        .par_iter()
+        .map(|shot| compare(shot, &shot.view, layout.choice, layout.blur(at, shot.group)))
+        .collect();
+    crate::estimate::assemble(scene, layout, &parts)
+}
