@@ -1,8 +1,6 @@
 //! The likelihood of one photograph's pixels under an edge profile.
 //!
-//! Expected light of a pixel at distance d from the edge and t along it:
-//!
-//!     dark + step (1 + g_d d + g_t t) E(d)
+//! Expected light of a pixel at distance d from the edge and t along it: dark + step (1 + g_d d + g_t t) E(d).
 //!
 //! E is the unit edge through blur and camera. The gradient (g_d, g_t) is of the illumination: it multiplies the light of
 //! the edge, not the camera's offset. Noise is normal with variance read^2 + gain x light, and where the camera cuts it

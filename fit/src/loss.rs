@@ -35,7 +35,7 @@ pub enum Loss<'a> {
     /// Whitened differences of the MTFs.
     Mtf(&'a Scene),
     /// The likelihood of the pixels.
-    Edge(Joint<'a>),
+    Edge(Box<Joint<'a>>),
 }
 
 impl<'a> Loss<'a> {
@@ -43,7 +43,7 @@ impl<'a> Loss<'a> {
     pub fn new(kind: Kind, scene: &'a Scene, near: (Choice, &DVector<f64>)) -> Loss<'a> {
         match kind {
             Kind::Mtf => Loss::Mtf(scene),
-            Kind::Edge => Loss::Edge(Joint::new(scene, near.0, near.1)),
+            Kind::Edge => Loss::Edge(Box::new(Joint::new(scene, near.0, near.1))),
         }
     }
 

@@ -272,7 +272,7 @@ fn bins_tell_what_all_pixels_tell() {
     let mut joint = Joint::new(&scene, SHARED, &start.solution.parameters);
     let near = joint.start(&start.solution.parameters);
     joint.with_noise(SHARED, &near, noise);
-    let loss = Loss::Edge(joint);
+    let loss = Loss::Edge(Box::new(joint));
     let fit = estimate(&scene, &loss, refined(&scene, &loss, start));
     let Loss::Edge(joint) = loss else {
         unreachable!()
