@@ -18,7 +18,9 @@ use crate::camera::Camera;
 use crate::clip;
 use crate::factor;
 use crate::kernel::Blur;
-use crate::pixels::{Bin, Pixels};
+use crate::noise::PixelNoise;
+use crate::pixels::Pixels;
+use crate::place::Place;
 use crate::profile::BIN_PX;
 use crate::spread::{Even, Grid};
 use crate::view::{MODEL_ERROR, Model};
@@ -43,22 +45,6 @@ pub const NUISANCES: usize = 6;
 
 /// Column of ln(step).
 pub const STEP: usize = NUISANCES - 1;
-
-/// Variance of a pixel's noise: read^2 + gain x light.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PixelNoise {
-    /// Variance without light.
-    pub read: f64,
-    /// Variance per light.
-    pub gain: f64,
-}
-
-impl PixelNoise {
-    /// Variance at a level of light.
-    pub fn variance(&self, light: f64) -> f64 {
-        self.read + self.gain * light.max(0.0)
-    }
-}
 
 /// The edge profile of a trial model and its derivatives by what is fitted: ln spread, ln c, then the lens.
 pub struct Curves {
@@ -209,7 +195,8 @@ impl<'a> Photograph<'a> {
         };
         let (mut n, mut e, mut y, mut ee, mut ey) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (j, bin) in self.pixels.bins.iter().enumerate() {
-            let unit = Place::new(bin, self.pixels.first + j as i64, &guess).of(&curves.value)[0];
+            let unit = Place::new(bin, self.pixels.first + j as i64, [guess.place_px, 0.0])
+                .of(&curves.value)[0];
             n += bin.count;
             e += bin.count * unit;
             y += bin.count * bin.mean;
@@ -226,7 +213,7 @@ impl<'a> Photograph<'a> {
         let start = &self.start;
         let bins = self.pixels.bins.iter().enumerate();
         bins.map(|(j, bin)| {
-            let place = Place::new(bin, self.pixels.first + j as i64, start);
+            let place = Place::new(bin, self.pixels.first + j as i64, start.line());
             let gradient =
                 1.0 + start.gradient[0] * self.pixels.centre_px(j) + start.gradient[1] * bin.along;
             let [unit, _, across, _] = place.of(&curves.value);
@@ -252,7 +239,7 @@ impl<'a> Photograph<'a> {
             .collect();
         // A floor far below any sensor's noise keeps noise-free pictures from dividing by zero.
         let floor = 1e-12 * self.start.step.powi(2) + f64::MIN_POSITIVE;
-        self.noise = most_likely_noise(&scatter, self.pixels.cut_off, floor);
+        self.noise = PixelNoise::most_likely(&scatter, self.pixels.cut_off, floor);
         self.set_weights(&light);
     }
 
@@ -331,7 +318,7 @@ impl<'a> Photograph<'a> {
             if weight.root[0] == 0.0 {
                 continue;
             }
-            let place = Place::new(bin, self.pixels.first + j as i64, at);
+            let place = Place::new(bin, self.pixels.first + j as i64, at.line());
             let d = self.pixels.centre_px(j) + bin.across[0];
             let light = 1.0 + by_d * d + by_t * bin.along;
             // Covariance of t with a curve, from the curve's slope along the edge.
@@ -413,6 +400,11 @@ impl<'a> Photograph<'a> {
 }
 
 impl Nuisances {
+    /// Place and turn.
+    fn line(&self) -> [f64; 2] {
+        [self.place_px, self.turn_rad]
+    }
+
     fn moved(self, step: &DVector<f64>) -> Nuisances {
         Nuisances {
             // A step from afar may be far too long: no edge lies more than a few pixels off its half level.
@@ -423,127 +415,4 @@ impl Nuisances {
             step: self.step * (-step[STEP].clamp(-1.0, 1.0)).exp(),
         }
     }
-}
-
-/// Where a bin's pixels lie in a profile that was moved and turned.
-struct Place {
-    /// The profile's bin whose centre is nearest to theirs.
-    offset: i64,
-    /// Means of u and, in excess of an evenly filled bin, of u^2, and of u^3; bins.
-    moments: [f64; 3],
-    /// Slopes of u and u^2 along the edge, bins per pixel.
-    along: [f64; 2],
-    /// Mean of t, and of t u, pixels and bins.
-    turned: [f64; 2],
-}
-
-impl Place {
-    fn new(bin: &Bin, index: i64, at: &Nuisances) -> Place {
-        let whole = (at.place_px / BIN_PX).round();
-        // u - place + turn t, the turn's own spread kept to second order.
-        let by = at.turn_rad * bin.along - (at.place_px - whole * BIN_PX);
-        let [u, uu, uuu] = bin.across;
-        let n = bin.count.max(1.0);
-        let tu = bin.cross[0] / n;
-        let second =
-            uu + 2.0 * by * u + by * by + at.turn_rad * (2.0 * tu + at.turn_rad * bin.spread / n);
-        let third = uuu + 3.0 * by * uu + 3.0 * by * by * u + by.powi(3);
-        let slopes = if bin.spread > 0.0 {
-            [bin.cross[0] / bin.spread, bin.cross[1] / bin.spread]
-        } else {
-            [0.0; 2]
-        };
-        let first_along = slopes[0] + at.turn_rad;
-        let second_along = slopes[1] + 2.0 * by * slopes[0] + 2.0 * at.turn_rad * (u + by);
-        Place {
-            offset: index - whole as i64,
-            moments: [
-                (u + by) / BIN_PX,
-                second / (BIN_PX * BIN_PX) - 1.0 / 12.0,
-                third / BIN_PX.powi(3),
-            ],
-            along: [first_along / BIN_PX, second_along / (BIN_PX * BIN_PX)],
-            turned: [
-                bin.along,
-                ((u + by) * bin.along + tu + at.turn_rad * bin.spread / n) / BIN_PX,
-            ],
-        }
-    }
-
-    /// A curve's mean over the pixels, its slope along the edge (per pixel), and its first two derivatives across it (per
-    /// pixel, and per pixel and bin).
-    fn of(&self, curve: &Even) -> [f64; 4] {
-        let [here, first, second, third] = curve.around(self.offset);
-        let [m1, m2, m3] = self.moments;
-        [
-            here + first * m1 + 0.5 * second * m2 + third * m3 / 6.0,
-            first * self.along[0] + 0.5 * second * self.along[1],
-            (first + second * m1) / BIN_PX,
-            second / BIN_PX,
-        ]
-    }
-
-    /// Derivatives of a curve's mean and of its slope along the edge by the turn.
-    fn by_turn(&self, across: f64, bend: f64) -> [f64; 4] {
-        let centre = across - bend * self.moments[0];
-        [
-            centre * self.turned[0] + bend * self.turned[1],
-            across + bend * self.turned[0] * self.along[0],
-            0.0,
-            0.0,
-        ]
-    }
-}
-
-/// The noise for which the scatter of the bins (degrees of freedom, light, variance) is most likely: scoring on
-/// sum of freedom x (ln v + scatter / v), v = read + gain x light, both at least 0.
-fn most_likely_noise(scatter: &[[f64; 3]], cut_off: bool, floor: f64) -> PixelNoise {
-    const ROUNDS: usize = 25;
-    let freedom: f64 = scatter.iter().map(|s| s[0]).sum();
-    let average = scatter.iter().map(|s| s[0] * s[2]).sum::<f64>() / freedom.max(1.0);
-    let mut noise = PixelNoise {
-        read: average.max(floor),
-        gain: 0.0,
-    };
-    for _ in 0..ROUNDS {
-        let (mut w, mut x, mut xx, mut v, mut vx) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for &[freedom, light, variance] in scatter {
-            let now = noise.variance(light).max(floor);
-            let weight = freedom / (now * now);
-            // What was cut off is put back in the proportion that the noise so far says.
-            let whole = if cut_off {
-                variance * now / clip::clipped(light, now.sqrt()).2.max(1e-3 * now)
-            } else {
-                variance
-            };
-            let light = light.max(0.0);
-            w += weight;
-            x += weight * light;
-            xx += weight * light * light;
-            v += weight * whole;
-            vx += weight * light * whole;
-        }
-        let determinant = w * xx - x * x;
-        let gain = if determinant > 1e-12 * w * xx {
-            (w * vx - x * v) / determinant
-        } else {
-            0.0
-        };
-        let read = (v - gain * x) / w;
-        noise = if gain < 0.0 {
-            PixelNoise {
-                read: v / w,
-                gain: 0.0,
-            }
-        } else if read < 0.0 {
-            PixelNoise {
-                read: 0.0,
-                gain: vx / xx,
-            }
-        } else {
-            PixelNoise { read, gain }
-        };
-        noise.read = noise.read.max(floor);
-    }
-    noise
 }
