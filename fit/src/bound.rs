@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 
 use crate::estimate::{Estimate, sum_of_squares_with};
+use crate::kernel::Kernel;
 use crate::loss::Loss;
 use crate::report::Bound;
 use crate::scene::Scene;
@@ -27,26 +28,13 @@ pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bo
             continue;
         }
         let is_c = fit.names[i] == "c_mm";
-        // c vanishes downwards, so its bound lies above; a vanishes upwards, so its bound lies below.
-        let limit = edge(
-            scene,
-            loss,
-            fit,
-            i,
-            if is_c { 1.0 } else { -1.0 },
-            RISE * unit,
-        );
-        let bound = match (is_c, limit) {
-            (true, limit) => Bound {
-                at_least: None,
-                at_most: limit,
-                confidence: CONFIDENCE,
-            },
-            (false, limit) => Bound {
-                at_least: limit,
-                at_most: None,
-                confidence: CONFIDENCE,
-            },
+        // c vanishes downwards, so its bound lies above; a vanishes upwards, so its bound lies below. Waves spread either way.
+        let wave = fit.choice.kernel == Kernel::Wave;
+        let limit = |way| edge(scene, loss, fit, i, way, RISE * unit);
+        let bound = Bound {
+            at_least: (!is_c || wave).then(|| limit(-1.0)).flatten(),
+            at_most: is_c.then(|| limit(1.0)).flatten(),
+            confidence: CONFIDENCE,
         };
         found.insert(fit.names[i].clone(), bound);
     }

@@ -275,6 +275,19 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
             file.display()
         ));
     }
+    Ok(Setup {
+        pixel_pitch_mm,
+        half_mirror_transmittance: transmittance.unwrap_or(1.0),
+        half_mirror_reflectance: reflectance.unwrap_or(1.0),
+        spectrum: spectrum(keys)?,
+    })
+}
+
+/// The key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads it.
+///
+/// # Errors
+/// [`Error::Spectrum`], or that the value is neither.
+pub(crate) fn spectrum(keys: &Section<'_>) -> Result<Option<Spectrum>, Error> {
     let key = "wavelength_nm";
     let spectrum = match keys.text(key) {
         Ok(None) => None,
@@ -284,15 +297,9 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
             .number(key, Bounds::FINITE)?
             .map(Spectrum::monochromatic),
     };
-    let spectrum = spectrum.transpose().map_err(|source| Error::Spectrum {
+    spectrum.transpose().map_err(|source| Error::Spectrum {
         place: keys.place_of(key),
         source,
-    })?;
-    Ok(Setup {
-        pixel_pitch_mm,
-        half_mirror_transmittance: transmittance.unwrap_or(1.0),
-        half_mirror_reflectance: reflectance.unwrap_or(1.0),
-        spectrum,
     })
 }
 

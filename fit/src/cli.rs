@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 use tables::{Output, OutputError, Outputs};
 
 use crate::verbs;
+use crate::wave;
 use crate::{captures, edge, photo, plot, predict, scene, simulate};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
@@ -45,6 +46,14 @@ pub enum Failure {
     /// The table.
     #[error(transparent)]
     Table(#[from] tables::Error),
+    /// The wave kernel was asked for, but cannot be had.
+    #[error("{}: {fault}", manifest.display())]
+    Wave {
+        /// The manifest.
+        manifest: PathBuf,
+        /// What it lacks.
+        fault: wave::Fault,
+    },
     /// The prediction.
     #[error(transparent)]
     Predict(#[from] predict::Error),

@@ -102,6 +102,7 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         kernel: choice.kernel,
         shape: choice.shape,
         shift: shot.shift.as_ref(),
+        wave: shot.wave.as_ref().ok(),
         r_mm: shot.r_mm,
         normal: shot.view.normal(),
     }
@@ -164,7 +165,7 @@ pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
         .into_iter()
         .map(|start| {
             let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
-            let c = choice.kernel.has_shift().then(|| start.c_mm.ln());
+            let c = choice.kernel.has_c().then(|| start.c_mm.ln());
             let point = c.into_iter().chain((0..layout.spreads).map(spread));
             let point = DVector::from_iterator(layout.parameters(), point);
             least_squares(point, ROUGH, |at| loss.evaluate(&layout, at))

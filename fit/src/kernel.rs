@@ -14,14 +14,22 @@ pub enum Kernel {
     Shift,
     /// The lobe of Eq. (1) alone, a in 1/mm.
     Lobe,
+    /// Wave optics of the aperture: shift and diffraction from c and the wavelength, no lobe.
+    Wave,
 }
 
 impl Kernel {
     /// All kernels; among equals the literal Eq. (1) is preferred.
-    pub const ALL: [Kernel; 4] = [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe];
+    pub const ALL: [Kernel; 5] = [
+        Kernel::Eq1,
+        Kernel::Angular,
+        Kernel::Shift,
+        Kernel::Lobe,
+        Kernel::Wave,
+    ];
 
     /// Their names in files.
-    pub const NAMES: [&'static str; 4] = ["eq1", "angular", "shift", "lobe"];
+    pub const NAMES: [&'static str; 5] = ["eq1", "angular", "shift", "lobe", "wave"];
 
     /// The kernel of a name in a file.
     pub fn from_name(name: &str) -> Option<Kernel> {
@@ -35,24 +43,25 @@ impl Kernel {
             Kernel::Angular => "angular",
             Kernel::Shift => "shift",
             Kernel::Lobe => "lobe",
+            Kernel::Wave => "wave",
         }
     }
 
-    /// Whether the ray shift, and with it c, is part of the model.
-    pub const fn has_shift(self) -> bool {
+    /// Whether the corner size c is part of the model.
+    pub const fn has_c(self) -> bool {
         !matches!(self, Kernel::Lobe)
     }
 
     /// Whether the diffraction lobe, and with it a or A, is part of the model.
     pub const fn has_lobe(self) -> bool {
-        !matches!(self, Kernel::Shift)
+        !matches!(self, Kernel::Shift | Kernel::Wave)
     }
 
     /// The divisor that turns the spread parameter into a (1/mm) at floating distance `r_mm`: 1 or R.
     pub fn distance_scale(self, r_mm: f64) -> f64 {
         match self {
             Kernel::Angular => r_mm,
-            Kernel::Eq1 | Kernel::Shift | Kernel::Lobe => 1.0,
+            Kernel::Eq1 | Kernel::Shift | Kernel::Lobe | Kernel::Wave => 1.0,
         }
     }
 }
@@ -60,7 +69,7 @@ impl Kernel {
 /// One model of the blur at one incidence: what a fit varies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blur {
-    /// a in 1/mm (eq1, lobe) or A = a R (angular); ignored by `shift`.
+    /// a in 1/mm (eq1, lobe) or A = a R (angular); ignored by `shift` and `wave`.
     pub spread: f64,
     /// Corner size, mm; ignored by `lobe`.
     pub c_mm: f64,

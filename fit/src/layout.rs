@@ -26,18 +26,18 @@ impl Layout {
 
     /// Column of ln c.
     pub fn c(&self) -> Option<usize> {
-        self.choice.kernel.has_shift().then_some(0)
+        self.choice.kernel.has_c().then_some(0)
     }
 
     /// Column of a group's ln spread.
     pub fn spread(&self, group: usize) -> Option<usize> {
-        let first = usize::from(self.choice.kernel.has_shift());
+        let first = usize::from(self.choice.kernel.has_c());
         (self.spreads > 0).then(|| first + if self.choice.per_angle_a { group } else { 0 })
     }
 
     /// Number of parameters.
     pub fn parameters(&self) -> usize {
-        usize::from(self.choice.kernel.has_shift()) + self.spreads
+        usize::from(self.choice.kernel.has_c()) + self.spreads
     }
 
     /// The blur of a group at a point.

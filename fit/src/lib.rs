@@ -39,4 +39,5 @@ pub mod spread;
 pub mod start;
 pub mod verbs;
 pub mod view;
+pub mod wave;
 pub mod window;

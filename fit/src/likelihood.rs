@@ -114,7 +114,7 @@ impl<'a> Photograph<'a> {
     pub fn curves(&self, model: Option<(&Model, Blur)>, camera: &Camera, lens: usize) -> Curves {
         let normal_rad = self.pixels.line.normal_rad;
         let blurs = model.map_or((false, false), |(model, _)| {
-            (model.kernel.has_lobe(), model.kernel.has_shift())
+            (model.kernel.has_lobe(), model.kernel.has_c())
         });
         let n = self.grid.frequencies_per_mm.len();
         // Value, by ln spread, by ln c, by ln(lens blur), by exponent.
@@ -140,10 +140,11 @@ impl<'a> Photograph<'a> {
                 otf.push(part);
             }
         }
-        let (kink, kink_by_spread) = model.map_or((0.0, 0.0), |(model, blur)| model.kink(blur));
+        let [kink, kink_by_spread, kink_by_c] =
+            model.map_or([0.0; 3], |(model, blur)| model.kink(blur));
         let wanted = [
             (blurs.0, 1, kink_by_spread),
-            (blurs.1, 2, 0.0),
+            (blurs.1, 2, kink_by_c),
             (lens > 0, 3, 0.0),
             (lens > 1, 4, 0.0),
         ];

@@ -8,6 +8,7 @@ use crate::lobe::Shape;
 use crate::report::{ResultFile, TableResult};
 use crate::shift::ShiftLine;
 use crate::view::Model;
+use crate::wave::{self, WaveLine};
 
 /// Why a prediction cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -36,6 +37,9 @@ pub enum Error {
     /// The table has no such direction.
     #[error(transparent)]
     Direction(#[from] tables::Error),
+    /// The table has the direction, but not for the `wave` kernel.
+    #[error(transparent)]
+    Wave(#[from] wave::Fault),
 }
 
 /// Orientation of a pattern: along which axis its contrast is measured.
@@ -98,7 +102,7 @@ pub struct Places {
 /// interpolated linearly in the incidence and held constant beyond the fitted angles.
 ///
 /// # Errors
-/// [`Error::OtherCell`], [`Error::Unknown`], [`Error::Direction`].
+/// [`Error::OtherCell`], [`Error::Unknown`], [`Error::Direction`], [`Error::Wave`].
 pub fn predict(
     result: &ResultFile,
     table: &Table,
@@ -120,10 +124,17 @@ pub fn predict(
             for axis in [Axis::Tangential, Axis::Sagittal] {
                 let normal = axis.normal();
                 let shift = ShiftLine::new(&direction, incidence_deg.to_radians(), normal);
+                let waves = (result.kernel == Kernel::Wave && shift.is_some())
+                    .then(|| {
+                        let spectrum = result.wavelength_nm.as_ref();
+                        WaveLine::new(&direction, incidence_deg.to_radians(), normal, spectrum)
+                    })
+                    .transpose()?;
                 let model = Model {
                     kernel: result.kernel,
                     shape: result.lobe.unwrap_or(Shape::Radial),
                     shift: shift.as_ref(),
+                    wave: waves.as_ref(),
                     r_mm: distance_mm,
                     normal,
                 };
@@ -158,7 +169,7 @@ pub fn predict(
 
 fn blur(result: &ResultFile, incidence_deg: f64) -> Result<Blur, Error> {
     let spread = match result.kernel {
-        Kernel::Shift => 1.0,
+        Kernel::Shift | Kernel::Wave => 1.0,
         Kernel::Eq1 | Kernel::Lobe => result
             .a_per_mm
             .as_ref()

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::captures::Spectrum;
 use crate::estimate::{Estimate, Value};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
@@ -218,9 +219,12 @@ pub struct ResultFile {
     pub stop: String,
     /// Wall time from the first file read to the estimate.
     pub seconds: f64,
+    /// Wavelengths of the source; null where none is named.
+    #[serde(default)]
+    pub wavelength_nm: Option<Spectrum>,
     /// Corner size, mm; null under `lobe`.
     pub c_mm: Option<Number>,
-    /// Diffraction spread, 1/mm; null under `angular` and `shift`.
+    /// Diffraction spread, 1/mm; null under `angular`, `shift` and `wave`.
     pub a_per_mm: Option<Parameter>,
     /// Dimensionless a R; null but under `angular`.
     pub a_times_r: Option<Parameter>,
@@ -296,6 +300,7 @@ impl ResultFile {
             iterations: best.solution.iterations,
             stop: best.solution.stop.name().into(),
             seconds,
+            wavelength_nm: scene.spectrum.clone(),
             c_mm: best.c_mm.map(|c| number("c_mm", c)),
             a_per_mm: matches!(kernel, Kernel::Eq1 | Kernel::Lobe)
                 .then(|| spread("a_per_mm"))

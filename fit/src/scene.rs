@@ -6,13 +6,14 @@ use rayon::prelude::*;
 use tables::Table;
 
 use crate::camera::Camera;
-use crate::captures::{self, Campaign, Capture};
+use crate::captures::{self, Campaign, Capture, Spectrum};
 use crate::edge;
 use crate::pixels::Pixels;
 use crate::profile::Profile;
 use crate::reference::{self, Reference};
 use crate::shift::ShiftLine;
 use crate::view::View;
+use crate::wave::{self, WaveLine};
 use crate::window::Window;
 
 /// Why a scene cannot be fitted.
@@ -67,6 +68,8 @@ pub struct Aerial {
     pub eta_standard_error: f64,
     /// Shift along the edge normal.
     pub shift: Option<ShiftLine>,
+    /// Waves along the edge normal, where the campaign names wavelengths and the table allows.
+    pub wave: Result<WaveLine, wave::Fault>,
     /// The photograph, measured.
     pub view: View,
     /// Its pixels.
@@ -94,6 +97,8 @@ pub struct Scene {
     pub camera: Camera,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
+    /// Wavelengths of the source, where the campaign names them.
+    pub spectrum: Option<Spectrum>,
     /// What the user should know about the campaign.
     pub warnings: Vec<String>,
 }
@@ -182,8 +187,19 @@ impl Scene {
             reference,
             camera,
             half_mirror,
+            spectrum: setup.spectrum.clone(),
             warnings,
         })
+    }
+
+    /// Whether every photograph has waves.
+    ///
+    /// # Errors
+    /// What the first of the others lacks.
+    pub fn waves(&self) -> Result<(), wave::Fault> {
+        self.shots
+            .iter()
+            .try_for_each(|shot| shot.wave.as_ref().map(|_| ()).map_err(Clone::clone))
     }
 
     /// Names of one parameter's entries: `name`, or `name_at_<incidence>` for every group.
@@ -303,6 +319,7 @@ fn aerial(
         ));
     }
     let normal = view.normal();
+    let spectrum = campaign.setup.spectrum.as_ref();
     Ok(Some(Aerial {
         image,
         incidence_deg: capture.incidence_deg,
@@ -312,6 +329,7 @@ fn aerial(
         eta: direction.eta,
         eta_standard_error: direction.standard_error,
         shift: ShiftLine::new(&direction, capture.incidence_rad(), normal),
+        wave: WaveLine::new(&direction, capture.incidence_rad(), normal, spectrum),
         view,
         pixels,
         warnings,

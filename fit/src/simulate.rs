@@ -15,8 +15,10 @@ pub mod lobe_edge;
 pub mod noise;
 mod params;
 pub mod profile;
+pub mod wave_edge;
 mod write;
 
+use crate::captures::{Line, Spectrum};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 pub use error::Error;
@@ -127,12 +129,21 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
     let eta = shifts.iter().map(|cube| cube.eta).sum::<f64>() / shifts.len() as f64;
     let half_mirror = camera.half_mirror_transmittance * camera.half_mirror_reflectance;
     let contrast = camera.source_level * mu * eta * half_mirror;
+    let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
     let a_per_mm = match truth.kernel {
-        Kernel::Angular => a / shot.path_mm.unwrap_or(shot.floating_distance_mm),
-        Kernel::Eq1 | Kernel::Shift | Kernel::Lobe => a,
+        Kernel::Angular => a / r_mm,
+        Kernel::Eq1 | Kernel::Shift | Kernel::Lobe | Kernel::Wave => a,
     };
     let spread = match (truth.kernel, truth.lobe) {
         (Kernel::Shift, _) => Spread::None,
+        (Kernel::Wave, _) => {
+            let lines = truth.spectrum.iter().flat_map(Spectrum::lines);
+            let total: f64 = lines.clone().map(|line| line.weight).sum();
+            let line = |line: &Line| (line.wavelength_nm * 1e-6 * r_mm, line.weight / total);
+            Spread::Wave {
+                lines: lines.map(line).collect(),
+            }
+        }
         (_, Shape::Radial) => Spread::Radial { a_per_mm },
         (_, Shape::Separable) => Spread::Separable { a_per_mm },
     };

@@ -32,7 +32,7 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     };
     let decades =
         |first: f64, i: usize| first * (2.0 * LN_10 * i as f64 / (STEPS - 1) as f64).exp();
-    let lengths: Vec<f64> = if choice.kernel.has_shift() {
+    let lengths: Vec<f64> = if choice.kernel.has_c() {
         (0..STEPS).map(|i| decades(0.01, i)).collect()
     } else {
         vec![1.0]
@@ -54,6 +54,7 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
                     kernel: choice.kernel,
                     shape: choice.shape,
                     shift: shot.shift.as_ref(),
+                    wave: shot.wave.as_ref().ok(),
                     r_mm: shot.r_mm,
                     normal: view.normal(),
                 };
@@ -87,7 +88,7 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
         })
         .collect();
     // c is tried from below, within and above what most photographs can tell.
-    let bands = if choice.kernel.has_shift() { 3 } else { 1 };
+    let bands = if choice.kernel.has_c() { 3 } else { 1 };
     let size = found.len().div_ceil(bands);
     let best = |band: &mut [(f64, Start)]| {
         band.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -12,6 +12,7 @@ use crate::profile::Profile;
 use crate::sfr::{Estimator, Mtf};
 use crate::shift::ShiftLine;
 use crate::spread::Grid;
+use crate::wave::WaveLine;
 
 /// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
 pub const MODEL_ERROR: f64 = 2e-5;
@@ -44,11 +45,11 @@ pub struct Curve {
     pub bins: Vec<f64>,
     /// Derivative by ln(spread), where the kernel has a lobe.
     pub by_ln_spread: Option<Vec<f64>>,
-    /// Derivative by ln(c), where the kernel has a shift.
+    /// Derivative by ln(c), where the kernel has c.
     pub by_ln_c: Option<Vec<f64>>,
 }
 
-/// The blur's variable part: kernel, lobe shape, and this direction's shift.
+/// The blur's variable part: kernel, lobe shape, and this direction's shift or waves.
 #[derive(Clone, Copy)]
 pub struct Model<'a> {
     /// Terms of the model.
@@ -57,6 +58,8 @@ pub struct Model<'a> {
     pub shape: Shape,
     /// The direction's shift along the edge normal; `None` only for models without it.
     pub shift: Option<&'a ShiftLine>,
+    /// The direction's waves along the edge normal; `None` only for models without them (a `wave` model is NaN then).
+    pub wave: Option<&'a WaveLine>,
     /// Floating distance (optical path), mm.
     pub r_mm: f64,
     /// Edge normal in the aerial image, (tangential, sagittal).
@@ -66,8 +69,15 @@ pub struct Model<'a> {
 impl Model<'_> {
     /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by ln(spread) and ln(c).
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
+        if self.kernel == Kernel::Wave {
+            let Some(line) = self.wave else {
+                return [Complex64::from(f64::NAN); 3];
+            };
+            let (value, by_ln_c) = line.otf(blur.c_mm, self.r_mm, frequency);
+            return [value.into(), Complex64::ZERO, by_ln_c.into()];
+        }
         let (shift, by_c) = match self.shift {
-            Some(line) if self.kernel.has_shift() => line.otf(blur.c_mm, frequency),
+            Some(line) if self.kernel.has_c() => line.otf(blur.c_mm, frequency),
             _ => (Complex64::ONE, Complex64::ZERO),
         };
         let (lobe, by_a, a) = if self.kernel.has_lobe() {
@@ -80,14 +90,18 @@ impl Model<'_> {
         [shift * lobe, shift * (by_a * a), by_c * (lobe * blur.c_mm)]
     }
 
-    /// Kink of the OTF at zero frequency (mm), and its derivative by ln(spread).
-    pub fn kink(&self, blur: Blur) -> (f64, f64) {
+    /// Kink of the OTF at zero frequency (mm), and its derivatives by ln(spread) and ln(c).
+    pub fn kink(&self, blur: Blur) -> [f64; 3] {
+        if let (Kernel::Wave, Some(line)) = (self.kernel, self.wave) {
+            let kink = line.kink(blur.c_mm, self.r_mm);
+            return [kink, 0.0, -kink];
+        }
         if !self.kernel.has_lobe() {
-            return (0.0, 0.0);
+            return [0.0; 3];
         }
         let a = blur.spread / self.kernel.distance_scale(self.r_mm);
         let (kink, slope) = self.shape.kink(a, self.normal);
-        (kink, slope * a)
+        [kink, slope * a, 0.0]
     }
 }
 
@@ -178,7 +192,7 @@ impl View {
             }
         }
         let [value, by_spread, by_c] = &otf;
-        let (kink, kink_by_spread) = model.kink(blur);
+        let [kink, kink_by_spread, kink_by_c] = model.kink(blur);
         let bins = |otf: &[Complex64], kink: f64| self.grid.profile(otf, kink, &self.profile);
         Curve {
             bins: bins(value, kink),
@@ -186,7 +200,7 @@ impl View {
                 .kernel
                 .has_lobe()
                 .then(|| bins(by_spread, kink_by_spread)),
-            by_ln_c: model.kernel.has_shift().then(|| bins(by_c, 0.0)),
+            by_ln_c: model.kernel.has_c().then(|| bins(by_c, kink_by_c)),
         }
     }
 

@@ -3,7 +3,7 @@
 mod planted;
 
 use fit::bound::bounds;
-use fit::captures;
+use fit::captures::{self, Spectrum};
 use fit::estimate::{Choice, Estimate, estimate, optimum, residuals_at};
 use fit::kernel::{Blur, Kernel};
 use fit::lobe::Shape;
@@ -32,7 +32,7 @@ const SHARED: Choice = Choice {
 fn model_equals_noise_free_photographs() {
     let mut cases = 0;
     let mut worst: f64 = 0.0;
-    for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
+    for kernel in Kernel::ALL {
         for shape in Shape::ALL {
             let a = if kernel == Kernel::Angular {
                 700.0
@@ -51,6 +51,7 @@ fn model_equals_noise_free_photographs() {
                     kernel,
                     shape,
                     shift: shot.shift.as_ref(),
+                    wave: shot.wave.as_ref().ok(),
                     r_mm: shot.r_mm,
                     normal: shot.view.normal(),
                 };
@@ -81,7 +82,7 @@ fn model_equals_noise_free_photographs() {
             }
         }
     }
-    assert_eq!(cases, 24);
+    assert_eq!(cases, 30);
     assert!(
         worst < 2e-5 / 0.05 + 2e-5,
         "largest difference of profile and model: {worst:.2e} of the step"
@@ -92,7 +93,8 @@ fn model_equals_noise_free_photographs() {
 /// residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
 #[test]
 fn derivatives_match_differences() {
-    let truth = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.31, 0.6);
+    let mut truth = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.31, 0.6);
+    truth.spectrum = Spectrum::parse("450:0.4,550:0.6").ok();
     let incidence = [0.0, 30.0];
     let table = table(&truth, &incidence, 20.0);
     let scene = scene(
@@ -114,7 +116,7 @@ fn derivatives_match_differences() {
                 3.1
             };
             let mut at: Vec<f64> = Vec::new();
-            if kernel.has_shift() {
+            if kernel.has_c() {
                 at.push(0.29_f64.ln());
             }
             if kernel.has_lobe() {
@@ -140,7 +142,7 @@ fn derivatives_match_differences() {
             }
         }
     }
-    assert_eq!(cases, 2 * (1 + 2 + 3 + 3));
+    assert_eq!(cases, 2 * (1 + 1 + 2 + 3 + 3));
 }
 
 /// Differences from the truth in units of the reported standard error, over planted campaigns.

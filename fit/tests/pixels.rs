@@ -99,6 +99,7 @@ fn derivatives_of_the_likelihood_match_differences() {
         (Kernel::Angular, 600.0),
         (Kernel::Shift, 1.0),
         (Kernel::Lobe, 2.5),
+        (Kernel::Wave, 1.0),
     ] {
         for shape in Shape::ALL {
             let planted = truth(kernel, shape, a, 0.31, 0.6);
@@ -115,7 +116,7 @@ fn derivatives_of_the_likelihood_match_differences() {
                 per_angle_mu: false,
             };
             let mut at: Vec<f64> = Vec::new();
-            if kernel.has_shift() {
+            if kernel.has_c() {
                 at.push(0.31_f64.ln());
             }
             if kernel.has_lobe() {
@@ -146,7 +147,7 @@ fn derivatives_of_the_likelihood_match_differences() {
         }
     }
     // Blur parameters and one of the lens.
-    assert_eq!(cases, 2 * ((3 + 1) + (3 + 1) + (1 + 1) + (2 + 1)));
+    assert_eq!(cases, 2 * ((3 + 1) + (3 + 1) + (1 + 1) + (2 + 1) + (1 + 1)));
 }
 
 /// All pixels of all photographs, one by one, with the simulator's own light in place of the model: nothing of bins,

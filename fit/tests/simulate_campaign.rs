@@ -31,6 +31,7 @@ fn params() -> Params {
         truth: Truth {
             kernel: Kernel::Eq1,
             lobe: Shape::Radial,
+            spectrum: None,
             ior: 1.49,
             pair: true,
             a: ByIncidence::Table(vec![(0.0, 4.9), (20.0, 3.75)]),

@@ -157,7 +157,7 @@ impl Line {
 }
 
 /// sin x / x and its derivative; the series below 0.5 leaves out x^16/17! < 1e-19.
-pub(crate) fn sinc(x: f64) -> (f64, f64) {
+pub fn sinc(x: f64) -> (f64, f64) {
     let square = x * x;
     if square < 0.25 {
         let (mut term, mut value, mut slope) = (1.0, 1.0, 0.0);

@@ -1,5 +1,9 @@
 //! Wavelengths of the source and their weights.
 
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
 /// One wavelength of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
@@ -9,8 +13,9 @@ pub struct Line {
     pub weight: f64,
 }
 
-/// A source as a sum of lines; at least one.
-#[derive(Debug, Clone, PartialEq)]
+/// A source as a sum of lines; at least one. In files it is text such as `450:0.2,550:0.5`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Spectrum {
     lines: Vec<Line>,
 }
@@ -85,6 +90,33 @@ impl Spectrum {
     }
 }
 
+impl fmt::Display for Spectrum {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, line) in self.lines.iter().enumerate() {
+            let comma = if i > 0 { "," } else { "" };
+            write!(formatter, "{comma}{}", line.wavelength_nm)?;
+            if self.lines.len() > 1 || line.weight != 1.0 {
+                write!(formatter, ":{}", line.weight)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl TryFrom<String> for Spectrum {
+    type Error = SpectrumError;
+
+    fn try_from(text: String) -> Result<Spectrum, SpectrumError> {
+        Spectrum::parse(&text)
+    }
+}
+
+impl From<Spectrum> for String {
+    fn from(spectrum: Spectrum) -> String {
+        spectrum.to_string()
+    }
+}
+
 fn line(wavelength_nm: f64, weight: f64) -> Result<Line, SpectrumError> {
     if !(100.0..=20_000.0).contains(&wavelength_nm) {
         return Err(SpectrumError::Wavelength { wavelength_nm });
@@ -118,6 +150,8 @@ mod tests {
                 Ok(lines),
                 "{text}"
             );
+            let back = Spectrum::parse(text).map(|it| Spectrum::parse(&it.to_string()));
+            assert_eq!(back, Ok(Spectrum::parse(text)), "{text}");
         }
         assert_eq!(Spectrum::parse("550"), Spectrum::monochromatic(550.0));
         let bad = [

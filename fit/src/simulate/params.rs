@@ -1,5 +1,6 @@
 //! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
 
+use crate::captures::{self, Spectrum};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use std::path::Path;
@@ -22,7 +23,16 @@ const CAMERA: [&str; 12] = [
     "read_noise_e",
     "bits",
 ];
-const TRUTH: [&str; 7] = ["kernel", "lobe", "ior", "pair", "a", "c", "mu"];
+const TRUTH: [&str; 8] = [
+    "kernel",
+    "lobe",
+    "wavelength_nm",
+    "ior",
+    "pair",
+    "a",
+    "c",
+    "mu",
+];
 const REFERENCE: [&str; 3] = ["edge_normal_deg", "offset_px", "exposure"];
 const CAPTURE: [&str; 8] = [
     "floating_distance_mm",
@@ -93,6 +103,8 @@ pub struct Truth {
     pub kernel: Kernel,
     /// Shape of the lobe.
     pub lobe: Shape,
+    /// Wavelengths of the source; the `wave` kernel needs them.
+    pub spectrum: Option<Spectrum>,
     /// Refractive index behind the flat front; 1 for hollow cubes.
     pub ior: f64,
     /// Pair of cubes rather than one.
@@ -284,20 +296,27 @@ fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
         .unwrap_or(Shape::Radial);
     // A parameter that the kernel does not have may be left out.
     let a = match kernel {
-        Kernel::Shift => by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0)),
+        Kernel::Shift | Kernel::Wave => {
+            by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0))
+        }
         Kernel::Eq1 | Kernel::Angular | Kernel::Lobe => {
             keys.required("a", by_incidence(keys, "a")?)?
         }
     };
     let c_mm = match kernel {
         Kernel::Lobe => keys.number("c", Bounds::POSITIVE)?.unwrap_or(1.0),
-        Kernel::Eq1 | Kernel::Angular | Kernel::Shift => {
+        Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Wave => {
             keys.required("c", keys.number("c", Bounds::POSITIVE)?)?
         }
     };
+    let spectrum = captures::spectrum(keys)?;
+    if kernel == Kernel::Wave {
+        keys.required("wavelength_nm", spectrum.as_ref())?;
+    }
     Ok(Truth {
         kernel,
         lobe,
+        spectrum,
         ior: keys.number("ior", INDEX)?.unwrap_or(1.0),
         pair: keys.flag("pair")?.unwrap_or(true),
         a,

@@ -1,4 +1,4 @@
-//! Edge profiles across a slanted edge: lobe, ray shift, lens and pixel convolved in the spatial domain.
+//! Edge profiles across a slanted edge: lobe or waves, ray shift, lens and pixel convolved in the spatial domain.
 //!
 //! Densities of compact support (shift, pixel, lens) become masses on a fine grid, each mass the integral of the exact
 //! density times a hat function, and are convolved there. A hat widens a density by step^2 / 6 in variance; a [-1, 14,
@@ -7,12 +7,13 @@
 
 use super::cell::{CubeShift, Ramp, marginal};
 use super::lobe_edge::{RadialEdge, separable_edge};
+use super::wave_edge::wave_edge;
 
 /// Grid steps per pixel of a simulated photograph.
 pub const STEPS_PER_PIXEL: f64 = 32.0;
 
-/// The diffraction lobe of one photograph; `a_per_mm` > 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The diffraction of one photograph; `a_per_mm` > 0.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Spread {
     /// No diffraction.
     None,
@@ -25,6 +26,11 @@ pub enum Spread {
     Separable {
         /// Spread a, 1/mm.
         a_per_mm: f64,
+    },
+    /// Wave optics of the aperture, which holds the shifts too.
+    Wave {
+        /// lambda R (mm^2) and share of every line of the spectrum; the shares sum to 1.
+        lines: Vec<(f64, f64)>,
     },
 }
 
@@ -64,7 +70,7 @@ impl Profile {
         let wide = half + kernel.half;
         let position = |i: usize| (i as f64 - wide as f64) * step;
         let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
-        let lobe: Vec<f64> = match blur.spread {
+        let lobe: Vec<f64> = match &blur.spread {
             Spread::None => {
                 return Profile {
                     step_mm: step,
@@ -73,10 +79,13 @@ impl Profile {
                 };
             }
             Spread::Radial { a_per_mm } => {
-                let edge = RadialEdge::new(a_per_mm);
+                let edge = RadialEdge::new(*a_per_mm);
                 (0..=2 * wide).map(|i| edge.at(position(i))).collect()
             }
-            Spread::Separable { a_per_mm } => separable_edge(a_per_mm, along, step, wide),
+            Spread::Separable { a_per_mm } => separable_edge(*a_per_mm, along, step, wide),
+            Spread::Wave { lines } => {
+                wave_edge(&blur.shifts, blur.scale_mm, along, lines, step, wide)
+            }
         };
         let size = kernel.masses.len();
         let values = (0..=2 * half)
@@ -209,11 +218,11 @@ fn compact(blur: &Blur, step: f64) -> Masses {
     }
 }
 
-/// Ray shift along the normal: the cubes weighted by what each returns. `None` where nothing shifts.
+/// Ray shift along the normal: the cubes weighted by what each returns. `None` where nothing shifts, or waves hold it.
 fn shift_masses(blur: &Blur, step: f64) -> Option<Masses> {
     let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
     let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();
-    if total <= 0.0 {
+    if total <= 0.0 || matches!(blur.spread, Spread::Wave { .. }) {
         return None;
     }
     let mut parts: Vec<(f64, Vec<Ramp>)> = Vec::new();
@@ -284,7 +293,7 @@ mod tests {
                 (30.0, 0.0, 0.55),
                 (0.0, 90.0, 0.3),
             ] {
-                let blur = blur(spread, incidence, normal, sigma);
+                let blur = blur(spread.clone(), incidence, normal, sigma);
                 let coarse = Profile::new(&blur, 8.0, STEPS_PER_PIXEL);
                 let fine = Profile::new(&blur, 8.0, 2.0 * STEPS_PER_PIXEL);
                 for k in -2000..=2000 {

@@ -152,6 +152,9 @@ fn manifest(params: &Params) -> String {
         camera.pixel_pitch_mm, camera.half_mirror_transmittance, camera.half_mirror_reflectance
     );
     // Writing to a String cannot fail.
+    if let Some(spectrum) = &params.truth.spectrum {
+        let _ = writeln!(text, "wavelength_nm = \"{spectrum}\"");
+    }
     if let Some(edge) = params.reference {
         let _ = write!(
             text,
@@ -226,6 +229,7 @@ fn truth(params: &Params) -> String {
         "truth": {
             "kernel": truth.kernel.name(),
             "lobe": truth.lobe.name(),
+            "wavelength_nm": truth.spectrum.as_ref().map(ToString::to_string),
             "ior": truth.ior,
             "pair": truth.pair,
             "a": by_incidence(&truth.a),

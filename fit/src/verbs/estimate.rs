@@ -8,7 +8,7 @@ use std::time::Instant;
 use tables::Outputs;
 
 use crate::bound::bounds;
-use crate::captures::{self, Campaign};
+use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
 use crate::estimate::Value;
 use crate::kernel::Kernel;
@@ -19,6 +19,7 @@ use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
 use crate::select::{Candidates, select};
 use crate::solve::Stop;
+use crate::wave;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
@@ -29,6 +30,7 @@ by more than 4. Standard errors carry pixel noise, the lens fit, the reference's
 Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   fit estimate captures.toml --table pair.h5 -o result.json
+  fit estimate captures.toml --table pair.h5 --kernel wave --wavelength-nm 532
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json")]
 pub struct Arguments {
     /// The campaign's manifest
@@ -39,9 +41,14 @@ pub struct Arguments {
     /// Write the result there (JSON)
     #[arg(short, long, value_name = "RESULT.json")]
     pub output: Option<PathBuf>,
-    /// Blur terms: auto, eq1 (a independent of distance), angular (a = A/R), shift (no lobe), lobe (no shift)
+    /// Blur terms: auto, eq1 (a independent of distance), angular (a = A/R), shift (no lobe), lobe (no shift), wave (wave
+    /// optics: c alone, the wavelength given; in auto where one is named)
     #[arg(long, default_value = "auto", value_parser = kernels)]
     pub kernel: Kernels,
+    /// Wavelengths of the source and their weights, nm: 550, or 450:0.2,550:0.5,620:0.3; instead of wavelength_nm in
+    /// [setup]
+    #[arg(long, value_name = "NM[:WEIGHT],...", value_parser = Spectrum::parse)]
+    pub wavelength_nm: Option<Spectrum>,
     /// Shape of the lobe: radial, separable or auto
     #[arg(long, default_value = "radial", value_parser = shapes)]
     pub lobe: Shapes,
@@ -114,7 +121,7 @@ fn kernels(text: &str) -> Result<Kernels, String> {
     if text == "auto" {
         return Ok(Kernels(Kernel::ALL.to_vec()));
     }
-    let kernel = Kernel::from_name(text).ok_or("use auto, eq1, angular, shift or lobe")?;
+    let kernel = Kernel::from_name(text).ok_or("use auto, eq1, angular, shift, lobe or wave")?;
     Ok(Kernels(vec![kernel]))
 }
 
@@ -164,7 +171,10 @@ impl Plan {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let plan = Plan::new(arguments);
     let start = Instant::now();
-    let campaign = captures::load(&arguments.captures)?;
+    let mut campaign = captures::load(&arguments.captures)?;
+    if let Some(spectrum) = &arguments.wavelength_nm {
+        campaign.setup.spectrum = Some(spectrum.clone());
+    }
     let shots = campaign
         .reference
         .iter()
@@ -213,8 +223,25 @@ fn estimate(
     start: Instant,
 ) -> Result<ResultFile, Failure> {
     let table = tables::read(&arguments.table)?;
-    let scene = Scene::load(campaign, &table)?;
-    let selection = select(&scene, arguments.loss, &plan.candidates);
+    let mut scene = Scene::load(campaign, &table)?;
+    let mut candidates = plan.candidates.clone();
+    if candidates.kernels.contains(&Kernel::Wave)
+        && let Err(fault) = scene.waves()
+    {
+        if candidates.kernels == [Kernel::Wave] {
+            return Err(Failure::Wave {
+                manifest: arguments.captures.clone(),
+                fault,
+            });
+        }
+        candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
+        if fault != wave::Fault::NoWavelength {
+            scene.warnings.push(format!(
+                "the wave kernel is not among the candidates: {fault}"
+            ));
+        }
+    }
+    let selection = select(&scene, arguments.loss, &candidates);
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;
     let all = best

@@ -29,6 +29,8 @@ Example (PARAMS.toml):
   edge_normal_deg = 5.0
   exposure = 6.0
 
+With kernel = \"wave\" [truth] takes wavelength_nm (550, or \"450:0.2,550:0.5,620:0.3\") instead of lobe and a.
+
   fit simulate params.toml -o campaign
   fit estimate campaign/captures.toml --table pair.h5 --truth campaign/truth.json")]
 pub struct Arguments {

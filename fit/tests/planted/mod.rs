@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
-use fit::captures;
+use fit::captures::{self, Spectrum};
 use fit::kernel::Kernel;
 use fit::lobe::Shape;
 use fit::scene::Scene;
@@ -39,17 +39,25 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
             truth.pair,
         );
         retroreflected[[i, 0]] = shifts.iter().map(|s| s.eta).sum::<f64>() / cubes;
-        let path = |polygon: Vec<[f64; 2]>| Path {
-            polygon,
-            matrix: [[1.0, 0.0], [0.0, 1.0]],
-            offset: [0.0, 0.0],
-            weight: 1.0,
+        // Entered at p about q, a ray is shifted by 2 (q - p); where the cubes lie is of no consequence.
+        let path = |(k, shifts): (usize, Vec<[f64; 2]>)| {
+            let q = [3.0 * k as f64, 0.5];
+            Path {
+                polygon: shifts
+                    .iter()
+                    .map(|s| [q[0] - 0.5 * s[0], q[1] - 0.5 * s[1]])
+                    .collect(),
+                matrix: [[-2.0, 0.0], [0.0, -2.0]],
+                offset: q.map(|q| 2.0 * q),
+                weight: 1.0,
+            }
         };
         paths.push(
             shifts
                 .into_iter()
                 .map(|s| s.polygon)
                 .filter(|p| p.len() > 2)
+                .enumerate()
                 .map(path)
                 .collect(),
         );
@@ -154,6 +162,7 @@ pub fn truth(kernel: Kernel, lobe: Shape, a: f64, c_mm: f64, mu: f64) -> Truth {
     Truth {
         kernel,
         lobe,
+        spectrum: (kernel == Kernel::Wave).then(|| Spectrum::parse("550").expect("one line")),
         ior: 1.49,
         pair: true,
         a: ByIncidence::Shared(a),
