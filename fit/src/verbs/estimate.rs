@@ -30,7 +30,6 @@ by more than 4. Standard errors carry pixel noise, the lens fit, the reference's
 Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   fit estimate captures.toml --table pair.h5 -o result.json
-  fit estimate captures.toml --table pair.h5 --kernel wave --wavelength-nm 532
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json")]
 pub struct Arguments {
     /// The campaign's manifest
