@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, default_value = "auto", value_parser = kernels)]
     pub kernel: Kernels,
     /// Wavelengths of the source and their weights, nm: 550, or 450:0.2,550:0.5,620:0.3; instead of wavelength_nm in
-    /// [setup]
+    /// the manifest
     #[arg(long, value_name = "NM[:WEIGHT],...", value_parser = Spectrum::parse)]
     pub wavelength_nm: Option<Spectrum>,
     /// Shape of the lobe: radial, separable or auto
