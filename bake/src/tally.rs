@@ -74,9 +74,17 @@ impl Tally {
 
     /// Counts one ray.
     pub fn count(&mut self, bins: &Bins, outcome: &Outcome) {
-        let fate = if outcome.fate != Fate::Retroreflected {
-            outcome.fate
-        } else if let Some(bin) = bins.find(outcome.shift) {
+        if outcome.fate == Fate::Retroreflected {
+            self.count_shift(bins, outcome.shift);
+        } else {
+            self.fates[outcome.fate as usize] += 1;
+        }
+    }
+
+    /// Counts one ray that is retroreflected, shifted by `shift`.
+    #[inline]
+    pub fn count_shift(&mut self, bins: &Bins, shift: DVec2) {
+        let fate = if let Some(bin) = bins.find(shift) {
             self.histogram[bin] += 1;
             Fate::Retroreflected
         } else {
@@ -145,7 +153,9 @@ impl Sums {
     }
 
     /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a normal variable with
-    /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial.
+    /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial; with R of them it is
+    /// their standard deviation s over sqrt R. (R - 1) s^2 / sigma^2 is chi-squared with R - 1 degrees of freedom, so the
+    /// mean of s is c4 sigma ([`mean_deviation`]), and every s is divided by c4.
     ///
     /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less than one ray.
     pub fn l1_error(&self) -> f64 {
@@ -169,8 +179,19 @@ impl Sums {
                 .sum();
             (squares / (runs * (runs - 1)) as f64).sqrt()
         };
-        (2.0 / std::f64::consts::PI).sqrt() * (0..size).map(sigma).sum::<f64>()
+        let mean = (2.0 / std::f64::consts::PI).sqrt() / mean_deviation(runs);
+        mean * (0..size).map(sigma).sum::<f64>()
     }
+}
+
+/// c4: the mean of the standard deviation of `samples` normal values (n - 1 in its denominator), as a part of the true
+/// one; 1 for a single sample, which has none. 0.921 for 4, 0.983 for 16.
+fn mean_deviation(samples: usize) -> f64 {
+    if samples < 2 {
+        return 1.0;
+    }
+    let n = samples as f64;
+    (2.0 / (n - 1.0)).sqrt() * libm::exp(libm::lgamma(n / 2.0) - libm::lgamma((n - 1.0) / 2.0))
 }
 
 #[cfg(test)]
@@ -187,6 +208,24 @@ mod tests {
         assert_eq!(bins.find(DVec2::new(2.0, 0.0)), None);
         assert_eq!(bins.find(DVec2::new(0.0, -2.000_001)), None);
         assert_eq!(bins.find(DVec2::new(f64::NAN, 0.0)), None);
+    }
+
+    /// sqrt(2/pi), 2 sqrt(2)/sqrt(3 pi) and the tabulated c4 of 16 samples.
+    #[test]
+    fn mean_deviations_are_those_of_the_tables() {
+        let cases = [
+            (1, 1.0),
+            (2, 0.797_884_561),
+            (4, 0.921_317_732),
+            (16, 0.983_484_0),
+        ];
+        for (samples, c4) in cases {
+            assert!(
+                (mean_deviation(samples) - c4).abs() < 1e-6,
+                "{samples}: {}",
+                mean_deviation(samples)
+            );
+        }
     }
 
     #[test]
