@@ -1,10 +1,6 @@
-//! Many rays through a hierarchy at once, for meshes that no program fits (curved, or of many different cells).
-//!
-//! Rays that enter side by side mostly meet the same facets. So the rays of a run are sorted by where they enter; after
-//! each reflection those of a neighbourhood are sorted by the facets that they come from; and up to 64 that follow
-//! each other go down the hierarchy as one [`Bundle`], by bounds on all of them, and are tested against each
-//! candidate side by side. The test is [`Facet::meet`], operation by operation, so every ray has the outcome that it
-//! has alone, bit for bit.
+//! Up to 64 parallel rays that go down the hierarchy together, by bounds on all of them, and are tested against each
+//! candidate side by side. The test is [`Aspect::meet`], operation by operation, so every ray meets what it meets
+//! alone, bit for bit.
 
 #![allow(
     clippy::needless_range_loop,
@@ -12,28 +8,35 @@
 )]
 
 use crate::lanes::LANES;
-use crate::ray::Ray;
-use crate::scene::Nearest;
-use crate::triangle::{EDGE_ON, Facet};
+use crate::triangle::Aspect;
 use glam::DVec3;
 
 type Reals = [f64; LANES];
-
-/// Rays of one neighbourhood: their paths fit the second-level cache.
-pub const NEIGHBOURS: usize = 2048;
+type Mask = [u64; LANES];
 
 /// No facet.
-const NONE: u64 = u64::MAX;
+pub const NONE: u64 = u64::MAX;
 
-/// Up to [`LANES`] rays, and the nearest facet of each so far.
+/// Up to [`LANES`] rays of one direction, and the nearest facet of each so far.
 pub struct Bundle {
-    origin: [Reals; 3],
-    direction: [Reals; 3],
-    slack: Reals,
-    grain: Reals,
-    distance: Reals,
-    facet: [u64; LANES],
-    count: usize,
+    /// Where the rays start, by axis, edge lengths.
+    pub origin: [Reals; 3],
+    /// As [`crate::ray::Ray::slack`].
+    pub slack: Reals,
+    /// Distance of the nearest facet, infinite where there is none.
+    pub distance: Reals,
+    /// The nearest facet, or [`NONE`].
+    pub facet: [u64; LANES],
+    /// Room for the nodes that wait: how far they are at least, and which.
+    pub waiting: Vec<(f64, u32)>,
+    /// As [`crate::ray::Ray::grain`].
+    grain: f64,
+    /// Vectors of 8 lanes that are looked at.
+    vectors: usize,
+    /// Centre of the least box of all origins, half of its size, and the greatest slack.
+    centre: DVec3,
+    half: DVec3,
+    most_slack: f64,
 }
 
 /// Bounds on the rays of a bundle.
@@ -41,157 +44,202 @@ pub struct Bundle {
 pub struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
-    /// Least and greatest direction component by axis,
-    slowest: [f64; 3],
-    fastest: [f64; 3],
-    /// and 1 over them.
-    inverse: [[f64; 2]; 3],
+    /// 1 over the components of the direction.
+    inverse: [f64; 3],
 }
 
-/// Direction components smaller than this do not bound the time that a bundle is in a box.
+/// Direction components smaller than this count as 0 with their sign: over the whole extent of the facets the way
+/// along that axis stays far below the padding of their boxes.
 const LEVEL: f64 = 1e-9;
+
+/// In place of 1 over 0.
+const HUGE: f64 = 1e30;
 
 impl Bundle {
     /// A bundle of no rays.
     pub fn new() -> Self {
         Bundle {
             origin: [[0.0; LANES]; 3],
-            direction: [[0.0; LANES]; 3],
             slack: [0.0; LANES],
-            grain: [0.0; LANES],
             distance: [0.0; LANES],
             facet: [NONE; LANES],
-            count: 0,
+            waiting: Vec::new(),
+            grain: 0.0,
+            vectors: 0,
+            centre: DVec3::ZERO,
+            half: DVec3::ZERO,
+            most_slack: 0.0,
         }
     }
 
-    /// Takes `rays`, at most [`LANES`] and at least one; lanes that are left repeat the last.
-    pub fn fill<'a>(&mut self, rays: impl Iterator<Item = &'a Ray>) {
-        self.count = 0;
-        for (lane, ray) in rays.enumerate() {
-            self.put(lane, ray);
-            self.count += 1;
-        }
-        let last = self.count - 1;
-        for lane in self.count..LANES {
-            for axis in 0..3 {
-                self.origin[axis][lane] = self.origin[axis][last];
-                self.direction[axis][lane] = self.direction[axis][last];
-            }
-            self.slack[lane] = self.slack[last];
-            self.grain[lane] = self.grain[last];
-        }
-        // Lanes beyond the whole vectors of the rays look for nothing.
-        self.distance = [0.0; LANES];
-        self.distance[..self.count.next_multiple_of(8).min(LANES)].fill(f64::INFINITY);
-        self.facet = [NONE; LANES];
-    }
-
-    fn put(&mut self, lane: usize, ray: &Ray) {
-        for axis in 0..3 {
-            self.origin[axis][lane] = ray.origin[axis];
-            self.direction[axis][lane] = ray.direction[axis];
-        }
-        self.slack[lane] = ray.slack;
-        self.grain[lane] = ray.grain;
-    }
-
-    /// What the ray in `lane` met, `facets` being those that were offered.
-    pub fn nearest(&self, lane: usize, facets: &[Facet]) -> Nearest {
-        let direction = DVec3::from_array(self.direction.map(|axis| axis[lane]));
-        let facet = (self.facet[lane] != NONE).then_some(self.facet[lane] as usize);
-        Nearest {
-            facet,
-            distance: self.distance[lane],
-            front: facet.is_some_and(|facet| direction.dot(facets[facet].normal) < 0.0),
-        }
-    }
-
-    /// Bounds on the rays, origins counted from `centre`.
+    /// Takes the rays that start at `origin` (by axis) with `slack`, at most [`LANES`] and at least one; lanes that
+    /// are left repeat the last.
     #[inline(always)]
-    pub fn bounds(&self, centre: DVec3) -> Bounds {
-        let least = |of: &Reals| fold(of, f64::min);
-        let most = |of: &Reals| fold(of, f64::max);
-        let axes = [0, 1, 2];
-        let slowest = axes.map(|axis| least(&self.direction[axis]));
-        let fastest = axes.map(|axis| most(&self.direction[axis]));
+    pub fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
+        let count = slack.len();
+        take(&mut self.origin[0], origin[0]);
+        take(&mut self.origin[1], origin[1]);
+        take(&mut self.origin[2], origin[2]);
+        take(&mut self.slack, slack);
+        self.grain = grain;
+        self.vectors = count.div_ceil(8);
+        let lanes = whole(self.vectors);
+        // Lanes beyond look for nothing.
+        self.distance[..lanes].fill(f64::INFINITY);
+        self.distance[lanes..].fill(0.0);
+        self.facet = [NONE; LANES];
+        let [x, y, z] = &self.origin;
+        let low = DVec3::new(fold(x, lesser), fold(y, lesser), fold(z, lesser));
+        let high = DVec3::new(fold(x, greater), fold(y, greater), fold(z, greater));
+        self.centre = (low + high) / 2.0;
+        // Rounding of the centre makes up for no more than this.
+        self.half = (high - low) / 2.0 + (low.abs() + high.abs()) * f64::EPSILON;
+        self.most_slack = fold(&self.slack, greater);
+    }
+
+    /// Bounds on the rays, which travel along `direction`; origins counted from `centre`.
+    #[inline(always)]
+    pub fn bounds(&self, direction: DVec3, centre: DVec3) -> Bounds {
         Bounds {
-            low: axes.map(|axis| least(&self.origin[axis]) - centre[axis]),
-            high: axes.map(|axis| most(&self.origin[axis]) - centre[axis]),
-            slowest,
-            fastest,
-            inverse: axes.map(|axis| [1.0 / slowest[axis], 1.0 / fastest[axis]]),
+            low: (self.centre - self.half - centre).to_array(),
+            high: (self.centre + self.half - centre).to_array(),
+            inverse: [
+                inverse(direction.x),
+                inverse(direction.y),
+                inverse(direction.z),
+            ],
         }
     }
 
     /// The distance beyond which no ray looks.
     #[inline(always)]
     pub fn limit(&self) -> f64 {
-        fold(&self.distance, f64::max)
+        fold(&self.distance, greater)
     }
 
-    /// [`Nearest::offer`] for every ray.
+    /// The edge that most rays are likely to miss the facet by; `None` where no ray can meet it: all pass beyond one of
+    /// its edges, or start behind it.
     #[inline(always)]
-    pub fn offer(&mut self, index: usize, facet: &Facet) {
-        let [dx, dy, dz] = &self.direction;
-        let [ox, oy, oz] = &self.origin;
-        // Whole vectors: the lanes that are left over repeat the last ray.
-        let lanes = self.count.next_multiple_of(8).min(LANES);
-        let normal = facet.normal;
-        let [a, b, c] = facet.corners;
-        let (mut cosine, mut height): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
-        let mut ahead = [0u64; LANES];
-        for lane in 0..lanes {
-            cosine[lane] = dx[lane] * normal.x + dy[lane] * normal.y + dz[lane] * normal.z;
-            let (x, y, z) = (a.x - ox[lane], a.y - oy[lane], a.z - oz[lane]);
-            height[lane] = -(x * normal.x + y * normal.y + z * normal.z);
-            let front = cosine[lane] < 0.0;
-            let behind = if front {
-                height[lane] < -self.slack[lane]
-            } else {
-                height[lane] > -self.slack[lane]
-            };
-            ahead[lane] = u64::from((cosine[lane].abs() >= EDGE_ON) & !behind);
+    fn likeliest_miss(&self, aspect: &Aspect) -> Option<usize> {
+        // The greatest value over the box, of a function that is linear in the origin. Twice the margin of the test
+        // holds the rounding of both.
+        let most = |corner: DVec3, gradient: DVec3| {
+            (self.centre - corner).dot(gradient) + self.half.dot(gradient.abs())
+        };
+        if most(aspect.corners[0], aspect.normal * aspect.side) < -2.0 * self.most_slack {
+            return None;
         }
-        if ahead.iter().fold(0, |any, lane| any | lane) == 0 {
-            return;
+        let inside = |edge: usize| {
+            most(aspect.corners[edge], aspect.inward[edge])
+                + 2.0 * (self.most_slack * aspect.lengths[edge] + self.grain)
+        };
+        let inside = [inside(0), inside(1), inside(2)];
+        let first = if inside[1] < inside[0] { 1 } else { 0 };
+        let first = if inside[2] < inside[first] { 2 } else { first };
+        (inside[first] >= 0.0).then_some(first)
+    }
+
+    /// [`crate::scene::Nearest::offer`] for every ray; whether one may have met the facet.
+    #[inline(always)]
+    pub fn offer(&mut self, index: usize, aspect: &Aspect) -> bool {
+        let Some(likely) = self.likeliest_miss(aspect) else {
+            return false;
+        };
+        let (side, vectors) = (aspect.side, self.vectors);
+        let mut on: Mask = [1; LANES];
+        for edge in [likely, (likely + 1) % 3, (likely + 2) % 3] {
+            let value = over(
+                &self.origin,
+                vectors,
+                aspect.corners[edge],
+                aspect.inward[edge],
+            );
+            let length = aspect.lengths[edge];
+            for lane in 0..whole(vectors) {
+                let margin = -(side * (self.slack[lane] * length + self.grain));
+                on[lane] &= u64::from(value[lane] >= margin);
+            }
+            if none(&on, vectors) {
+                return false;
+            }
         }
-        let [ab, bc, ca] = facet.lengths();
-        for lane in 0..lanes {
-            let (px, py, pz) = (ox[lane], oy[lane], oz[lane]);
-            let (d0, d1, d2) = (dx[lane], dy[lane], dz[lane]);
-            let (ax, ay, az) = (a.x - px, a.y - py, a.z - pz);
-            let (bx, by, bz) = (b.x - px, b.y - py, b.z - pz);
-            let (cx, cy, cz) = (c.x - px, c.y - py, c.z - pz);
-            let front = cosine[lane] < 0.0;
-            let side = if front { -1.0 } else { 1.0 };
-            let (slack, grain) = (self.slack[lane], self.grain[lane]);
-            // Cross and dot products in the order of glam's.
-            let one =
-                d0 * (ay * bz - by * az) + d1 * (az * bx - bz * ax) + d2 * (ax * by - bx * ay);
-            let two =
-                d0 * (by * cz - cy * bz) + d1 * (bz * cx - cz * bx) + d2 * (bx * cy - cx * by);
-            let three =
-                d0 * (cy * az - ay * cz) + d1 * (cz * ax - az * cx) + d2 * (cx * ay - ax * cy);
-            let on = (side * one >= side * (slack * ab + grain))
-                & (side * two >= side * (slack * bc + grain))
-                & (side * three >= side * (slack * ca + grain));
-            let quotient = -height[lane] / cosine[lane];
+        let height = over(&self.origin, vectors, aspect.corners[0], aspect.normal);
+        for lane in 0..whole(vectors) {
+            let ahead = side * height[lane] >= -(side * self.slack[lane]);
+            let quotient = -height[lane] / aspect.cosine;
             let distance = if quotient > 0.0 { quotient } else { 0.0 };
             let known = self.distance[lane];
             let nearer =
                 (distance < known) | ((distance == known) & ((index as u64) < self.facet[lane]));
-            let met = (ahead[lane] != 0) & on & nearer;
+            let met = (on[lane] != 0) & ahead & nearer;
             self.distance[lane] = if met { distance } else { known };
             self.facet[lane] = if met { index as u64 } else { self.facet[lane] };
         }
+        true
     }
+}
+
+/// Lanes of so many vectors, in a form that tells the compiler that they are lanes and whole vectors.
+#[inline(always)]
+fn whole(vectors: usize) -> usize {
+    vectors.min(LANES / 8) * 8
+}
+
+/// How far the origins are beyond the plane through `corner` with `gradient`, in the order of glam's dot product.
+#[inline(always)]
+fn over(origin: &[Reals; 3], vectors: usize, corner: DVec3, gradient: DVec3) -> Reals {
+    let [x, y, z] = origin;
+    let mut value = [0.0; LANES];
+    for lane in 0..whole(vectors) {
+        value[lane] = (x[lane] - corner.x) * gradient.x
+            + (y[lane] - corner.y) * gradient.y
+            + (z[lane] - corner.z) * gradient.z;
+    }
+    value
+}
+
+#[inline(always)]
+fn none(mask: &Mask, vectors: usize) -> bool {
+    let mut any = 0;
+    for lane in 0..whole(vectors) {
+        any |= mask[lane];
+    }
+    any == 0
 }
 
 impl Default for Bundle {
     fn default() -> Self {
         Bundle::new()
     }
+}
+
+/// Fills the lanes with the values, and what is left with the last.
+#[inline(always)]
+fn take(lanes: &mut Reals, values: &[f64]) {
+    let (taken, left) = lanes.split_at_mut(values.len());
+    taken.copy_from_slice(values);
+    left.fill(values[values.len() - 1]);
+}
+
+/// 1 over a component of a direction.
+#[inline(always)]
+fn inverse(component: f64) -> f64 {
+    if component.abs() < LEVEL {
+        HUGE.copysign(component)
+    } else {
+        1.0 / component
+    }
+}
+
+/// The lesser of two numbers, as one instruction: there are no NaNs.
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Eight lanes side by side, then those eight: an order that vectors can keep.
@@ -213,45 +261,37 @@ impl Bounds {
         axis(0) + axis(1) + axis(2)
     }
 
-    /// A lower bound on the distance at which a ray of the bundle is in the box from `low` to `high`, if one can be
-    /// within `limit`.
+    /// For each of eight boxes a lower bound on the distance at which a ray of the bundle is in it; infinite where none
+    /// can be within `limit`.
     #[inline(always)]
-    pub fn reach(&self, low: [f64; 3], high: [f64; 3], limit: f64) -> Option<f64> {
-        let (mut from, mut to) = (0.0f64, limit);
+    pub fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
+        let (mut from, mut to) = ([0.0f64; 8], [limit; 8]);
         for axis in 0..3 {
-            if self.slowest[axis] > LEVEL {
-                let enter = low[axis] - self.high[axis];
-                let leave = high[axis] - self.low[axis];
-                if leave < 0.0 {
-                    return None;
-                }
-                from = from.max(enter * self.inverse[axis][1]);
-                to = to.min(leave * self.inverse[axis][0]);
-            } else if self.fastest[axis] < -LEVEL {
-                let enter = self.low[axis] - high[axis];
-                let leave = self.high[axis] - low[axis];
-                if leave < 0.0 {
-                    return None;
-                }
-                from = from.max(enter * -self.inverse[axis][0]);
-                to = to.min(leave * -self.inverse[axis][1]);
+            let (low, high) = (self.low[axis], self.high[axis]);
+            let inverse = self.inverse[axis];
+            for i in 0..8 {
+                let one = (f64::from(boxes.low[axis][i]) - high) * inverse;
+                let other = (f64::from(boxes.high[axis][i]) - low) * inverse;
+                from[i] = greater(lesser(one, other), from[i]);
+                to[i] = lesser(greater(one, other), to[i]);
             }
         }
-        if from > to {
-            return None;
+        for i in 0..8 {
+            from[i] = if from[i] <= to[i] {
+                from[i]
+            } else {
+                f64::INFINITY
+            };
         }
-        for axis in 0..3 {
-            if self.slowest[axis] <= LEVEL && self.fastest[axis] >= -LEVEL {
-                // At each distance the least position is at one end of the interval, for it is linear.
-                let slowest = self.slowest[axis];
-                let fastest = self.fastest[axis];
-                let least = self.low[axis] + (slowest * from).min(slowest * to);
-                let most = self.high[axis] + (fastest * from).max(fastest * to);
-                if least > high[axis] || most < low[axis] {
-                    return None;
-                }
-            }
-        }
-        Some(from)
+        from
     }
+}
+
+/// Eight boxes side by side, by axis; an empty place holds a point at infinity.
+#[derive(Debug, Clone, Copy)]
+pub struct Boxes {
+    /// Lower ends.
+    pub low: [[f32; 8]; 3],
+    /// Upper ends.
+    pub high: [[f32; 8]; 3],
 }

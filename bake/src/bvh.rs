@@ -1,10 +1,12 @@
-//! Nearest hit among many facets: a two-wide bounding volume hierarchy. The only file that names the BVH crate.
+//! Nearest hit among many facets: a bounding volume hierarchy, two-wide for single rays, eight-wide for bundles. The only
+//! file that names the BVH crate.
 //!
 //! The crate works in f32. Here it only chooses the candidates: its boxes are padded by more than the error of an f32
 //! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets
 //! finds, bit for bit (tested). Its wide variant has an absolute epsilon near surfaces and is not used.
 
-use crate::bundle::Bundle;
+use crate::bundle::{Boxes, Bundle};
+use crate::packet::Way;
 use crate::ray::Ray;
 use crate::scene::Nearest;
 use crate::triangle::Facet;
@@ -15,13 +17,11 @@ use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::ray::{Ray as RayF32, RayHit};
 use std::time::Duration;
 
-/// Nodes on the way down at most, for bundles.
-const DEPTH: usize = 64;
-
 /// A hierarchy over a list of facets.
 pub struct Hierarchy {
     tree: Bvh2,
-    depth: usize,
+    /// The same for bundles, wider.
+    nodes: Vec<Node>,
     centre: DVec3,
     /// Radius of a ball about `centre` that holds every facet, edge lengths.
     radius: f64,
@@ -53,9 +53,16 @@ impl Hierarchy {
             })
             .collect();
         let mut build_time = Duration::ZERO;
-        let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut build_time);
+        let tree = build_bvh2(
+            &boxes,
+            BvhBuildParams {
+                max_prims_per_leaf: 1,
+                ..BvhBuildParams::medium_build()
+            },
+            &mut build_time,
+        );
         Hierarchy {
-            depth: depth(&tree),
+            nodes: widened(&tree),
             tree,
             centre,
             radius,
@@ -88,78 +95,106 @@ impl Hierarchy {
 
     /// The same for all rays of `bundle`. They start where facets are, so no digits are lost on the way.
     #[inline(always)]
-    pub fn nearest_of(&self, facets: &[Facet], bundle: &mut Bundle) {
-        let bounds = bundle.bounds(self.centre);
+    pub fn nearest_of(&self, way: &Way, bundle: &mut Bundle) {
+        let Way {
+            facets, direction, ..
+        } = *way;
+        let mut open = std::mem::take(&mut bundle.waiting);
+        let bounds = bundle.bounds(direction, self.centre);
         // Whatever is in the ball of the facets is no further than this from an origin.
         let span = bounds.farthest() + 2.0 * self.radius;
         let mut limit = span;
-        let mut stack = [(0.0f64, 0usize); DEPTH];
-        let mut open = 1;
-        while open > 0 {
-            open -= 1;
-            let (from, at) = stack[open];
+        open.clear();
+        open.push((0.0, 0));
+        while let Some((from, at)) = open.pop() {
             if from > limit {
                 continue;
             }
-            let node = &self.tree.nodes[at];
-            let first = node.first_index as usize;
-            if node.prim_count > 0 {
-                for &facet in &self.tree.primitive_indices[first..][..node.prim_count as usize] {
-                    bundle.offer(facet as usize, &facets[facet as usize]);
+            if at & LEAF != 0 {
+                let facet = (at & !LEAF) as usize;
+                if Some(facet) != way.from
+                    && let Some(aspect) = facets[facet].along(direction)
+                    && bundle.offer(facet, &aspect)
+                {
+                    limit = (bundle.limit() * (1.0 + 1e-6) + self.padding).min(span);
                 }
-                limit = (bundle.limit() * (1.0 + 1e-6) + self.padding).min(span);
                 continue;
             }
-            let reach = |child: usize| {
-                let bounds_of_child = &self.tree.nodes[child].aabb;
-                bounds.reach(
-                    double(bounds_of_child.min),
-                    double(bounds_of_child.max),
-                    limit,
-                )
-            };
-            let near = [first, first + 1].map(|child| (reach(child), child));
-            let mut push = |(from, child): (Option<f64>, usize)| {
-                if let Some(from) = from {
-                    stack[open] = (from, child);
-                    open += 1;
+            let node = &self.nodes[at as usize];
+            let from = bounds.reach(&node.boxes, limit);
+            let bottom = open.len();
+            for (&from, &child) in from.iter().zip(&node.children) {
+                if from < f64::INFINITY {
+                    // The nearest last: it is looked at first.
+                    open.push((from, child));
+                    let mut place = open.len() - 1;
+                    while place > bottom && open[place - 1].0 < from {
+                        open.swap(place, place - 1);
+                        place -= 1;
+                    }
                 }
-            };
-            // The nearer child last: it is looked at first.
-            let [one, two] = near;
-            if one.0 < two.0 {
-                push(two);
-                push(one);
-            } else {
-                push(one);
-                push(two);
             }
         }
-    }
-
-    /// Whether the stack of [`Hierarchy::nearest_of`] is deep enough for it.
-    pub fn takes_bundles(&self) -> bool {
-        self.depth + 2 < DEPTH
+        bundle.waiting = open;
     }
 }
 
-/// Nodes on the longest way down.
-fn depth(tree: &Bvh2) -> usize {
-    let mut deepest = 0;
+/// A node of eight children.
+struct Node {
+    boxes: Boxes,
+    /// Nodes, or facets marked [`LEAF`].
+    children: [u32; 8],
+}
+
+/// Marks a child that is a facet.
+const LEAF: u32 = 1 << 31;
+
+/// `tree`, whose leaves hold one facet each, with eight children to a node.
+fn widened(tree: &Bvh2) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    // Node of `tree`, and its place among `nodes`.
     let mut open = vec![(0usize, 0usize)];
-    while let Some((at, depth)) = open.pop() {
-        let node = &tree.nodes[at];
-        deepest = deepest.max(depth);
-        if node.prim_count == 0 {
-            let first = node.first_index as usize;
-            open.extend([first, first + 1].map(|child| (child, depth + 1)));
+    nodes.push(Node::EMPTY);
+    while let Some((root, place)) = open.pop() {
+        let mut children = vec![root];
+        // Opens the largest child as long as there is room.
+        while children.len() < 8 {
+            let inner = (0..children.len()).filter(|&i| !tree.nodes[children[i]].is_leaf());
+            let area = |i: &usize| tree.nodes[children[*i]].aabb.half_area();
+            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else {
+                break;
+            };
+            let first = tree.nodes[children[largest]].first_index as usize;
+            children[largest] = first;
+            children.push(first + 1);
+        }
+        for (i, child) in children.into_iter().enumerate() {
+            let node = &tree.nodes[child];
+            let (low, high) = (node.aabb.min, node.aabb.max);
+            for axis in 0..3 {
+                nodes[place].boxes.low[axis][i] = low[axis];
+                nodes[place].boxes.high[axis][i] = high[axis];
+            }
+            nodes[place].children[i] = if node.is_leaf() {
+                LEAF | tree.primitive_indices[node.first_index as usize]
+            } else {
+                open.push((child, nodes.len()));
+                nodes.push(Node::EMPTY);
+                nodes.len() as u32 - 1
+            };
         }
     }
-    deepest
+    nodes
 }
 
-fn double(v: Vec3A) -> [f64; 3] {
-    v.to_array().map(f64::from)
+impl Node {
+    const EMPTY: Node = Node {
+        boxes: Boxes {
+            low: [[f32::INFINITY; 8]; 3],
+            high: [[f32::INFINITY; 8]; 3],
+        },
+        children: [0; 8],
+    };
 }
 
 fn single(v: DVec3) -> Vec3A {

@@ -15,6 +15,7 @@ pub mod kernel;
 pub mod lanes;
 pub mod launch;
 pub mod optics;
+pub mod packet;
 pub mod path;
 pub mod plan;
 pub mod plot;

@@ -65,93 +65,118 @@ pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, tolerance_rad: f
     }
 }
 
-/// A ray under way.
+/// What rays have in common that have met the same facets in the same order: they travel alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Path {
-    /// Its present piece.
-    pub ray: Ray,
-    /// Where it entered.
-    point: DVec2,
+pub struct Course {
+    /// Direction of travel, unit length.
+    pub direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
-    prism: [i32; 2],
     bounces: u32,
 }
 
-impl Path {
-    /// The ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
-    pub fn new(scene: &Scene, direction: &Direction, point: DVec2) -> Self {
-        Path {
-            ray: scene.enter(point, direction.travel),
-            point,
+impl Course {
+    /// That of rays launched along `direction`.
+    pub fn new(direction: &Direction) -> Self {
+        Course {
+            direction: direction.travel,
             map: DMat3::IDENTITY,
-            prism: [0, 0],
             bounces: 0,
         }
     }
 
-    /// Takes the path, launched along `direction`, past the next event of its ray; the outcome if it ends there.
+    /// What follows a facet with unit normal `normal`.
+    ///
+    /// # Errors
+    /// The fate of rays that end there.
+    pub fn past(&self, normal: DVec3, front: bool, rules: &Rules) -> Result<Self, Fate> {
+        if !front {
+            return Err(Fate::Absorbed);
+        }
+        if self.bounces == BOUNCE_LIMIT {
+            return Err(Fate::BounceLimit);
+        }
+        let cosine = self.direction.dot(normal);
+        if !(rules.mirror_back || totally_reflected(cosine, rules.refractive_index)) {
+            return Err(Fate::Transmitted);
+        }
+        Ok(Course {
+            direction: reflect(self.direction, normal),
+            map: reflection(normal) * self.map,
+            bounces: self.bounces + 1,
+        })
+    }
+
+    /// The fate of rays, launched along `direction`, that leave the cell.
+    pub fn left(&self, direction: &Direction, rules: &Rules) -> Fate {
+        let tolerance = rules.angular_tolerance_rad;
+        fate_of_leaving(self.map, direction.travel, self.bounces, tolerance)
+    }
+
+    /// Where rays that are at `origin` cross the entrance plane of `scene`.
     #[inline]
-    pub fn pass(
-        &mut self,
-        event: &Event,
-        scene: &Scene,
-        rules: &Rules,
-        direction: &Direction,
-    ) -> Option<Outcome> {
-        let fate = match *event {
-            Event::Hit { front: false, .. } => Fate::Absorbed,
-            Event::Hit { .. } if self.bounces == BOUNCE_LIMIT => Fate::BounceLimit,
+    pub fn exit(&self, scene: &Scene, origin: DVec3) -> DVec2 {
+        let up = self.direction;
+        (origin + up * ((scene.height() - origin.z) / up.z)).truncate()
+    }
+}
+
+/// A ray under way.
+struct Path {
+    /// Its present piece.
+    ray: Ray,
+    course: Course,
+    prism: [i32; 2],
+}
+
+impl Path {
+    /// Takes the path past the next event of its ray; its fate if it ends there.
+    #[inline]
+    fn pass(&mut self, event: &Event, rules: &Rules, direction: &Direction) -> Result<(), Fate> {
+        match *event {
             Event::Hit {
                 arrival,
                 normal,
+                front,
                 prism,
                 ..
             } => {
-                let cosine = arrival.direction.dot(normal);
-                if rules.mirror_back || totally_reflected(cosine, rules.refractive_index) {
-                    self.bounces += 1;
-                    self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
-                    self.map = reflection(normal) * self.map;
-                    self.ray = arrival;
-                    self.ray.direction = reflect(arrival.direction, normal);
-                    return None;
-                }
-                Fate::Transmitted
+                self.course = self.course.past(normal, front, rules)?;
+                self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
+                self.ray = Ray {
+                    direction: self.course.direction,
+                    ..arrival
+                };
+                Ok(())
             }
-            Event::Endless => Fate::BounceLimit,
-            Event::Out => {
-                let tolerance = rules.angular_tolerance_rad;
-                fate_of_leaving(self.map, direction.travel, self.bounces, tolerance)
-            }
-        };
-        let mut shift = DVec2::ZERO;
-        if fate == Fate::Retroreflected {
-            let Ray {
-                origin,
-                direction: up,
-                ..
-            } = self.ray;
-            let exit = origin + up * ((scene.height() - origin.z) / up.z);
-            shift =
-                direction.to_frame(exit.truncate() + scene.displacement(self.prism) - self.point);
+            Event::Endless => Err(Fate::BounceLimit),
+            Event::Out => Err(self.course.left(direction, rules)),
         }
-        Some(Outcome {
-            fate,
-            shift,
-            bounces: self.bounces,
-            travel: self.ray.direction,
-        })
     }
 }
 
 /// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
 pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) -> Outcome {
-    let mut path = Path::new(scene, direction, point);
-    loop {
+    let mut path = Path {
+        ray: scene.enter(point, direction.travel),
+        course: Course::new(direction),
+        prism: [0, 0],
+    };
+    let fate = loop {
         let event = scene.next(&path.ray);
-        if let Some(outcome) = path.pass(&event, scene, rules, direction) {
-            return outcome;
+        if let Err(fate) = path.pass(&event, rules, direction) {
+            break fate;
         }
+    };
+    let mut shift = DVec2::ZERO;
+    if fate == Fate::Retroreflected {
+        let exit = path.course.exit(scene, path.ray.origin) + scene.displacement(path.prism);
+        shift = direction.to_frame(exit - point);
+    }
+    Outcome {
+        fate,
+        shift,
+        bounces: path.course.bounces,
+        travel: path.course.direction,
     }
 }

@@ -17,9 +17,6 @@ use std::time::Instant;
 use tables::{Fate, Provenance, Shards, Table};
 use thiserror::Error;
 
-/// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
-const RUN: u64 = 1 << 18;
-
 /// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
 const FIRST_ROUND: u64 = 1 << 12;
 
@@ -323,11 +320,12 @@ impl Work<'_> {
                     let Range { start, end } = share(randomisation);
                     let start = start + done;
                     let end = end.min(start.saturating_add(step));
-                    let cuts = (start..end).step_by(RUN as usize);
+                    let length = bundle.kernel.run();
+                    let cuts = (start..end).step_by(length as usize);
                     runs.extend(cuts.map(|from| Run {
                         direction,
                         randomisation,
-                        samples: from..end.min(from + RUN),
+                        samples: from..end.min(from + length),
                     }));
                 }
             }

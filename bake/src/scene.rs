@@ -176,6 +176,11 @@ impl Scene {
         self.height
     }
 
+    /// Greatest distance of an origin in the cell from any corner, edge lengths.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// A ray that enters at `point` of the entrance plane.
     pub fn enter(&self, point: DVec2, direction: DVec3) -> Ray {
         Ray::new(point.extend(self.height), direction, self.reach)
@@ -197,16 +202,16 @@ impl Scene {
     }
 
     /// What `ray` comes to in a cell that is not periodic, its nearest facet known.
-    pub fn event(&self, ray: &Ray, nearest: &Nearest) -> Event {
+    fn event(&self, ray: &Ray, nearest: &Nearest) -> Event {
         nearest.facet.map_or(Event::Out, |facet| {
             self.hit(ray, ray, facet, nearest, [0, 0])
         })
     }
 
-    /// The hierarchy, where rays can go down it in bundles: the cell is not periodic.
-    pub fn for_bundles(&self) -> Option<&Hierarchy> {
+    /// The hierarchy, where rays can go down it in packets: the cell is not periodic.
+    pub fn for_packets(&self) -> Option<&Hierarchy> {
         let hierarchy = self.hierarchy.as_ref();
-        hierarchy.filter(|hierarchy| self.walls.is_none() && hierarchy.takes_bundles())
+        hierarchy.filter(|_| self.walls.is_none())
     }
 
     fn nearest(&self, ray: &Ray, limit: f64) -> Nearest {
@@ -283,7 +288,7 @@ impl Scene {
     ) -> Event {
         let facet = &self.facets[facet];
         let origin = local.origin + local.direction * nearest.distance;
-        let slack = facet.slack_after(ray, nearest.distance, self.reach);
+        let slack = facet.slack_after(ray.direction, nearest.distance, self.reach);
         Event::Hit {
             distance: nearest.distance,
             arrival: Ray {

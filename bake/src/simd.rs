@@ -1,4 +1,4 @@
-//! The fence: the one file with unsafe code. It compiles the kernel of [`crate::lanes`] once per instruction set and
+//! The fence: the one file with unsafe code. It compiles [`crate::lanes`] and [`crate::packet`] once per instruction set and
 //! calls the best that the processor has.
 //!
 //! The only unsafe act is calling a function that was compiled for an instruction set; an [`InstructionSet`] is only
@@ -9,13 +9,12 @@
 )]
 
 use crate::bundle::Bundle;
-use crate::bvh::Hierarchy;
 use crate::lanes;
 use crate::launch::Launch;
+use crate::packet::{Packet, Way};
 use crate::program::Program;
 use crate::sequence::Stream;
 use crate::tally::{Bins, Tally};
-use crate::triangle::Facet;
 use std::ops::Range;
 
 /// An instruction set that this processor has.
@@ -62,17 +61,16 @@ impl InstructionSet {
             .unwrap_or(InstructionSet(Level::Baseline))
     }
 
-    /// Runs [`Hierarchy::nearest_of`] with this instruction set.
-    #[inline]
-    pub fn nearest_of(self, hierarchy: &Hierarchy, facets: &[Facet], bundle: &mut Bundle) {
+    /// Runs [`Packet::advance`] with this instruction set.
+    pub fn advance(self, packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
         match self.0 {
-            Level::Baseline => hierarchy.nearest_of(facets, bundle),
+            Level::Baseline => packet.advance(way, bundle),
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { nearest_of_avx2(hierarchy, facets, bundle) },
+            Level::Avx2 => unsafe { advance_avx2(packet, way, bundle) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { nearest_of_avx512(hierarchy, facets, bundle) },
+            Level::Avx512 => unsafe { advance_avx512(packet, way, bundle) },
         }
     }
 
@@ -126,12 +124,12 @@ fn avx512(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn nearest_of_avx2(hierarchy: &Hierarchy, facets: &[Facet], bundle: &mut Bundle) {
-    hierarchy.nearest_of(facets, bundle);
+fn advance_avx2(packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
+    packet.advance(way, bundle);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
-fn nearest_of_avx512(hierarchy: &Hierarchy, facets: &[Facet], bundle: &mut Bundle) {
-    hierarchy.nearest_of(facets, bundle);
+fn advance_avx512(packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
+    packet.advance(way, bundle);
 }

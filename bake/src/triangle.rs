@@ -1,7 +1,7 @@
 //! A mirror facet and its ray test: in f64, edges and corners included, with an error bound instead of an epsilon.
 //!
-//! The test asks on which side of the three edges the *line* of the ray passes (triple products of the direction with
-//! pairs of corners, as in Woop et al. 2013), so it stays sharp at grazing incidence, where a test of the hit point in
+//! The test asks on which side of the three edges the *line* of the ray passes (triple products of direction, edge and
+//! the way from a corner to the ray's origin), so it stays sharp at grazing incidence, where a test of the hit point in
 //! the plane loses digits as 1/cos. A ray is on an edge when it is within its own error bound of it, so that a ray
 //! through a shared edge or corner meets at least one of the facets there, and one that lies, by rounding, a hair
 //! behind the next facet still meets that one.
@@ -33,6 +33,42 @@ pub struct Contact {
     pub front: bool,
 }
 
+/// A facet as all rays of one direction see it: what of its test does not depend on where a ray starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aspect {
+    /// A corner on each edge.
+    pub corners: [DVec3; 3],
+    /// For each edge the gradient of the triple product by the ray's origin: it points to the inner side.
+    pub inward: [DVec3; 3],
+    /// Lengths of the edges.
+    pub lengths: [f64; 3],
+    /// Unit normal on the front.
+    pub normal: DVec3,
+    /// Of the angle between the rays and the normal.
+    pub cosine: f64,
+    /// 1 where the rays come from the front, -1 from the back.
+    pub side: f64,
+}
+
+impl Aspect {
+    /// The distance at which `ray`, which has the aspect's direction, meets the facet, or `None`.
+    #[inline]
+    pub fn meet(&self, ray: &Ray) -> Option<f64> {
+        let height = (ray.origin - self.corners[0]).dot(self.normal);
+        if self.side * height < -(self.side * ray.slack) {
+            return None;
+        }
+        // A ray within its error of an edge meets the facet from the front and passes it from the back: one that
+        // grazes a ridge or a rim goes on, it is not caught by the back of the facet beyond.
+        let on = |edge: usize| {
+            (ray.origin - self.corners[edge]).dot(self.inward[edge])
+                >= -(self.side * (ray.slack * self.lengths[edge] + ray.grain))
+        };
+        let distance = -height / self.cosine;
+        (on(0) && on(1) && on(2)).then_some(if distance > 0.0 { distance } else { 0.0 })
+    }
+}
+
 impl Facet {
     /// A facet from its corners. `None` where they span no plane (zero area).
     pub fn new(corners: [DVec3; 3]) -> Option<Self> {
@@ -45,11 +81,6 @@ impl Facet {
         })
     }
 
-    /// Lengths of the edges 0-1, 1-2, 2-0.
-    pub fn lengths(&self) -> [f64; 3] {
-        self.lengths
-    }
-
     /// The facet moved by `offset`.
     pub fn moved(&self, offset: DVec3) -> Self {
         Facet {
@@ -58,46 +89,46 @@ impl Facet {
         }
     }
 
+    /// The facet as rays along `direction` see it; `None` edge-on.
+    #[inline(always)]
+    pub fn along(&self, direction: DVec3) -> Option<Aspect> {
+        let cosine = direction.dot(self.normal);
+        if cosine.abs() < EDGE_ON {
+            return None;
+        }
+        let side = if cosine < 0.0 { 1.0 } else { -1.0 };
+        let [a, b, c] = self.corners;
+        Some(Aspect {
+            corners: self.corners,
+            inward: [
+                (b - a).cross(direction) * side,
+                (c - b).cross(direction) * side,
+                (a - c).cross(direction) * side,
+            ],
+            lengths: self.lengths,
+            normal: self.normal,
+            cosine,
+            side,
+        })
+    }
+
     /// Where `ray` meets the facet, or `None`.
     ///
     /// A facet that the ray starts on, leaving to its front, is not met; one that it starts on (within the ray's
     /// error bound) heading into is met at distance 0.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<Contact> {
-        let cosine = ray.direction.dot(self.normal);
-        let front = cosine < 0.0;
-        if cosine.abs() < EDGE_ON {
-            return None;
-        }
-        let [a, b, c] = self.corners.map(|corner| corner - ray.origin);
-        let height = -a.dot(self.normal);
-        if if front {
-            height < -ray.slack
-        } else {
-            height > -ray.slack
-        } {
-            return None;
-        }
-        // A ray within its error of an edge meets the facet from the front and passes it from the back: one that
-        // grazes a ridge or a rim goes on, it is not caught by the back of the facet beyond.
-        let (side, margin) = if front { (-1.0, -1.0) } else { (1.0, 1.0) };
-        let [ab, bc, ca] = self.lengths;
-        let on = |edge: DVec3, length: f64| {
-            side * ray.direction.dot(edge) >= margin * (ray.slack * length + ray.grain)
-        };
-        if !(on(a.cross(b), ab) && on(b.cross(c), bc) && on(c.cross(a), ca)) {
-            return None;
-        }
+        let aspect = self.along(ray.direction)?;
         Some(Contact {
-            distance: (-height / cosine).max(0.0),
-            front,
+            distance: aspect.meet(ray)?,
+            front: aspect.side > 0.0,
         })
     }
 
-    /// Error bound of the point `distance` along `ray` as a point of this facet's plane, edge lengths: rounding of the
-    /// height over the plane, divided by the cosine, shifts the point along the ray.
-    pub fn slack_after(&self, ray: &Ray, distance: f64, reach: f64) -> f64 {
-        16.0 * f64::EPSILON * (reach + distance) / ray.direction.dot(self.normal).abs()
+    /// Error bound of the point `distance` along a ray in `direction` as a point of this facet's plane, edge lengths:
+    /// rounding of the height over the plane, divided by the cosine, shifts the point along the ray.
+    pub fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {
+        16.0 * f64::EPSILON * (reach + distance) / direction.dot(self.normal).abs()
     }
 }
 

@@ -374,10 +374,10 @@ fn uneven(columns: usize, rows: usize) -> Cell {
     cell
 }
 
-/// Rays in bundles have the outcomes that they have one by one, and by a loop over all facets, bit for bit: of meshes
+/// Rays in packets have, on every instruction set, the outcomes that they have one by one, and by a loop over all facets, bit for bit: of meshes
 /// of like and of unlike cubes and of one whose rays stay in it for long.
 #[test]
-fn bundles_equal_single_rays_bit_for_bit() {
+fn packets_equal_single_rays_bit_for_bit() {
     let bins = Bins::new(64, 1.5);
     let tir = Rules {
         refractive_index: 1.49,
@@ -389,7 +389,7 @@ fn bundles_equal_single_rays_bit_for_bit() {
         let launch = Launch::new(&cell.entrance);
         let [scene, oracle] =
             [Index::Hierarchy, Index::Loop].map(|index| Arc::new(Scene::new(&cell, index)));
-        assert!(scene.for_bundles().is_some());
+        assert!(scene.for_packets().is_some());
         for (incidence, azimuth) in [
             (0.0, 0.0),
             (20.0, 0.0),
@@ -402,6 +402,15 @@ fn bundles_equal_single_rays_bit_for_bit() {
                     let kernel = Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth);
                     assert!(kernel.programs().is_empty());
                     let stream = Stream::new(sampler, 8, incidence, azimuth, 0);
+                    let mut on_sets: Vec<Tally> = Vec::new();
+                    for set in InstructionSet::available() {
+                        let kernel =
+                            Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth).on(set);
+                        let mut tally = Tally::new(&bins);
+                        kernel.trace(&stream, 1_000..6_001, &mut tally);
+                        on_sets.push(tally);
+                    }
+                    assert!(on_sets.iter().all(|tally| *tally == on_sets[0]));
                     let tallies = [0, 1, 2].map(|way| {
                         let mut tally = Tally::new(&bins);
                         let rays = 1_000..6_001;
