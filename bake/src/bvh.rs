@@ -1,5 +1,5 @@
-//! Nearest hit among many facets: a bounding volume hierarchy, two-wide for single rays, eight-wide for bundles. The only
-//! file that names the BVH crate.
+//! Nearest hit among many facets: a bounding volume hierarchy, two-wide for single rays, eight-wide for bundles. The
+//! only file that names the BVH crate.
 //!
 //! The crate works in f32. Here it only chooses the candidates: its boxes are padded by more than the error of an f32
 //! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets

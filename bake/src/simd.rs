@@ -1,5 +1,5 @@
-//! The fence: the one file with unsafe code. It compiles [`crate::lanes`] and [`crate::packet`] once per instruction set and
-//! calls the best that the processor has.
+//! The fence: the one file with unsafe code. It compiles [`crate::lanes`] and [`crate::packet`] once per instruction set
+//! and calls the best that the processor has.
 //!
 //! The only unsafe act is calling a function that was compiled for an instruction set; an [`InstructionSet`] is only
 //! made after the processor was asked for it.

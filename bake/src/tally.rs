@@ -154,8 +154,8 @@ impl Sums {
 
     /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a normal variable with
     /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial; with R of them it is
-    /// their standard deviation s over sqrt R. (R - 1) s^2 / sigma^2 is chi-squared with R - 1 degrees of freedom, so the
-    /// mean of s is c4 sigma (`mean_deviation`), and every s is divided by c4.
+    /// their standard deviation s over sqrt R. (R - 1) s^2 / sigma^2 is chi-squared with R - 1 degrees of freedom, so
+    /// the mean of s is c4 sigma (`mean_deviation`), and every s is divided by c4.
     ///
     /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less than one ray.
     pub fn l1_error(&self) -> f64 {
