@@ -158,10 +158,15 @@ pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
 
 /// The optimum of a candidate on the MTFs to a thousandth: enough to tell a hopeless one.
 pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
+    rough_from(scene, choice, start::points(scene, choice))
+}
+
+/// The same from given starting points, of which there is at least one.
+pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
     const ROUGH: f64 = 1e-3;
     let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
-    let solution = start::points(scene, choice)
+    let solution = starts
         .into_iter()
         .map(|start| {
             let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();

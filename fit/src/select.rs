@@ -5,12 +5,13 @@
 //! every bin of pixels, not every pixel, for most pixels of a bin repeat one another. A further term must lower it by more
 //! than [`CLEAR`].
 
-use crate::estimate::{Choice, Estimate, Optimum, estimate, refined, rough, unrefined};
+use crate::estimate::{Choice, Estimate, Optimum, estimate, refined, rough, rough_from, unrefined};
 use crate::kernel::Kernel;
 use crate::layout::Layout;
 use crate::lobe::Shape;
 use crate::loss::{Kind, Loss};
 use crate::scene::Scene;
+use crate::start;
 
 /// Fall of the criterion below which the simpler candidate stays.
 pub const CLEAR: f64 = 4.0;
@@ -62,6 +63,7 @@ pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<
         .into_iter()
         .map(|choice| rough(scene, choice))
         .collect();
+    share_c(scene, &mut fits);
     let least = fits
         .iter()
         .map(Optimum::criterion)
@@ -110,6 +112,34 @@ pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<
         loss,
         best,
         compared,
+    }
+}
+
+/// Tries every candidate from the c of the best one, where its own c lies elsewhere: c is a length of the sheet whatever
+/// the other terms, and a far c may be a local optimum.
+fn share_c(scene: &Scene, fits: &mut [Optimum]) {
+    const ELSEWHERE: f64 = 0.1;
+    let ln_c = |fit: &Optimum| {
+        fit.choice
+            .kernel
+            .has_c()
+            .then(|| fit.solution.parameters[0])
+    };
+    let best = fits
+        .iter()
+        .filter(|fit| fit.choice.kernel.has_c())
+        .min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
+    let Some(shared) = best.and_then(ln_c) else {
+        return;
+    };
+    for fit in fits {
+        if ln_c(fit).is_some_and(|own| (own - shared).abs() > ELSEWHERE) {
+            let start = start::at(scene, fit.choice, shared.exp()).1;
+            let other = rough_from(scene, fit.choice, vec![start]);
+            if other.criterion() < fit.criterion() {
+                *fit = other;
+            }
+        }
     }
 }
 
