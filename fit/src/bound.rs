@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::DVector;
 
-use crate::estimate::{Estimate, sum_of_squares_with};
+use crate::estimate::{Choice, Estimate, estimate, refined, rough, sum_of_squares_with};
 use crate::kernel::Kernel;
 use crate::loss::Loss;
 use crate::report::Bound;
 use crate::scene::Scene;
+use crate::select::Selection;
 
 /// Relative standard error beyond which an estimate is a number without meaning.
 const MEANINGLESS: f64 = 0.5;
@@ -21,24 +22,49 @@ const RISE: f64 = 2.706;
 /// direction in which its blur fades away).
 pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bound> {
     let mut found = BTreeMap::new();
-    let unit = fit.reduced_chi2().max(1.0);
     for i in 0..fit.blur_parameters() {
         let relative = fit.covariance[(i, i)].sqrt() / fit.solution.parameters[i].exp();
         if relative.is_finite() && relative < MEANINGLESS {
             continue;
         }
-        let is_c = fit.names[i] == "c_mm";
-        // c vanishes downwards, so its bound lies above; a vanishes upwards, so its bound lies below. Waves spread either way.
-        let wave = fit.choice.kernel == Kernel::Wave;
-        let limit = |way| edge(scene, loss, fit, i, way, RISE * unit);
-        let bound = Bound {
-            at_least: (!is_c || wave).then(|| limit(-1.0)).flatten(),
-            at_most: is_c.then(|| limit(1.0)).flatten(),
-            confidence: CONFIDENCE,
-        };
-        found.insert(fit.names[i].clone(), bound);
+        found.insert(fit.names[i].clone(), bound(scene, loss, fit, i));
     }
     found
+}
+
+/// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where the shift alone was,
+/// from the literal Eq. (1), which has both. `None` where both are there, or Eq. (1) was no candidate.
+pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
+    let choice = selection.best.choice;
+    let name = match choice.kernel {
+        Kernel::Lobe => "c_mm",
+        Kernel::Shift => "a_per_mm",
+        Kernel::Eq1 | Kernel::Angular | Kernel::Wave => return None,
+    };
+    let rows = &mut selection.compared.iter();
+    rows.find(|row| row.choice.kernel == Kernel::Eq1)?;
+    let both = Choice {
+        kernel: Kernel::Eq1,
+        per_angle_a: false,
+        ..choice
+    };
+    let loss = &selection.loss;
+    let fit = estimate(scene, loss, refined(scene, loss, rough(scene, both)));
+    let i = fit.names.iter().position(|own| own == name)?;
+    Some((name.into(), bound(scene, loss, &fit, i)))
+}
+
+fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize) -> Bound {
+    let unit = fit.reduced_chi2().max(1.0);
+    let is_c = fit.names[i] == "c_mm";
+    // c vanishes downwards, so its bound lies above; a vanishes upwards, so its bound lies below. Waves spread either way.
+    let wave = fit.choice.kernel == Kernel::Wave;
+    let limit = |way| edge(scene, loss, fit, i, way, RISE * unit);
+    Bound {
+        at_least: (!is_c || wave).then(|| limit(-1.0)).flatten(),
+        at_most: is_c.then(|| limit(1.0)).flatten(),
+        confidence: CONFIDENCE,
+    }
 }
 
 /// Where the profile likelihood of parameter `i` has risen by `rise`, walking up or down; `None` where it never does.

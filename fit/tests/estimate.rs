@@ -2,7 +2,7 @@
 
 mod planted;
 
-use fit::bound::bounds;
+use fit::bound::{absent, bounds};
 use fit::captures::{self, Spectrum};
 use fit::estimate::{Choice, Estimate, estimate, optimum, residuals_at};
 use fit::kernel::{Blur, Kernel};
@@ -226,7 +226,18 @@ fn selection_finds_the_planted_terms() {
                 &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
                 &table,
             );
-            let chosen = select(&scene, Kind::Mtf, &everything).best.choice;
+            let selection = select(&scene, Kind::Mtf, &everything);
+            // What is left out is bounded: c below what would blur like a pixel (0.05), a above 20.
+            let bound = absent(&scene, &selection);
+            match kernel {
+                Kernel::Lobe => assert!(bound.is_some_and(
+                    |(name, b)| name == "c_mm" && b.at_most.is_some_and(|c| c > 0.0 && c < 0.1)
+                )),
+                Kernel::Shift => assert!(bound.is_some_and(|(name, b)| name == "a_per_mm"
+                    && b.at_least.is_some_and(|a| a > 20.0 && a.is_finite()))),
+                _ => assert_eq!(bound, None),
+            }
+            let chosen = selection.best.choice;
             assert_eq!(chosen.kernel, kernel, "planted {kernel:?} {shape:?}");
             if kernel.has_lobe() {
                 assert_eq!(chosen.shape, shape, "planted {kernel:?} {shape:?}");

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use tables::Outputs;
 
-use crate::bound::bounds;
+use crate::bound::{absent, bounds};
 use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
 use crate::estimate::Value;
@@ -254,7 +254,8 @@ fn estimate(
             manifest: arguments.captures.clone(),
         });
     }
-    let bounds = bounds(&scene, &selection.loss, &selection.best);
+    let mut bounds = bounds(&scene, &selection.loss, &selection.best);
+    bounds.extend(absent(&scene, &selection));
     let source = TableResult::of(&table);
     Ok(ResultFile::new(
         &scene,
