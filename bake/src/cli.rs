@@ -46,8 +46,8 @@ enum Verb {
     Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
     #[command(
-        after_help = "Example: up to 4 million rays per direction, and the curves as a picture\n  \
-        bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 4194304 --plot study.svg"
+        after_help = "Example: up to a million rays per direction, and the curves as a picture\n  \
+        bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 1048576 --plot study.svg"
     )]
     Study(Box<study::StudyArgs>),
     /// Says what is in a table
