@@ -90,8 +90,9 @@ demo: tools
 	@$(BIN)/bake trace demo/pair.obj -o demo/pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
 	@$(BIN)/bake inspect demo/pair.h5 --plot demo/shift.png
 	@$(BIN)/fit estimate $(CAMPAIGN)/captures.toml --table demo/pair.h5 --truth $(CAMPAIGN)/truth.json \
-		-o demo/result.json --plot demo/mtf.png
+		-o demo/result.json --plot demo/mtf.png --report demo/report.html
 	@echo
+	@echo "demo/report.html  all of it on one page: open this first"
 	@echo "demo/pair.obj     the mesh of one cell"
 	@echo "demo/pair.h5      its ray-shift table"
 	@echo "demo/shift.png    the histograms of the ray shift"

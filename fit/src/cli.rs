@@ -1,5 +1,6 @@
 //! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
 
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -209,6 +210,26 @@ pub fn json(object: &impl serde::Serialize) -> String {
     text + "\n"
 }
 
+/// A command line as a shell would take it again; the program without its folder.
+pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
+    let quoted = |text: String| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+@%".contains(c);
+        if !text.is_empty() && text.chars().all(plain) {
+            text
+        } else {
+            format!("'{}'", text.replace('\'', "'\\''"))
+        }
+    };
+    let mut arguments = arguments.into_iter();
+    let program = PathBuf::from(arguments.next().unwrap_or_default());
+    let program = program.file_name().map(OsString::from);
+    let words = program.into_iter().chain(arguments);
+    let words: Vec<String> = words
+        .map(|word| quoted(word.to_string_lossy().into_owned()))
+        .collect();
+    words.join(" ")
+}
+
 /// Prints a remark to standard error where a person reads it; a pipe stays quiet.
 pub fn note(text: &str) {
     let mut stderr = std::io::stderr();
@@ -318,4 +339,25 @@ pub fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, Failure>
             threads,
             message: e.to_string(),
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_line_can_be_pasted() {
+        let words = [
+            "/usr/bin/fit",
+            "estimate",
+            "my sheet.toml",
+            "it's",
+            "",
+            "--table=a.h5",
+        ];
+        assert_eq!(
+            command_line(words.map(OsString::from)),
+            r"fit estimate 'my sheet.toml' 'it'\''s' '' --table=a.h5"
+        );
+    }
 }

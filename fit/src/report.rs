@@ -378,7 +378,7 @@ fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
 }
 
 /// Reduced chi-square above which the model is said not to describe the photographs.
-const POOR_FIT: f64 = 2.0;
+pub const POOR_FIT: f64 = 2.0;
 
 fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
     let best = &selection.best;

@@ -14,11 +14,13 @@ use crate::estimate::Value;
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use crate::loss::Kind;
+use crate::page::{Evidence, Page};
 use crate::plot;
 use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
 use crate::select::{Candidates, select};
 use crate::solve::Stop;
+use crate::truth::Truth;
 use crate::wave;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
@@ -30,7 +32,8 @@ by more than 4. Standard errors carry pixel noise, the lens fit, the reference's
 Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   fit estimate captures.toml --table pair.h5 -o result.json
-  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json")]
+  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json
+  fit estimate captures.toml --table pair.h5 -o result.json --report report.html")]
 pub struct Arguments {
     /// The campaign's manifest
     pub captures: PathBuf,
@@ -69,6 +72,9 @@ pub struct Arguments {
     /// Measured and modelled MTF curves as a picture, .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// A page for a person, in one file: estimates with intervals, curves, the choice of terms, warnings with pictures
+    #[arg(long, value_name = "REPORT.html")]
+    pub report: Option<PathBuf>,
     /// Threads; one per core if left out
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -186,13 +192,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside(inputs);
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
-    let truth: Option<serde_json::Value> = arguments
+    let page = cli::reserve(arguments.report.as_deref(), &mut outputs)?;
+    let truth: Option<Truth> = arguments
         .truth
         .as_deref()
         .map(|path| cli::read_json(path, "holds a planted answer"))
         .transpose()?;
-    let result =
-        cli::pool(arguments.threads)?.install(|| estimate(arguments, &plan, &campaign, start))?;
+    let pool = cli::pool(arguments.threads)?;
+    let (result, evidence) = pool.install(|| estimate(arguments, &plan, &campaign, start))?;
     for warning in &result.warnings {
         cli::warn(warning);
     }
@@ -204,6 +211,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let json = cli::json(&result);
     if let Some((path, output)) = picture {
         output.commit(&plot::fitted(&result, path)?)?;
+    }
+    if let (Some(page), Some(evidence)) = (page, &evidence) {
+        let shown = Page {
+            result: &result,
+            campaign: &campaign,
+            truth: truth.as_ref(),
+            evidence,
+            command: &cli::command_line(std::env::args_os()),
+        };
+        page.commit(pool.install(|| shown.html()).as_bytes())?;
     }
     if let Some(output) = output {
         output.commit(json.as_bytes())?;
@@ -220,7 +237,7 @@ fn estimate(
     plan: &Plan,
     campaign: &Campaign,
     start: Instant,
-) -> Result<ResultFile, Failure> {
+) -> Result<(ResultFile, Option<Evidence>), Failure> {
     let table = tables::read(&arguments.table)?;
     let mut scene = Scene::load(campaign, &table)?;
     let mut candidates = plan.candidates.clone();
@@ -257,17 +274,15 @@ fn estimate(
     let mut bounds = bounds(&scene, &selection.loss, &selection.best);
     bounds.extend(absent(&scene, &selection));
     let source = TableResult::of(&table);
-    Ok(ResultFile::new(
-        &scene,
-        &selection,
-        bounds,
-        source,
-        start.elapsed().as_secs_f64(),
-    ))
+    let seconds = start.elapsed().as_secs_f64();
+    let result = ResultFile::new(&scene, &selection, bounds, source, seconds);
+    let evidence = arguments.report.as_ref();
+    let evidence = evidence.map(|_| Evidence::of(&scene, &selection, &result.bounds));
+    Ok((result, evidence))
 }
 
 /// The result as a table for a person.
-fn summary(result: &ResultFile, truth: Option<&serde_json::Value>) -> String {
+fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let mut text = String::new();
     let lobe = result
         .lobe
@@ -293,12 +308,7 @@ fn summary(result: &ResultFile, truth: Option<&serde_json::Value>) -> String {
         "{:<12}{:>10}{:>12}{:>14}   {head}",
         "", "incidence", "estimate", "std. error"
     );
-    let planted = |name: &str, incidence: Option<f64>| {
-        let value = truth?.get("truth")?.get(name)?;
-        value
-            .as_f64()
-            .or_else(|| value.get(incidence?.to_string())?.as_f64())
-    };
+    let planted = |key: &str, incidence: Option<f64>| truth?.of(key, incidence);
     let mut row = |label: &str, key: &str, incidence: Option<f64>, number: Number| {
         let angle = incidence.map_or(String::new(), |i| format!("{i}°"));
         let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
@@ -318,10 +328,10 @@ fn summary(result: &ResultFile, truth: Option<&serde_json::Value>) -> String {
         text.push('\n');
     };
     if let Some(c) = result.c_mm {
-        row("c (mm)", "c", None, c);
+        row("c (mm)", "c_mm", None, c);
     }
     let parameters = [
-        ("a (1/mm)", "a", &result.a_per_mm),
+        ("a (1/mm)", "a_per_mm", &result.a_per_mm),
         ("a R", "a_times_r", &result.a_times_r),
         ("mu", "mu", &result.mu),
     ];

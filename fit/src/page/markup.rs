@@ -1,0 +1,147 @@
+//! Text and numbers of a page. Everything that comes from a file or a command line goes through [`escape`].
+
+/// Text for any place of the page, attributes too. Characters that no XML may hold become the replacement character.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\t' | '\n' | '\r' => out.push(character),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// A number with as many decimals as show two significant digits of its error.
+pub fn rounded(value: f64, error: f64) -> String {
+    let decimals = if error > 0.0 && error.is_finite() {
+        (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize
+    } else {
+        5
+    };
+    minus(format!("{value:.decimals$}"))
+}
+
+/// A number with so many significant digits; a power of ten where it would be long.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return minus(format!("{value}"));
+    }
+    let power = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&power) {
+        let mantissa = format!("{:.*}", digits - 1, value / 10f64.powf(power));
+        return minus(format!("{mantissa}e{power}"));
+    }
+    let decimals = (digits as f64 - 1.0 - power).max(0.0) as usize;
+    minus(format!("{value:.decimals$}"))
+}
+
+/// A criterion or a chi-square: one decimal, or whole in groups of three where it is large.
+pub fn grouped(value: f64) -> String {
+    if value.abs() < 10_000.0 || !value.is_finite() {
+        return minus(format!("{value:.1}"));
+    }
+    let digits = format!("{:.0}", value.abs());
+    let mut out = String::from(if value < 0.0 { "\u{2212}" } else { "" });
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// The typographic minus.
+pub fn minus(number: String) -> String {
+    number.replace('-', "\u{2212}")
+}
+
+/// A number of things.
+pub fn count(number: usize, one: &str, several: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { several })
+}
+
+/// A table that scrolls by itself where it is wider than the page. Cells are markup; the first of a row is its header.
+pub fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
+    let mut out = format!(
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\"><table>\n<thead><tr>",
+        escape(label)
+    );
+    for title in head {
+        out.push_str(&format!("<th scope=\"col\">{title}</th>"));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    for row in rows {
+        out.push_str(if row.chosen {
+            "<tr class=\"chosen\">"
+        } else {
+            "<tr>"
+        });
+        for (i, cell) in row.cells.iter().enumerate() {
+            out.push_str(&match i {
+                0 => format!("<th scope=\"row\">{cell}</th>"),
+                _ => format!("<td>{cell}</td>"),
+            });
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody></table></div>\n");
+    out
+}
+
+/// One row of a [`table`].
+pub struct Row {
+    /// Markup of the cells.
+    pub cells: Vec<String>,
+    /// Whether it stands out.
+    pub chosen: bool,
+}
+
+impl From<Vec<String>> for Row {
+    fn from(cells: Vec<String>) -> Row {
+        Row {
+            cells,
+            chosen: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_of_a_name_reaches_the_page_as_markup() {
+        assert_eq!(
+            escape("<script>'\"&\u{1}\u{ffff}é</script>"),
+            "&lt;script&gt;&#39;&quot;&amp;\u{fffd}\u{fffd}é&lt;/script&gt;"
+        );
+    }
+
+    #[test]
+    fn numbers_show_what_is_known() {
+        let cases = [
+            (rounded(0.240_026, 0.000_456), "0.24003"),
+            (rounded(4.901_98, 0.001_98), "4.9020"),
+            (rounded(735.4, 12.0), "735"),
+            (rounded(-1.5, 0.0), "\u{2212}1.50000"),
+            (significant(0.012_345, 3), "0.0123"),
+            (significant(123_456.0, 3), "123456"),
+            (significant(1.234e-7, 3), "1.23e\u{2212}7"),
+            (significant(0.0, 3), "0"),
+            (grouped(-380.27), "\u{2212}380.3"),
+            (grouped(7_211_123.4), "7\u{202f}211\u{202f}123"),
+        ];
+        for (found, wanted) in &cases {
+            assert_eq!(found, wanted);
+        }
+        assert_eq!(cases.len(), 10);
+    }
+}

@@ -1,0 +1,136 @@
+//! A headless Chromium, where there is one.
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Names that Chromium has in distributions.
+const NAMES: [&str; 4] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "chrome-headless-shell",
+];
+
+/// A browser on this machine.
+pub struct Browser {
+    program: PathBuf,
+    // Its profile, removed when the test ends.
+    profile: tempfile::TempDir,
+}
+
+impl Browser {
+    /// The program that AIRR_CHROMIUM names, else a Chromium on the path. Without one says so past the test harness, which
+    /// keeps what a passing test prints.
+    ///
+    /// # Panics
+    /// When AIRR_CHROMIUM names no file.
+    pub fn find() -> Option<Browser> {
+        let program = match std::env::var_os("AIRR_CHROMIUM") {
+            Some(named) => {
+                let named = PathBuf::from(named);
+                assert!(
+                    named.is_file(),
+                    "AIRR_CHROMIUM: {} is no file",
+                    named.display()
+                );
+                Some(named)
+            }
+            None => on_path(),
+        };
+        if program.is_none() {
+            let _ = writeln!(
+                std::io::stderr(),
+                "SKIPPED: no Chromium on PATH, the report was not looked at in a browser (Debian: apt install chromium, \
+                 or set AIRR_CHROMIUM)"
+            );
+        }
+        Some(Browser {
+            program: program?,
+            profile: tempfile::tempdir().expect("a temporary folder"),
+        })
+    }
+
+    /// Opens a page that posts JSON to its parent, in a frame of a width (a window of less than 500 is not to be had), and
+    /// returns that.
+    ///
+    /// # Panics
+    /// When the browser fails, or no JSON comes.
+    pub fn probe(&self, page: &Path, width: u32, dark: bool) -> Value {
+        let scheme = if dark { 0 } else { 1 };
+        let frame = self.profile.path().join("frame.html");
+        let markup = format!(
+            "<!DOCTYPE html><html style=\"color-scheme: light dark\"><title></title>\
+             <script>addEventListener('message', (event) => {{ document.title = event.data; }});</script>\
+             <iframe src=\"{}\" style=\"width: {width}px; height: 900px; border: 0\"></iframe></html>",
+            address(page).display()
+        );
+        std::fs::write(&frame, markup).expect("a temporary folder takes a file");
+        let output = self.run(&[
+            "--window-size=1400,900".into(),
+            format!("--blink-settings=preferredColorScheme={scheme}").into(),
+            // Time passes as fast as the page works, and the page is dumped when it is at rest.
+            "--virtual-time-budget=10000".into(),
+            "--dump-dom".into(),
+            address(&frame),
+        ]);
+        let dumped = String::from_utf8_lossy(&output.stdout);
+        let title = dumped
+            .split_once("<title>")
+            .and_then(|(_, rest)| rest.split_once("</title>"))
+            .map(|(title, _)| title.replace("&amp;", "&"));
+        title
+            .as_deref()
+            .and_then(|title| serde_json::from_str(title).ok())
+            .unwrap_or_else(|| panic!("{title:?}\n{}", String::from_utf8_lossy(&output.stderr)))
+    }
+
+    /// Prints a page to a PDF and returns its bytes.
+    ///
+    /// # Panics
+    /// When the browser fails or writes nothing.
+    pub fn print(&self, page: &Path, pdf: &Path) -> Vec<u8> {
+        let mut to = OsString::from("--print-to-pdf=");
+        to.push(pdf);
+        let output = self.run(&[to, "--no-pdf-header-footer".into(), address(page)]);
+        std::fs::read(pdf)
+            .unwrap_or_else(|error| panic!("{error}\n{}", String::from_utf8_lossy(&output.stderr)))
+    }
+
+    fn run(&self, arguments: &[OsString]) -> Output {
+        let mut profile = OsString::from("--user-data-dir=");
+        profile.push(self.profile.path());
+        let output = Command::new(&self.program)
+            .args(["--headless", "--disable-gpu", "--hide-scrollbars"])
+            // The sandbox wants rights that a container lacks; the only page opened is our own.
+            .args(["--no-sandbox", "--disable-dev-shm-usage", "--no-first-run"])
+            .arg(profile)
+            .args(arguments)
+            .output()
+            .unwrap_or_else(|error| panic!("{}: {error}", self.program.display()));
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        output
+    }
+}
+
+fn on_path() -> Option<PathBuf> {
+    let path = std::env::var_os("PATH")?;
+    let folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
+    NAMES
+        .iter()
+        .flat_map(|name| folders.iter().map(move |folder| folder.join(name)))
+        .find(|program| program.is_file())
+}
+
+fn address(page: &Path) -> OsString {
+    let mut address = OsString::from("file://");
+    address.push(page);
+    address
+}

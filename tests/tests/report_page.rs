@@ -1,0 +1,393 @@
+//! `fit estimate --report`: the page as a tree, and as a browser shows it.
+
+use std::fs;
+use std::path::Path;
+
+use base64::Engine;
+use roxmltree::{Document, Node, ParsingOptions};
+use serde_json::Value;
+use tests::browser::Browser;
+use tests::estimate::json;
+use tests::files::{argument, bake_table};
+use tests::program::fit;
+
+/// A file name that would be markup if it reached the page as it is.
+const HOSTILE: &str = "<script>alert('1')&\"<b>.exr";
+
+/// A campaign of six photographs, each a pair at 0, 20 and 40 degrees, with things to warn about: a half mirror that makes mu
+/// larger than 1; one photograph at 20 degrees has a hostile name and a region.
+fn doubtful_campaign(here: &Path) -> String {
+    let parameters = argument("tests/tests/planted/eq1.toml");
+    fit(
+        here,
+        &["simulate", &parameters, "-o", "campaign", "--force"],
+    )
+    .done();
+    let folder = here.join("campaign");
+    let manifest = folder.join("captures.toml");
+    let text = fs::read_to_string(&manifest).unwrap();
+    let renamed = "aerial_002_150mm_20deg_tan.exr";
+    fs::rename(folder.join(renamed), folder.join(HOSTILE)).unwrap();
+    let named = format!("image = \"{renamed}\"");
+    let hostile = format!("image = '''{HOSTILE}'''\nroi = [40, 30, 240, 200]");
+    let mirror = "half_mirror_transmittance = 0.5";
+    assert_eq!(
+        (text.matches(&named).count(), text.matches(mirror).count()),
+        (1, 1)
+    );
+    let text = text.replace(&named, &hostile);
+    let text = text.replace(mirror, "half_mirror_transmittance = 0.2");
+    fs::write(&manifest, text).unwrap();
+    "campaign/captures.toml".into()
+}
+
+/// A report of that campaign, and its result.
+fn report(here: &Path, options: &[&str]) -> (String, Value) {
+    let table = bake_table(here, "triangular-pair", "0:40:20", "30");
+    let manifest = doubtful_campaign(here);
+    let files = [
+        "estimate", &manifest, "--table", &table, "-o", "r.json", "--report", "r.html",
+    ];
+    let truth = ["--truth", "campaign/truth.json"];
+    let run = fit(here, &[&files[..], &truth, options].concat());
+    assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
+    let page = fs::read_to_string(here.join("r.html")).unwrap();
+    (page, json(&here.join("r.json")))
+}
+
+fn parse(page: &str) -> Document<'_> {
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(page, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn all<'a>(tree: &'a Document, name: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
+    tree.descendants()
+        .filter(move |node| node.has_tag_name(name))
+}
+
+fn text(node: Node) -> String {
+    let texts = node.descendants().filter(|n| n.is_text());
+    texts.filter_map(|n| n.text()).collect()
+}
+
+/// What a browser may fetch or run: nothing.
+fn asks_for_nothing(page: &str, tree: &Document) {
+    for word in ["http", "//", "url(", "@import", "javascript:"] {
+        // Base64 holds slashes.
+        let outside = page
+            .split("data:image/png;base64,")
+            .map(|part| part.split_once('"').map_or(part, |(_, rest)| rest));
+        for part in std::iter::once(page.split("data:").next().unwrap()).chain(outside.skip(1)) {
+            assert!(!part.contains(word), "the page holds {word}");
+        }
+    }
+    for node in tree.descendants().filter(Node::is_element) {
+        let tag = node.tag_name().name();
+        assert!(
+            !["script", "link", "iframe", "object", "img"].contains(&tag),
+            "{tag}"
+        );
+        for attribute in node.attributes() {
+            let (name, value) = (attribute.name(), attribute.value());
+            assert!(!name.starts_with("on") && name != "src", "{name}={value}");
+            if name == "href" {
+                let inside = value.starts_with('#') || value.starts_with("data:image/png;base64,");
+                assert!(inside, "{value}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_page_is_whole_and_escaped() {
+    let folder = tempfile::tempdir().unwrap();
+    let (page, result) = report(folder.path(), &[]);
+    let tree = parse(&page);
+    asks_for_nothing(&page, &tree);
+
+    // Every photograph has its curves, under its own name.
+    let named: Vec<String> = all(&tree, "figure")
+        .filter(|figure| figure.attribute("class") == Some("capture"))
+        .map(|figure| {
+            let code = figure.descendants().find(|n| n.has_tag_name("code"));
+            text(code.expect("a capture has a name"))
+        })
+        .collect();
+    let captures = result["captures"].as_array().unwrap();
+    let wanted: Vec<&str> = captures
+        .iter()
+        .map(|c| c["image"].as_str().unwrap())
+        .collect();
+    assert_eq!((named.len(), wanted[1]), (6, HOSTILE));
+    assert_eq!(named, wanted);
+
+    // Every number of the result is in a table: c, and a and mu at three angles. Two digits of the error are shown, so that
+    // rounding takes at most 0.05 of it.
+    let rows: Vec<Vec<String>> = all(&tree, "tr")
+        .map(|row| row.children().filter(Node::is_element).map(text).collect())
+        .collect();
+    let mut found = 0;
+    let mut is_shown = |symbol: &str, angle: &str, number: &Value| {
+        let get = |key: &str| number[key].as_f64().unwrap();
+        let row = rows
+            .iter()
+            .find(|row| row[0].starts_with(symbol) && row[1] == angle);
+        let shown: f64 = row.expect("it has a row")[2].parse().unwrap();
+        let off = (shown - get("value")).abs() / get("standard_error");
+        assert!(off <= 0.0501, "{symbol} at {angle}: {shown} for {number}");
+        found += 1;
+    };
+    is_shown("c", "all", &result["c_mm"]);
+    for (symbol, parameter) in [("a", "a_per_mm"), ("\u{b5}", "mu")] {
+        for entry in result[parameter]["per_angle"].as_array().unwrap() {
+            let angle = format!("{}\u{b0}", entry["incidence_deg"].as_f64().unwrap());
+            is_shown(symbol, &angle, entry);
+        }
+    }
+    let chosen = all(&tree, "tr").filter(|row| row.attribute("class") == Some("chosen"));
+    let chosen: Vec<String> = chosen.map(text).collect();
+    assert_eq!(chosen.len(), 1, "{chosen:?}");
+    assert!(chosen[0].starts_with("eq1radiala per angle"), "{chosen:?}");
+    let candidates = result["candidates"].as_array().unwrap().len();
+    assert_eq!((found, candidates), (7, 7));
+
+    // Every warning is there.
+    let warnings: Vec<String> = all(&tree, "li").map(text).collect();
+    let said = captures
+        .iter()
+        .map(|c| &c["warnings"])
+        .chain([&result["warnings"]])
+        .flat_map(|list| list.as_array().unwrap());
+    let mut counted = 0;
+    for warning in said.map(|w| w.as_str().unwrap()) {
+        assert!(
+            warnings.iter().any(|w| w == warning),
+            "{warning} in {warnings:?}"
+        );
+        counted += 1;
+    }
+    assert_eq!((counted, warnings.len()), (warnings.len(), counted));
+    assert!(counted > 0, "nothing was warned about");
+
+    // Where it comes from.
+    for wanted in [
+        result["table"]["content_hash"].as_str().unwrap(),
+        "--report r.html",
+    ] {
+        assert!(
+            all(&tree, "code").any(|code| text(code).contains(wanted)),
+            "{wanted}"
+        );
+    }
+}
+
+#[test]
+fn the_page_can_be_read_by_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let (page, _) = report(folder.path(), &[]);
+    let tree = parse(&page);
+    assert_eq!(tree.root_element().attribute("lang"), Some("en"));
+    let mut pictures = 0;
+    for svg in
+        all(&tree, "svg").filter(|svg| !svg.ancestors().skip(1).any(|a| a.has_tag_name("svg")))
+    {
+        assert_eq!(svg.attribute("role"), Some("img"));
+        assert!(
+            svg.attribute("aria-label")
+                .is_some_and(|label| label.len() > 10)
+        );
+        pictures += 1;
+    }
+    // Six photographs, a and mu by angle, the profile of c, the ellipses; crops come on top.
+    assert!(pictures >= 6 + 2 + 2, "{pictures}");
+    let headings: Vec<&str> = tree
+        .descendants()
+        .map(|node| node.tag_name().name())
+        .filter(|name| ["h1", "h2", "h3"].contains(name))
+        .collect();
+    assert_eq!((headings[0], headings[1]), ("h1", "h2"));
+    assert_eq!(headings.iter().filter(|h| **h == "h1").count(), 1);
+    let mut ids: Vec<&str> = tree
+        .descendants()
+        .filter_map(|n| n.attribute("id"))
+        .collect();
+    let links = all(&tree, "a").filter_map(|a| a.attribute("href")?.strip_prefix('#'));
+    for anchor in links {
+        assert!(ids.contains(&anchor), "#{anchor} leads nowhere");
+    }
+    let (before, _) = (ids.len(), ids.sort_unstable());
+    ids.dedup();
+    assert_eq!((ids.len(), before), (12, 12), "ids are unique");
+}
+
+#[test]
+fn the_page_does_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let (one, _) = report(folder.path(), &["--threads", "1"]);
+    let (two, _) = report(folder.path(), &["--threads", "2"]);
+    assert!(one.contains("--threads 1"));
+    assert!(one.replace("--threads 1", "--threads 2") == two);
+}
+
+#[test]
+fn a_crop_shows_the_photograph_that_is_warned_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table(here, "triangular-pair", "0:40:40", "30");
+    let manifest = doubtful_campaign(here);
+    let files = [
+        "estimate", &manifest, "--table", &table, "--report", "r.html",
+    ];
+    let run = fit(here, &files);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let page = fs::read_to_string(here.join("r.html")).unwrap();
+    let tree = parse(&page);
+    let crops: Vec<Node> = all(&tree, "svg")
+        .filter(|svg| svg.attribute("class") == Some("photo"))
+        .collect();
+    // The two photographs at 20 degrees: this table brackets that angle and lacks it, which is warned about.
+    assert_eq!(crops.len(), 2);
+    // Blocks of 2 pixels: the region of 240 x 200 at (40, 30) with a margin of 36, and the whole picture of 320 x 256.
+    let label = crops[0].attribute("aria-label").unwrap();
+    assert!(label.starts_with(HOSTILE), "{label}");
+    let sizes = [(156, 128), (160, 128)];
+    for (crop, (size, regions)) in crops.iter().zip(sizes.iter().zip([1, 0])) {
+        let image = crop
+            .descendants()
+            .find(|n| n.has_tag_name("image"))
+            .unwrap();
+        let data = image.attribute("href").unwrap();
+        let data = data.strip_prefix("data:image/png;base64,").unwrap();
+        let png = base64::engine::general_purpose::STANDARD
+            .decode(data)
+            .unwrap();
+        let picture = image::load_from_memory(&png).unwrap();
+        assert_eq!((picture.width(), picture.height()), *size);
+        let drawn = |tag: &str| crop.descendants().filter(|n| n.has_tag_name(tag)).count();
+        assert_eq!(drawn("rect"), regions);
+        assert_eq!(drawn("path"), 2, "the edge and its dark border");
+    }
+}
+
+#[test]
+fn what_is_only_bounded_has_a_page_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table(here, "triangular-pair", "0:30:30", "30");
+    let parameters = fs::read_to_string(argument("tests/tests/planted/angular.toml")).unwrap();
+    // The lobe alone: c has no value, only an upper bound.
+    let parameters = parameters
+        .replace("kernel = \"angular\"", "kernel = \"lobe\"")
+        .replace("a = 900.0", "a = 2.5");
+    fs::write(here.join("lobe.toml"), parameters).unwrap();
+    fit(here, &["simulate", "lobe.toml", "-o", "lobe"]).done();
+    let files = [
+        "estimate",
+        "lobe/captures.toml",
+        "--table",
+        &table,
+        "-o",
+        "r.json",
+        "--report",
+        "r.html",
+    ];
+    let terms = ["--kernel", "eq1", "--lobe", "separable", "--shared", "a,mu"];
+    fit(here, &[&files[..], &terms].concat()).done();
+    let result = json(&here.join("r.json"));
+    assert!(
+        result["bounds"]["c_mm"]["at_most"].is_f64(),
+        "{}",
+        result["bounds"]
+    );
+    let page = fs::read_to_string(here.join("r.html")).unwrap();
+    let tree = parse(&page);
+    asks_for_nothing(&page, &tree);
+    let bound = |tree: &Document| {
+        let cards: String = all(tree, "dl").map(text).collect();
+        assert!(cards.contains("c corner size\n< 0."), "{cards}");
+    };
+    bound(&tree);
+    let profiles = all(&tree, "svg")
+        .filter_map(|svg| svg.attribute("aria-label"))
+        .filter(|label| label.starts_with("Profile likelihood: c is smaller than"));
+    assert_eq!(profiles.count(), 1);
+
+    // Left open, the lobe alone is chosen, and c is bounded without being in the model.
+    fit(here, &[&files[..], &["--lobe", "separable"]].concat()).done();
+    assert_eq!(json(&here.join("r.json"))["kernel"], "lobe");
+    let page = fs::read_to_string(here.join("r.html")).unwrap();
+    bound(&parse(&page));
+}
+
+#[test]
+fn a_page_replaces_no_input_and_no_other_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table(here, "triangular-pair", "0:40:20", "30");
+    let manifest = doubtful_campaign(here);
+    let before = fs::read(here.join(&manifest)).unwrap();
+    let mut refused = 0;
+    for (other, remedy) in [
+        (manifest.as_str(), "write to another file"),
+        ("same", "give each a file of its own"),
+        ("no/such/folder/r.html", "make the folder"),
+    ] {
+        let files = [
+            "estimate", &manifest, "--table", &table, "-o", "same", "--report", other,
+        ];
+        let run = fit(here, &files);
+        assert_eq!(run.code, Some(1), "{}", run.line);
+        assert!(run.err.contains(remedy), "{}", run.err);
+        refused += 1;
+    }
+    assert_eq!(refused, 3);
+    assert_eq!(fs::read(here.join(&manifest)).unwrap(), before);
+    assert!(!here.join("same").exists());
+}
+
+/// Widths of a phone and of a desk, in CSS pixels, and whether the person likes it dark.
+const WINDOWS: [(u32, bool); 4] = [(390, false), (390, true), (1200, false), (1200, true)];
+
+#[test]
+fn a_browser_shows_the_page_at_every_width_and_on_paper() {
+    let Some(browser) = Browser::find() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let (page, _) = report(here, &[]);
+    let probe = format!("<script>{}</script></body>", include_str!("probe.js"));
+    fs::write(here.join("probe.html"), page.replace("</body>", &probe)).unwrap();
+    let mut seen = 0;
+    for (width, dark) in WINDOWS {
+        let found = browser.probe(&here.join("probe.html"), width, dark);
+        let number = |key: &str| {
+            found[key]
+                .as_f64()
+                .unwrap_or_else(|| panic!("{key}: {found}"))
+        };
+        assert_eq!(number("window"), f64::from(width), "{found}");
+        // Nothing but the tables, which scroll by themselves, is wider than the window.
+        assert_eq!(number("page"), f64::from(width), "{found}");
+        assert_eq!(found["wide"], serde_json::json!([]), "{width}");
+        // The flattest chart is 196 high where it is 360 wide, and a phone leaves 390 - 2 x 16 to it.
+        assert!(number("smallest_chart") > 190.0, "{found}");
+        assert!(number("smallest_text") >= 9.0, "{found}");
+        // WCAG 2.2, 1.4.3 (AA).
+        assert!(number("least_contrast") >= 4.5, "{found}");
+        assert_eq!(found["dark"], dark, "{found}");
+        assert_eq!(number("captures"), 6.0);
+        assert_eq!(number("broken_images"), 0.0);
+        seen += 1;
+    }
+    assert_eq!(seen, 4);
+    let paper = browser.print(&here.join("r.html"), &here.join("r.pdf"));
+    assert!(paper.starts_with(b"%PDF-"));
+    let pages = String::from_utf8_lossy(&paper)
+        .matches("/Type /Page\n")
+        .count();
+    assert!((2..12).contains(&pages), "{pages} pages");
+}
