@@ -72,14 +72,16 @@ fn profile(scene: &Scene, selection: &Selection, bound: Option<&Bound>, i: usize
     };
     let middle = estimate.clamp(low, high);
     let mut points = Vec::with_capacity(2 * SIDE + 1);
-    // Outwards on both sides, each point from its neighbour's.
+    // Outwards on both sides; the other parameters start where the last two points lead them.
     for (end, first) in [(low, 0), (high, 1)] {
-        let mut at = fit.solution.parameters.clone();
+        let mut last = fit.solution.parameters.clone();
+        let mut from = last.clone();
         for k in first..=SIDE {
             let x = middle + (end - middle) * k as f64 / SIDE as f64;
-            let (squares, next) = sum_of_squares_with(scene, loss, fit.choice, &at, i, x);
+            let (squares, next) = sum_of_squares_with(scene, loss, fit.choice, &from, i, x);
             points.push([x.exp(), (squares - fit.chi2) / unit]);
-            at = next;
+            from = 2.0 * &next - &last;
+            last = next;
         }
     }
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
