@@ -76,19 +76,13 @@ pub enum Failure {
         fault: edge::Fault,
     },
     /// A region outside of the photograph.
-    #[error("{}: --roi {x},{y},{w},{h} does not lie in the picture ({width} x {height}); give x,y,width,height in pixels",
-        image.display())]
+    #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}); give x,y,width,height in pixels",
+        image.display(), roi.x, roi.y, roi.width, roi.height)]
     Roi {
         /// The photograph.
         image: PathBuf,
-        /// Left edge.
-        x: usize,
-        /// Upper edge.
-        y: usize,
-        /// Width of the region.
-        w: usize,
-        /// Height of the region.
-        h: usize,
+        /// The region.
+        roi: captures::Roi,
         /// Width of the picture.
         width: usize,
         /// Height of the picture.

@@ -86,7 +86,7 @@ impl Profile {
             variance: Vec::new(),
             noise: [0.0; 2],
         };
-        profile.fill(&mut |p| &mut p.mean);
+        profile.bridge_means();
         profile.estimate_noise(sums);
         Some(profile)
     }
@@ -176,10 +176,36 @@ impl Profile {
         }
     }
 
-    fn fill(&mut self, field: &mut dyn FnMut(&mut Profile) -> &mut Vec<f64>) {
-        let mut curve = std::mem::take(field(self));
+    /// Puts straight lines through the empty bins of `mean`.
+    pub fn bridge_means(&mut self) {
+        let mut curve = std::mem::take(&mut self.mean);
         self.bridge(&mut curve);
-        *field(self) = curve;
+        self.mean = curve;
+    }
+
+    /// Distance of a bin's centre from the edge, pixels, negative on the dark side.
+    pub fn distance_px(&self, bin: usize) -> f64 {
+        (bin as f64 - self.reach as f64) * BIN_PX
+    }
+
+    /// The profile at a distance from the edge (pixels), on straight lines between the bins; `None` beyond them.
+    pub fn at(&self, distance_px: f64) -> Option<f64> {
+        let at = distance_px / BIN_PX + self.reach as f64;
+        let last = (self.len() - 1) as f64;
+        (0.0..last).contains(&at).then(|| {
+            let j = at as usize;
+            self.mean[j] + (self.mean[j + 1] - self.mean[j]) * at.fract()
+        })
+    }
+
+    /// Mean level of the outer twelfth of the bins on the dark and on the bright side.
+    pub fn plateaus(&self) -> (f64, f64) {
+        let ends = (self.len() / 12).max(4);
+        let level = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
+        (
+            level(&self.mean[..ends]),
+            level(&self.mean[self.len() - ends..]),
+        )
     }
 
     /// Slope of the profile at bin j, per pixel, over +-`half` bins.

@@ -8,13 +8,12 @@ use tables::Table;
 use crate::camera::Camera;
 use crate::captures::{self, Campaign, Capture, Spectrum};
 use crate::edge;
+use crate::measure::{self, Measurement};
 use crate::pixels::Pixels;
-use crate::profile::Profile;
 use crate::reference::{self, Reference};
 use crate::shift::ShiftLine;
 use crate::view::View;
 use crate::wave::{self, WaveLine};
-use crate::window::Window;
 
 /// Why a scene cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -268,19 +267,12 @@ fn measure(
         image: shot.image.clone(),
         fault,
     };
-    let roi = shot.roi.map(|r| [r.x, r.y, r.width, r.height]);
-    // The manifest's region has been checked against the picture.
-    let window = Window::of(&photo, roi).ok_or(fault(edge::Fault::TooSmall))?;
-    let line = edge::locate(&window).map_err(fault)?;
-    let profile = Profile::new(&window, &line).ok_or(fault(edge::Fault::TooSmall))?;
-    let mut warnings = photo.warnings.clone();
-    warnings.extend(
-        photo
-            .clip_level
-            .and_then(|level| window.clipping_warning(level)),
-    );
-    warnings.extend(window.floor_warning());
-    warnings.extend(profile.warnings(&line));
+    let Measurement {
+        window,
+        line,
+        profile,
+        warnings,
+    } = measure::edge(&photo, shot.roi).map_err(fault)?;
     let pixels = Pixels::new(&window, &line);
     Ok((
         View::new(line, profile, pitch_mm, tangential_rad, camera),

@@ -53,22 +53,115 @@ impl Window {
         self.height
     }
 
-    /// All pixels, row by row.
+    /// All pixels that are not taken out, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
-        let (cx, cy) = (
-            0.5 * (self.width as f64 - 1.0),
-            0.5 * (self.height as f64 - 1.0),
-        );
+        let (cx, cy) = self.centre();
         self.values
             .chunks_exact(self.width)
             .enumerate()
             .flat_map(move |(j, row)| {
-                row.iter().enumerate().map(move |(i, &value)| Pixel {
+                let held = row.iter().enumerate().filter(|(_, value)| !value.is_nan());
+                held.map(move |(i, &value)| Pixel {
                     x: i as f64 - cx,
                     y: j as f64 - cy,
                     value: f64::from(value),
                 })
             })
+    }
+
+    /// Changes every pixel to what `value` makes of it.
+    pub fn change(&mut self, value: impl Fn(&Pixel) -> f64) {
+        let (cx, cy) = self.centre();
+        for (j, row) in self.values.chunks_exact_mut(self.width).enumerate() {
+            for (i, held) in row.iter_mut().enumerate().filter(|(_, v)| !v.is_nan()) {
+                *held = value(&Pixel {
+                    x: i as f64 - cx,
+                    y: j as f64 - cy,
+                    value: f64::from(*held),
+                }) as f32;
+            }
+        }
+    }
+
+    /// Takes out the pixels for which `good` says no; returns their number.
+    pub fn keep(&mut self, good: impl Fn(&Pixel) -> bool) -> usize {
+        let out = std::cell::Cell::new(0);
+        self.change(|pixel| {
+            if good(pixel) {
+                return pixel.value;
+            }
+            out.set(out.get() + 1);
+            f64::NAN
+        });
+        out.get()
+    }
+
+    /// Positions of the pixels along the border, in steps of an eighth of a side; their values are 0.
+    pub fn outline(&self) -> impl Iterator<Item = Pixel> {
+        let (cx, cy) = self.centre();
+        (0..=8).flat_map(move |k| {
+            let part = f64::from(k) / 4.0 - 1.0;
+            [(part, -1.0), (part, 1.0), (-1.0, part), (1.0, part)].map(|(x, y)| Pixel {
+                x: x * cx,
+                y: y * cy,
+                value: 0.0,
+            })
+        })
+    }
+
+    /// At most about `most` of the values, evenly spaced.
+    pub fn sample(&self, most: usize) -> Vec<f32> {
+        // An odd step meets all columns of a picture whose width is a power of 2.
+        let step = (self.values.len() / most) | 1;
+        let held = self.values.iter().step_by(step).filter(|v| !v.is_nan());
+        held.copied().collect()
+    }
+
+    /// The values below and above which 1 in 100 pixels lie.
+    pub fn bulk(&self) -> (f64, f64) {
+        let mut sample = self.sample(65_536);
+        if sample.is_empty() {
+            return (0.0, 0.0);
+        }
+        let last = sample.len() - 1;
+        let mut at = |index: usize| {
+            let (_, &mut value, _) = sample.select_nth_unstable_by(index, f32::total_cmp);
+            f64::from(value)
+        };
+        (at(last / 100), at(last - last / 100))
+    }
+
+    /// The window averaged over blocks of `side` x `side` pixels; what does not fill a block at the right and lower border is
+    /// left out, and blocks with a pixel that is taken out are too.
+    pub fn reduced(&self, side: usize) -> Window {
+        let (width, height) = (self.width / side, self.height / side);
+        let mut values = vec![0.0_f32; width * height];
+        let rows = self.values.chunks_exact(self.width);
+        for (y, row) in rows.take(height * side).enumerate() {
+            let sums = &mut values[y / side * width..][..width];
+            for (sum, part) in sums.iter_mut().zip(row.chunks_exact(side)) {
+                *sum += part.iter().sum::<f32>();
+            }
+        }
+        let pixels = (side * side) as f32;
+        values.iter_mut().for_each(|sum| *sum /= pixels);
+        Window {
+            width,
+            height,
+            values,
+        }
+    }
+
+    /// The value at column `x`, row `y` of the window; NaN where it is taken out.
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        self.values[y * self.width + x]
+    }
+
+    fn centre(&self) -> (f64, f64) {
+        (
+            0.5 * (self.width as f64 - 1.0),
+            0.5 * (self.height as f64 - 1.0),
+        )
     }
 
     /// Smallest and largest value.

@@ -6,12 +6,11 @@ use std::path::PathBuf;
 use serde::Serialize;
 use tables::Outputs;
 
+use crate::captures::Roi;
 use crate::cli::{self, Failure};
-use crate::edge;
+use crate::measure::{self, Measurement};
 use crate::photo::{self, Channel, Decode, Transfer};
-use crate::profile::Profile;
 use crate::sfr::{Estimator, crossing};
-use crate::window::Window;
 
 /// Points of the curve from 0 to the pixel frequency.
 const POINTS: usize = 512;
@@ -29,9 +28,9 @@ Examples:
 pub struct Arguments {
     /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB)
     pub image: PathBuf,
-    /// Region that holds one edge, pixels; the whole picture if left out
+    /// Region that holds one edge, pixels; if left out, the picture's only slanted edge is found
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
-    pub roi: Option<[usize; 4]>,
+    pub roi: Option<Roi>,
     /// One pixel, mm: frequencies are then in 1/mm, else in cycles per pixel
     #[arg(long, value_name = "MM", value_parser = cli::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
@@ -57,12 +56,17 @@ fn transfer(text: &str) -> Result<Transfer, String> {
     Transfer::from_name(text).ok_or_else(|| "use linear or srgb".into())
 }
 
-fn roi(text: &str) -> Result<[usize; 4], String> {
+fn roi(text: &str) -> Result<Roi, String> {
     let parts: Result<Vec<usize>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    parts
-        .ok()
-        .and_then(|p| p.try_into().ok())
-        .ok_or_else(|| "write x,y,width,height in whole pixels".into())
+    match parts.as_deref() {
+        Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Roi {
+            x,
+            y,
+            width,
+            height,
+        }),
+        _ => Err("write x,y,width,height in whole pixels, the last two above 0".into()),
+    }
 }
 
 #[derive(Serialize)]
@@ -95,25 +99,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         channel: arguments.channel.clone(),
     };
     let photo = photo::load(&arguments.image, &decode)?;
-    let image = || arguments.image.clone();
-    let window = Window::of(&photo, arguments.roi).ok_or_else(|| {
-        let [x, y, w, h] = arguments.roi.unwrap_or_default();
-        Failure::Roi {
-            image: image(),
-            x,
-            y,
-            w,
-            h,
+    if let Some(roi) = arguments
+        .roi
+        .filter(|roi| !roi.fits(photo.width, photo.height))
+    {
+        return Err(Failure::Roi {
+            image: arguments.image.clone(),
+            roi,
             width: photo.width,
             height: photo.height,
-        }
-    })?;
-    let fault = |fault| Failure::Edge {
-        image: image(),
+        });
+    }
+    let Measurement {
+        line,
+        profile,
+        warnings,
+        ..
+    } = measure::edge(&photo, arguments.roi).map_err(|fault| Failure::Edge {
+        image: arguments.image.clone(),
         fault,
-    };
-    let line = edge::locate(&window).map_err(fault)?;
-    let profile = Profile::new(&window, &line).ok_or(fault(edge::Fault::TooSmall))?;
+    })?;
     let pitch = arguments.pixel_pitch.unwrap_or(1.0);
     let wanted: Vec<f64> = (1..=POINTS)
         .map(|k| k as f64 / POINTS as f64 / pitch)
@@ -122,15 +127,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mtf = estimator.measure(&profile);
     let standard_error: Vec<f64> = mtf.standard_error(&profile);
     let frequency = &estimator.frequencies_per_mm;
-    let mut warnings = photo.warnings.clone();
-    warnings.extend(window.floor_warning());
-    warnings.extend(profile.warnings(&line));
-    if let Some(level) = photo.clip_level {
-        warnings.extend(window.clipping_warning(level));
-    }
-    let ends = (profile.len() / 12).max(4);
-    let level = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
-    let contrast = level(&profile.mean[profile.len() - ends..]) - level(&profile.mean[..ends]);
+    let (dark, bright) = profile.plateaus();
+    let contrast = bright - dark;
     let mtf50 = crossing(frequency, &mtf.modulus, 0.5);
     let unit = if arguments.pixel_pitch.is_some() {
         "1/mm"
