@@ -10,7 +10,7 @@ mod spectrum;
 
 use std::path::{Path, PathBuf};
 
-use crate::photo::{self, Channel, Decode, Photo, Transfer};
+use crate::photo::{self, Channel, Decode, Photo, Settings, Transfer};
 pub use error::Error;
 use keys::{Bounds, Document, Place, Section};
 pub use spectrum::{Line, Spectrum, SpectrumError};
@@ -176,8 +176,8 @@ pub struct Campaign {
 
 /// Reads and checks a manifest. Photographs are not decoded here, only looked for: see [`Shot::load`].
 ///
-/// `exposure` is 1 for the reference where left out. A capture must give it where there is a reference, because mu is a
-/// ratio of the two; without one it has no use and is 1.
+/// `exposure` is 1 for the reference where left out. Where a capture leaves it out, it is that of the camera's settings
+/// (Exif) over those of the reference, because mu is a ratio of the two; without a reference it has no use and is 1.
 ///
 /// # Errors
 /// The first thing that is wrong, as an [`Error`] that names the line.
@@ -212,12 +212,13 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
     let mut captures: Vec<Capture> = Vec::new();
     for keys in root.sections("capture", &known)? {
         let given = keys.number("exposure", Bounds::POSITIVE)?;
-        let exposure = if reference.is_some() {
-            keys.required("exposure", given)?
-        } else {
-            given.unwrap_or(1.0)
-        };
-        captures.push(shared.capture(&keys, exposure)?);
+        let mut capture = shared.capture(&keys, given.unwrap_or(1.0))?;
+        if let (None, Some(reference)) = (given, &reference) {
+            let (exposure, warning) = exposure_by_camera(&keys, reference, &capture.shot)?;
+            capture.shot.exposure = exposure;
+            warnings.push(warning);
+        }
+        captures.push(capture);
     }
     if captures.is_empty() {
         return Err(Error::NoCaptures {
@@ -252,6 +253,29 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
         captures,
         warnings,
     })
+}
+
+/// The exposure of a capture relative to its reference from the settings of the camera, and what to say about it.
+fn exposure_by_camera(
+    keys: &Section<'_>,
+    reference: &Shot,
+    shot: &Shot,
+) -> Result<(f64, String), Error> {
+    let settings = |image: &Path| {
+        Settings::of(image).map_err(|lack| Error::NoExposure {
+            place: keys.place().clone(),
+            image: image.to_owned(),
+            lack,
+        })
+    };
+    let (own, source) = (settings(&shot.image)?, settings(&reference.image)?);
+    let exposure = reference.exposure * own.exposure() / source.exposure();
+    let warning = format!(
+        "{}: exposure {exposure:.5} was taken from the camera's Exif data ({own}; reference {source}): such settings are \
+         rounded, often by some percent, and mu is off by as much; give `exposure` if you know it better",
+        shot.place
+    );
+    Ok((exposure, warning))
 }
 
 fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Result<Setup, Error> {

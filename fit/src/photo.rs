@@ -5,6 +5,7 @@
 //! Row 0 is the top of the picture; `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
 mod error;
+mod exposure;
 mod openexr;
 mod raster;
 
@@ -13,6 +14,7 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub use error::Error;
+pub use exposure::Settings;
 
 /// Largest photograph that is decoded, pixels: a claim beyond it is refused from the header alone.
 pub const MAX_PIXELS: u64 = 200_000_000;

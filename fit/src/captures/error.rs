@@ -95,6 +95,16 @@ pub enum Error {
         /// The table that lacks it.
         section: String,
     },
+    /// Neither the manifest nor the photograph tells the exposure.
+    #[error("{place}: `exposure` is missing from [[capture]], and {} has {lack}; add `exposure`", image.display())]
+    NoExposure {
+        /// Where the capture begins.
+        place: Place,
+        /// The photograph that lacks it.
+        image: PathBuf,
+        /// What it lacks.
+        lack: String,
+    },
     /// An image that is not there.
     #[error(
         "{place}: image {image} does not exist; paths are relative to the folder of the manifest"

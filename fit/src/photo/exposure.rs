@@ -34,7 +34,10 @@ impl Settings {
         let found = [
             ("ExposureTime", Tag::ExposureTime),
             ("FNumber", Tag::FNumber),
-            ("PhotographicSensitivity (ISO)", Tag::PhotographicSensitivity),
+            (
+                "PhotographicSensitivity (ISO)",
+                Tag::PhotographicSensitivity,
+            ),
         ]
         .map(|(name, tag)| positive(&exif, tag).ok_or(name));
         match found {
