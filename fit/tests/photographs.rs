@@ -346,7 +346,8 @@ fn lesser_faults_are_warnings() {
     });
     assert!(edge(&bow, None).is_ok_and(|m| warned(&m, "bowed by 0.3")));
     assert!(
-        edge(&degraded(5.0, 50.0, 4, |_, _, v| v), None).is_ok_and(|m| warned(&m, "does not fade out"))
+        edge(&degraded(5.0, 50.0, 4, |_, _, v| v), None)
+            .is_ok_and(|m| warned(&m, "does not fade out"))
     );
 }
 
