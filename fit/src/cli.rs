@@ -29,6 +29,7 @@ enum Verb {
     Mtf(verbs::mtf::Arguments),
     Predict(verbs::predict::Arguments),
     Simulate(verbs::simulate::Arguments),
+    Study(verbs::study::Arguments),
 }
 
 /// Anything that ends a verb.
@@ -98,6 +99,17 @@ pub enum Failure {
         /// What writes such files.
         expected: &'static str,
     },
+    /// A table of another cell than the ranges name.
+    #[error("{}: is not the table of the ideal cell that is simulated; bake it: bake design {design} -o cell.obj, then \
+             bake trace cell.obj --refractive-index {ior} --incidence 0:45:15 --azimuth 30", table.display())]
+    OtherCell {
+        /// The table.
+        table: PathBuf,
+        /// Refractive index of the cell.
+        ior: f64,
+        /// Its design.
+        design: &'static str,
+    },
     /// The solver found no optimum.
     #[error("{}: the fit failed (the model is not finite near its starting values); \
              check pixel_pitch_mm and the distances", manifest.display())]
@@ -135,6 +147,7 @@ pub fn main() -> ExitCode {
         Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
         Verb::Predict(arguments) => verbs::predict::run(&arguments),
         Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
+        Verb::Study(arguments) => verbs::study::run(&arguments),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

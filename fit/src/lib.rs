@@ -43,6 +43,7 @@ pub mod simulate;
 pub mod solve;
 pub mod spread;
 pub mod start;
+pub mod study;
 pub mod truth;
 pub mod verbs;
 pub mod view;

@@ -9,6 +9,7 @@ use crate::camera::Camera;
 use crate::captures::{self, Campaign, Capture, Spectrum};
 use crate::edge;
 use crate::measure::{self, Measurement};
+use crate::photo::Photo;
 use crate::pixels::Pixels;
 use crate::reference::{self, Reference};
 use crate::shift::ShiftLine;
@@ -48,6 +49,9 @@ pub enum Error {
         manifest: PathBuf,
     },
 }
+
+/// Where photographs come from.
+pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
 
 /// One photograph of the mid-air edge.
 pub struct Aerial {
@@ -117,6 +121,14 @@ impl Scene {
     /// A photograph that cannot be read or holds no edge; a direction that the table neither has nor brackets; no capture
     /// with any retroreflection.
     pub fn load(campaign: &Campaign, table: &Table) -> Result<Scene, Error> {
+        Scene::of(campaign, table, &captures::Shot::load)
+    }
+
+    /// Measures photographs that `photo` hands out, wherever it has them from.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn of(campaign: &Campaign, table: &Table, photo: &Source) -> Result<Scene, Error> {
         let pitch_mm = campaign.setup.pixel_pitch_mm;
         let mut warnings = campaign.warnings.clone();
         let pixel = Camera {
@@ -136,7 +148,7 @@ impl Scene {
                 None
             }
             Some(shot) => {
-                let (mut view, pixels, notes) = measure(shot, pitch_mm, 0.0, &pixel)?;
+                let (mut view, pixels, notes) = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
                 warnings.extend(
                     notes
                         .into_iter()
@@ -149,7 +161,7 @@ impl Scene {
         let read: Vec<Option<Aerial>> = campaign
             .captures
             .par_iter()
-            .map(|capture| aerial(campaign, capture, table, &camera))
+            .map(|capture| aerial(campaign, capture, table, photo, &camera))
             .collect::<Result<_, _>>()?;
         for (capture, _) in campaign
             .captures
@@ -258,11 +270,12 @@ fn name(path: &std::path::Path) -> String {
 /// Decodes a photograph, finds its edge and sorts its pixels.
 fn measure(
     shot: &captures::Shot,
+    photo: &Source,
     pitch_mm: f64,
     tangential_rad: f64,
     camera: &Camera,
 ) -> Result<(View, Pixels, Vec<String>), Error> {
-    let photo = shot.load()?;
+    let photo = photo(shot)?;
     let fault = |fault| Error::Edge {
         image: shot.image.clone(),
         fault,
@@ -285,6 +298,7 @@ fn aerial(
     campaign: &Campaign,
     capture: &Capture,
     table: &Table,
+    photo: &Source,
     camera: &Camera,
 ) -> Result<Option<Aerial>, Error> {
     let image = name(&capture.shot.image);
@@ -300,6 +314,7 @@ fn aerial(
     }
     let (view, pixels, mut warnings) = measure(
         &capture.shot,
+        photo,
         campaign.setup.pixel_pitch_mm,
         capture.tangential_axis_rad(),
         camera,

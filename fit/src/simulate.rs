@@ -24,6 +24,7 @@ use crate::lobe::Shape;
 pub use error::Error;
 use noise::PixelNoise;
 pub use params::{ByIncidence, Camera, Edge, Params, Shot, Truth};
+pub(crate) use params::{CAMERA, camera};
 use profile::{Blur, Profile, STEPS_PER_PIXEL, Spread};
 pub use write::{Report, run};
 

@@ -4,3 +4,5 @@ pub mod estimate;
 pub mod mtf;
 pub mod predict;
 pub mod simulate;
+pub mod study;
+pub mod terms;

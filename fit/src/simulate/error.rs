@@ -35,6 +35,18 @@ pub enum Error {
         /// The name.
         name: String,
     },
+    /// A range that ends before it starts.
+    #[error("{place}: `{key}` goes from {from} to {to}; write the smaller number under `from`")]
+    Range {
+        /// Line of the range.
+        place: captures::keys::Place,
+        /// Its key.
+        key: &'static str,
+        /// Where it starts.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
     /// The folder holds something.
     #[error(
         "{folder}: is not empty; name another folder or add --force to overwrite the files of a campaign in it"

@@ -9,7 +9,8 @@ use super::Error;
 use crate::captures::keys::{Bounds, Document, NumberOrTable, Place, Section};
 
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
-const CAMERA: [&str; 12] = [
+/// Its keys.
+pub(crate) const CAMERA: [&str; 12] = [
     "width",
     "height",
     "pixel_pitch_mm",
@@ -234,7 +235,8 @@ impl Default for Camera {
     }
 }
 
-fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
+/// The camera of a `[camera]` section.
+pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
     const SIZE: Bounds = Bounds {
         words: "between 8 and 20000",
         holds: |x| (8.0..=20_000.0).contains(&x),

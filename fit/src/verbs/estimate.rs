@@ -11,8 +11,6 @@ use crate::bound::{absent, bounds};
 use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
 use crate::estimate::Value;
-use crate::kernel::Kernel;
-use crate::lobe::Shape;
 use crate::loss::Kind;
 use crate::page::{Evidence, Page};
 use crate::plot;
@@ -21,7 +19,7 @@ use crate::scene::Scene;
 use crate::select::{Candidates, select};
 use crate::solve::Stop;
 use crate::truth::Truth;
-use crate::wave;
+use crate::verbs::terms::{self, Terms};
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
@@ -43,29 +41,19 @@ pub struct Arguments {
     /// Write the result there (JSON)
     #[arg(short, long, value_name = "RESULT.json")]
     pub output: Option<PathBuf>,
-    /// Blur terms: auto, eq1 (a independent of distance), angular (a = A/R), shift (no lobe), lobe (no shift), wave (wave
-    /// optics: c alone, the wavelength given; in auto where one is named)
-    #[arg(long, default_value = "auto", value_parser = kernels)]
-    pub kernel: Kernels,
+    /// What the photographs may need.
+    #[command(flatten)]
+    pub terms: Terms,
     /// Wavelengths of the source and their weights, nm: 550, or 450:0.2,550:0.5,620:0.3; instead of wavelength_nm in
     /// the manifest
     #[arg(long, value_name = "NM[:WEIGHT],...", value_parser = Spectrum::parse)]
     pub wavelength_nm: Option<Spectrum>,
-    /// Shape of the lobe: radial, separable or auto
-    #[arg(long, default_value = "radial", value_parser = shapes)]
-    pub lobe: Shapes,
     /// How the model is evaluated
     #[arg(long, value_enum, default_value_t = Forward::Spectral)]
     pub forward: Forward,
     /// What is minimised
     #[arg(long, value_enum, default_value_t = Kind::Mtf)]
     pub loss: Kind,
-    /// Parameters fitted for every incidence angle: a, mu, or auto (what is named in neither list is decided)
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub per_angle: Vec<PerAngle>,
-    /// Parameters that all angles share: a, c, mu (c always is)
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub shared: Vec<SharedName>,
     /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
     #[arg(long, value_name = "TRUTH.json")]
     pub truth: Option<PathBuf>,
@@ -83,14 +71,6 @@ pub struct Arguments {
     pub json: bool,
 }
 
-/// The kernels that are open.
-#[derive(Debug, Clone)]
-pub struct Kernels(Vec<Kernel>);
-
-/// The lobe shapes that are open.
-#[derive(Debug, Clone)]
-pub struct Shapes(Vec<Shape>);
-
 /// Forward models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Forward {
@@ -98,83 +78,12 @@ pub enum Forward {
     Spectral,
 }
 
-/// What may be fitted per angle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum PerAngle {
-    /// The diffraction spread.
-    A,
-    /// The reflectance.
-    Mu,
-    /// Decide.
-    Auto,
-}
-
-/// What may be shared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum SharedName {
-    /// The diffraction spread.
-    A,
-    /// The corner size.
-    C,
-    /// The reflectance.
-    Mu,
-    /// Decide.
-    Auto,
-}
-
-fn kernels(text: &str) -> Result<Kernels, String> {
-    if text == "auto" {
-        return Ok(Kernels(Kernel::ALL.to_vec()));
-    }
-    let kernel = Kernel::from_name(text).ok_or("use auto, eq1, angular, shift, lobe or wave")?;
-    Ok(Kernels(vec![kernel]))
-}
-
-fn shapes(text: &str) -> Result<Shapes, String> {
-    if text == "auto" {
-        return Ok(Shapes(Shape::ALL.to_vec()));
-    }
-    let shape = Shape::from_name(text).ok_or("use radial, separable or auto")?;
-    Ok(Shapes(vec![shape]))
-}
-
-/// What is asked for, checked.
-struct Plan {
-    candidates: Candidates,
-}
-
-impl Plan {
-    fn new(arguments: &Arguments) -> Plan {
-        let sharing = |per_angle: PerAngle, shared: SharedName| {
-            match (arguments.per_angle.contains(&per_angle), arguments.shared.contains(&shared)) {
-                (true, false) => Some(true),
-                (false, true) => Some(false),
-                (false, false) => None,
-                (true, true) => clap::Command::new("fit estimate")
-                    .error(
-                        clap::error::ErrorKind::ArgumentConflict,
-                        "a parameter is named both in --per-angle and in --shared; name it in one of them",
-                    )
-                    .exit(),
-            }
-        };
-        Plan {
-            candidates: Candidates {
-                kernels: arguments.kernel.0.clone(),
-                shapes: arguments.lobe.0.clone(),
-                per_angle_a: sharing(PerAngle::A, SharedName::A),
-                per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu),
-            },
-        }
-    }
-}
-
 /// Runs the verb.
 ///
 /// # Errors
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let plan = Plan::new(arguments);
+    let candidates = arguments.terms.candidates("fit estimate");
     let start = Instant::now();
     let mut campaign = captures::load(&arguments.captures)?;
     if let Some(spectrum) = &arguments.wavelength_nm {
@@ -199,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| cli::read_json(path, "holds a planted answer"))
         .transpose()?;
     let pool = cli::pool(arguments.threads)?;
-    let (result, evidence) = pool.install(|| estimate(arguments, &plan, &campaign, start))?;
+    let (result, evidence) = pool.install(|| estimate(arguments, &candidates, &campaign, start))?;
     for warning in &result.warnings {
         cli::warn(warning);
     }
@@ -234,29 +143,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn estimate(
     arguments: &Arguments,
-    plan: &Plan,
+    candidates: &Candidates,
     campaign: &Campaign,
     start: Instant,
 ) -> Result<(ResultFile, Option<Evidence>), Failure> {
     let table = tables::read(&arguments.table)?;
     let mut scene = Scene::load(campaign, &table)?;
-    let mut candidates = plan.candidates.clone();
-    if candidates.kernels.contains(&Kernel::Wave)
-        && let Err(fault) = scene.waves()
-    {
-        if candidates.kernels == [Kernel::Wave] {
-            return Err(Failure::Wave {
-                manifest: arguments.captures.clone(),
-                fault,
-            });
-        }
-        candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
-        if fault != wave::Fault::NoWavelength {
-            scene.warnings.push(format!(
-                "the wave kernel is not among the candidates: {fault}"
-            ));
-        }
-    }
+    let candidates = terms::possible(candidates, &mut scene, &arguments.captures)?;
     let selection = select(&scene, arguments.loss, &candidates);
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;

@@ -1,0 +1,171 @@
+//! One simulated campaign: photographed in memory, fitted with both losses, beside its truth and its bound.
+
+use std::path::PathBuf;
+
+use nalgebra::DVector;
+use serde::Serialize;
+use tables::Table;
+
+use crate::captures::keys::Place;
+use crate::captures::{self, Campaign, Capture, Setup};
+use crate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use crate::joint::{Joint, Used};
+use crate::kernel::Kernel;
+use crate::layout::Layout;
+use crate::loss::{Kind, Loss};
+use crate::noise::PixelNoise;
+use crate::photo::{Decode, Photo};
+use crate::scene::{self, Scene};
+use crate::simulate::{self, Params};
+
+/// The parameters of a trial, in their order everywhere.
+pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
+
+/// The losses of a trial, in their order everywhere.
+pub const LOSSES: [Kind; 2] = [Kind::Mtf, Kind::Edge];
+
+/// What came of one campaign. c in mm, a in 1/mm.
+#[derive(Debug, Clone, Serialize)]
+pub struct Trial {
+    /// Number of the campaign.
+    pub index: u64,
+    /// Photographs, the reference not counted.
+    pub photographs: usize,
+    /// Electrons at full scale.
+    pub electrons: f64,
+    /// Whether dark pixels were cut off at 0 in any photograph.
+    pub cut_off: bool,
+    /// Planted values.
+    pub truth: [f64; 3],
+    /// Cramer-Rao bound at the truth: standard deviations.
+    pub bound: [f64; 3],
+    /// By loss: estimates and their standard errors.
+    pub found: [[[f64; 2]; 3]; 2],
+}
+
+/// Runs a campaign of one `a` and `mu` for all angles.
+///
+/// # Errors
+/// As [`Scene::load`]: photographs so noisy that their edge is not found.
+pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
+    let scene = scene(params, table)?;
+    let choice = Choice {
+        kernel: Kernel::Eq1,
+        shape: params.truth.lobe,
+        per_angle_a: false,
+        per_angle_mu: false,
+    };
+    let shared = |values: &simulate::ByIncidence| {
+        values
+            .at(params.captures[0].incidence_deg)
+            .unwrap_or(f64::NAN)
+    };
+    let (a, mu) = (shared(&params.truth.a), shared(&params.truth.mu));
+    let truth = [params.truth.c_mm, a, mu];
+    let near = optimum(&scene, choice);
+    let joint = Joint::new(&scene, choice, &near.solution.parameters);
+    let with_edge = {
+        let loss = Loss::Edge(Box::new(joint));
+        estimate(&scene, &loss, refined(&scene, &loss, near.clone()))
+    };
+    let with_mtf = estimate(&scene, &Loss::Mtf(&scene), near.clone());
+    let bound = bound(params, &scene, choice, &near.solution.parameters, truth);
+    Ok(Trial {
+        index,
+        photographs: scene.shots.len(),
+        electrons: params.camera.full_well_e,
+        cut_off: scene.shots.iter().any(|shot| shot.pixels.cut_off),
+        truth,
+        bound,
+        found: [found(&with_mtf), found(&with_edge)],
+    })
+}
+
+fn found(fit: &Estimate) -> [[f64; 2]; 3] {
+    let mu = fit.mu.as_ref().and_then(|mu| mu.first());
+    [fit.c_mm.as_ref(), fit.spread.first(), mu]
+        .map(|value| value.map_or([f64::NAN, f64::INFINITY], |v| [v.value, v.standard_error]))
+}
+
+/// The Cramer-Rao bound at the truth with the noise that was planted. Poisson light of n electrons tells 1/n of its mean,
+/// as normal light of that variance does, so the two have one bound.
+fn bound(
+    params: &Params,
+    scene: &Scene,
+    choice: Choice,
+    near: &DVector<f64>,
+    truth: [f64; 3],
+) -> [f64; 3] {
+    let camera = &params.camera;
+    let mut joint = Joint::new(scene, choice, near);
+    // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
+    let blur_mm =
+        std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
+    let mut at = joint.start(&DVector::from_vec(vec![truth[0].ln(), truth[1].ln()]));
+    for (value, planted) in at.iter_mut().skip(2).zip([blur_mm.ln(), 2.0]) {
+        *value = planted;
+    }
+    let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
+    let noise = PixelNoise {
+        read: (camera.read_noise_e / camera.full_well_e).powi(2) + step * step / 12.0,
+        gain: 1.0 / camera.full_well_e,
+    };
+    joint.with_noise(choice, &at, noise);
+    let layout = Layout::new(choice, scene.groups.len());
+    let bound = joint.information(&layout, &at, 1.0, Used::ByAnyEstimate);
+    let covariance = bound.mu.map_or(bound.blur, |mu| mu.covariance);
+    let deviation = |i: usize| covariance.get((i, i)).map_or(f64::INFINITY, |v| v.sqrt());
+    [0, 1, 2].map(|i| deviation(i) * truth[i])
+}
+
+/// Photographs and measures a campaign without a file.
+fn scene(params: &Params, table: &Table) -> Result<Scene, scene::Error> {
+    let name =
+        |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
+    let shot = |index: Option<usize>, exposure: f64| captures::Shot {
+        image: name(index),
+        exposure,
+        roi: None,
+        decode: Decode::default(),
+        place: Place {
+            file: "simulated".into(),
+            line: 0,
+        },
+    };
+    let camera = &params.camera;
+    let campaign = Campaign {
+        file: "simulated".into(),
+        setup: Setup {
+            pixel_pitch_mm: camera.pixel_pitch_mm,
+            half_mirror_transmittance: camera.half_mirror_transmittance,
+            half_mirror_reflectance: camera.half_mirror_reflectance,
+            spectrum: None,
+        },
+        reference: params.reference.map(|edge| shot(None, edge.exposure)),
+        captures: params
+            .captures
+            .iter()
+            .enumerate()
+            .map(|(i, planted)| Capture {
+                shot: shot(Some(i), planted.edge.exposure),
+                floating_distance_mm: planted.floating_distance_mm,
+                path_mm: planted.path_mm,
+                incidence_deg: planted.incidence_deg,
+                azimuth_deg: Some(planted.azimuth_deg),
+                tangential_axis_deg: planted.tangential_axis_deg,
+            })
+            .collect(),
+        warnings: Vec::new(),
+    };
+    Scene::of(&campaign, table, &|shot| {
+        let index = shot.image.to_str().and_then(|name| name.parse().ok());
+        Ok(Photo {
+            width: camera.width,
+            height: camera.height,
+            // The truth of a drawn campaign is one number for all angles: there is no entry to be missing.
+            luminance: simulate::photograph(params, index).unwrap_or_default(),
+            clip_level: None,
+            warnings: Vec::new(),
+        })
+    })
+}
