@@ -2,21 +2,27 @@
 
 mod planted;
 
+use std::path::Path;
+
 use fit::kernel::Kernel;
 use fit::lobe::Shape;
 use fit::loss::Kind;
+use fit::select::Candidates;
+use fit::study::photographs;
 use fit::study::ranges::Ranges;
 use fit::study::summary::{Summary, tells};
 use fit::study::trial::{self, Trial};
-use planted::{table, truth};
+use planted::{camera, params, scene, table, truth};
 use rayon::prelude::*;
 
 const CAMPAIGNS: u64 = 60;
 
 fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
-    let mut ranges = Ranges::default();
     // Small campaigns: the short version of the study.
-    ranges.photographs = [2.0, 6.0];
+    let ranges = Ranges {
+        photographs: [2.0, 6.0],
+        ..Ranges::default()
+    };
     let incidence = [0.0, 15.0, 30.0];
     let table = table(
         &truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5),
@@ -89,4 +95,66 @@ fn draws_are_reproducible() {
     }
     assert_eq!((some.len(), one.len()), (3, 2));
     assert_ne!(some[0].truth, some[1].truth);
+}
+
+/// The edge loss has the bound for its standard error where nothing was cut off; the MTFs drop phases and tails, and can do
+/// no better on c and a.
+#[test]
+fn a_study_of_photographs_names_every_parameter_and_fit() {
+    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.35, 0.5);
+    let incidence = [5.0, 30.0];
+    let table = table(&planted, &incidence, 20.0);
+    let scene = scene(
+        &params(3, planted, &incidence, &[150.0, 300.0], camera(2e4)),
+        &table,
+    );
+    let open = Candidates {
+        kernels: vec![Kernel::Eq1, Kernel::Lobe],
+        shapes: vec![Shape::Radial],
+        per_angle_a: Some(true),
+        per_angle_mu: Some(false),
+    };
+    let study = photographs(&scene, 0.0, &open);
+    let names: Vec<&str> = study.parameters.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["c_mm", "a_per_mm_at_5", "a_per_mm_at_30", "mu"]);
+    for p in &study.parameters {
+        // Chi-square per degree of freedom may lie above 1 by chance, sqrt(2 / 10^4) = 1.4 %, and raises standard errors.
+        let ratio = p.edge / p.bound;
+        assert!((0.999..1.035).contains(&ratio), "{}: {ratio}", p.name);
+        assert!(p.name == "mu" || p.mtf > p.bound, "{p:?}");
+    }
+    let fits: Vec<(Kernel, Kind)> = study.fits.iter().map(|f| (f.kernel, f.loss)).collect();
+    let all = [
+        (Kernel::Eq1, Kind::Mtf),
+        (Kernel::Eq1, Kind::Edge),
+        (Kernel::Lobe, Kind::Mtf),
+        (Kernel::Lobe, Kind::Edge),
+    ];
+    assert_eq!(fits, all);
+    assert!(study.fits[3].reduced_chi2 > study.fits[1].reduced_chi2);
+}
+
+/// The documented file says what is drawn without one, and a range that runs backwards is refused with its line.
+#[test]
+fn ranges_are_read() {
+    let documented = Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/ranges.toml");
+    assert_eq!(
+        Ranges::load(&documented).expect("it is valid"),
+        Ranges::default()
+    );
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut cases = 0;
+    for (text, said) in [
+        ("ior = 1.5\nc_mm = { from = 0.5, to = 0.05 }\n", ":2: `c_mm` goes from 0.5 to 0.05"),
+        ("mu = { from = 0.2 }\n", "to"),
+        ("electron = { from = 1, to = 2 }\n", "electrons"),
+        ("photographs = { from = 0, to = 3 }\n", "between 1 and 1000"),
+    ] {
+        let file = folder.path().join("ranges.toml");
+        std::fs::write(&file, text).expect("the folder takes files");
+        let error = Ranges::load(&file).expect_err(text).to_string();
+        assert!(error.contains(said), "{error}");
+        cases += 1;
+    }
+    assert_eq!(cases, 4);
 }

@@ -191,6 +191,7 @@ impl Ranges {
                 a: ByIncidence::Shared(a),
                 c_mm,
                 mu: ByIncidence::Shared(mu),
+                spectrum: None,
             },
             reference: Some(reference),
             captures,
