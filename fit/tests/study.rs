@@ -145,7 +145,10 @@ fn ranges_are_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut cases = 0;
     for (text, said) in [
-        ("ior = 1.5\nc_mm = { from = 0.5, to = 0.05 }\n", ":2: `c_mm` goes from 0.5 to 0.05"),
+        (
+            "ior = 1.5\nc_mm = { from = 0.5, to = 0.05 }\n",
+            ":2: `c_mm` goes from 0.5 to 0.05",
+        ),
         ("mu = { from = 0.2 }\n", "to"),
         ("electron = { from = 1, to = 2 }\n", "electrons"),
         ("photographs = { from = 0, to = 3 }\n", "between 1 and 1000"),
