@@ -82,6 +82,7 @@ fn every_example_runs_as_printed() {
         here.join("edge.exr"),
     )
     .unwrap();
+    std::fs::copy(argument("fit/doc/ranges.toml"), here.join("ranges.toml")).unwrap();
     photograph(&here.join("photo.png"));
     // The two tables that `bake compare` is shown with.
     bake(here, &["design", "triangular", "-o", "cell.obj"]).done();

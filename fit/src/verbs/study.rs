@@ -41,7 +41,7 @@ RANGES.toml may be left out; these are the defaults:
 
 Examples:
   fit study captures.toml --table pair.h5 --per-angle a,mu
-  fit study --ranges ranges.toml --table pair.h5 --campaigns 1900 --csv trials.csv")]
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv")]
 pub struct Arguments {
     /// The manifest of the photographs to study
     #[arg(required_unless_present = "ranges", conflicts_with = "ranges")]
