@@ -174,6 +174,21 @@ pub struct Campaign {
     pub warnings: Vec<String>,
 }
 
+impl Campaign {
+    /// The same campaign, with one channel of every photograph.
+    pub fn in_channel(&self, channel: &Channel) -> Campaign {
+        let mut campaign = self.clone();
+        let captures = campaign
+            .captures
+            .iter_mut()
+            .map(|capture| &mut capture.shot);
+        for shot in campaign.reference.iter_mut().chain(captures) {
+            shot.decode.channel = channel.clone();
+        }
+        campaign
+    }
+}
+
 /// Reads and checks a manifest. Photographs are not decoded here, only looked for: see [`Shot::load`].
 ///
 /// `exposure` is 1 for the reference where left out. Where a capture leaves it out, it is that of the camera's settings

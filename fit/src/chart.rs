@@ -42,6 +42,18 @@ pub fn regions(photo: &Photo) -> Vec<Roi> {
     regions.take(MOST_PIECES).collect()
 }
 
+/// The middle of a region, at most 600 pixels long and wide: enough to see whether it holds an edge.
+pub fn middle(roi: &Roi) -> Roi {
+    let part = |at: usize, size: usize| (at + size.saturating_sub(600) / 2, size.min(600));
+    let ((x, width), (y, height)) = (part(roi.x, roi.width), part(roi.y, roi.height));
+    Roi {
+        x,
+        y,
+        width,
+        height,
+    }
+}
+
 /// Whether two edges lie on one line: within 1 degree, and each in the other's direction within 1 % of their distance.
 pub fn one_line((roi_a, a): (&Roi, &Line), (roi_b, b): (&Roi, &Line)) -> bool {
     let turn = (a.normal_rad - b.normal_rad).sin().abs();

@@ -47,9 +47,13 @@ pub fn locate(window: &Window) -> Result<Line, Fault> {
     let pixels = window.width() * window.height();
     if pixels > LARGE {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
-        if let Ok(small) = locate(&window.reduced(side)) {
-            let offset_px = small.offset_px * side as f64;
-            return refine(window, Line { offset_px, ..small });
+        match locate(&window.reduced(side)) {
+            Ok(small) => {
+                let offset_px = small.offset_px * side as f64;
+                return refine(window, Line { offset_px, ..small });
+            }
+            Err(Fault::TooSmall) => {}
+            Err(fault) => return Err(fault),
         }
     }
     let start = Line {

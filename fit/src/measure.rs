@@ -50,7 +50,7 @@ pub fn edge(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
     let marks = candidates.len();
     let mut edges: Vec<(Roi, Measurement)> = Vec::new();
     for roi in candidates {
-        let Ok(measurement) = region(photo, Some(roi)) else {
+        let Ok(measurement) = region(photo, Some(chart::middle(&roi))) else {
             continue;
         };
         let new = |(other, found): &(Roi, Measurement)| {
@@ -66,7 +66,8 @@ pub fn edge(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
         });
     }
     match (edges.pop(), fault) {
-        (Some((roi, mut measurement)), _) => {
+        (Some((roi, _)), _) => {
+            let mut measurement = region(photo, Some(roi))?;
             measurement.warnings.push(format!(
                 "the edge was found among other marks; give {roi} to name it"
             ));

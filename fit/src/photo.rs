@@ -78,13 +78,16 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// The channel called `name` in a manifest: `luminance`, `red`, `green`, `blue`, or any EXR channel name.
+    /// The primaries, in order.
+    pub const PRIMARIES: [Channel; 3] = [Channel::Red, Channel::Green, Channel::Blue];
+
+    /// The channel called `name` in a manifest: `luminance`, `red`, `green`, `blue` (or `r`, `g`, `b`), or any EXR channel name.
     pub fn from_name(name: &str) -> Channel {
         match name {
             "luminance" => Channel::Luminance,
-            "red" => Channel::Red,
-            "green" => Channel::Green,
-            "blue" => Channel::Blue,
+            "r" | "red" => Channel::Red,
+            "g" | "green" => Channel::Green,
+            "b" | "blue" => Channel::Blue,
             other => Channel::Named(other.to_owned()),
         }
     }

@@ -1,5 +1,6 @@
 //! `fit estimate`: a, c and mu from a campaign of photographs.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use crate::cli::{self, Failure};
 use crate::estimate::Value;
 use crate::loss::Kind;
 use crate::page::{Evidence, Page};
+use crate::photo::Channel;
 use crate::plot;
 use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
@@ -63,6 +65,10 @@ pub struct Arguments {
     /// A page for a person, in one file: estimates with intervals, curves, the choice of terms, warnings with pictures
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<PathBuf>,
+    /// Colour channel of all photographs, whatever the manifest says: luminance, red, green, blue, a channel's name, or each:
+    /// red, green and blue are fitted one by one, and the result is an object with one result per channel
+    #[arg(long, value_name = "NAME", value_parser = channels)]
+    pub channel: Option<Channels>,
     /// Threads; one per core if left out
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -71,11 +77,22 @@ pub struct Arguments {
     pub json: bool,
 }
 
+/// The channels that are fitted.
+#[derive(Debug, Clone)]
+pub struct Channels(Vec<Channel>);
+
 /// Forward models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Forward {
     /// Closed form in the frequency domain
     Spectral,
+}
+
+fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
+    Ok(Channels(match text {
+        "each" => Channel::PRIMARIES.to_vec(),
+        name => vec![Channel::from_name(name)],
+    }))
 }
 
 /// Runs the verb.
@@ -84,6 +101,17 @@ pub enum Forward {
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let candidates = arguments.terms.candidates("fit estimate");
+    let several = |Channels(list): &Channels| list.len() > 1;
+    if arguments.channel.as_ref().is_some_and(several)
+        && (arguments.plot.is_some() || arguments.report.is_some())
+    {
+        clap::Command::new("fit estimate")
+            .error(
+                clap::error::ErrorKind::ArgumentConflict,
+                "--plot and --report show one fit; name one --channel for them",
+            )
+            .exit();
+    }
     let start = Instant::now();
     let mut campaign = captures::load(&arguments.captures)?;
     if let Some(spectrum) = &arguments.wavelength_nm {
@@ -108,15 +136,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| cli::read_json(path, "holds a planted answer"))
         .transpose()?;
     let pool = cli::pool(arguments.threads)?;
-    let (result, evidence) = pool.install(|| estimate(arguments, &candidates, &campaign, start))?;
-    for warning in &result.warnings {
-        cli::warn(warning);
-    }
-    for capture in &result.captures {
-        for warning in &capture.warnings {
-            cli::warn(&format!("{}: {warning}", capture.image));
+    if let Some(Channels(channels)) = &arguments.channel {
+        if let [one] = &channels[..] {
+            campaign = campaign.in_channel(one);
+        } else {
+            let results =
+                pool.install(|| each_channel(arguments, &candidates, &campaign, channels))?;
+            let json = cli::json(&results);
+            if let Some(output) = output {
+                output.commit(json.as_bytes())?;
+            }
+            let tables = results
+                .iter()
+                .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
+            return cli::print(&if arguments.json {
+                json
+            } else {
+                tables.collect::<Vec<_>>().join("\n")
+            });
         }
     }
+    let (result, evidence) = pool.install(|| estimate(arguments, &candidates, &campaign, start))?;
+    warn(&result, "");
     let json = cli::json(&result);
     if let Some((path, output)) = picture {
         output.commit(&plot::fitted(&result, path)?)?;
@@ -139,6 +180,34 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         summary(&result, truth.as_ref())
     })
+}
+
+/// One estimate for each channel, by its name.
+fn each_channel(
+    arguments: &Arguments,
+    candidates: &Candidates,
+    campaign: &Campaign,
+    channels: &[Channel],
+) -> Result<BTreeMap<String, ResultFile>, Failure> {
+    let one = |channel: &Channel| {
+        let campaign = campaign.in_channel(channel);
+        let (result, _) = estimate(arguments, candidates, &campaign, Instant::now())?;
+        warn(&result, &format!("{channel}: "));
+        Ok((channel.to_string(), result))
+    };
+    channels.iter().map(one).collect()
+}
+
+/// Says what the user should know of a result.
+fn warn(result: &ResultFile, before: &str) {
+    for warning in &result.warnings {
+        cli::warn(&format!("{before}{warning}"));
+    }
+    for capture in &result.captures {
+        for warning in &capture.warnings {
+            cli::warn(&format!("{before}{}: {warning}", capture.image));
+        }
+    }
 }
 
 fn estimate(

@@ -57,6 +57,11 @@ fn transfer(text: &str) -> Result<Transfer, String> {
 }
 
 fn roi(text: &str) -> Result<Roi, String> {
+    // As a message or a manifest writes it, too.
+    let pasted = text
+        .strip_prefix("roi = [")
+        .and_then(|text| text.strip_suffix(']'));
+    let text = pasted.unwrap_or(text);
     let parts: Result<Vec<usize>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match parts.as_deref() {
         Ok(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Roi {
