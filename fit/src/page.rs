@@ -99,7 +99,7 @@ impl Page<'_> {
         };
         let mut text = format!(
             "<p>{} at {} and {}. The model, {}, <strong class=\"{class}\">{fits}</strong>: \
-             \u{3c7}\u{b2} {} per degree of freedom, where 1 is pure pixel noise.</p>\n",
+             \u{3c7}\u{b2}\u{a0}{} per degree of freedom, where 1 is pure pixel noise.</p>\n",
             count(result.captures.len(), "photograph", "photographs"),
             count(
                 distinct(|c| c.incidence_deg),

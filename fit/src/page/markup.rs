@@ -34,7 +34,7 @@ pub fn significant(value: f64, digits: usize) -> String {
         return minus(format!("{value}"));
     }
     let power = value.abs().log10().floor();
-    if !(-4.0..6.0).contains(&power) {
+    if !(-6.0..6.0).contains(&power) {
         let mantissa = format!("{:.*}", digits - 1, value / 10f64.powf(power));
         return minus(format!("{mantissa}e{power}"));
     }
