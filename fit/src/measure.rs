@@ -23,6 +23,8 @@ const ROUNDS: usize = 4;
 /// A measured edge.
 #[derive(Debug, Clone)]
 pub struct Measurement {
+    /// Where the window lies in the photograph: all of it, the region that was given, or the one that was found.
+    pub region: Roi,
     /// The window, repaired.
     pub window: Window,
     /// Where the edge lies in it.
@@ -83,10 +85,20 @@ pub fn edge(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
 /// Measures the one edge of a region, or of all of a photograph.
 fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
     let mut warnings = photo.warnings.clone();
-    let region = roi.map(|r| [r.x, r.y, r.width, r.height]);
-    let mut window = Window::of(photo, region).ok_or(Fault::TooSmall)?;
+    let region = roi.unwrap_or(Roi {
+        x: 0,
+        y: 0,
+        width: photo.width,
+        height: photo.height,
+    });
+    let Roi {
+        x,
+        y,
+        width,
+        height,
+    } = region;
+    let mut window = Window::of(photo, Some([x, y, width, height])).ok_or(Fault::TooSmall)?;
     warnings.extend(saturation::check(photo, &window)?);
-    let (width, height) = (window.width(), window.height());
     let mut off = defects::exclude_gross(&mut window);
     let mut lights: Vec<Light> = Vec::new();
     let mut line = edge::locate(&window)?;
@@ -132,6 +144,7 @@ fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
     warnings.extend(shape::check(&window, &line, &profile)?);
     warnings.extend(profile.warnings(&line));
     Ok(Measurement {
+        region,
         window,
         line,
         profile,

@@ -285,6 +285,7 @@ fn measure(
         line,
         profile,
         warnings,
+        ..
     } = measure::edge(&photo, shot.roi).map_err(fault)?;
     let pixels = Pixels::new(&window, &line);
     Ok((

@@ -409,7 +409,8 @@ fn a_chart_offers_its_edges() {
 fn the_only_edge_of_a_chart_is_found() {
     let photo = chart(600, 400, [8.0, 90.0, 180.0, 270.0]);
     let measured = edge(&photo, None).unwrap();
-    assert!(warned(&measured, "give roi = ["), "{:?}", measured.warnings);
+    let found = format!("give {}", measured.region);
+    assert!(warned(&measured, &found), "{:?}", measured.warnings);
     assert!((measured.line.normal_rad.to_degrees() - 8.0).abs() < 0.01);
     let (error, noise) = error(&measured, SIGMA_PX);
     assert!(error < 0.002 + 4.0 * noise, "{error}, noise {noise}");
@@ -426,6 +427,7 @@ fn a_given_region_is_measured() {
         height: 80,
     };
     let measured = edge(&photo, Some(roi)).unwrap();
+    assert_eq!(measured.region, roi);
     assert_eq!(measured.warnings, Vec::<String>::new());
     let (error, noise) = error(&measured, SIGMA_PX);
     assert!(error < 0.002 + 4.0 * noise, "{error}, noise {noise}");

@@ -6,9 +6,9 @@ use base64::Engine;
 use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::captures::Shot;
-use crate::edge::{self, Line};
+use crate::edge::Line;
+use crate::measure;
 use crate::photo::Photo;
-use crate::window::Window;
 
 use super::markup::escape;
 
@@ -28,10 +28,10 @@ type Rectangle = [usize; 4];
 /// the photograph cannot be read any more.
 pub fn crop(shot: &Shot, label: &str) -> Option<String> {
     let photo = shot.load().ok()?;
+    let measured = measure::edge(&photo, shot.roi).ok();
     let whole = [0, 0, photo.width, photo.height];
-    let roi = shot.roi.map_or(whole, |r| [r.x, r.y, r.width, r.height]);
-    let window = Window::of(&photo, Some(roi))?;
-    let line = edge::locate(&window).ok();
+    let roi = measured.as_ref().map(|m| m.region).or(shot.roi);
+    let roi = roi.map_or(whole, |r| [r.x, r.y, r.width, r.height]);
     let view = around(roi, whole);
     let picture = png(&photo, view)?;
     let [x, y, width, height] = view;
@@ -41,7 +41,7 @@ pub fn crop(shot: &Shot, label: &str) -> Option<String> {
     } else {
         drawn_region(roi)
     };
-    let edge = line.map(|line| drawn_edge(line, roi)).unwrap_or_default();
+    let edge = measured.map_or(String::new(), |m| drawn_edge(m.line, roi));
     Some(format!(
         "<svg class=\"photo\" viewBox=\"{x} {y} {width} {height}\" role=\"img\" aria-label=\"{}\">\
          <image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" href=\"data:image/png;base64,{data}\"/>\
