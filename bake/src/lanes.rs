@@ -131,6 +131,7 @@ fn by_cells(
 ) {
     let base = (first >> (2 * CELL_BITS)) as u32;
     let mut excerpt = Excerpt::default();
+    let (mut corners, mut points_of_cell) = (Vec::new(), Vec::new());
     for cell in 0..1u32 << (2 * CELL_BITS) {
         let (low, sum) = (cell & 15, cell >> 4);
         let index = |high: u32| {
@@ -151,9 +152,19 @@ fn by_cells(
             }
             let [from, to] = [from, to].map(|along| piece.stretched(along - 0.5));
             let [low, high] = [digits[1], digits[1] + 1.0].map(|end| end / 16.0 - 0.5);
-            let corners = [(from, low), (to, low), (from, high), (to, high)];
+            corners.clear();
+            corners.extend([(from, low), (to, low), (from, high), (to, high)]);
+            if piece.folded {
+                // The part beyond the diagonal lies on the other side of it: where it crosses the sides is a corner too.
+                let crossings = [(from, -from), (to, -to), (-low, low), (-high, high)];
+                let on_side =
+                    |&(c0, c1): &(f64, f64)| from <= c0 && c0 <= to && low <= c1 && c1 <= high;
+                corners.extend(crossings.iter().filter(|end| on_side(end)));
+            }
             let program = &programs[piece.scene];
-            excerpt.refill(program, &corners.map(|(c0, c1)| piece.point(c0, c1)));
+            points_of_cell.clear();
+            points_of_cell.extend(corners.iter().map(|&(c0, c1)| piece.point(c0, c1)));
+            excerpt.refill(program, &points_of_cell);
             let mut maps = excerpt.steps.iter().filter_map(|step| match step.end {
                 End::Shift(map) => Some(map),
                 _ => None,

@@ -169,7 +169,7 @@ pub struct Excerpt {
 
 impl Excerpt {
     /// Takes the part of `program` for rays that enter between `corners` (their convex hull).
-    pub fn refill(&mut self, program: &Program, corners: &[DVec2; 4]) {
+    pub fn refill(&mut self, program: &Program, corners: &[DVec2]) {
         self.steps.clear();
         self.tests.clear();
         // Whether an earlier step of the node at that depth takes all its rays.
@@ -184,9 +184,13 @@ impl Excerpt {
             let first = self.tests.len();
             let mut taken = !closed[step.from];
             for test in &program.tests[step.tests.0..step.tests.1] {
-                let values = corners.map(|corner| test.at(corner));
-                taken &= values.iter().any(|&value| value > -ROUNDING);
-                if values.iter().any(|&value| value < ROUNDING) {
+                let values = corners.iter().map(|&corner| test.at(corner));
+                let (least, most) = values
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), value| {
+                        (l.min(value), m.max(value))
+                    });
+                taken &= most > -ROUNDING;
+                if least < ROUNDING {
                     self.tests.push(*test);
                 }
             }
