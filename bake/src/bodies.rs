@@ -15,13 +15,17 @@
 //! Vertices are shared where their coordinates are equal to the last bit, as they are in a file that gives them the same
 //! digits.
 
+use crate::program;
 use crate::scene::SMALL;
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 use std::collections::HashMap;
 
-/// Kinds at most: each costs a program per direction, and every bundle of rays looks at each.
-const KINDS: usize = 16;
+/// Kinds at most: each costs a program per direction, as much time as some hundred rays and about 3 kB.
+const KINDS: usize = 4096;
+
+/// The same where a body is too large for a program: every ray then looks at each kind.
+const LARGE_KINDS: usize = 16;
 
 /// Facets of a body at most, for the comparison of bodies is quadratic in them.
 const FACETS: usize = 256;
@@ -62,7 +66,11 @@ pub enum Whole {
     )]
     Connected,
     /// Too many bodies differ.
-    #[error("more than {KINDS} of its cubes differ by more than the rounding of their coordinates")]
+    #[error(
+        "more than {KINDS} of its cubes ({LARGE_KINDS} of more than {facets} facets) differ by more than the rounding of \
+         their coordinates",
+        facets = program::FACETS
+    )]
     Unlike,
 }
 
@@ -82,7 +90,10 @@ pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     }
     let surface = Surface::new(cell);
     let bodies = surface.bodies().ok_or(Whole::Connected)?;
+    let large = bodies.iter().any(|body| body.len() > program::FACETS);
+    let most = if large { LARGE_KINDS } else { KINDS };
     let mut kinds: Vec<Kind> = Vec::new();
+    let mut by_sum: HashMap<i64, Vec<usize>> = HashMap::new();
     let mut rims = Vec::new();
     let mut area = 0.0;
     for body in bodies {
@@ -93,19 +104,29 @@ pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
         let place = corners.iter().sum::<DVec2>() / corners.len() as f64;
         let local = |p: DVec3| p - place.extend(0.0);
         let facets: Vec<[DVec3; 3]> = body.iter().map(|&f| cell.facets[f].map(local)).collect();
-        let alike = |kind: &Kind| same_facets(&kind.facets, &facets, surface.tolerance);
-        match kinds.iter().position(alike) {
+        // Coordinates of copies add up alike, so that only kinds of nearly the same sum are compared.
+        let sum: DVec3 = facets.iter().flatten().sum();
+        let terms = 9.0 * facets.len() as f64;
+        let slot = (sum.element_sum() / (2.0 * terms * surface.tolerance)).floor() as i64;
+        let alike = |&kind: &usize| same_facets(&kinds[kind].facets, &facets, surface.tolerance);
+        let near = (slot - 1..=slot + 1).filter_map(|slot| by_sum.get(&slot));
+        match near.flatten().copied().filter(alike).min() {
             Some(known) => kinds[known].places.push(place),
-            None if kinds.len() == KINDS => return Err(Whole::Unlike),
-            None => kinds.push(Kind {
-                facets,
-                entrance: Entrance {
-                    height: cell.entrance.height,
-                    polygon: without_straight_corners(corners.iter().map(|&p| p - place).collect()),
-                    lattice: None,
-                },
-                places: vec![place],
-            }),
+            None if kinds.len() == most => return Err(Whole::Unlike),
+            None => {
+                by_sum.entry(slot).or_default().push(kinds.len());
+                kinds.push(Kind {
+                    facets,
+                    entrance: Entrance {
+                        height: cell.entrance.height,
+                        polygon: without_straight_corners(
+                            corners.iter().map(|&p| p - place).collect(),
+                        ),
+                        lattice: None,
+                    },
+                    places: vec![place],
+                });
+            }
         }
     }
     let whole = doubled_area(&cell.entrance.polygon) / 2.0;

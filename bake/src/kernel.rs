@@ -2,8 +2,8 @@
 
 use crate::bundle::Bundle;
 use crate::bvh::Hierarchy;
-use crate::lanes::LANES;
-use crate::launch::{Launch, Piece};
+use crate::lanes::{self, LANES};
+use crate::launch::Launch;
 use crate::packet::{Packets, order};
 use crate::path::{Rules, trace};
 use crate::program::Program;
@@ -20,9 +20,8 @@ use std::sync::Arc;
 /// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
 const RUN: u64 = 1 << 18;
 
-/// The same where they go in packets, which are the larger the more rays meet a facet (a sheet of 2,000 cubes: 4.5
-/// million rays/s against 3.0).
-const RUN_OF_PACKETS: u64 = 1 << 20;
+/// The same where they are sorted by what they meet, which is the better the more rays meet the same.
+const RUN_OF_SORTED: u64 = 1 << 20;
 
 /// Rays that are sorted into packets at a time: 80 bytes each.
 const NEIGHBOURS: usize = 1 << 18;
@@ -78,12 +77,15 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
-        let program = |number: usize| {
-            let entry = launch.pieces().iter().filter(|piece| piece.scene == number);
-            let entry = entry.map(Piece::polygon).collect();
-            Program::new(&scenes[number], entry, rules, &direction?, bins)
-        };
-        let programs: Option<Vec<Program>> = (0..scenes.len()).map(program).collect();
+        let mut entries = vec![Vec::new(); scenes.len()];
+        for piece in launch.pieces() {
+            entries[piece.scene].push(piece.polygon());
+        }
+        let programs = scenes
+            .iter()
+            .zip(entries)
+            .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
+        let programs: Option<Vec<Program>> = programs.collect();
         Kernel {
             programs: programs.unwrap_or_default(),
             instructions: InstructionSet::best(),
@@ -122,8 +124,8 @@ impl Kernel {
 
     /// Rays that are best traced in one piece.
     pub fn run(&self) -> u64 {
-        let packets = self.programs.is_empty() && self.packets;
-        if packets { RUN_OF_PACKETS } else { RUN }
+        let sorted = self.programs.is_empty() && self.packets || lanes::sorts(&self.launch);
+        if sorted { RUN_OF_SORTED } else { RUN }
     }
 
     /// Traces `samples` of `stream` into `tally`.

@@ -12,6 +12,7 @@
 )]
 
 use crate::launch::{Launch, Piece};
+use crate::packet::order;
 use crate::program::{Affine, DEPTH, End, Excerpt, Program, Step};
 use crate::sequence::{Sampler, Stream, centred, pascal, philox, scramble};
 use crate::tally::{Bins, Tally};
@@ -28,8 +29,8 @@ type Mask = [u64; LANES];
 /// The square is cut into 2^4 x 2^4 cells where a block is traced cell by cell.
 const CELL_BITS: u32 = 4;
 
-/// Pieces of the entrance up to which that is done: each cell looks at all of them.
-const CELL_PIECES: usize = 64;
+/// Pieces of the entrance from which on samples are sorted by piece instead, lest each bundle look at all of them.
+const SORTED_PIECES: usize = 12;
 
 /// Samples of the smallest block that is worth it: two bundles per cell.
 const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
@@ -60,8 +61,12 @@ pub fn run(
         ended: [[0; LANES]; Fate::ALL.len()],
         histogram: &mut tally.histogram,
     };
-    let cells = stream.sampler == Sampler::Sobol && launch.pieces().len() <= CELL_PIECES;
+    let cells = stream.sampler == Sampler::Sobol;
     let mut first = samples.start;
+    if sorts(launch) {
+        by_pieces(programs, launch, stream, samples.clone(), &mut work);
+        first = samples.end;
+    }
     while first < samples.end {
         // The largest block of 2^k samples that starts at a multiple of its size.
         let left = samples.end - first;
@@ -111,6 +116,49 @@ fn in_order(
             bundle(steps, tests, maps, only, [&x, &y], start, work);
         }
         first += LANES as u64;
+    }
+}
+
+/// Whether samples of `launch` are sorted by the piece that they choose.
+pub fn sorts(launch: &Launch) -> bool {
+    launch.pieces().len() >= SORTED_PIECES
+}
+
+/// Traces samples in the order of the pieces that they choose.
+#[inline(always)]
+fn by_pieces(
+    programs: &[Program],
+    launch: &Launch,
+    stream: &Stream,
+    samples: Range<u64>,
+    work: &mut Work,
+) {
+    let mut drawn = Vec::with_capacity((samples.end - samples.start) as usize + LANES);
+    for first in samples.clone().step_by(LANES) {
+        let (a, b) = digits(stream, first);
+        drawn.extend((0..LANES).map(|lane| [a[lane], b[lane]]));
+    }
+    drawn.truncate((samples.end - samples.start) as usize);
+    // Slots of the first coordinate, 8 to 16 of them for a piece of the mean size: fine enough that few samples of a
+    // piece's slots choose its neighbours. Which do is decided as ever, by `points`.
+    let bits = launch.pieces().len().ilog2() + 4;
+    let slot = |of: &[u32; 2]| of[0] >> (32 - bits);
+    let drawn = order(&drawn, 1 << bits, |sample| slot(sample) as usize);
+    for piece in launch.pieces() {
+        let [from, to] = [piece.from, piece.to].map(|end| (end * f64::from(1 << bits)) as u32);
+        let from = drawn.partition_point(|sample| slot(sample) < from);
+        let count = drawn[from..].partition_point(|sample| slot(sample) <= to);
+        let Program { steps, tests, maps } = &programs[piece.scene];
+        let only = (maps.len() == 1).then_some(0);
+        for some in drawn[from..from + count].chunks(LANES) {
+            let (mut a, mut b) = ([0; LANES], [0; LANES]);
+            for (lane, sample) in some.iter().enumerate() {
+                [a[lane], b[lane]] = *sample;
+            }
+            let (x, y, mut start) = points(piece, &a, &b);
+            start[some.len()..].fill(0);
+            bundle(steps, tests, maps, only, [&x, &y], start, work);
+        }
     }
 }
 

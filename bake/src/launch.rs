@@ -140,9 +140,9 @@ impl Launch {
         if let [piece] = &self.pieces[..] {
             return (piece.scene, piece.point(c0, c1));
         }
-        let last = self.pieces.len() - 1;
-        let chosen = self.pieces.iter().position(|piece| c0 + 0.5 < piece.to);
-        let piece = &self.pieces[chosen.unwrap_or(last)];
+        // The last piece ends at 1, above every sample.
+        let chosen = self.pieces.partition_point(|piece| piece.to <= c0 + 0.5);
+        let piece = &self.pieces[chosen];
         (piece.scene, piece.point(piece.stretched(c0), c1))
     }
 

@@ -22,6 +22,7 @@ pub mod plot;
 pub mod polygon;
 pub mod program;
 pub mod progress;
+pub mod provenance;
 pub mod ray;
 pub mod report;
 pub mod retrace;

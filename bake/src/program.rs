@@ -23,7 +23,7 @@ use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 
 /// Facets of a cell that is small enough.
-const FACETS: usize = 16;
+pub const FACETS: usize = 16;
 
 /// Steps of a program at most: beyond, tracing facet by facet is about as fast.
 const STEPS: usize = 512;

@@ -2,7 +2,10 @@
 
 use crate::exact::{self, ExactCell, ExactError};
 use crate::kernel::Kernel;
+use crate::lanes;
+use crate::path::Rules;
 use crate::plan::{Effort, Method, Plan, RAYS_PER_RANDOMISATION, Shard};
+use crate::provenance::provenance;
 use crate::saves::Saves;
 use crate::scene::Index;
 use crate::sequence::Stream;
@@ -19,6 +22,12 @@ use thiserror::Error;
 
 /// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
 const FIRST_ROUND: u64 = 1 << 12;
+
+/// The same of the first step of a bake that is saved, where samples are sorted by piece.
+const LONG_STEP: u64 = 1 << 18;
+
+/// Programs in memory at a time, about 3 kB each: the directions of a sheet of many kinds are traced in turn.
+const PROGRAMS: usize = 1 << 14;
 
 /// The only share of a bake that is not split.
 const WHOLE: Shard = Shard { number: 1, of: 1 };
@@ -75,15 +84,17 @@ pub enum RunError {
 }
 
 /// A piece of work: samples of one randomisation of one direction.
-struct Run {
-    direction: usize,
+struct Run<'a> {
+    bundle: &'a Bundle,
+    kernel: &'a Kernel,
     randomisation: usize,
     samples: Range<u64>,
 }
 
-/// Everything about one direction that its rays share.
+/// Everything about one direction but its kernel.
 struct Bundle {
-    kernel: Kernel,
+    incidence_deg: f64,
+    azimuth_deg: f64,
     streams: Vec<Stream>,
     sums: Mutex<Sums>,
 }
@@ -189,7 +200,7 @@ fn traced(
     progress: &(dyn Fn(u64) + Sync),
     mut saves: Option<Saves<'_>>,
 ) -> Result<Table, RunError> {
-    let bundles = bundles(cell, plan, tracer);
+    let bundles = bundles(plan);
     if let Some(saved) = saves.as_mut().and_then(|saves| saves.start.take()) {
         continued(&bundles, &saved, &table(cell, plan, &bundles))?;
         progress(saved.rays.sum());
@@ -197,6 +208,9 @@ fn traced(
     let work = Work {
         cell,
         plan,
+        tracer,
+        sheet: Sheet::new(cell, Index::Auto),
+        rules: plan.rules(cell),
         bins: Bins::new(plan.axes.bins, plan.axes.range),
         bundles,
         progress,
@@ -256,10 +270,8 @@ fn share(rays: u64, among: usize, which: usize) -> u64 {
     rays / among + u64::from((which as u64) < rays % among)
 }
 
-fn bundles(cell: &Cell, plan: &Plan, tracer: Tracer) -> Vec<Bundle> {
-    let sheet = Sheet::new(cell, Index::Auto);
+fn bundles(plan: &Plan) -> Vec<Bundle> {
     let bins = Bins::new(plan.axes.bins, plan.axes.range);
-    let rules = plan.rules(cell);
     let directions = plan
         .axes
         .incidence_deg
@@ -267,13 +279,8 @@ fn bundles(cell: &Cell, plan: &Plan, tracer: Tracer) -> Vec<Bundle> {
         .flat_map(|&i| plan.axes.azimuth_deg.iter().map(move |&a| (i, a)));
     directions
         .map(|(incidence_deg, azimuth_deg)| Bundle {
-            kernel: {
-                let kernel = Kernel::over(&sheet, &rules, &bins, incidence_deg, azimuth_deg);
-                match tracer {
-                    Tracer::Fastest => kernel,
-                    Tracer::OneByOne => kernel.one_by_one(),
-                }
-            },
+            incidence_deg,
+            azimuth_deg,
             streams: (0..plan.randomisations as u64)
                 .map(|r| Stream::new(plan.sampler, plan.seed, incidence_deg, azimuth_deg, r))
                 .collect(),
@@ -293,6 +300,9 @@ impl Bundle {
 struct Work<'a> {
     cell: &'a Cell,
     plan: &'a Plan,
+    tracer: Tracer,
+    sheet: Sheet,
+    rules: Rules,
     bins: Bins,
     bundles: Vec<Bundle>,
     progress: &'a (dyn Fn(u64) + Sync),
@@ -303,42 +313,54 @@ impl Work<'_> {
     /// Traces the samples `share(randomisation)` of every randomisation of the directions named, less those that are
     /// done: the sums of a randomisation always hold the first samples of its share.
     ///
-    /// Where the bake is saved, all advance together, in steps short enough to be saved in time.
+    /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short enough to be saved in
+    /// time.
     fn run(
         &self,
         directions: &[usize],
         share: &dyn Fn(usize) -> Range<u64>,
         saves: &mut Option<Saves<'_>>,
     ) {
-        let mut step = saves.as_ref().map_or(u64::MAX, |_| FIRST_ROUND);
-        loop {
-            let mut runs = Vec::new();
-            for &direction in directions {
-                let bundle = &self.bundles[direction];
-                let launched = &bundle.sums().launched;
-                for (randomisation, done) in launched.iter().enumerate() {
-                    let Range { start, end } = share(randomisation);
-                    let start = start + done;
-                    let end = end.min(start.saturating_add(step));
-                    let length = bundle.kernel.run();
-                    let cuts = (start..end).step_by(length as usize);
-                    runs.extend(cuts.map(|from| Run {
-                        direction,
-                        randomisation,
-                        samples: from..end.min(from + length),
-                    }));
+        // Sorting by piece wants many samples.
+        let first = if lanes::sorts(&self.sheet.launch) {
+            LONG_STEP
+        } else {
+            FIRST_ROUND
+        };
+        let mut step = saves.as_ref().map_or(u64::MAX, |_| first);
+        for some in directions.chunks((PROGRAMS / self.sheet.scenes.len()).max(1)) {
+            let kernel = |&direction: &usize| (&self.bundles[direction], self.kernel(direction));
+            let kernels: Vec<(&Bundle, Kernel)> =
+                self.pool.install(|| some.par_iter().map(kernel).collect());
+            loop {
+                let mut runs = Vec::new();
+                for (bundle, kernel) in &kernels {
+                    let launched = &bundle.sums().launched;
+                    for (randomisation, done) in launched.iter().enumerate() {
+                        let Range { start, end } = share(randomisation);
+                        let start = start + done;
+                        let end = end.min(start.saturating_add(step));
+                        let length = kernel.run();
+                        let cuts = (start..end).step_by(length as usize);
+                        runs.extend(cuts.map(|from| Run {
+                            bundle,
+                            kernel,
+                            randomisation,
+                            samples: from..end.min(from + length),
+                        }));
+                    }
                 }
-            }
-            if runs.is_empty() {
-                return;
-            }
-            let begun = Instant::now();
-            self.pool.install(|| self.trace(&runs));
-            if let Some(saves) = saves {
-                if begun.elapsed() < saves.every / 8 {
-                    step = step.saturating_mul(2);
+                if runs.is_empty() {
+                    break;
                 }
-                saves.when_due(|| table(self.cell, self.plan, &self.bundles));
+                let begun = Instant::now();
+                self.pool.install(|| self.trace(&runs));
+                if let Some(saves) = saves {
+                    if begun.elapsed() < saves.every / 8 {
+                        step = step.saturating_mul(2);
+                    }
+                    saves.when_due(|| table(self.cell, self.plan, &self.bundles));
+                }
             }
         }
     }
@@ -347,17 +369,32 @@ impl Work<'_> {
         runs.par_iter().for_each_init(
             || Tally::new(&self.bins),
             |tally, run| {
-                let bundle = &self.bundles[run.direction];
                 tally.clear();
-                bundle.kernel.trace(
-                    &bundle.streams[run.randomisation],
-                    run.samples.clone(),
-                    tally,
-                );
-                bundle.sums().add(run.randomisation, tally);
+                let stream = &run.bundle.streams[run.randomisation];
+                run.kernel.trace(stream, run.samples.clone(), tally);
+                run.bundle.sums().add(run.randomisation, tally);
                 (self.progress)(run.samples.end - run.samples.start);
             },
         );
+    }
+
+    fn kernel(&self, direction: usize) -> Kernel {
+        let Bundle {
+            incidence_deg,
+            azimuth_deg,
+            ..
+        } = self.bundles[direction];
+        let kernel = Kernel::over(
+            &self.sheet,
+            &self.rules,
+            &self.bins,
+            incidence_deg,
+            azimuth_deg,
+        );
+        match self.tracer {
+            Tracer::Fastest => kernel,
+            Tracer::OneByOne => kernel.one_by_one(),
+        }
     }
 
     /// Doubles the rays of each direction until its estimated error is below `tolerance`.
@@ -420,42 +457,6 @@ fn table(cell: &Cell, plan: &Plan, bundles: &[Bundle]) -> Table {
     }
     let provenance = provenance(cell, plan, "rays".into(), plan.sampler.name().into());
     Table::from_counts(axes, counts, fates, provenance)
-}
-
-/// Where a table of `cell` baked by `method` comes from.
-pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> Provenance {
-    Provenance {
-        generator: concat!("bake ", env!("CARGO_PKG_VERSION")).into(),
-        design: cell.design.clone(),
-        mesh_hash: cell.mesh_hash.clone(),
-        edge_length: cell.edge_length,
-        edge_length_unit: "file unit".into(),
-        azimuth_zero: cell.azimuth_zero.to_array(),
-        refractive_index: plan.index_of(cell),
-        back: plan.back.name().into(),
-        losses: "none".into(),
-        reflectance: 1.0,
-        method,
-        sampler,
-        seed: plan.seed,
-        angular_tolerance_deg: plan.angular_tolerance_deg,
-        tolerance: match plan.effort {
-            Effort::Tolerance(tolerance) => tolerance,
-            Effort::Rays(_) => 0.0,
-        },
-        lattice: cell
-            .entrance
-            .lattice
-            .map(|lattice| lattice.map(|vector| vector.to_array())),
-        shards: match (plan.shard, plan.effort) {
-            (Some(Shard { number, of }), Effort::Rays(rays)) => Some(Shards {
-                of,
-                rays,
-                held: [number].into(),
-            }),
-            _ => None,
-        },
-    }
 }
 
 #[cfg(test)]

@@ -359,10 +359,68 @@ fn what_is_no_set_of_bodies_is_left_whole() {
     expected[0] = Some(Whole::Periodic);
     assert_eq!(cases, expected);
     assert_eq!(bodies::kinds(&patch(3, 1)).err(), Some(Whole::Small));
-    assert_eq!(bodies::kinds(&uneven(3, 3)).err(), Some(Whole::Unlike));
+    // Bodies of 9 facets have programs, as many as there are bodies; those of 27 have none.
+    let nine = split(uneven(3, 3));
+    assert_eq!(bodies::kinds(&nine).map(|kinds| kinds.len()), Ok(18));
+    assert_eq!(bodies::kinds(&split(nine)).err(), Some(Whole::Unlike));
+    assert_eq!(bodies::kinds(&uneven(50, 41)).err(), Some(Whole::Unlike));
 }
 
-/// A patch whose cubes all differ, so that they have no kinds: every vertex below the entrance plane is moved.
+/// The same cell, each facet split in three at its middle.
+fn split(cell: Cell) -> Cell {
+    let thirds = |[a, b, c]: [DVec3; 3]| {
+        let middle = (a + b + c) / 3.0;
+        [[a, b, middle], [b, c, middle], [c, a, middle]]
+    };
+    Cell {
+        facets: cell.facets.into_iter().flat_map(thirds).collect(),
+        ..cell
+    }
+}
+
+/// Sheets of 8, 60 and 240 cubes that all differ are traced cube by cube, whatever the order of the samples, on every
+/// instruction set, with the fates and bins that each ray has in the whole mesh, by hierarchy.
+#[test]
+fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
+    let bins = Bins::new(32, 1.5);
+    let (first, rays) = ((1 << 15) - 5, 40_000u64);
+    let mut compared = 0;
+    for (columns, rows) in [(2, 2), (6, 5), (12, 10)] {
+        let cell = uneven(columns, rows);
+        let kinds = bodies::kinds(&cell).expect("a sheet of cubes");
+        assert!(kinds.iter().all(|kind| kind.places.len() == 1));
+        let sheet = Sheet::new(&cell, Index::Auto);
+        assert_eq!(sheet.scenes.len(), 2 * columns * rows);
+        let whole = Scene::new(&cell, Index::Hierarchy);
+        for (incidence, azimuth) in [(0.0, 0.0), (11.0, 200.0), (34.0, 75.0), (80.0, 33.0)] {
+            for sampler in [Sampler::Random, Sampler::Sobol] {
+                let stream = Stream::new(sampler, 5, incidence, azimuth, 0);
+                let direction = Direction::new(incidence.to_radians(), azimuth.to_radians(), 1.0);
+                let mut all = Tally::new(&bins);
+                for index in first..first + rays {
+                    let (kind, point) = sheet.launch.entry(&stream, index);
+                    let point = point + kinds[kind].places[0];
+                    all.count(&bins, &trace(&whole, &MIRROR, &direction, point));
+                }
+                for set in InstructionSet::available() {
+                    let kernel = Kernel::over(&sheet, &MIRROR, &bins, incidence, azimuth).on(set);
+                    assert_eq!(kernel.programs().len(), 2 * columns * rows);
+                    let mut parts = Tally::new(&bins);
+                    kernel.trace(&stream, first..first + rays, &mut parts);
+                    assert_eq!(parts.fates, all.fates, "at ({incidence}, {azimuth})");
+                    let size = bins.len();
+                    assert!(parts.histogram[..size] == all.histogram[..size]);
+                    assert_eq!(parts.fates.iter().sum::<u64>(), rays);
+                    compared += rays;
+                }
+            }
+        }
+    }
+    let sets = InstructionSet::available().len() as u64;
+    assert_eq!(compared, 3 * 4 * 2 * sets * 40_000);
+}
+
+/// A patch whose cubes all differ, each a kind of its own: every vertex below the entrance plane is moved.
 fn uneven(columns: usize, rows: usize) -> Cell {
     let mut cell = patch(columns, rows);
     for corner in cell.facets.iter_mut().flatten() {
