@@ -75,7 +75,14 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
         let (squares, at) = sum_of_squares_with(scene, loss, fit.choice, from, i, x);
         (squares - fit.chi2 > rise, at)
     };
-    let (mut inside, mut outside) = (start[i], None);
+    // Where nothing depends on a parameter the solver may leave it anywhere: the walk begins within what a photograph
+    // could ever show, c = 0.1 um and a = 10^9.
+    let begin = if way > 0.0 {
+        start[i].max(1e-4_f64.ln())
+    } else {
+        start[i].min(1e9_f64.ln())
+    };
+    let (mut inside, mut outside) = (begin, None);
     let mut at = start.clone();
     let mut step = 0.2;
     for _ in 0..12 {

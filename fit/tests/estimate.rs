@@ -229,6 +229,7 @@ fn selection_finds_the_planted_terms() {
             let selection = select(&scene, Kind::Mtf, &everything);
             // What is left out is bounded: c below what would blur like a pixel (0.05), a above 20.
             let bound = absent(&scene, &selection);
+            println!("{kernel:?} {shape:?} {bound:?}");
             match kernel {
                 Kernel::Lobe => assert!(bound.is_some_and(
                     |(name, b)| name == "c_mm" && b.at_most.is_some_and(|c| c > 0.0 && c < 0.1)
