@@ -12,7 +12,7 @@ use crate::sequence::Stream;
 use crate::sheet::Sheet;
 use crate::tally::{Bins, Sums, Tally};
 use meshes::Cell;
-use ndarray::{Array2, Array4, Array5, s};
+use ndarray::{Array2, Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -241,25 +241,15 @@ fn traced(
 
 /// Fills the sums of a bake that begins with those of one that was interrupted. `fresh` is the table of its start.
 fn continued(bundles: &[Bundle], saved: &Table, fresh: &Table) -> Result<(), RunError> {
-    let (Some(counts), Some(fates)) = (&saved.counts, &saved.fate_counts) else {
-        return Err(RunError::Saved);
-    };
+    let shape = |table: &Table| table.counts.as_ref().map(|counts| counts.dim());
     let same = saved.provenance == fresh.provenance
         && saved.axes == fresh.axes
-        && fresh
-            .counts
-            .as_ref()
-            .is_some_and(|fresh| fresh.dim() == counts.dim());
+        && shape(saved) == shape(fresh);
     if !same {
         return Err(RunError::Saved);
     }
-    let azimuths = saved.axes.azimuth_deg.len();
-    for (direction, bundle) in bundles.iter().enumerate() {
-        let (i, j) = (direction / azimuths, direction % azimuths);
-        *bundle.sums() = Sums::of_counts(
-            counts.slice(s![i, j, .., .., ..]),
-            fates.slice(s![i, j, .., ..]),
-        );
+    for (bundle, sums) in bundles.iter().zip(Sums::of_table(saved)) {
+        *bundle.sums() = sums;
     }
     Ok(())
 }

@@ -3,8 +3,8 @@
 use crate::lanes::LANES;
 use crate::path::Outcome;
 use glam::DVec2;
-use ndarray::{ArrayView2, ArrayView3};
-use tables::Fate;
+use ndarray::s;
+use tables::{Fate, Table};
 
 /// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,18 +115,28 @@ impl Sums {
         }
     }
 
-    /// The sums of a table's direction: counts by `[randomisation, v, u]`, fates by `[randomisation, fate]`.
-    pub fn of_counts(counts: ArrayView3<'_, u64>, fates: ArrayView2<'_, u64>) -> Self {
-        let fates: Vec<[u64; Fate::ALL.len()]> = fates
-            .rows()
-            .into_iter()
-            .map(|row| std::array::from_fn(|fate| row[fate]))
-            .collect();
-        Sums {
-            counts: counts.iter().copied().collect(),
-            launched: fates.iter().map(|fates| fates.iter().sum()).collect(),
-            fates,
-        }
+    /// The sums that a table of rays was made of, direction by direction; none without counts.
+    pub fn of_table(table: &Table) -> Vec<Self> {
+        let (Some(counts), Some(fates)) = (&table.counts, &table.fate_counts) else {
+            return Vec::new();
+        };
+        let (incidences, azimuths) = table.axes.shape();
+        let of = |direction: usize| {
+            let (i, j) = (direction / azimuths, direction % azimuths);
+            let counts = counts.slice(s![i, j, .., .., ..]);
+            let fates = fates.slice(s![i, j, .., ..]);
+            let fates: Vec<[u64; Fate::ALL.len()]> = fates
+                .rows()
+                .into_iter()
+                .map(|row| std::array::from_fn(|fate| row[fate]))
+                .collect();
+            Sums {
+                counts: counts.iter().copied().collect(),
+                launched: fates.iter().map(|fates| fates.iter().sum()).collect(),
+                fates,
+            }
+        };
+        (0..incidences * azimuths).map(of).collect()
     }
 
     /// Adds the counts of one run to a randomisation.
