@@ -3,44 +3,14 @@
 use serde::Serialize;
 use tables::Table;
 
-use crate::kernel::{Blur, Kernel};
+use crate::kernel::Kernel;
 use crate::lobe::Shape;
-use crate::report::{ResultFile, TableResult};
+use crate::report::ResultFile;
+use crate::sheet::Fitted;
 use crate::shift::ShiftLine;
+pub use crate::spot::Error;
 use crate::view::Model;
-use crate::wave::{self, WaveLine};
-
-/// Why a prediction cannot be made.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// The result holds only a bound where a number is needed.
-    #[error(
-        "the result gives no number for {parameter} (its photographs only bound it); \
-             fit with a --kernel without it, or add photographs"
-    )]
-    Unknown {
-        /// The parameter.
-        parameter: &'static str,
-    },
-    /// The table is one of another cell than the fit's.
-    #[error(
-        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): mesh, edge length, \
-             azimuth zero, refractive index or back differ; bake the fitted cell, or fit again"
-    )]
-    OtherCell {
-        /// Design and content hash in the result.
-        fitted: String,
-        /// Those of the table given.
-        given: String,
-    },
-    /// The table has no such direction.
-    #[error(transparent)]
-    Direction(#[from] tables::Error),
-    /// The table has the direction, but not for the `wave` kernel.
-    #[error(transparent)]
-    Wave(#[from] wave::Fault),
-}
+use crate::wave::WaveLine;
 
 /// Orientation of a pattern: along which axis its contrast is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -108,18 +78,11 @@ pub fn predict(
     table: &Table,
     places: &Places,
 ) -> Result<Vec<Prediction>, Error> {
-    let given = TableResult::of(table);
-    if !result.table.same_cell(&given) {
-        let name = |table: &TableResult| format!("{} {}", table.design, table.content_hash);
-        return Err(Error::OtherCell {
-            fitted: name(&result.table),
-            given: name(&given),
-        });
-    }
+    let sheet = Fitted::new(result, table)?;
     let mut predictions = Vec::new();
     for &incidence_deg in &places.incidence_deg {
         let direction = table.direction(incidence_deg, places.azimuth_deg)?;
-        let blur = blur(result, incidence_deg)?;
+        let blur = sheet.blur(incidence_deg)?;
         for &distance_mm in &places.distance_mm {
             for axis in [Axis::Tangential, Axis::Sagittal] {
                 let normal = axis.normal();
@@ -145,7 +108,6 @@ pub fn predict(
                 } else {
                     Vec::new()
                 };
-                let mu = result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
                 predictions.push(Prediction {
                     distance_mm,
                     incidence_deg,
@@ -153,7 +115,7 @@ pub fn predict(
                     axis,
                     eta: direction.eta,
                     interpolated: direction.interpolated,
-                    luminance: mu.map(|mu| mu * direction.eta * result.half_mirror),
+                    luminance: sheet.luminance(incidence_deg, direction.eta),
                     mtf50_per_mm: if returns {
                         crate::sfr::crossing(&places.frequency_per_mm, &mtf, 0.5)
                     } else {
@@ -165,32 +127,4 @@ pub fn predict(
         }
     }
     Ok(predictions)
-}
-
-fn blur(result: &ResultFile, incidence_deg: f64) -> Result<Blur, Error> {
-    let spread = match result.kernel {
-        Kernel::Shift | Kernel::Wave => 1.0,
-        Kernel::Eq1 | Kernel::Lobe => result
-            .a_per_mm
-            .as_ref()
-            .and_then(|a| a.at(incidence_deg))
-            .ok_or(Error::Unknown {
-                parameter: "a_per_mm",
-            })?,
-        Kernel::Angular => result
-            .a_times_r
-            .as_ref()
-            .and_then(|a| a.at(incidence_deg))
-            .ok_or(Error::Unknown {
-                parameter: "a_times_r",
-            })?,
-    };
-    let c_mm = match result.kernel {
-        Kernel::Lobe => 1.0,
-        _ => result
-            .c_mm
-            .and_then(|c| c.value)
-            .ok_or(Error::Unknown { parameter: "c_mm" })?,
-    };
-    Ok(Blur { spread, c_mm })
 }
