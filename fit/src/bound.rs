@@ -18,7 +18,7 @@ const MEANINGLESS: f64 = 0.5;
 const CONFIDENCE: f64 = 0.95;
 const RISE: f64 = 2.706;
 
-/// Bounds of the blur parameters whose error is half of themselves or more: c at most, spread at least (each is the
+/// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at most, a at least (each is the
 /// direction in which its blur fades away).
 pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bound> {
     let mut found = BTreeMap::new();
@@ -33,18 +33,20 @@ pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bo
 }
 
 /// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where the shift alone was,
-/// from the literal Eq. (1), which has both. `None` where both are there, or Eq. (1) was no candidate.
+/// from the literal Eq. (1), which has both; likewise a baseline's rough front. `None` where all is there, or the fuller
+/// model was no candidate.
 pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
     let choice = selection.best.choice;
-    let name = match choice.kernel {
-        Kernel::Lobe => "c_mm",
-        Kernel::Shift => "a_per_mm",
-        Kernel::Eq1 | Kernel::Angular | Kernel::Wave => return None,
+    let (name, with) = match choice.kernel {
+        Kernel::Lobe => ("c_mm", Kernel::Eq1),
+        Kernel::Shift => ("a_per_mm", Kernel::Eq1),
+        Kernel::Saito => ("surface_roughness", Kernel::SaitoSurface),
+        _ => return None,
     };
     let rows = &mut selection.compared.iter();
-    rows.find(|row| row.choice.kernel == Kernel::Eq1)?;
+    rows.find(|row| row.choice.kernel == with)?;
     let both = Choice {
-        kernel: Kernel::Eq1,
+        kernel: with,
         per_angle_a: false,
         ..choice
     };
@@ -56,13 +58,14 @@ pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
 
 fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize) -> Bound {
     let unit = fit.reduced_chi2().max(1.0);
-    let is_c = fit.names[i] == "c_mm";
-    // c vanishes downwards, so its bound lies above; a vanishes upwards, so its bound lies below. Waves spread either way.
+    let is_a = fit.names[i].starts_with("a_");
+    // c and roughness vanish downwards, so their bound lies above; a vanishes upwards, so its bound lies below. Waves
+    // spread either way.
     let wave = fit.choice.kernel == Kernel::Wave;
     let limit = |way| edge(scene, loss, fit, i, way, RISE * unit);
     Bound {
-        at_least: (!is_c || wave).then(|| limit(-1.0)).flatten(),
-        at_most: is_c.then(|| limit(1.0)).flatten(),
+        at_least: (is_a || wave).then(|| limit(-1.0)).flatten(),
+        at_most: (!is_a).then(|| limit(1.0)).flatten(),
         confidence: CONFIDENCE,
     }
 }
@@ -76,9 +79,14 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
         (squares - fit.chi2 > rise, at)
     };
     // Where nothing depends on a parameter the solver may leave it anywhere: the walk begins within what a photograph
-    // could ever show, c = 0.1 um and a = 10^9.
+    // could ever show, c = 0.1 um, a = 10^9 and a roughness of 10^-7.
+    let faint: f64 = if fit.choice.kernel.is_baseline() {
+        1e-7
+    } else {
+        1e-4
+    };
     let begin = if way > 0.0 {
-        start[i].max(1e-4_f64.ln())
+        start[i].max(faint.ln())
     } else {
         start[i].min(1e9_f64.ln())
     };

@@ -56,6 +56,13 @@ pub enum Failure {
         /// What it lacks.
         fault: wave::Fault,
     },
+    /// A baseline that hollow cubes cannot have.
+    #[error("{}: --model guo blurs by the roughness of the front, which hollow cubes lack (index 1 in the table); \
+             name another model", manifest.display())]
+    Hollow {
+        /// The manifest.
+        manifest: PathBuf,
+    },
     /// The prediction.
     #[error(transparent)]
     Predict(#[from] predict::Error),

@@ -8,6 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::baseline::Baseline;
 use crate::camera::Camera;
 use crate::covariance::Noise;
 use crate::joint::Used;
@@ -47,9 +48,9 @@ pub struct Value {
 pub struct Estimate {
     /// The candidate.
     pub choice: Choice,
-    /// Corner size, mm; `None` under `lobe`.
+    /// Corner size, mm; `None` under `lobe`. Of a baseline the roughness of its front.
     pub c_mm: Option<Value>,
-    /// a (1/mm), or A = a R under `angular`: one, or one per incidence group; empty under `shift`.
+    /// a (1/mm), A = a R under `angular`, or the roughness of a baseline: one, or one per incidence group; empty under `shift`.
     pub spread: Vec<Value>,
     /// Reflectance: one, or one per incidence group; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
@@ -103,6 +104,12 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
         shape: choice.shape,
         shift: shot.shift.as_ref(),
         wave: shot.wave.as_ref().ok(),
+        baseline: Baseline::new(
+            choice.kernel,
+            shot.incidence_deg.to_radians(),
+            shot.refractive_index,
+            shot.view.normal(),
+        ),
         r_mm: shot.r_mm,
         normal: shot.view.normal(),
     }
@@ -312,13 +319,9 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
     let mut names: Vec<String> = Vec::new();
     let mut scale: Vec<f64> = Vec::new();
     if layout.c().is_some() {
-        names.push("c_mm".into());
+        names.push(choice.kernel.c_name().into());
     }
-    let spread_name = if choice.kernel == Kernel::Angular {
-        "a_times_r"
-    } else {
-        "a_per_mm"
-    };
+    let spread_name = choice.kernel.spread_name();
     names.extend(scene.names(spread_name, layout.spreads, choice.per_angle_a));
     scale.extend(solution.parameters.iter().take(p).map(|p| p.exp()));
     let mu = noise.mu.map(|mu| {

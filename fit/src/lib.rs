@@ -3,6 +3,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod baseline;
 pub mod bound;
 pub mod camera;
 pub mod captures;
@@ -23,6 +24,7 @@ pub mod likelihood;
 pub mod lobe;
 pub mod loss;
 pub mod measure;
+pub mod microfacet;
 pub mod noise;
 pub mod page;
 pub mod photo;

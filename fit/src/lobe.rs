@@ -3,7 +3,7 @@
 //! Eq. (1) gives the lobe as sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), sinc t = sin t / t. The paper
 //! leaves two things open, and a scene names them: `radial` turns it about the principal ray and cuts it at
 //! a r = 2.4 pi (uncut, its energy diverges logarithmically; the authors' public code cuts there too); `separable` is
-//! the product over the two axes, uncut.
+//! the product over the two axes, uncut. Beside them stand the lobes of rough facets (`microfacet`) for the baselines.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -11,6 +11,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 
 use crate::hermite::Samples;
+use crate::microfacet;
 
 /// Where the radial lobe is cut, as a r.
 pub const CUT: f64 = 2.4 * PI;
@@ -23,16 +24,23 @@ pub enum Shape {
     Radial,
     /// sinc^2(a x) sinc^2(a y).
     Separable,
+    /// exp(-(a r)^2): slopes after Beckmann.
+    Beckmann,
+    /// 1 / (1 + (a r)^2)^2: slopes after GGX.
+    Ggx,
 }
 
 impl Shape {
-    /// Both shapes; a scene that names none means the first.
+    /// The shapes of a diffraction lobe; a scene that names none means the first.
     pub const ALL: [Shape; 2] = [Shape::Radial, Shape::Separable];
 
     /// Their names in files.
     pub const NAMES: [&'static str; 2] = ["radial", "separable"];
 
-    /// The shape of a name in a file.
+    /// The shapes of a baseline's lobe.
+    pub const MICROFACETS: [Shape; 2] = [Shape::Beckmann, Shape::Ggx];
+
+    /// The shape of a diffraction lobe by its name in a file.
     pub fn from_name(name: &str) -> Option<Shape> {
         Shape::ALL.into_iter().find(|shape| shape.name() == name)
     }
@@ -42,16 +50,23 @@ impl Shape {
         match self {
             Shape::Radial => "radial",
             Shape::Separable => "separable",
+            Shape::Beckmann => "beckmann",
+            Shape::Ggx => "ggx",
         }
     }
 
     /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal` (tangential, sagittal), for
-    /// `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial, see [`radial`]); rounding (separable).
+    /// `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial, see [`radial`]), 3e-7 (ggx); rounding (separable,
+    /// beckmann).
     pub fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
-            Shape::Radial => {
+            Shape::Radial | Shape::Beckmann | Shape::Ggx => {
                 let k = 2.0 * PI * frequency.abs() / a;
-                let (g, slope) = radial(k);
+                let (g, slope) = match self {
+                    Shape::Beckmann => microfacet::beckmann(k),
+                    Shape::Ggx => microfacet::ggx(k),
+                    _ => radial(k),
+                };
                 (g, -slope * k / a)
             }
             Shape::Separable => {
@@ -65,10 +80,10 @@ impl Shape {
     }
 
     /// Slope of the OTF at zero frequency, -d OTF/d|f| (mm), and its derivative by a: the kink that gives an edge its
-    /// 1/x tails. 0 for the radial lobe, whose support is finite.
+    /// 1/x tails. 0 for the others: the radial lobe's support is finite, and ggx falls off as 1/r^4.
     pub fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
-            Shape::Radial => (0.0, 0.0),
+            Shape::Radial | Shape::Beckmann | Shape::Ggx => (0.0, 0.0),
             Shape::Separable => {
                 let kink = PI * (normal[0].abs() + normal[1].abs()) / a;
                 (kink, -kink / a)

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use tables::Table;
 
+use crate::baseline::Baseline;
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use crate::report::ResultFile;
@@ -93,16 +94,19 @@ pub fn predict(
                         WaveLine::new(&direction, incidence_deg.to_radians(), normal, spectrum)
                     })
                     .transpose()?;
+                let index = table.provenance.refractive_index;
+                let incidence = incidence_deg.to_radians();
                 let model = Model {
                     kernel: result.kernel,
                     shape: result.lobe.unwrap_or(Shape::Radial),
                     shift: shift.as_ref(),
                     wave: waves.as_ref(),
+                    baseline: Baseline::new(result.kernel, incidence, index, normal),
                     r_mm: distance_mm,
                     normal,
                 };
                 let mtf_at = |f: f64| model.otf(blur, f)[0].norm();
-                let returns = shift.is_some();
+                let returns = sheet.returned(incidence_deg, direction.eta) > 0.0;
                 let mtf: Vec<f64> = if returns {
                     places.frequency_per_mm.iter().map(|&f| mtf_at(f)).collect()
                 } else {

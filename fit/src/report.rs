@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::captures::Spectrum;
 use crate::estimate::{Estimate, Value};
-use crate::kernel::Kernel;
+use crate::kernel::{Family, Kernel};
 use crate::lobe::Shape;
 use crate::loss::Kind;
 use crate::scene::Scene;
@@ -99,7 +99,7 @@ pub struct Candidate {
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
     pub lobe: Option<Shape>,
-    /// What is shared: "a" shared or per angle.
+    /// Whether a (of a baseline the roughness) is shared or per angle.
     pub sharing: String,
     /// Bayes' criterion (smaller is better).
     pub criterion: f64,
@@ -207,6 +207,9 @@ pub struct CameraResult {
 /// RESULT.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultFile {
+    /// Whose model of the sheet it is; absent from older results.
+    #[serde(default)]
+    pub model: Family,
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
@@ -222,12 +225,18 @@ pub struct ResultFile {
     /// Wavelengths of the source; null where none is named.
     #[serde(default)]
     pub wavelength_nm: Option<Spectrum>,
-    /// Corner size, mm; null under `lobe`.
+    /// Corner size, mm; null under `lobe` and baselines.
     pub c_mm: Option<Number>,
-    /// Diffraction spread, 1/mm; null under `angular`, `shift` and `wave`.
+    /// Diffraction spread, 1/mm; null under `angular`, `shift`, `wave` and baselines.
     pub a_per_mm: Option<Parameter>,
     /// Dimensionless a R; null but under `angular`.
     pub a_times_r: Option<Parameter>,
+    /// Roughness of a baseline's facets, dimensionless; null under the proposed model.
+    #[serde(default)]
+    pub roughness: Option<Parameter>,
+    /// Roughness of a baseline's front, where it is a parameter of its own.
+    #[serde(default)]
+    pub surface_roughness: Option<Number>,
     /// Reflectance; null without a reference photograph.
     pub mu: Option<Parameter>,
     /// Of all the parameters above.
@@ -293,7 +302,13 @@ impl ResultFile {
         };
         let spread = |name: &str| parameter(name, &best.spread, best.choice.per_angle_a);
         let lens = best.camera.lens;
+        let size = |is_roughness: bool| {
+            let own = kernel.is_baseline() == is_roughness;
+            let c = best.c_mm.filter(|_| own);
+            c.map(|c| number(kernel.c_name(), c))
+        };
         ResultFile {
+            model: kernel.family(),
             kernel,
             lobe: kernel.has_lobe().then_some(best.choice.shape),
             loss: selection.loss.kind(),
@@ -301,13 +316,15 @@ impl ResultFile {
             stop: best.solution.stop.name().into(),
             seconds,
             wavelength_nm: scene.spectrum.clone(),
-            c_mm: best.c_mm.map(|c| number("c_mm", c)),
+            c_mm: size(false),
             a_per_mm: matches!(kernel, Kernel::Eq1 | Kernel::Lobe)
                 .then(|| spread("a_per_mm"))
                 .flatten(),
             a_times_r: (kernel == Kernel::Angular)
                 .then(|| spread("a_times_r"))
                 .flatten(),
+            roughness: kernel.is_baseline().then(|| spread("roughness")).flatten(),
+            surface_roughness: size(true),
             mu: best
                 .mu
                 .as_ref()
@@ -319,11 +336,7 @@ impl ResultFile {
                 .map(|row| Candidate {
                     kernel: row.choice.kernel,
                     lobe: row.choice.kernel.has_lobe().then_some(row.choice.shape),
-                    sharing: match (row.choice.kernel.has_lobe(), row.choice.per_angle_a) {
-                        (false, _) => "none".into(),
-                        (true, false) => "a shared".into(),
-                        (true, true) => "a per angle".into(),
-                    },
+                    sharing: sharing(row.choice.kernel, row.choice.per_angle_a),
                     criterion: row.criterion,
                     loss: row.chi2,
                     parameters: row.parameters,
@@ -340,6 +353,28 @@ impl ResultFile {
             warnings: warnings(scene, selection),
             bounds,
         }
+    }
+}
+
+impl ResultFile {
+    /// The spread: a, a R or a roughness, whichever the kernel has.
+    pub fn spread(&self) -> Option<&Parameter> {
+        let a = self.a_per_mm.as_ref().or(self.a_times_r.as_ref());
+        a.or(self.roughness.as_ref())
+    }
+}
+
+/// How the spread is shared, in words.
+pub fn sharing(kernel: Kernel, per_angle: bool) -> String {
+    let name = if kernel.is_baseline() {
+        "roughness"
+    } else {
+        "a"
+    };
+    match (kernel.has_lobe(), per_angle) {
+        (false, _) => "none".into(),
+        (true, false) => format!("{name} shared"),
+        (true, true) => format!("{name} per angle"),
     }
 }
 

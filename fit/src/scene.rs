@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use tables::Table;
 
+use crate::baseline;
 use crate::camera::Camera;
 use crate::captures::{self, Campaign, Capture, Spectrum};
 use crate::edge;
+use crate::kernel::Kernel;
 use crate::measure::{self, Measurement};
 use crate::photo::Photo;
 use crate::pixels::Pixels;
@@ -65,10 +67,12 @@ pub struct Aerial {
     pub group: usize,
     /// Relative exposure.
     pub exposure: f64,
-    /// Retroreflected fraction at this direction, > 0.
+    /// Retroreflected fraction at this direction, > 0; see [`Scene::returning_as`].
     pub eta: f64,
     /// Its standard error from the table's rays.
     pub eta_standard_error: f64,
+    /// Of the sheet's front face; 1 for hollow cubes.
+    pub refractive_index: f64,
     /// Shift along the edge normal.
     pub shift: Option<ShiftLine>,
     /// Waves along the edge normal, where the campaign names wavelengths and the table allows.
@@ -201,6 +205,17 @@ impl Scene {
             spectrum: setup.spectrum.clone(),
             warnings,
         })
+    }
+
+    /// Replaces the retroreflected fraction of every photograph by what a kernel makes of it, so that mu is that of its model.
+    pub fn returning_as(&mut self, kernel: Kernel) {
+        for shot in &mut self.shots {
+            let (incidence, index) = (shot.incidence_deg.to_radians(), shot.refractive_index);
+            let returned = |eta| baseline::returned(kernel, eta, incidence, index);
+            shot.eta_standard_error =
+                returned(shot.eta + shot.eta_standard_error) - returned(shot.eta);
+            shot.eta = returned(shot.eta);
+        }
     }
 
     /// Whether every photograph has waves.
@@ -336,6 +351,7 @@ fn aerial(
         exposure: capture.shot.exposure,
         eta: direction.eta,
         eta_standard_error: direction.standard_error,
+        refractive_index: table.provenance.refractive_index,
         shift: ShiftLine::new(&direction, capture.incidence_rad(), normal),
         wave: WaveLine::new(&direction, capture.incidence_rad(), normal, spectrum),
         view,

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 use tables::{Direction, Table};
 
+use crate::baseline::{self, Baseline};
 use crate::kernel::{Blur, Kernel};
 use crate::lobe::{CUT, Shape};
 use crate::plane::ShiftPlane;
@@ -37,7 +38,7 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// Spread and corner size at an incidence.
+    /// Spread and corner size, or roughnesses, at an incidence.
     ///
     /// # Errors
     /// [`Error::Unknown`].
@@ -51,20 +52,32 @@ impl<'a> Fitted<'a> {
             Kernel::Shift | Kernel::Wave => 1.0,
             Kernel::Eq1 | Kernel::Lobe => at("a_per_mm", &result.a_per_mm)?,
             Kernel::Angular => at("a_times_r", &result.a_times_r)?,
+            Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo | Kernel::Mrm => {
+                at("roughness", &result.roughness)?
+            }
         };
         let c_mm = if result.kernel.has_c() {
-            let value = result.c_mm.and_then(|c| c.value);
-            value.ok_or(Error::Unknown { parameter: "c_mm" })?
+            let value = result.c_mm.or(result.surface_roughness);
+            let parameter = result.kernel.c_name();
+            let value = value.and_then(|c| c.value);
+            value.ok_or(Error::Unknown { parameter })?
         } else {
             1.0
         };
         Ok(Blur { spread, c_mm })
     }
 
-    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R; `None` without mu.
+    /// What the model makes of the fraction `eta` that the table returns; itself but for baselines.
+    pub fn returned(&self, incidence_deg: f64, eta: f64) -> f64 {
+        let index = self.table.provenance.refractive_index;
+        baseline::returned(self.result.kernel, eta, incidence_deg.to_radians(), index)
+    }
+
+    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and Fresnel's or other shares of
+    /// a baseline; `None` without mu.
     pub fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
         let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
-        mu.map(|mu| mu * eta * self.result.half_mirror)
+        mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)
     }
 }
 
@@ -74,25 +87,28 @@ impl Sheet for Fitted<'_> {
             .table
             .direction(place.incidence_deg, place.azimuth_deg)?;
         let blur = self.blur(place.incidence_deg)?;
-        let energy = if direction.eta > 0.0 {
+        let returns = self.returned(place.incidence_deg, direction.eta) > 0.0;
+        let energy = if returns {
             self.luminance(place.incidence_deg, direction.eta)
         } else {
             Some(0.0)
         };
         let cosine = place.incidence_deg.to_radians().cos();
         let kernel = self.result.kernel;
-        let shift = (kernel.has_c() && kernel != Kernel::Wave && direction.eta > 0.0)
+        let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
+        let shift = (shifts && returns)
             .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
-        let lobe = kernel.has_lobe().then(|| {
-            let shape = self.result.lobe.unwrap_or(Shape::Radial);
-            (shape, blur.spread / kernel.distance_scale(place.r_mm))
-        });
+        let shape = self.result.lobe.unwrap_or(Shape::Radial);
+        let lobe = kernel
+            .has_lobe()
+            .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
         let mut spot = FittedSpot {
             sheet: *self,
             place: *place,
             direction,
             blur,
             energy,
+            returns,
             shift,
             lobe,
             reach_mm: 0.0,
@@ -109,6 +125,7 @@ struct FittedSpot<'a> {
     direction: Direction,
     blur: Blur,
     energy: Option<f64>,
+    returns: bool,
     /// `None` for kernels without a shift of their own.
     shift: Option<ShiftPlane>,
     /// Shape and a, 1/mm.
@@ -128,11 +145,24 @@ impl FittedSpot<'_> {
         )?)
     }
 
+    /// The facets of a baseline along a line.
+    fn facets(&self, normal: [f64; 2]) -> Option<Baseline> {
+        let incidence_rad = self.place.incidence_deg.to_radians();
+        let index = self.sheet.table.provenance.refractive_index;
+        Baseline::new(self.sheet.result.kernel, incidence_rad, index, normal)
+    }
+
     /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x on both sides together.
     fn reach(&self) -> Result<f64, Error> {
         use std::f64::consts::PI;
-        if self.direction.eta <= 0.0 {
+        if !self.returns {
             return Ok(0.0);
+        }
+        if let (Some(tangential), Some(sagittal), Some((shape, _))) =
+            (self.facets([1.0, 0.0]), self.facets([0.0, 1.0]), self.lobe)
+        {
+            let reach = |facets: Baseline| facets.reach_mm(shape, self.blur, self.place.r_mm, TAIL);
+            return Ok(reach(tangential).max(reach(sagittal)));
         }
         let shift = self.shift.as_ref().map_or(0.0, ShiftPlane::reach_mm);
         if self.sheet.result.kernel == Kernel::Wave {
@@ -148,6 +178,8 @@ impl FittedSpot<'_> {
         let lobe = match self.lobe {
             None => 0.0,
             Some((Shape::Radial, a)) => CUT / a,
+            // Lobes of rough facets: see above.
+            Some((Shape::Beckmann | Shape::Ggx, _)) => 0.0,
             // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies beyond x.
             Some((Shape::Separable, a)) => 1.0 / (PI * a * TAIL),
         };
@@ -161,7 +193,7 @@ impl Spot for FittedSpot<'_> {
     }
 
     fn otf(&self, frequency: [f64; 2]) -> Complex64 {
-        if self.direction.eta <= 0.0 {
+        if !self.returns {
             return Complex64::ZERO;
         }
         let modulus = frequency[0].hypot(frequency[1]);
@@ -170,6 +202,9 @@ impl Spot for FittedSpot<'_> {
         } else {
             [1.0, 0.0]
         };
+        if let (Some(facets), Some((shape, _))) = (self.facets(normal), self.lobe) {
+            return facets.otf(shape, self.blur, self.place.r_mm, modulus)[0];
+        }
         if self.sheet.result.kernel == Kernel::Wave {
             // Both axes were prepared for `reach`; what stops them stops every line.
             return self.wave(normal).map_or(Complex64::ZERO, |line| {

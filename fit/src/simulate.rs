@@ -133,7 +133,7 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
     let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
     let a_per_mm = match truth.kernel {
         Kernel::Angular => a / r_mm,
-        Kernel::Eq1 | Kernel::Shift | Kernel::Lobe | Kernel::Wave => a,
+        _ => a,
     };
     let spread = match (truth.kernel, truth.lobe) {
         (Kernel::Shift, _) => Spread::None,
@@ -145,6 +145,8 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
                 lines: lines.map(line).collect(),
             }
         }
+        (kernel, Shape::Beckmann | Shape::Ggx) => return Err(Error::Unplanted { kernel }),
+        (kernel, _) if kernel.is_baseline() => return Err(Error::Unplanted { kernel }),
         (_, Shape::Radial) => Spread::Radial { a_per_mm },
         (_, Shape::Separable) => Spread::Separable { a_per_mm },
     };

@@ -2,10 +2,9 @@
 
 use std::f64::consts::LN_10;
 
-use crate::estimate::Choice;
+use crate::estimate::{Choice, model};
 use crate::kernel::Blur;
 use crate::scene::Scene;
-use crate::view::Model;
 
 /// A starting point.
 #[derive(Debug, Clone)]
@@ -27,11 +26,16 @@ fn decades(first: f64, i: usize) -> f64 {
 /// The best starting points, one for each third of the range of c: the MTF's first minimum can stem from either term, and
 /// where c is small the model does not depend on it, so that no path leads back from there.
 ///
-/// c from 0.01 to 1 mm, a from 0.3 to 30 /mm. The comparison leaves out what the estimator adds (its taper and window), a
+/// c from 0.01 to 1 mm, a from 0.3 to 30 /mm; roughnesses that blur as much (their gains lie about 3). The comparison leaves out what the estimator adds (its taper and window), a
 /// few percent, which the solver then accounts for.
 pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
+    let size = if choice.kernel.is_baseline() {
+        1.0 / scene.mean_distance_mm()
+    } else {
+        1.0
+    };
     let lengths: Vec<f64> = if choice.kernel.has_c() {
-        (0..STEPS).map(|i| decades(0.01, i)).collect()
+        (0..STEPS).map(|i| decades(0.01, i) * size).collect()
     } else {
         vec![1.0]
     };
@@ -56,7 +60,12 @@ pub fn at(scene: &Scene, choice: Choice, c_mm: f64) -> (f64, Start) {
     } else {
         1
     };
-    let scale = choice.kernel.distance_scale(scene.mean_distance_mm());
+    let distance = scene.mean_distance_mm();
+    let scale = if choice.kernel.is_baseline() {
+        0.03 / distance
+    } else {
+        choice.kernel.distance_scale(distance)
+    };
     let spreads: Vec<f64> = if choice.kernel.has_lobe() {
         (0..STEPS).map(|i| decades(0.3, i) * scale).collect()
     } else {
@@ -66,14 +75,7 @@ pub fn at(scene: &Scene, choice: Choice, c_mm: f64) -> (f64, Start) {
     let mut cost = vec![vec![0.0; spreads.len()]; groups];
     for shot in &scene.shots {
         let view = &shot.view;
-        let model = Model {
-            kernel: choice.kernel,
-            shape: choice.shape,
-            shift: shot.shift.as_ref(),
-            wave: shot.wave.as_ref().ok(),
-            r_mm: shot.r_mm,
-            normal: view.normal(),
-        };
+        let model = model(shot, choice);
         let group = if choice.per_angle_a { shot.group } else { 0 };
         let frequencies = &view.estimator.frequencies_per_mm;
         let step = frequencies.len().div_ceil(24);

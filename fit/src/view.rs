@@ -4,6 +4,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
 
+use crate::baseline::Baseline;
 use crate::camera::Camera;
 use crate::edge::Line;
 use crate::kernel::{Blur, Kernel};
@@ -60,6 +61,8 @@ pub struct Model<'a> {
     pub shift: Option<&'a ShiftLine>,
     /// The direction's waves along the edge normal; `None` only for models without them (a `wave` model is NaN then).
     pub wave: Option<&'a WaveLine>,
+    /// The facets along the edge normal; `None` but for baselines (which are NaN without).
+    pub baseline: Option<Baseline>,
     /// Floating distance (optical path), mm.
     pub r_mm: f64,
     /// Edge normal in the aerial image, (tangential, sagittal).
@@ -75,6 +78,11 @@ impl Model<'_> {
             };
             let (value, by_ln_c) = line.otf(blur.c_mm, self.r_mm, frequency);
             return [value.into(), Complex64::ZERO, by_ln_c.into()];
+        }
+        if self.kernel.is_baseline() {
+            let nothing = [Complex64::from(f64::NAN); 3];
+            let otf = |facets: Baseline| facets.otf(self.shape, blur, self.r_mm, frequency);
+            return self.baseline.map_or(nothing, otf);
         }
         let (shift, by_c) = match self.shift {
             Some(line) if self.kernel.has_c() => line.otf(blur.c_mm, frequency),
@@ -96,7 +104,7 @@ impl Model<'_> {
             let kink = line.kink(blur.c_mm, self.r_mm);
             return [kink, 0.0, -kink];
         }
-        if !self.kernel.has_lobe() {
+        if !self.kernel.has_lobe() || self.kernel.is_baseline() {
             return [0.0; 3];
         }
         let a = blur.spread / self.kernel.distance_scale(self.r_mm);

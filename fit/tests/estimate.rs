@@ -52,6 +52,7 @@ fn model_equals_noise_free_photographs() {
                     shape,
                     shift: shot.shift.as_ref(),
                     wave: shot.wave.as_ref().ok(),
+                    baseline: None,
                     r_mm: shot.r_mm,
                     normal: shot.view.normal(),
                 };

@@ -33,6 +33,8 @@ pub fn symbol(key: &str) -> (&'static str, &'static str, &'static str) {
     match key {
         "c_mm" => ("c", "corner size", "mm"),
         "a_times_r" => ("a\u{a0}R", "diffraction spread times distance", ""),
+        "roughness" => ("\u{3b1}", "roughness", ""),
+        "surface_roughness" => ("\u{3b1}\u{2080}", "roughness of the front", ""),
         "mu" => ("\u{b5}", "reflectance", ""),
         _ => ("a", "diffraction spread", "1/mm"),
     }
@@ -95,10 +97,14 @@ pub fn section(page: &Page) -> String {
     let c = result.c_mm.map(Parameter::Shared);
     let c = c.or_else(|| absent("c_mm"));
     let a = result.a_per_mm.clone().or_else(|| absent("a_per_mm"));
+    let front = result.surface_roughness.map(Parameter::Shared);
+    let front = front.or_else(|| absent("surface_roughness"));
     let all: Vec<Shown> = [
         ("c_mm", c.as_ref()),
         ("a_per_mm", a.as_ref()),
         ("a_times_r", result.a_times_r.as_ref()),
+        ("roughness", result.roughness.as_ref()),
+        ("surface_roughness", front.as_ref()),
         ("mu", result.mu.as_ref()),
     ]
     .into_iter()

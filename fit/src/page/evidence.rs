@@ -42,7 +42,7 @@ impl Evidence {
         let fit = &selection.best;
         let wanted = |i: &usize| {
             let name = &fit.names[*i];
-            name == "c_mm" || fit.spread.len() == 1 || bounds.contains_key(name)
+            name == fit.choice.kernel.c_name() || fit.spread.len() == 1 || bounds.contains_key(name)
         };
         let profiles = (0..fit.blur_parameters())
             .filter(wanted)

@@ -175,6 +175,8 @@ fn value(page: &Page, name: &str) -> Option<f64> {
         "c_mm" => return result.c_mm?.value,
         "a_per_mm" => result.a_per_mm.as_ref()?,
         "a_times_r" => result.a_times_r.as_ref()?,
+        "roughness" => result.roughness.as_ref()?,
+        "surface_roughness" => return result.surface_roughness?.value,
         _ => return None,
     };
     match parameter {

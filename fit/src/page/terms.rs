@@ -3,7 +3,7 @@
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use crate::loss::Kind;
-use crate::report::{Candidate, Parameter, ResultFile};
+use crate::report::{Candidate, Parameter, ResultFile, sharing};
 use crate::select::CLEAR;
 
 use super::Page;
@@ -23,6 +23,20 @@ pub fn in_words(kernel: Kernel, lobe: Option<Shape>) -> String {
         Kernel::Shift => "the ray shift alone".into(),
         Kernel::Lobe => format!("{lobe} alone"),
         Kernel::Wave => "wave optics of the corner cubes at the wavelength of the source".into(),
+        Kernel::Saito => {
+            format!("the baseline of Saito et al. (2024): {lobe} of three rough facets")
+        }
+        Kernel::SaitoSurface => {
+            format!(
+                "the baseline of Saito et al. (2024): {lobe} of a rough front and three rough facets"
+            )
+        }
+        Kernel::Guo => format!("the baseline of Guo et al. (2018): {lobe} of a rough front"),
+        Kernel::Mrm => {
+            format!(
+                "the baseline of Portsmouth et al. (2026): {lobe} of rough facets that reflect backwards"
+            )
+        }
     }
 }
 
@@ -83,14 +97,10 @@ pub fn section(page: &Page) -> String {
 
 /// The candidate that the estimate is of.
 fn is_chosen(candidate: &Candidate, result: &ResultFile) -> bool {
-    let sharing = match result.a_per_mm.as_ref().or(result.a_times_r.as_ref()) {
-        Some(Parameter::PerAngle { .. }) => "a per angle",
-        Some(Parameter::Shared(_)) => "a shared",
-        None => "none",
-    };
+    let per_angle = matches!(result.spread(), Some(Parameter::PerAngle { .. }));
     candidate.kernel == result.kernel
         && candidate.lobe == result.lobe
-        && candidate.sharing == sharing
+        && candidate.sharing == sharing(result.kernel, per_angle)
 }
 
 fn why(result: &ResultFile, chosen: Option<usize>, least: f64) -> String {

@@ -35,6 +35,12 @@ pub enum Error {
         /// The name.
         name: String,
     },
+    /// A model that the simulator does not photograph.
+    #[error("kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; name one of these", kernel.name())]
+    Unplanted {
+        /// Its kernel.
+        kernel: crate::kernel::Kernel,
+    },
     /// A range that ends before it starts.
     #[error("{place}: `{key}` goes from {from} to {to}; write the smaller number under `from`")]
     Range {

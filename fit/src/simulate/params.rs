@@ -301,15 +301,11 @@ fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
         Kernel::Shift | Kernel::Wave => {
             by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0))
         }
-        Kernel::Eq1 | Kernel::Angular | Kernel::Lobe => {
-            keys.required("a", by_incidence(keys, "a")?)?
-        }
+        _ => keys.required("a", by_incidence(keys, "a")?)?,
     };
     let c_mm = match kernel {
         Kernel::Lobe => keys.number("c", Bounds::POSITIVE)?.unwrap_or(1.0),
-        Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Wave => {
-            keys.required("c", keys.number("c", Bounds::POSITIVE)?)?
-        }
+        _ => keys.required("c", keys.number("c", Bounds::POSITIVE)?)?,
     };
     let spectrum = captures::spectrum(keys)?;
     if kernel == Kernel::Wave {

@@ -35,7 +35,8 @@ Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   fit estimate captures.toml --table pair.h5 -o result.json
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json
-  fit estimate captures.toml --table pair.h5 -o result.json --report report.html")]
+  fit estimate captures.toml --table pair.h5 -o result.json --report report.html
+  fit estimate captures.toml --table pair.h5 --model saito -o saito.json")]
 pub struct Arguments {
     /// The campaign's manifest
     pub captures: PathBuf,
@@ -291,33 +292,43 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
         }
         text.push('\n');
     };
-    if let Some(c) = result.c_mm {
-        row("c (mm)", "c_mm", None, c);
-    }
+    let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
+    // Roughnesses are thousandths, and shown as such.
     let parameters = [
-        ("a (1/mm)", "a_per_mm", &result.a_per_mm),
-        ("a R", "a_times_r", &result.a_times_r),
-        ("mu", "mu", &result.mu),
+        ("c (mm)", "c_mm", 1.0, &sizes[0]),
+        ("1000 x front", "surface_roughness", 1e3, &sizes[1]),
+        ("1000 x rough", "roughness", 1e3, &result.roughness),
+        ("a (1/mm)", "a_per_mm", 1.0, &result.a_per_mm),
+        ("a R", "a_times_r", 1.0, &result.a_times_r),
+        ("mu", "mu", 1.0, &result.mu),
     ];
-    for (label, key, parameter) in parameters {
+    for (label, key, scale, parameter) in parameters {
+        let scaled = |value: Option<f64>, standard_error: Option<f64>| Number {
+            value: value.map(|v| v * scale),
+            standard_error: standard_error.map(|v| v * scale),
+        };
         match parameter {
             None => {}
-            Some(Parameter::Shared(number)) => row(label, key, None, *number),
+            Some(Parameter::Shared(n)) => row(label, key, None, scaled(n.value, n.standard_error)),
             Some(Parameter::PerAngle { per_angle }) => {
                 for p in per_angle {
-                    let number = Number {
-                        value: p.value,
-                        standard_error: p.standard_error,
-                    };
+                    let number = scaled(p.value, p.standard_error);
                     row(label, key, Some(p.incidence_deg), number);
                 }
             }
         }
     }
     for (name, bound) in &result.bounds {
+        let shown = |v: f64| {
+            if v < 1e-3 {
+                format!("{v:.2e}")
+            } else {
+                format!("{v:.4}")
+            }
+        };
         let side = match (bound.at_least, bound.at_most) {
-            (Some(v), _) => format!("> {v:.4}"),
-            (_, Some(v)) => format!("< {v:.4}"),
+            (Some(v), _) => format!("> {}", shown(v)),
+            (_, Some(v)) => format!("< {}", shown(v)),
             _ => "not bounded by these photographs".into(),
         };
         let _ = writeln!(text, "{name} {side} (at {:.0} %)", 100.0 * bound.confidence);
