@@ -26,6 +26,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Estimate(verbs::estimate::Arguments),
+    Export(verbs::export::Arguments),
     Mtf(verbs::mtf::Arguments),
     Predict(verbs::predict::Arguments),
     Simulate(verbs::simulate::Arguments),
@@ -151,6 +152,7 @@ impl Failure {
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().verb {
         Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
+        Verb::Export(arguments) => verbs::export::run(&arguments),
         Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
         Verb::Predict(arguments) => verbs::predict::run(&arguments),
         Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
@@ -314,6 +316,25 @@ pub fn incidences(text: &str) -> Result<Vec<f64>, String> {
             "incidence {bad} is outside of 0 <= angle < 90 degrees"
         )),
         None => Ok(list),
+    }
+}
+
+/// One incidence, degrees.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn incidence(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..90.0).contains(&value) => Ok(value),
+        _ => Err("must be an angle of 0 <= angle < 90 degrees".into()),
+    }
+}
+
+/// The azimuth of a table that holds only one.
+pub fn only_azimuth(table: &tables::Table) -> Option<f64> {
+    match table.axes.azimuth_deg[..] {
+        [azimuth] if !azimuth.is_nan() => Some(azimuth),
+        _ => None,
     }
 }
 

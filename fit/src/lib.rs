@@ -14,6 +14,7 @@ pub mod covariance;
 pub mod defects;
 pub mod edge;
 pub mod estimate;
+pub mod export;
 pub mod factor;
 pub mod hermite;
 pub mod illumination;

@@ -200,6 +200,102 @@ pub fn predicted(
     )
 }
 
+/// What the MTF at single frequencies is drawn against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Variable {
+    /// Incidence angle
+    Incidence,
+    /// Azimuth
+    Azimuth,
+    /// Floating distance
+    Distance,
+}
+
+impl Variable {
+    /// Its value at a place; `None` for the azimuth of a mean table.
+    fn of(self, p: &Prediction) -> Option<f64> {
+        match self {
+            Variable::Incidence => Some(p.incidence_deg),
+            Variable::Azimuth => p.azimuth_deg,
+            Variable::Distance => Some(p.distance_mm),
+        }
+    }
+
+    /// The other two at a place, in words.
+    fn others(self, p: &Prediction) -> String {
+        let azimuth = p.azimuth_deg.map(|a| format!("azimuth {a}°"));
+        [
+            (Variable::Distance, Some(format!("{} mm", p.distance_mm))),
+            (Variable::Incidence, Some(format!("{}°", p.incidence_deg))),
+            (Variable::Azimuth, azimuth),
+        ]
+        .into_iter()
+        .filter(|(variable, _)| *variable != self)
+        .filter_map(|(_, words)| words)
+        .collect::<Vec<_>>()
+        .join(", ")
+    }
+}
+
+/// Predicted MTF at each frequency against one variable, as in Kakinuma et al. 2021 (OSA Continuum 4, 865): one panel per
+/// axis, one curve per frequency and place that the other variables make. Where nothing returns there is no point.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn against(
+    predictions: &[Prediction],
+    frequency_per_mm: &[f64],
+    variable: Variable,
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let mut others: Vec<String> = predictions.iter().map(|p| variable.others(p)).collect();
+    others.sort();
+    others.dedup();
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for (axis, name) in [
+        (Axis::Tangential, "tangential"),
+        (Axis::Sagittal, "sagittal"),
+    ] {
+        let curves = others
+            .iter()
+            .flat_map(|other| (0..frequency_per_mm.len()).map(move |k| (other, k)));
+        let last = (others.len() * frequency_per_mm.len()).max(2) - 1;
+        let plots: Vec<Plot> = curves
+            .enumerate()
+            .map(|(i, (other, k))| {
+                let chosen = predictions
+                    .iter()
+                    .filter(|p| p.axis == axis && variable.others(p) == *other);
+                let mut points: Vec<(f64, f64)> = chosen
+                    .filter_map(|p| Some((variable.of(p)?, *p.mtf.get(k)?)))
+                    .collect();
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let line = LinePlot::new()
+                    .with_data(points)
+                    .with_color(ramp(i as f64 / last as f64));
+                let legend = format!("{} /mm, {other}", frequency_per_mm[k]);
+                Plot::Line(line.with_stroke_width(1.5).with_legend(legend))
+            })
+            .collect();
+        let label = match variable {
+            Variable::Incidence => "incidence (°)",
+            Variable::Azimuth => "azimuth (°)",
+            Variable::Distance => "floating distance (mm)",
+        };
+        let layout = Layout::auto_from_plots(&plots)
+            .with_title(name)
+            .with_x_label(label)
+            .with_y_label("MTF")
+            .with_y_axis_min(0.0)
+            .with_y_axis_max(1.0)
+            .with_legend_position(LegendPosition::InsideTopRight);
+        panels.push(plots);
+        layouts.push(layout);
+    }
+    draw(panels, layouts, "MTF of the mid-air image", path)
+}
+
 /// A colour from blue (0) to red (1).
 fn ramp(x: f64) -> String {
     let mix = |a: f64, b: f64| (a + (b - a) * x).round() as u8;

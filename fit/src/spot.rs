@@ -75,6 +75,14 @@ pub enum Error {
         /// Those of the table given.
         given: String,
     },
+    /// Nothing returns, so that there is nothing to be like.
+    #[error(
+        "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"
+    )]
+    Dark {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+    },
     /// The table has no such direction.
     #[error(transparent)]
     Direction(#[from] tables::Error),

@@ -1,6 +1,7 @@
 //! The verbs of `fit`: each its arguments, its plan and its run.
 
 pub mod estimate;
+pub mod export;
 pub mod mtf;
 pub mod predict;
 pub mod simulate;

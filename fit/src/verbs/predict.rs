@@ -8,7 +8,7 @@ use tables::Outputs;
 
 use crate::cli::{self, Failure};
 use crate::kernel::Kernel;
-use crate::plot;
+use crate::plot::{self, Variable};
 use crate::predict::{Axis, Places, Prediction, predict};
 use crate::verbs::estimate::read_result;
 
@@ -21,7 +21,9 @@ linearly between the fitted angles and held constant beyond them.
 
 Examples:
   fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 --azimuth 30
-  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot mtf.svg --json")]
+  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot mtf.svg --json
+  fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 --frequency 0.5,1,2 --against incidence \
+    --plot against.svg -o against.csv")]
 pub struct Arguments {
     /// What `fit estimate -o` wrote
     pub result: PathBuf,
@@ -34,15 +36,18 @@ pub struct Arguments {
     /// Incidence angles, degrees
     #[arg(long, value_name = "LIST", value_parser = cli::incidences)]
     pub incidence: std::vec::Vec<f64>,
-    /// Azimuth, degrees; the table's own if it holds only one
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    pub azimuth: Option<f64>,
+    /// Azimuths, degrees; the table's own if it holds only one
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = cli::numbers)]
+    pub azimuth: Option<std::vec::Vec<f64>>,
     /// Frequencies, 1/mm
     #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
     pub frequency: std::vec::Vec<f64>,
     /// One JSON object instead of CSV
     #[arg(long)]
     pub json: bool,
+    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves
+    #[arg(long, value_enum, requires = "plot")]
+    pub against: Option<Variable>,
     /// The MTF curves as a picture, .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -68,17 +73,24 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
-    let only = match table.axes.azimuth_deg[..] {
-        [azimuth] if !azimuth.is_nan() => Some(azimuth),
-        _ => None,
-    };
-    let places = Places {
+    let mut places = Places {
         distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
-        azimuth_deg: arguments.azimuth.or(only),
+        azimuth_deg: cli::only_azimuth(&table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
-    let predictions = predict(&result, &table, &places)?;
+    let mut predictions = Vec::new();
+    let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
+    let azimuths: Vec<Option<f64>> = azimuths.collect();
+    let own = [places.azimuth_deg];
+    for &azimuth_deg in if azimuths.is_empty() {
+        &own
+    } else {
+        &azimuths[..]
+    } {
+        places.azimuth_deg = azimuth_deg;
+        predictions.extend(predict(&result, &table, &places)?);
+    }
     if arguments.azimuth.is_some() && table.axes.is_mean() {
         cli::warn("the table is a mean over azimuths: --azimuth has no effect");
     }
@@ -95,11 +107,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ));
     }
     if let Some((path, output)) = picture {
-        output.commit(&plot::predicted(
-            &predictions,
-            &places.frequency_per_mm,
-            path,
-        )?)?;
+        let frequencies = &places.frequency_per_mm;
+        output.commit(&match arguments.against {
+            Some(variable) => plot::against(&predictions, frequencies, variable, path)?,
+            None => plot::predicted(&predictions, frequencies, path)?,
+        })?;
     }
     let text = if arguments.json {
         cli::json(&Report {

@@ -1,0 +1,131 @@
+//! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms.
+
+use fit::export::{Form, Nearest, nearest};
+use fit::kernel::Kernel;
+use fit::lobe::Shape;
+use fit::report::{ResultFile, TableResult};
+use serde_json::{Value, json};
+use tables::Table;
+
+#[path = "planted/mod.rs"]
+mod planted;
+
+fn table() -> Table {
+    let truth = planted::truth(Kernel::Eq1, Shape::Radial, 4.0, 0.2, 0.5);
+    planted::table(&truth, &[0.0, 30.0], 20.0)
+}
+
+/// A result with these entries.
+fn result(table: &Table, entries: Value) -> ResultFile {
+    let number = |value: f64| json!({ "value": value, "standard_error": 1e-6 });
+    let mut all = json!({
+        "loss": "edge", "iterations": 1, "stop": "converged", "seconds": 0.0,
+        "c_mm": null, "a_per_mm": null, "a_times_r": null, "mu": number(0.5),
+        "covariance": { "names": [], "matrix": [] }, "bounds": {}, "candidates": [], "captures": [],
+        "camera": { "pixel_pitch_mm": 0.1, "lens_blur_mm": null, "lens_exponent": null },
+        "half_mirror": 0.25, "table": TableResult::of(table), "warnings": [],
+    });
+    for (key, value) in entries.as_object().expect("an object") {
+        all[key] = value.as_f64().map_or(value.clone(), number);
+    }
+    serde_json::from_value(all).expect("a result")
+}
+
+fn at(result: &ResultFile, table: &Table, distance_mm: f64, incidence_deg: f64) -> Nearest {
+    nearest(result, table, distance_mm, incidence_deg, Some(20.0)).expect("light returns")
+}
+
+#[test]
+fn a_lobe_is_its_own_nearest() {
+    let table = table();
+    let own = result(
+        &table,
+        json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 7e-4 }),
+    );
+    let mut cases = 0;
+    for (distance, incidence) in [(150.0, 0.0), (300.0, 30.0), (600.0, 30.0)] {
+        let lobe = at(&own, &table, distance, incidence);
+        // Golden sections end at 1e-6 of the logarithm, but a sum of squares is flat to rounding (1e-16) over its root.
+        assert!((lobe.alpha / 7e-4 - 1.0).abs() < 1e-5, "{lobe:?}");
+        assert!(lobe.rms < 1e-5 && (lobe.reflectance - 0.5).abs() < 1e-12);
+        cases += 1;
+    }
+    assert_eq!(cases, 3);
+}
+
+#[test]
+fn the_nearest_lobe_of_a_sheet_depends_on_the_distance() {
+    let table = table();
+    let sheet = result(
+        &table,
+        json!({ "kernel": "eq1", "lobe": "radial", "c_mm": 0.2, "a_per_mm": 4.0 }),
+    );
+    let lobes = [150.0, 300.0].map(|distance| at(&sheet, &table, distance, 0.0));
+    // The blur of Eq. (1) and of the shift does not grow: twice the distance is half the roughness.
+    assert!(
+        (lobes[0].alpha / lobes[1].alpha - 2.0).abs() < 1e-4,
+        "{lobes:?}"
+    );
+    assert!(lobes[0].rms > 0.005, "another shape: {lobes:?}");
+    let eta = table.direction(0.0, Some(20.0)).expect("it is there").eta;
+    assert!((lobes[0].reflectance - 0.5 * eta).abs() < 1e-12);
+    let slanted = at(&sheet, &table, 150.0, 30.0);
+    assert!(slanted.reflectance < lobes[0].reflectance);
+}
+
+#[test]
+fn every_form_says_roughness_reflectance_and_what_is_lost() {
+    let table = table();
+    let own = result(
+        &table,
+        json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 9e-4 }),
+    );
+    let lobe = at(&own, &table, 150.0, 0.0);
+    // The value of an input in a MaterialX document.
+    let input = |text: &str, name: &str| {
+        let rest = text
+            .split(&format!("name=\"{name}\""))
+            .nth(1)?
+            .split("value=\"")
+            .nth(1)?;
+        Some(rest.split('"').next()?.to_owned())
+    };
+    let materialx = lobe.text(Form::Materialx);
+    assert_eq!(
+        input(&materialx, "roughness").as_deref(),
+        Some("0.00090000, 0.00090000")
+    );
+    assert_eq!(
+        input(&materialx, "retroreflective").as_deref(),
+        Some("true")
+    );
+    let openpbr = lobe.text(Form::Openpbr);
+    assert_eq!(
+        input(&openpbr, "specular_roughness").as_deref(),
+        Some("0.03000000")
+    );
+    assert_eq!(
+        input(&openpbr, "specular_retroreflectivity").as_deref(),
+        Some("1")
+    );
+    for text in [&materialx, &openpbr] {
+        assert!(text.contains("ray shift is not carried"));
+        assert_eq!(text.matches("<!--").count(), text.matches("-->").count());
+        assert!(
+            text.split("<!--")
+                .skip(1)
+                .all(|c| !c.split("-->").next().unwrap_or("").contains("--"))
+        );
+    }
+    let gltf: Value = serde_json::from_str(&lobe.text(Form::Gltf)).expect("it is JSON");
+    let material = &gltf["materials"][0];
+    let roughness = material["pbrMetallicRoughness"]["roughnessFactor"]
+        .as_f64()
+        .expect("a number");
+    assert!((roughness - 0.03).abs() < 1e-6);
+    assert_eq!(
+        material["extensions"]["KHR_materials_retroreflection"]["retroreflectionFactor"],
+        1.0
+    );
+    assert_eq!(gltf["extensionsUsed"][0], "KHR_materials_retroreflection");
+}
