@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build demo test fmt lint doc bench tools python rust clean
+.PHONY: all build demo table1 test fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -76,6 +76,11 @@ doc: tools
 bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
 		else echo "bench: no package has a benches/ folder yet"; fi
+
+# ---- The published comparison: models fitted to photographs of a physical truth, images rendered and scored.
+
+table1: build python
+	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1
 
 # ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets results.
 
