@@ -56,6 +56,9 @@ pub struct Arguments {
     pub output: Option<PathBuf>,
 }
 
+/// Most frequencies that `--against` draws at each place.
+const MOST_CURVES: usize = 12;
+
 #[derive(Serialize)]
 struct Report<'a> {
     kernel: Kernel,
@@ -68,6 +71,14 @@ struct Report<'a> {
 /// # Errors
 /// Result, table, direction or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
+        clap::Command::new("fit predict")
+            .error(
+                clap::error::ErrorKind::ArgumentConflict,
+                format!("--against draws a curve for every frequency; name at most {MOST_CURVES} with --frequency"),
+            )
+            .exit();
+    }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
