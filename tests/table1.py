@@ -215,7 +215,7 @@ def main():
         blind = re.sub(r"(?m)^wavelength_nm.*\n", "", manifest.read_text())
         (manifest.parent / "blind.toml").write_text(blind)
         for model in MODELS:
-            fit("estimate", manifest.parent / "blind.toml", "--table", "pair.h5", "--model", model, "-o", f"{name}_{model}.json")
+            fit("estimate", manifest.parent / "blind.toml", "--table", "pair.h5", "--model", model, "--lobe", "auto", "-o", f"{name}_{model}.json")
             fits.append((name, model, json.loads((work / f"{name}_{model}.json").read_text())))
         fit("estimate", manifest, "--table", "pair.h5", "--kernel", "wave", "--shared", "mu", "-o", f"{name}_truth.json")
         truth = json.loads((work / f"{name}_truth.json").read_text())

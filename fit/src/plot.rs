@@ -221,19 +221,14 @@ impl Variable {
         }
     }
 
-    /// The other two at a place, in words.
-    fn others(self, p: &Prediction) -> String {
-        let azimuth = p.azimuth_deg.map(|a| format!("azimuth {a}°"));
-        [
-            (Variable::Distance, Some(format!("{} mm", p.distance_mm))),
-            (Variable::Incidence, Some(format!("{}°", p.incidence_deg))),
-            (Variable::Azimuth, azimuth),
-        ]
-        .into_iter()
-        .filter(|(variable, _)| *variable != self)
-        .filter_map(|(_, words)| words)
-        .collect::<Vec<_>>()
-        .join(", ")
+    /// The same in words.
+    fn words(self, p: &Prediction) -> Option<String> {
+        let value = self.of(p)?;
+        Some(match self {
+            Variable::Incidence => format!("incidence {value}°"),
+            Variable::Azimuth => format!("azimuth {value}°"),
+            Variable::Distance => format!("{value} mm"),
+        })
     }
 }
 
@@ -248,25 +243,38 @@ pub fn against(
     variable: Variable,
     path: &Path,
 ) -> Result<Vec<u8>, Error> {
-    let mut others: Vec<String> = predictions.iter().map(|p| variable.others(p)).collect();
-    others.sort();
-    others.dedup();
+    let varies = |v: &Variable| predictions.windows(2).any(|p| v.of(&p[0]) != v.of(&p[1]));
+    let others: Vec<Variable> = [Variable::Distance, Variable::Incidence, Variable::Azimuth]
+        .into_iter()
+        .filter(|v| *v != variable && varies(v))
+        .collect();
+    // What names a curve beside its frequency.
+    let place = |p: &Prediction| -> String {
+        let words = others.iter().filter_map(|v| v.words(p));
+        words.map(|words| format!(", {words}")).collect()
+    };
+    let mut places: Vec<String> = Vec::new();
+    for name in predictions.iter().map(place) {
+        if !places.contains(&name) {
+            places.push(name);
+        }
+    }
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
     for (axis, name) in [
         (Axis::Tangential, "tangential"),
         (Axis::Sagittal, "sagittal"),
     ] {
-        let curves = others
+        let curves = places
             .iter()
-            .flat_map(|other| (0..frequency_per_mm.len()).map(move |k| (other, k)));
-        let last = (others.len() * frequency_per_mm.len()).max(2) - 1;
+            .flat_map(|name| (0..frequency_per_mm.len()).map(move |k| (name, k)));
+        let last = (places.len() * frequency_per_mm.len()).max(2) - 1;
         let plots: Vec<Plot> = curves
             .enumerate()
-            .map(|(i, (other, k))| {
+            .map(|(i, (name, k))| {
                 let chosen = predictions
                     .iter()
-                    .filter(|p| p.axis == axis && variable.others(p) == *other);
+                    .filter(|p| p.axis == axis && place(p) == *name);
                 let mut points: Vec<(f64, f64)> = chosen
                     .filter_map(|p| Some((variable.of(p)?, *p.mtf.get(k)?)))
                     .collect();
@@ -274,7 +282,7 @@ pub fn against(
                 let line = LinePlot::new()
                     .with_data(points)
                     .with_color(ramp(i as f64 / last as f64));
-                let legend = format!("{} /mm, {other}", frequency_per_mm[k]);
+                let legend = format!("{} /mm{name}", frequency_per_mm[k]);
                 Plot::Line(line.with_stroke_width(1.5).with_legend(legend))
             })
             .collect();
@@ -289,7 +297,7 @@ pub fn against(
             .with_y_label("MTF")
             .with_y_axis_min(0.0)
             .with_y_axis_max(1.0)
-            .with_legend_position(LegendPosition::InsideTopRight);
+            .with_legend_position(LegendPosition::OutsideRightTop);
         panels.push(plots);
         layouts.push(layout);
     }

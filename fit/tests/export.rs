@@ -1,8 +1,11 @@
-//! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms.
+//! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms. And
+//! predictions drawn against one variable.
 
 use fit::export::{Form, Nearest, nearest};
 use fit::kernel::Kernel;
 use fit::lobe::Shape;
+use fit::plot::{self, Variable};
+use fit::predict::{Places, predict};
 use fit::report::{ResultFile, TableResult};
 use serde_json::{Value, json};
 use tables::Table;
@@ -128,4 +131,37 @@ fn every_form_says_roughness_reflectance_and_what_is_lost() {
         1.0
     );
     assert_eq!(gltf["extensionsUsed"][0], "KHR_materials_retroreflection");
+}
+
+#[test]
+fn curves_against_a_variable_are_named_by_what_else_varies() {
+    let table = table();
+    let own = result(
+        &table,
+        json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 9e-4 }),
+    );
+    let places = Places {
+        distance_mm: vec![150.0, 300.0],
+        incidence_deg: vec![0.0, 10.0, 30.0],
+        azimuth_deg: Some(20.0),
+        frequency_per_mm: vec![0.5, 1.0],
+    };
+    let predictions = predict(&own, &table, &places).expect("light returns");
+    let file = std::path::Path::new("curves.svg");
+    let picture = |variable| {
+        let bytes = plot::against(&predictions, &places.frequency_per_mm, variable, file);
+        String::from_utf8(bytes.expect("it is drawn")).expect("SVG is text")
+    };
+    let by_incidence = picture(Variable::Incidence);
+    let by_distance = picture(Variable::Distance);
+    for (text, name) in [
+        (&by_incidence, "0.5 /mm, 150 mm"),
+        (&by_incidence, "1 /mm, 300 mm"),
+        (&by_distance, "0.5 /mm, incidence 0\u{b0}"),
+        (&by_distance, "1 /mm, incidence 30\u{b0}"),
+    ] {
+        // A legend in each of the two panels.
+        assert_eq!(text.matches(&format!(">{name}<")).count(), 2, "{name}");
+    }
+    assert!(!by_incidence.contains("azimuth 20"), "it does not vary");
 }
