@@ -1,4 +1,4 @@
-# Needs Rust (rustup), a C compiler, make and Python 3 with venv. What else a build or a test needs is
+# Needs Rust (rustup), a C and a C++ compiler, make and Python 3 with venv. What else a build or a test needs is
 # brought into .tools/ by `tools` and `python` below, without root; `make clean` removes it again.
 
 .SUFFIXES:

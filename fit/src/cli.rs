@@ -11,7 +11,7 @@ use tables::{Output, OutputError, Outputs};
 
 use crate::verbs;
 use crate::wave;
-use crate::{captures, edge, photo, plot, predict, scene, simulate};
+use crate::{captures, edge, photo, plot, predict, render, scene, simulate};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
 /// mid-air images, and predicts what the sheet shows elsewhere.
@@ -29,6 +29,8 @@ enum Verb {
     Export(verbs::export::Arguments),
     Mtf(verbs::mtf::Arguments),
     Predict(verbs::predict::Arguments),
+    Render(verbs::render::Arguments),
+    Evaluate(verbs::evaluate::Arguments),
     Simulate(verbs::simulate::Arguments),
     Study(verbs::study::Arguments),
 }
@@ -67,6 +69,12 @@ pub enum Failure {
     /// The prediction.
     #[error(transparent)]
     Predict(#[from] predict::Error),
+    /// The comparison.
+    #[error(transparent)]
+    Evaluate(#[from] verbs::evaluate::Error),
+    /// The mid-air image.
+    #[error(transparent)]
+    Render(#[from] render::Error),
     /// The simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
@@ -142,7 +150,8 @@ impl Failure {
     /// 2 for wrong usage that clap cannot see, 1 for work that failed.
     fn code(&self) -> u8 {
         match self {
-            Failure::Plot(plot::Error::Ending { .. }) => 2,
+            Failure::Plot(plot::Error::Ending { .. })
+            | Failure::Render(render::Error::Ending { .. }) => 2,
             _ => 1,
         }
     }
@@ -155,6 +164,8 @@ pub fn main() -> ExitCode {
         Verb::Export(arguments) => verbs::export::run(&arguments),
         Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
         Verb::Predict(arguments) => verbs::predict::run(&arguments),
+        Verb::Render(arguments) => verbs::render::run(&arguments),
+        Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
         Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
         Verb::Study(arguments) => verbs::study::run(&arguments),
     };
@@ -359,6 +370,37 @@ pub fn positive(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("must be a number larger than 0".into()),
     }
+}
+
+/// One incidence angle, `0 <= incidence < 90`.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn incidence(text: &str) -> Result<f64, String> {
+    match incidences(text)?[..] {
+        [incidence] => Ok(incidence),
+        _ => Err("must be one angle".into()),
+    }
+}
+
+/// One number >= 0.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("must be a number, 0 or larger".into()),
+    }
+}
+
+/// What stored integers mean.
+///
+/// # Errors
+/// A sentence for clap.
+pub fn transfer(text: &str) -> Result<photo::Transfer, String> {
+    let names = photo::Transfer::NAMES.join(" or ");
+    photo::Transfer::from_name(text).ok_or_else(|| format!("must be {names}"))
 }
 
 /// A thread pool of the size asked for; `None` for the default, one thread per core.

@@ -7,6 +7,7 @@
 mod error;
 mod exposure;
 mod openexr;
+mod picture;
 mod raster;
 
 use std::fs::File;
@@ -15,6 +16,7 @@ use std::path::Path;
 
 pub use error::Error;
 pub use exposure::Settings;
+pub use picture::{Picture, Writing};
 
 /// Largest photograph that is decoded, pixels: a claim beyond it is refused from the header alone.
 pub const MAX_PIXELS: u64 = 200_000_000;
@@ -56,6 +58,22 @@ impl Transfer {
                     ((magnitude + 0.055) / 1.055).powf(2.4)
                 };
                 light.copysign(stored)
+            }
+        }
+    }
+
+    /// What is stored for a light: the inverse of [`Transfer::to_linear`].
+    pub fn to_stored(self, light: f32) -> f32 {
+        match self {
+            Transfer::Linear => light,
+            Transfer::Srgb => {
+                let magnitude = light.abs();
+                let stored = if magnitude <= 0.003_130_8 {
+                    magnitude * 12.92
+                } else {
+                    1.055 * magnitude.powf(1.0 / 2.4) - 0.055
+                };
+                stored.copysign(light)
             }
         }
     }
@@ -215,6 +233,56 @@ const CAMERA_RAW: [&str; 13] = [
 /// One [`Error`] for each way in which the file cannot be used; non-finite pixels are an error, so a [`Photo`] never
 /// holds NaN or infinity. Sizes beyond [`MAX_PIXELS`] are refused from the header, before pixels are allocated.
 pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
+    let Opened {
+        format,
+        reader,
+        first,
+        misnamed,
+    } = open(path)?;
+    let mut photo = match format {
+        Format::Exr => openexr::read(path, reader, &first, options)?,
+        Format::Png | Format::Tiff | Format::Jpeg => raster::read(path, reader, format, options)?,
+    };
+    photo.warnings.splice(0..0, misnamed);
+    check_finite(path, photo.width, &photo.luminance)?;
+    Ok(photo)
+}
+
+/// Reads a picture in colour: red, green and blue, or one plane where the file has no colour. Alpha is ignored.
+/// `transfer` as in [`Decode`].
+///
+/// # Errors
+/// As [`load`].
+pub fn load_colour(path: &Path, transfer: Option<Transfer>) -> Result<Picture, Error> {
+    let Opened {
+        format,
+        reader,
+        first,
+        misnamed,
+    } = open(path)?;
+    let mut picture = match format {
+        Format::Exr => openexr::read_colour(path, reader, &first)?,
+        Format::Png | Format::Tiff | Format::Jpeg => {
+            raster::read_colour(path, reader, format, transfer)?
+        }
+    };
+    picture.warnings.splice(0..0, misnamed);
+    for plane in &picture.planes {
+        check_finite(path, picture.width, plane)?;
+    }
+    Ok(picture)
+}
+
+/// A file of a known format.
+struct Opened {
+    format: Format,
+    reader: BufReader<File>,
+    first: Vec<u8>,
+    /// A warning where its name says something else.
+    misnamed: Option<String>,
+}
+
+fn open(path: &Path) -> Result<Opened, Error> {
     let io = |source| Error::Io {
         file: path.to_owned(),
         source,
@@ -241,29 +309,30 @@ pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
         file: path.to_owned(),
     })?;
     file.seek(SeekFrom::Start(0)).map_err(io)?;
-    let reader = BufReader::new(file);
-    let mut photo = match format {
-        Format::Exr => openexr::read(path, reader, &first, options)?,
-        Format::Png | Format::Tiff | Format::Jpeg => raster::read(path, reader, format, options)?,
-    };
-    if !extension.is_empty() && !format.extensions().contains(&extension.as_str()) {
-        photo.warnings.insert(
-            0,
+    let misnamed = !extension.is_empty() && !format.extensions().contains(&extension.as_str());
+    Ok(Opened {
+        format,
+        reader: BufReader::new(file),
+        first,
+        misnamed: misnamed.then(|| {
             format!(
                 "{} holds {} data in spite of its name; it was read as such.",
                 path.display(),
                 format.name()
-            ),
-        );
-    }
-    match photo.luminance.iter().position(|value| !value.is_finite()) {
+            )
+        }),
+    })
+}
+
+fn check_finite(path: &Path, width: usize, plane: &[f32]) -> Result<(), Error> {
+    match plane.iter().position(|value| !value.is_finite()) {
         Some(index) => Err(Error::NotFinite {
             file: path.to_owned(),
-            x: index % photo.width,
-            y: index / photo.width,
-            value: photo.luminance[index],
+            x: index % width,
+            y: index / width,
+            value: plane[index],
         }),
-        None => Ok(photo),
+        None => Ok(()),
     }
 }
 
@@ -303,6 +372,8 @@ mod tests {
                 "code {code}: {found} instead of {light}"
             );
             assert_eq!(Transfer::Srgb.to_linear(-(code as f32) / 255.0), -found);
+            let code = code as f32 / 255.0;
+            assert!((Transfer::Srgb.to_stored(found) - code).abs() < 1e-6);
             cases += 1;
         }
         assert_eq!(cases, 6);

@@ -1,9 +1,11 @@
 //! The verbs of `fit`: each its arguments, its plan and its run.
 
 pub mod estimate;
+pub mod evaluate;
 pub mod export;
 pub mod mtf;
 pub mod predict;
+pub mod render;
 pub mod simulate;
 pub mod study;
 pub mod terms;

@@ -83,7 +83,9 @@ fn every_example_runs_as_printed() {
     )
     .unwrap();
     std::fs::copy(argument("fit/doc/ranges.toml"), here.join("ranges.toml")).unwrap();
-    photograph(&here.join("photo.png"));
+    for name in ["photo.png", "content.png", "photograph.png"] {
+        photograph(&here.join(name));
+    }
     // The two tables that `bake compare` is shown with.
     bake(here, &["design", "triangular", "-o", "cell.obj"]).done();
     for seed in ["1", "2"] {

@@ -339,6 +339,28 @@ impl<'d> Section<'d> {
         Ok(Some(numbers))
     }
 
+    /// Three finite numbers.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`] where it is not an array of three numbers, [`Error::OutOfRange`].
+    pub fn vector(&self, key: &str) -> Result<Option<[f64; 3]>, Error> {
+        let Some(value) = self.get(key) else {
+            return Ok(None);
+        };
+        let found = value.get_ref();
+        let numbers = found.as_array().map_or(Vec::new(), |array| {
+            let numbers = array.iter().map(|element| as_number(element.get_ref()));
+            numbers.collect()
+        });
+        let [Some(x), Some(y), Some(z)] = numbers[..] else {
+            return Err(self.wrong_type(key, "three numbers in brackets", found));
+        };
+        for number in [x, y, z] {
+            self.within(key, number, Bounds::FINITE)?;
+        }
+        Ok(Some([x, y, z]))
+    }
+
     /// The number or the table of numbers under `key`: `Err(section)` of the answer is the table.
     ///
     /// # Errors

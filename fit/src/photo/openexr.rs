@@ -10,7 +10,7 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
-use super::{Channel, Decode, Error, Photo, REC709, Transfer, check_size};
+use super::{Channel, Decode, Error, Photo, Picture, REC709, Transfer, check_size};
 
 /// Bit of the version field that says "deep data inside" (OpenEXR file layout, version field).
 const DEEP_FLAG: u8 = 0x08;
@@ -37,6 +37,80 @@ pub(super) fn read(
     first: &[u8],
     options: &Decode,
 ) -> Result<Photo, Error> {
+    let mut half_only = false;
+    let transfer = options.transfer.unwrap_or(Transfer::Linear);
+    let (width, height, mut planes, warnings) =
+        read_planes(path, reader, first, transfer, |headers| {
+            let Selection {
+                header,
+                terms,
+                warnings,
+            } = select(path, headers, &options.channel)?;
+            let stored = &headers[header].channels.list;
+            half_only = terms
+                .iter()
+                .all(|term| stored[term.index].sample_type == SampleType::F16);
+            Ok((header, vec![terms], warnings))
+        })?;
+    let luminance = planes.swap_remove(0);
+    let largest = luminance.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let clip_level = if largest == 1.0 {
+        Some(1.0)
+    } else if half_only && transfer == Transfer::Linear {
+        Some(f16::MAX.to_f32())
+    } else {
+        None
+    };
+    Ok(Photo {
+        width,
+        height,
+        luminance,
+        clip_level,
+        warnings,
+    })
+}
+
+/// Reads red, green and blue, or the luminance where the file has no colour.
+pub(super) fn read_colour(
+    path: &Path,
+    reader: BufReader<File>,
+    first: &[u8],
+) -> Result<Picture, Error> {
+    let (width, height, planes, warnings) =
+        read_planes(path, reader, first, Transfer::Linear, |headers| {
+            let mut coloured = layers(headers).into_iter().filter_map(|layer| {
+                let [Some(red), Some(green), Some(blue)] = layer.primaries() else {
+                    return None;
+                };
+                Some((layer.header, [red, green, blue]))
+            });
+            let Some((header, indices)) = coloured.next() else {
+                let grey = select(path, headers, &Channel::Luminance)?;
+                return Ok((grey.header, vec![grey.terms], grey.warnings));
+            };
+            let single = |index| vec![Term { index, weight: 1.0 }];
+            Ok((header, indices.map(single).to_vec(), Vec::new()))
+        })?;
+    Ok(Picture {
+        width,
+        height,
+        planes,
+        transfer: Transfer::Linear,
+        warnings,
+    })
+}
+
+/// Width, height, planes, warnings.
+type Planes = (usize, usize, Vec<Vec<f32>>, Vec<String>);
+
+/// Reads planes, each the sum of its terms; `choose` picks the header and them.
+fn read_planes(
+    path: &Path,
+    reader: BufReader<File>,
+    first: &[u8],
+    transfer: Transfer,
+    choose: impl FnOnce(&[Header]) -> Result<(usize, Vec<Vec<Term>>, Vec<String>), Error>,
+) -> Result<Planes, Error> {
     let file = || path.to_owned();
     if first.get(5).is_some_and(|flags| flags & DEEP_FLAG != 0) {
         return Err(Error::Deep { file: file() });
@@ -45,11 +119,7 @@ pub(super) fn read(
         file: file(),
         source,
     })?;
-    let Selection {
-        header: chosen,
-        terms,
-        warnings,
-    } = select(path, blocks.headers(), &options.channel)?;
+    let (chosen, terms, warnings) = choose(blocks.headers())?;
     let header = &blocks.headers()[chosen];
     if header.deep {
         return Err(Error::Deep { file: file() });
@@ -67,26 +137,18 @@ pub(super) fn read(
     }
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
     check_size(path, width as u64, height as u64)?;
-    let half_only = terms
-        .iter()
-        .all(|term| header.channels.list[term.index].sample_type == SampleType::F16);
-    let transfer = options.transfer.unwrap_or(Transfer::Linear);
-
-    let mut luminance = vec![0.0_f32; width * height];
+    let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
     blocks
         .filter_chunks(false, |_, tile, block| {
             block.layer == chosen && tile.is_largest_resolution_level()
         })
         .and_then(|chunks| {
             chunks.decompress_parallel(false, |meta, block| {
-                add_block(
-                    &mut luminance,
-                    width,
-                    &meta.headers[chosen],
-                    &block,
-                    &terms,
-                    transfer,
-                )
+                let header = &meta.headers[chosen];
+                let mut pairs = planes.iter_mut().zip(&terms);
+                pairs.try_for_each(|(plane, terms)| {
+                    add_block(plane, width, header, &block, terms, transfer)
+                })
             })
         })
         .map_err(|source| Error::Exr {
@@ -94,21 +156,7 @@ pub(super) fn read(
             source,
         })?;
 
-    let largest = luminance.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    let clip_level = if largest == 1.0 {
-        Some(1.0)
-    } else if half_only && transfer == Transfer::Linear {
-        Some(f16::MAX.to_f32())
-    } else {
-        None
-    };
-    Ok(Photo {
-        width,
-        height,
-        luminance,
-        clip_level,
-        warnings,
-    })
+    Ok((width, height, planes, warnings))
 }
 
 /// Adds the lines of the wanted channels to the plane.

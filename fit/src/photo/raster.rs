@@ -7,7 +7,11 @@ use std::path::Path;
 use image::metadata::Orientation;
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{Channel, Decode, Error, Format, MAX_PIXELS, Photo, REC709, Transfer, check_size};
+use rayon::prelude::*;
+
+use super::{
+    Channel, Decode, Error, Format, MAX_PIXELS, Photo, Picture, REC709, Transfer, check_size,
+};
 
 /// Most that a decoder may allocate: the largest picture as four 16-bit channels.
 const MAX_BYTES: u64 = MAX_PIXELS * 8;
@@ -19,6 +23,85 @@ pub(super) fn read(
     format: Format,
     options: &Decode,
 ) -> Result<Photo, Error> {
+    let (picture, warnings) = decode(path, reader, format)?;
+    plane(path, picture, options, warnings)
+}
+
+/// Reads red, green and blue, or grey where there is no colour; `transfer` as in [`Decode`].
+pub(super) fn read_colour(
+    path: &Path,
+    reader: BufReader<File>,
+    format: Format,
+    transfer: Option<Transfer>,
+) -> Result<Picture, Error> {
+    let (picture, warnings) = decode(path, reader, format)?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let colour = picture.color();
+    let transfer = transfer.unwrap_or_else(|| default_transfer(&picture));
+    // Channels as they are stored, alpha left out.
+    let stored = usize::from(colour.channel_count());
+    let used = if colour.has_color() { 3 } else { 1 };
+    let planes = match &picture {
+        DynamicImage::ImageLuma8(p) => split8(p, stored, used, transfer),
+        DynamicImage::ImageLumaA8(p) => split8(p, stored, used, transfer),
+        DynamicImage::ImageRgb8(p) => split8(p, stored, used, transfer),
+        DynamicImage::ImageRgba8(p) => split8(p, stored, used, transfer),
+        DynamicImage::ImageLuma16(p) => split16(p, stored, used, transfer),
+        DynamicImage::ImageLumaA16(p) => split16(p, stored, used, transfer),
+        DynamicImage::ImageRgb16(p) => split16(p, stored, used, transfer),
+        DynamicImage::ImageRgba16(p) => split16(p, stored, used, transfer),
+        other => split(&other.to_rgb32f(), 3, 3, |value: f32| {
+            transfer.to_linear(value)
+        }),
+    };
+    Ok(Picture {
+        width,
+        height,
+        planes,
+        transfer,
+        warnings,
+    })
+}
+
+fn default_transfer(picture: &DynamicImage) -> Transfer {
+    let colour = picture.color();
+    if colour.bits_per_pixel() / u16::from(colour.channel_count()) == 8 {
+        Transfer::Srgb
+    } else {
+        Transfer::Linear
+    }
+}
+
+fn split8(samples: &[u8], stored: usize, used: usize, transfer: Transfer) -> Vec<Vec<f32>> {
+    let light = light8(transfer);
+    split(samples, stored, used, |code| light[usize::from(code)])
+}
+
+fn split16(samples: &[u16], stored: usize, used: usize, transfer: Transfer) -> Vec<Vec<f32>> {
+    let light = light16(transfer);
+    split(samples, stored, used, |code| light[usize::from(code)])
+}
+
+/// One plane for each of the first `used` of `stored` channels.
+fn split<S: Copy + Sync>(
+    samples: &[S],
+    stored: usize,
+    used: usize,
+    light: impl Fn(S) -> f32 + Sync,
+) -> Vec<Vec<f32>> {
+    let plane = |channel| {
+        let pixels = samples.chunks_exact(stored);
+        pixels.map(|pixel| light(pixel[channel])).collect()
+    };
+    (0..used).into_par_iter().map(plane).collect()
+}
+
+/// The whole picture, upright.
+fn decode(
+    path: &Path,
+    reader: BufReader<File>,
+    format: Format,
+) -> Result<(DynamicImage, Vec<String>), Error> {
     let broken = |source| Error::Raster {
         file: path.to_owned(),
         format,
@@ -56,7 +139,7 @@ pub(super) fn read(
         picture.apply_orientation(orientation);
         warnings.push("turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture".into());
     }
-    plane(path, picture, options, warnings)
+    Ok((picture, warnings))
 }
 
 /// Forms the plane and says what was assumed about it.
@@ -69,11 +152,9 @@ fn plane(
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = picture.color();
     let bits = colour.bits_per_pixel() / u16::from(colour.channel_count());
-    let transfer = options.transfer.unwrap_or(if bits == 8 {
-        Transfer::Srgb
-    } else {
-        Transfer::Linear
-    });
+    let transfer = options
+        .transfer
+        .unwrap_or_else(|| default_transfer(&picture));
     if bits == 8 {
         warnings.push(match transfer {
             Transfer::Srgb => {
@@ -137,19 +218,29 @@ fn plane(
     })
 }
 
-fn bytes(samples: &[u8], channels: usize, weights: &[f32], transfer: Transfer) -> Vec<f32> {
-    let light: Vec<f32> = (0..=u8::MAX)
+/// Light of every 8-bit code.
+fn light8(transfer: Transfer) -> Vec<f32> {
+    (0..=u8::MAX)
         .map(|code| transfer.to_linear(f32::from(code) / 255.0))
-        .collect();
+        .collect()
+}
+
+/// Light of every 16-bit code.
+fn light16(transfer: Transfer) -> Vec<f32> {
+    (0..=u16::MAX)
+        .map(|code| transfer.to_linear(f32::from(code) / 65535.0))
+        .collect()
+}
+
+fn bytes(samples: &[u8], channels: usize, weights: &[f32], transfer: Transfer) -> Vec<f32> {
+    let light = light8(transfer);
     weigh(samples, channels, weights, Some(u8::MAX), |code| {
         light[usize::from(code)]
     })
 }
 
 fn words(samples: &[u16], channels: usize, weights: &[f32], transfer: Transfer) -> Vec<f32> {
-    let light: Vec<f32> = (0..=u16::MAX)
-        .map(|code| transfer.to_linear(f32::from(code) / 65535.0))
-        .collect();
+    let light = light16(transfer);
     weigh(samples, channels, weights, Some(u16::MAX), |code| {
         light[usize::from(code)]
     })
