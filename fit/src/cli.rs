@@ -372,17 +372,6 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// One incidence angle, `0 <= incidence < 90`.
-///
-/// # Errors
-/// A sentence for clap.
-pub fn incidence(text: &str) -> Result<f64, String> {
-    match incidences(text)?[..] {
-        [incidence] => Ok(incidence),
-        _ => Err("must be one angle".into()),
-    }
-}
-
 /// One number >= 0.
 ///
 /// # Errors

@@ -241,13 +241,9 @@ fn from_afar(
     sheet: &Fitted<'_>,
     arguments: &Arguments,
 ) -> Result<Seen, render::Error> {
-    let only = match sheet.table.axes.azimuth_deg[..] {
-        [azimuth] if !azimuth.is_nan() => Some(azimuth),
-        _ => None,
-    };
     let place = Place {
         incidence_deg: arguments.incidence.unwrap_or(0.0),
-        azimuth_deg: arguments.azimuth.or(only),
+        azimuth_deg: arguments.azimuth.or(cli::only_azimuth(sheet.table)),
         r_mm: arguments.distance.unwrap_or(f64::NAN),
     };
     let pitch_mm = arguments.pixel_pitch;
