@@ -15,6 +15,7 @@ mod bins;
 mod body;
 mod candidate;
 mod facet;
+mod mean;
 mod paths;
 mod rim;
 mod view;
@@ -26,6 +27,7 @@ use rayon::prelude::*;
 use tables::table::{Axes, Exact, Fate, Path};
 
 use self::body::Body;
+pub use self::mean::MEAN_ERROR;
 use self::view::View;
 use crate::bodies;
 use crate::path::Rules;
@@ -37,9 +39,7 @@ use crate::ray::Direction;
 #[non_exhaustive]
 pub enum ExactError {
     /// An average over azimuths is an integral that no finite set of polygons gives.
-    #[error(
-        "the exact method has no mean over azimuths; name the azimuths (--azimuth 0:350:10) or give --method rays"
-    )]
+    #[error("the exact mean over azimuths is a quadrature, within {MEAN_ERROR}")]
     MeanAzimuth,
     /// The work grows faster than the number of facets.
     #[error(
@@ -182,7 +182,7 @@ pub struct Baked {
     pub exact: Exact,
 }
 
-/// Whether `cell` can be baked exactly in the directions of `axes`: gives the prepared cell.
+/// Whether the table of `cell` in the directions of `axes` has no error at all: gives the prepared cell.
 ///
 /// # Errors
 /// [`ExactError`]: why not.
@@ -194,7 +194,8 @@ pub fn prepare(cell: &Cell, axes: &Axes) -> Result<ExactCell, ExactError> {
 }
 
 /// Bakes every direction of `axes`, in parallel; the result does not depend on the number of threads. `done` is called
-/// once per finished direction, from any thread. An azimuth of NaN gives NaN: [`prepare`] refuses it.
+/// once per finished direction, from any thread. An azimuth of NaN is the mean over all, within [`MEAN_ERROR`], and has no
+/// paths.
 pub fn bake(prepared: &ExactCell, axes: &Axes, rules: &Rules, done: impl Fn() + Sync) -> Baked {
     let (incidences, azimuths) = axes.shape();
     let directions: Vec<Share> = (0..incidences * azimuths)
@@ -204,7 +205,12 @@ pub fn bake(prepared: &ExactCell, axes: &Axes, rules: &Rules, done: impl Fn() + 
                 axes.incidence_deg[i / azimuths],
                 axes.azimuth_deg[i % azimuths],
             );
-            let direction = prepared.direction(incidence, azimuth, axes.bins, axes.range, rules);
+            let at = |azimuth| prepared.direction(incidence, azimuth, axes.bins, axes.range, rules);
+            let direction = if azimuth.is_nan() {
+                mean::mean(&at)
+            } else {
+                at(azimuth)
+            };
             done();
             direction
         })

@@ -167,7 +167,7 @@ fn without_an_exact_table() {
         "{text}"
     );
     assert!(
-        text.contains("the exact method has no mean over azimuths"),
+        text.contains("the exact mean over azimuths is a quadrature"),
         "{text}"
     );
     assert!(text.contains("not reached; give more --rays"), "{text}");

@@ -4,10 +4,10 @@
 //! the shift is uniform over 2(q - K), K = T and its point reflection through q. Its own polygon code and bins by clipping
 //! each bin's square: nothing is shared with the crate.
 
-use bake::exact::ExactCell;
+use bake::exact::{ExactCell, bake};
 use bake::path::Rules;
 use meshes::Cell;
-use tables::Fate;
+use tables::{Axes, Fate};
 
 use crate::cells::{Draw, full_cube, ideal_edges, pair, rules, single};
 
@@ -295,6 +295,73 @@ fn the_full_cube_array_returns_the_effective_area() {
             "({incidence}, {azimuth}): one cube, one polygon"
         );
     }
+}
+
+fn mean(cell: &Cell, incidence_deg: Vec<f64>, rules: &Rules) -> Vec<f64> {
+    let axes = Axes {
+        incidence_deg,
+        azimuth_deg: vec![f64::NAN],
+        bins: 16,
+        range: RANGE,
+    };
+    let baked = bake(&ExactCell::new(cell).unwrap(), &axes, rules, || ());
+    baked.retroreflected.into_iter().collect()
+}
+
+/// The list of the model, of five digits: each is rounded by up to 5e-6.
+#[test]
+fn means_over_azimuths_are_those_of_the_model() {
+    let listed = [
+        0.66667, 0.65646, 0.62521, 0.57094, 0.49006, 0.38482, 0.26273, 0.12326, 0.04366, 0.01263,
+        0.00156,
+    ];
+    let incidence_deg: Vec<f64> = (0..11).map(|i| 5.0 * f64::from(i)).collect();
+    for cell in [single(ideal_edges()), pair(ideal_edges(), true)] {
+        let found = mean(&cell, incidence_deg.clone(), &rules(1.0));
+        assert_eq!(found.len(), listed.len());
+        for ((found, listed), incidence) in found.iter().zip(listed).zip(&incidence_deg) {
+            assert!(
+                (found - listed).abs() < 1e-5,
+                "{incidence} deg: {found} is not {listed}"
+            );
+        }
+    }
+}
+
+/// Where total reflection fails light jumps, from all to nothing at once: up to 19.47 deg inside a cube returns
+/// (2/3)(1 - 2 tan^2) at every azimuth, or nothing where a face transmits.
+#[test]
+fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
+    let prism = Rules {
+        mirror_back: false,
+        ..rules(1.49)
+    };
+    let limit = (1.0 - 1.0 / (1.49f64 * 1.49)).sqrt();
+    let incidence_deg = vec![15.0, 20.0, 25.0];
+    let found = mean(&single(ideal_edges()), incidence_deg.clone(), &prism);
+    let mut partly = 0;
+    for (found, incidence) in found.into_iter().zip(incidence_deg) {
+        let inside = (incidence.to_radians().sin() / 1.49).asin();
+        let all = 2.0 / 3.0 * (1.0 - 2.0 * inside.tan().powi(2));
+        let many = 1_000_000;
+        let survives = |k: &i32| {
+            let (sin, cos) =
+                ((f64::from(*k) + 0.5) / f64::from(many) * std::f64::consts::TAU).sin_cos();
+            let travel = glam::DVec3::new(inside.sin() * cos, inside.sin() * sin, -inside.cos());
+            let within = |edge: &glam::DVec3| edge.dot(travel).abs() < limit;
+            ideal_edges().iter().all(within)
+        };
+        let surviving = (0..many).filter(survives).count() as f64 / f64::from(many);
+        partly += usize::from(surviving < 1.0);
+        // Six jumps, each seen within 1e-6 of a turn by the count.
+        let error = (found - all * surviving).abs();
+        assert!(
+            error < 1e-5,
+            "{incidence} deg: {found} is not {}",
+            all * surviving
+        );
+    }
+    assert_eq!(partly, 2, "20 and 25 deg are beyond the limit of 18.94 deg");
 }
 
 #[test]
