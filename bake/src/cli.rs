@@ -7,6 +7,7 @@ mod trace;
 
 use failure::Failure;
 
+use crate::ranks::{self, Launched};
 use crate::{inspect, plot, report};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
@@ -145,9 +146,14 @@ struct CompareArgs {
 }
 
 /// Runs the program on its arguments (the program's name first): results to stdout, the rest to stderr.
+///
+/// Of the ranks of an MPI run all trace, and rank 0 alone does the rest.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let launched = Launched::from(|name| std::env::var(name).ok());
+    let ranks = ranks::start(launched);
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
+        Err(_) if !ranks.leads() => return ExitCode::SUCCESS,
         Err(error) => {
             // Help is printed to stdout with code 0, wrong usage to stderr with code 2; a closed pipe is no failure.
             let _ = error.print();
@@ -155,8 +161,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let done = match cli.verb {
+        Verb::Trace(args) => trace::run(&args, &*ranks, launched),
+        _ if !ranks.leads() => Ok(()),
         Verb::Design(args) => design(&args),
-        Verb::Trace(args) => trace::run(&args),
         Verb::Study(args) => study::run(&args),
         Verb::Inspect(args) => inspect_table(&args),
         Verb::Compare(args) => compare(&args),
@@ -164,9 +171,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Merge(args) => check::merge(&args),
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) | Err(Failure::Elsewhere) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("error: {failure}");
+            failure.print();
             ExitCode::from(failure.code())
         }
     }
@@ -236,7 +243,7 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
 }
 
 impl CellArgs {
-    /// The cell of `mesh`; what was repaired or assumed goes to stderr.
+    /// The cell of `mesh`.
     fn load(&self, mesh: &Path) -> Result<Cell, Failure> {
         let lattice = self
             .lattice
@@ -253,9 +260,7 @@ impl CellArgs {
             azimuth_zero: azimuth_zero.map(DVec3::from_array),
             edge_length: self.edge_length,
         };
-        let cell = meshes::load_cell(mesh, &options)?;
-        warn(&cell.warnings);
-        Ok(cell)
+        Ok(meshes::load_cell(mesh, &options)?)
     }
 }
 

@@ -23,6 +23,7 @@ pub mod polygon;
 pub mod program;
 pub mod progress;
 pub mod provenance;
+pub mod ranks;
 pub mod ray;
 pub mod report;
 pub mod retrace;
@@ -35,3 +36,6 @@ pub mod simd;
 pub mod study;
 pub mod tally;
 pub mod triangle;
+mod work;
+#[cfg(feature = "mpi")]
+pub mod world;

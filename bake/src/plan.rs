@@ -212,12 +212,6 @@ impl Plan {
                 range: "above -360 and at most 360 degrees",
             });
         }
-        if request.method == Method::Exact && azimuth_deg[0].is_nan() {
-            return Err(PlanError::Both {
-                first: "--method exact",
-                second: "--azimuth mean",
-            });
-        }
         let directions = incidence_deg.len() * azimuth_deg.len();
         if directions > DIRECTIONS_LIMIT {
             return Err(PlanError::Directions { directions });

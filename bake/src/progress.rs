@@ -11,7 +11,8 @@ pub struct Progress {
 
 impl Progress {
     /// A bar as long as the plan's rays; without an end where the plan runs to a tolerance.
-    pub fn new(plan: &Plan) -> Self {
+    /// One that is not `shown` counts in silence.
+    pub fn new(plan: &Plan, shown: bool) -> Self {
         let (incidences, azimuths) = plan.axes.shape();
         let (bar, template) = match plan.effort {
             Effort::Rays(rays) => {
@@ -27,7 +28,7 @@ impl Progress {
                 "{spinner} {human_pos} rays, {per_sec}",
             ),
         };
-        if !std::io::stderr().is_terminal() {
+        if !shown || !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
         if let Ok(style) = ProgressStyle::with_template(template) {

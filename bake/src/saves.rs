@@ -33,13 +33,17 @@ impl<'a> Saves<'a> {
         }
     }
 
-    /// Saves the table if it is time.
-    pub fn when_due(&mut self, table: impl FnOnce() -> Table) {
-        if self.last.elapsed() < self.every.max(self.cost * SHARE) {
-            return;
-        }
+    /// Whether it is time.
+    pub fn are_due(&self) -> bool {
+        self.last.elapsed() >= self.every.max(self.cost * SHARE)
+    }
+
+    /// Saves the table, if there is one here.
+    pub fn save(&mut self, table: impl FnOnce() -> Option<Table>) {
         let begun = Instant::now();
-        (self.save)(&table());
+        if let Some(table) = table() {
+            (self.save)(&table);
+        }
         self.cost = begun.elapsed();
         self.last = Instant::now();
     }

@@ -282,21 +282,6 @@ fn options() {
         trace("--range", "1e6", "--range 1000000"),
         (
             "bake",
-            vec![
-                "trace",
-                "triangular.obj",
-                "-o",
-                "OUT",
-                "--method",
-                "exact",
-                "--azimuth",
-                "mean",
-            ],
-            2,
-            "--method exact and --azimuth mean exclude each other",
-        ),
-        (
-            "bake",
             vec!["trace", "triangular.obj", "-o", "./triangular.obj"],
             1,
             "is an input of this command",

@@ -95,6 +95,7 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
         lattice: args.cell.lattice.clone(),
     }
     .load(mesh)?;
+    warn(&cell.warnings);
     if cell.mesh_hash != from.mesh_hash {
         warn(&[format!(
             "{} is not the file that the table was baked from (its hash differs); the rays judge it all the same",

@@ -58,6 +58,19 @@ pub(super) enum Failure {
         back: String,
         losses: String,
     },
+    #[error(
+        "this is one of {count} processes of mpirun, which this program cannot join (built without the feature mpi, or for \
+        another MPI), so that each would do the whole bake; build it with `cargo install --path bake --features mpi`, or \
+        give each process its own --shard"
+    )]
+    NotJoined { count: usize },
+    #[error(
+        "rank {rank} reads another mesh, other options or is another version of bake than rank 0; give all of them the same"
+    )]
+    OtherBake { rank: usize },
+    /// Another rank failed, and says so.
+    #[error("another process failed")]
+    Elsewhere,
     #[error("{} (tables from 0: {})", source, files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", "))]
     Merge {
         files: Vec<PathBuf>,
@@ -67,14 +80,21 @@ pub(super) enum Failure {
 }
 
 impl Failure {
-    /// 2 for wrong usage, 1 for work that failed.
+    /// Says it on standard error.
+    pub(super) fn print(&self) {
+        eprintln!("error: {self}");
+    }
+
+    /// 2 for wrong usage, 1 for work that failed; 0 where another process tells, whose code then is that of all.
     pub(super) fn code(&self) -> u8 {
         match self {
+            Failure::Elsewhere => 0,
             Failure::Study(StudyError::Run(_)) => 1,
             Failure::Run(run::RunError::ShardOfExact | run::RunError::Saved) => 2,
             Failure::Plan(_)
             | Failure::Study(_)
             | Failure::Numbers { .. }
+            | Failure::NotJoined { .. }
             | Failure::Design(_)
             | Failure::MeshExtension(_)
             | Failure::Plot(plot::PlotError::Extension { .. }) => 2,

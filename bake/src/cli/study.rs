@@ -1,6 +1,6 @@
 //! `bake study`: its options and what is done with them.
 
-use super::{CellArgs, Failure, print, reserve_picture};
+use super::{CellArgs, Failure, print, reserve_picture, warn};
 use crate::plan::{Back, Request, default};
 use crate::progress::Progress;
 use crate::study::{self, Checked, picture, report};
@@ -90,6 +90,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         .map(|file| outputs.reserve(file))
         .transpose()?;
     let cell = args.cell.load(&args.mesh)?;
+    warn(&cell.warnings);
     let progress = Progress::of_study();
     let study = study.run(&cell, &|name, done, all| progress.step(name, done, all))?;
     progress.finish();

@@ -1,17 +1,20 @@
 //! `bake trace`: its options and what is done with them.
 
 use super::{CellArgs, Failure, print, warn};
-use crate::exact;
+use crate::exact::ExactCell;
 use crate::plan::{Back, Method, Plan, Request, default};
 use crate::progress::Progress;
+use crate::provenance::provenance;
+use crate::ranks::{Launched, Ranks};
 use crate::saves::{self, SavedFile, Saves};
 use crate::sequence::Sampler;
 use crate::{report, run};
 use clap::{Args, ValueEnum};
 use meshes::Cell;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use tables::{Outputs, Table};
+use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
 #[derive(Debug, Args)]
@@ -76,6 +79,30 @@ pub(super) struct TraceArgs {
     json: bool,
 }
 
+impl TraceArgs {
+    fn request(&self) -> Request {
+        Request {
+            incidence: self.incidence.clone(),
+            azimuth: self.azimuth.clone(),
+            refractive_index: self.refractive_index,
+            back: self.back,
+            method: self.method,
+            sampler: match self.sampler {
+                SamplerName::Random => Sampler::Random,
+                SamplerName::Sobol => Sampler::Sobol,
+            },
+            rays: self.rays,
+            tolerance: self.tolerance,
+            bins: self.bins,
+            range: self.range,
+            angular_tolerance_deg: self.angular_tolerance,
+            seed: self.seed,
+            threads: self.threads,
+            shard: self.shard.clone(),
+        }
+    }
+}
+
 /// A time from 0 to a year.
 fn seconds(text: &str) -> Result<Duration, String> {
     let year = 3e7;
@@ -93,46 +120,52 @@ enum SamplerName {
     Sobol,
 }
 
-/// Runs `bake trace`.
-pub(super) fn run(args: &TraceArgs) -> Result<(), Failure> {
-    let plan = Plan::new(&Request {
-        incidence: args.incidence.clone(),
-        azimuth: args.azimuth.clone(),
-        refractive_index: args.refractive_index,
-        back: args.back,
-        method: args.method,
-        sampler: match args.sampler {
-            SamplerName::Random => Sampler::Random,
-            SamplerName::Sobol => Sampler::Sobol,
-        },
-        rays: args.rays,
-        tolerance: args.tolerance,
-        bins: args.bins,
-        range: args.range,
-        angular_tolerance_deg: args.angular_tolerance,
-        seed: args.seed,
-        threads: args.threads,
-        shard: args.shard.clone(),
-    })?;
-    let cell = args.cell.load(&args.mesh)?;
-    warn(&plan.warnings(&cell));
-    warn(&method_warning(args, &cell, &plan));
-    let output = Outputs::beside([args.mesh.as_path()]).reserve(&args.output)?;
-    let saved = SavedFile::of(output.path());
-    let before = saved_before(&saved, args.resume)?;
-    let progress = Progress::new(&plan);
+/// Runs `bake trace` as one of `ranks`; `launched` is what started them.
+pub(super) fn run(
+    args: &TraceArgs,
+    ranks: &dyn Ranks,
+    launched: Option<Launched>,
+) -> Result<(), Failure> {
+    if let Some(Launched { number, count }) = launched
+        && (ranks.count() == 1 && count > 1 && args.shard.is_none())
+    {
+        return Err(match number {
+            0 => Failure::NotJoined { count },
+            _ => Failure::Elsewhere,
+        });
+    }
+    let Ready {
+        plan,
+        cell,
+        output,
+        before,
+    } = agreed(Ready::new(args, ranks.leads()), ranks)?;
+    agreed(same_everywhere(&plan, &cell, ranks), ranks)?;
+    let progress = Progress::new(&plan, ranks.leads());
+    let saved = SavedFile::of(&args.output);
     let mut unsaved = None;
     // A disk that is full now may have room at the end: the bake goes on, and says so once.
     let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
     let saves = Saves::new(before, args.save_every, &mut save);
     let start = Instant::now();
-    let table = run::bake_from(&cell, &plan, &|rays| progress.advance(rays), Some(saves));
+    let advance = |rays| progress.advance(rays);
+    let table = run::bake_from(&cell, &plan, &advance, Some(saves), ranks);
     let seconds = start.elapsed().as_secs_f64();
     progress.finish();
     warn(&Vec::from_iter(unsaved.map(|error| {
         format!("the bake could not be saved on its way: {error}")
     })));
-    let table = table?;
+    let table = match table.map_err(Failure::from) {
+        // The others wait for what this rank no longer does.
+        Err(failure) if ranks.count() > 1 => {
+            failure.print();
+            ranks.abort(failure.code());
+        }
+        table => table?,
+    };
+    let (Some(table), Some(output)) = (table, output) else {
+        return Ok(());
+    };
     tables::commit(&table, output)?;
     saved.remove();
     let report = report::Trace {
@@ -145,6 +178,65 @@ pub(super) fn run(args: &TraceArgs) -> Result<(), Failure> {
     } else {
         report.text()
     })
+}
+
+/// A bake whose options, mesh and output are in order.
+struct Ready {
+    plan: Plan,
+    cell: Cell,
+    /// Reserved by who writes.
+    output: Option<Output>,
+    before: Option<Table>,
+}
+
+impl Ready {
+    /// `leads`: this process prints, writes and reads what was saved.
+    fn new(args: &TraceArgs, leads: bool) -> Result<Self, Failure> {
+        let plan = Plan::new(&args.request())?;
+        let cell = args.cell.load(&args.mesh)?;
+        let mut ready = Ready {
+            plan,
+            cell,
+            output: None,
+            before: None,
+        };
+        if leads {
+            warn(&ready.cell.warnings);
+            warn(&ready.plan.warnings(&ready.cell));
+            warn(&method_warning(args, &ready.cell));
+            let output = Outputs::beside([args.mesh.as_path()]).reserve(&args.output)?;
+            ready.before = saved_before(&SavedFile::of(output.path()), args.resume)?;
+            ready.output = Some(output);
+        }
+        Ok(ready)
+    }
+}
+
+/// What this rank has got ready, if all have; the failure of the first that has not is for that rank to tell.
+fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure> {
+    match ranks.first_of(ready.is_err()) {
+        Some(first) if first != ranks.number() => Err(Failure::Elsewhere),
+        _ => ready,
+    }
+}
+
+/// Whether this rank bakes what rank 0 bakes: machines may hold another mesh under the same name, or another program.
+fn same_everywhere(plan: &Plan, cell: &Cell, ranks: &dyn Ranks) -> Result<(), Failure> {
+    let plan = Plan {
+        threads: None,
+        ..plan.clone()
+    };
+    let provenance = provenance(cell, &plan, String::new(), String::new());
+    let mut hasher = DefaultHasher::new();
+    format!("{plan:?} {provenance:?}").hash(&mut hasher);
+    let mut first = [hasher.finish()];
+    ranks.follow(&mut first);
+    if first == [hasher.finish()] {
+        Ok(())
+    } else {
+        let rank = ranks.number();
+        Err(Failure::OtherBake { rank })
+    }
 }
 
 /// What an interrupted bake of the same table has done, if it is to go on.
@@ -162,8 +254,8 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
 }
 
 /// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
-fn method_warning(args: &TraceArgs, cell: &Cell, plan: &Plan) -> Vec<String> {
-    let refusal = exact::prepare(cell, &plan.axes).err();
+fn method_warning(args: &TraceArgs, cell: &Cell) -> Vec<String> {
+    let refusal = ExactCell::new(cell).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
     match (args.method, refusal) {
         (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],
