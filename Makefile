@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build demo table1 test fmt lint doc bench tools python rust clean
+.PHONY: all build install demo table1 test test-full test-mpi test-wheel wheel fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -21,6 +21,11 @@ all: build
 
 build: tools
 	@$(CARGO) build --release --locked -p bake -p fit
+
+# With the cmake that HDF5 wants, which a plain `cargo install` takes from PATH or from the variable CMAKE.
+install: tools
+	@$(CARGO) install --locked --path bake
+	@$(CARGO) install --locked --path fit
 
 # ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and an
 # interrupted or moved set-up is done again.
@@ -60,6 +65,29 @@ pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --
 test: fmt lint doc python
 	@echo "== tests" >&2
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
+
+# What takes minutes or wants more than a fresh machine has.
+test-full: test test-mpi test-wheel
+
+test-mpi: rust tools
+	@command -v mpirun >/dev/null || { \
+		echo "test-mpi: no mpirun: install Open MPI or MPICH (Debian: libopenmpi-dev openmpi-bin libclang-dev)" >&2; exit 1; }
+	@echo "== ranks of MPI" >&2
+	@$(CARGO) clippy --workspace --features bake/mpi --all-targets --locked -- -D warnings
+	@$(CARGO) test --workspace --features bake/mpi --test mpi --test ranks --locked
+
+# ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor HDF5.
+
+wheel: tools
+	@$(venv) && $(pip) "maturin>=1.16,<2" && rm -rf dist && "$(VENV)/bin/maturin" build --release --locked --out dist
+
+test-wheel: wheel
+	@echo "== the wheel, in a new environment and with an empty PATH" >&2
+	@rm -rf .tools/wheel && $(PYTHON) -m venv .tools/wheel
+	@.tools/wheel/bin/pip install --quiet --disable-pip-version-check --no-index dist/airr-*.whl
+	@cd .tools/wheel && env -i bin/bake --help >/dev/null && env -i bin/bake design triangular-pair -o pair.obj && \
+		env -i bin/bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30 && \
+		env -i bin/fit estimate $(CURDIR)/$(CAMPAIGN)/captures.toml --table pair.h5 -o result.json
 
 fmt: rust
 	@echo "== format" >&2
@@ -106,4 +134,4 @@ demo: tools
 
 clean:
 	$(CARGO) clean
-	rm -rf .tools demo
+	rm -rf .tools demo dist
