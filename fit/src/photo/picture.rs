@@ -95,7 +95,7 @@ impl Picture {
     ///
     /// # Errors
     /// What the encoder says: a picture without pixels, or one beyond the format's size.
-    pub fn encode(&self, writing: Writing) -> Result<Vec<u8>, String> {
+    pub fn encode(self, writing: Writing) -> Result<Vec<u8>, String> {
         match writing {
             Writing::Exr => self.exr(),
             Writing::Png => self.png(),
@@ -103,15 +103,17 @@ impl Picture {
     }
 
     /// Not compressed: that would take longer than everything else, for a tenth of the size.
-    fn exr(&self) -> Result<Vec<u8>, String> {
+    fn exr(self) -> Result<Vec<u8>, String> {
         let names: &[&str] = if self.planes.len() == 3 {
             &["R", "G", "B"]
         } else {
             &["Y"]
         };
-        let channels = names.iter().zip(&self.planes);
+        // Samples, a line's own header, and room for the file's.
+        let size = self.planes.len() * 4 * self.width * self.height + 16 * self.height + 4096;
+        let channels = names.iter().zip(self.planes);
         let channels = channels
-            .map(|(name, plane)| AnyChannel::new(*name, FlatSamples::F32(plane.clone())))
+            .map(|(name, plane)| AnyChannel::new(*name, FlatSamples::F32(plane)))
             .collect();
         let layer = Layer::new(
             Vec2(self.width, self.height),
@@ -119,7 +121,7 @@ impl Picture {
             Encoding::UNCOMPRESSED,
             AnyChannels::sort(channels),
         );
-        let mut bytes = Cursor::new(Vec::new());
+        let mut bytes = Cursor::new(Vec::with_capacity(size));
         Image::from_layer(layer)
             .write()
             .to_buffered(&mut bytes)

@@ -192,6 +192,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         path: arguments.output.clone(),
         message,
     };
+    let (width, height, channels) = (image.width, image.height, image.planes.len());
     let bytes = pool.install(|| image.encode(writing)).map_err(encode)?;
     output.commit(&bytes)?;
     let written = started.elapsed().as_secs_f64();
@@ -202,9 +203,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     cli::print(&cli::json(&Report {
-        width: image.width,
-        height: image.height,
-        channels: image.planes.len(),
+        width,
+        height,
+        channels,
         pixel_pitch_mm: seen.pitch_mm,
         incidence_deg: range(places, |p| p.incidence_deg),
         azimuth_deg: (!table.axes.is_mean())
