@@ -40,6 +40,7 @@ pub mod reference;
 pub mod reflectance;
 pub mod render;
 pub mod report;
+pub mod sample;
 pub mod saturation;
 pub mod scene;
 pub mod select;
