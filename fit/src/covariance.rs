@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::estimate::{Compared, model};
 use crate::layout::Layout;
 use crate::reflectance::Contrast;
-use crate::scene::{Aerial, Scene};
+use crate::scene::Scene;
 use crate::solve::Solution;
 
 /// Covariances of logarithms.
@@ -136,6 +136,50 @@ impl Noise {
     }
 }
 
+/// The plateaus of every photograph under its model.
+pub fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
+    let shots = scene.shots.iter().zip(parts);
+    shots
+        .map(|(shot, part)| Contrast::fit(&shot.view.profile, &part.curve.bins))
+        .collect()
+}
+
+/// mu of every incidence group (or one): means over its photographs with the weights of their own noise; and by how much of
+/// itself it follows the ln(step) of each photograph. NaN without a reference.
+pub fn reflectances(
+    scene: &Scene,
+    layout: &Layout,
+    contrasts: &[Contrast],
+) -> (Vec<f64>, Vec<f64>) {
+    let groups = if layout.choice.per_angle_mu {
+        scene.groups.len()
+    } else {
+        1
+    };
+    let (mut sums, mut values) = (vec![0.0; groups], vec![0.0; groups]);
+    let weighed: Vec<(usize, f64, f64)> = scene
+        .shots
+        .iter()
+        .zip(contrasts)
+        .map(|(shot, contrast)| {
+            let relative = contrast.variance(&shot.view.profile) / contrast.step.powi(2);
+            let weight = 1.0 / (relative + shot.eta_relative_error().powi(2)).max(1e-16);
+            let ratio = scene.reflectance(shot, contrast.step);
+            (layout.mu_group(shot.group), weight, ratio)
+        })
+        .collect();
+    for &(group, weight, ratio) in &weighed {
+        sums[group] += weight;
+        values[group] += weight * ratio;
+    }
+    for (value, sum) in values.iter_mut().zip(&sums) {
+        *value /= sum;
+    }
+    let share = |&(g, weight, ratio): &(usize, f64, f64)| weight / sums[g] * ratio / values[g];
+    let shares = weighed.iter().map(share).collect();
+    (values, shares)
+}
+
 /// mu of every incidence group (or one), and the covariance of everything.
 fn mu(
     scene: &Scene,
@@ -147,47 +191,15 @@ fn mu(
     step_relative_error: f64,
 ) -> Mu {
     let p = layout.parameters();
-    let groups = if layout.choice.per_angle_mu {
-        scene.groups.len()
-    } else {
-        1
-    };
-    let group_of = |shot: &Aerial| {
-        if layout.choice.per_angle_mu {
-            shot.group
-        } else {
-            0
-        }
-    };
-    let contrasts: Vec<Contrast> = scene
-        .shots
-        .iter()
-        .zip(parts)
-        .map(|(shot, part)| Contrast::fit(&shot.view.profile, &part.curve.bins))
-        .collect();
-    // Shots of a group are averaged with the weights of their own noise.
-    let ratio = |i: usize| scene.reflectance(&scene.shots[i], contrasts[i].step);
-    let weight = |i: usize| {
-        let relative =
-            contrasts[i].variance(&scene.shots[i].view.profile) / contrasts[i].step.powi(2);
-        1.0 / (relative + scene.shots[i].eta_relative_error().powi(2)).max(1e-16)
-    };
-    let mut sums = vec![0.0; groups];
-    let mut values = vec![0.0; groups];
-    for (i, shot) in scene.shots.iter().enumerate() {
-        sums[group_of(shot)] += weight(i);
-        values[group_of(shot)] += weight(i) * ratio(i);
-    }
-    for (value, sum) in values.iter_mut().zip(&sums) {
-        *value /= sum;
-    }
+    let contrasts = contrasts(scene, parts);
+    let (values, shares) = reflectances(scene, layout, &contrasts);
+    let groups = values.len();
     // ln mu by ln blur.
     let mut by_blur = DMatrix::zeros(groups, p);
     // Shots of one incidence share one direction of the table, and with it the error of its eta.
     let mut eta_error = DMatrix::<f64>::zeros(groups, scene.groups.len());
     for (i, (shot, part)) in scene.shots.iter().zip(parts).enumerate() {
-        let g = group_of(shot);
-        let share = weight(i) / sums[g] * ratio(i) / values[g];
+        let (g, share) = (layout.mu_group(shot.group), shares[i]);
         let changes = part.curve.by_ln_spread.iter().chain(&part.curve.by_ln_c);
         for (column, change) in layout.columns(shot.group).into_iter().zip(changes) {
             by_blur[(g, column)] += share * contrasts[i].relative_change(change);
@@ -200,8 +212,7 @@ fn mu(
         let mut full = DMatrix::zeros(n, response.ncols());
         full.rows_mut(0, p).copy_from(response);
         full.rows_mut(p, groups).copy_from(&(&by_blur * response));
-        let g = group_of(shot);
-        let share = weight(i) / sums[g] * ratio(i) / values[g];
+        let (g, share) = (layout.mu_group(shot.group), shares[i]);
         for (j, v) in shot.view.profile.variance.iter().enumerate() {
             full[(p + g, j)] += share * contrasts[i].by_bin[j] / contrasts[i].step * v.sqrt();
         }

@@ -16,6 +16,7 @@ use crate::kernel::{Blur, Kernel};
 use crate::layout::Layout;
 use crate::lobe::Shape;
 use crate::loss::Loss;
+use crate::sampled::Sampling;
 use crate::scene::{Aerial, Scene};
 use crate::solve::{CONVERGED, Solution, least_squares};
 use crate::start;
@@ -70,12 +71,43 @@ pub struct Estimate {
     pub modelled: Vec<Vec<f64>>,
     /// Mean squared MTF difference of each shot: the loss of the paper.
     pub losses: Vec<f64>,
+    /// What the samples add to the errors, where the model was evaluated by samples.
+    pub sampling: Option<SamplingError>,
+}
+
+/// The error that samples add.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SamplingError {
+    /// The samples.
+    pub sampling: Sampling,
+    /// Standard deviation of every parameter between independent randomisations, in the order of the names; the covariance
+    /// and the standard errors hold it already.
+    pub standard_error: Vec<f64>,
 }
 
 impl Estimate {
     /// Parameters of the blur.
     pub fn blur_parameters(&self) -> usize {
         usize::from(self.c_mm.is_some()) + self.spread.len()
+    }
+
+    /// Adds the scatter of the estimates by their samples, a covariance of the logarithms of all parameters in the order of the
+    /// names, to covariance and standard errors.
+    pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {
+        let values = self.c_mm.iter_mut().chain(&mut self.spread);
+        let mut values: Vec<&mut Value> = values.chain(self.mu.iter_mut().flatten()).collect();
+        let n = values.len();
+        let own = DMatrix::from_fn(n, n, |i, j| {
+            scatter[(i, j)] * values[i].value * values[j].value
+        });
+        self.covariance += &own;
+        for (i, value) in values.iter_mut().enumerate() {
+            value.standard_error = value.standard_error.hypot(own[(i, i)].sqrt());
+        }
+        self.sampling = Some(SamplingError {
+            sampling,
+            standard_error: (0..n).map(|i| own[(i, i)].sqrt()).collect(),
+        });
     }
 
     /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
@@ -193,9 +225,14 @@ pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> O
 
 /// The optimum of a candidate under any loss, to convergence, from one on the MTFs.
 pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+    refined_to(CONVERGED, scene, loss, from)
+}
+
+/// The same until parameters and sum of squares change by less than `tolerance` of themselves.
+pub fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
-    let mut solution = least_squares(start, CONVERGED, |at| loss.evaluate(&layout, at));
+    let mut solution = least_squares(start, tolerance, |at| loss.evaluate(&layout, at));
     solution.iterations += from.solution.iterations;
     Optimum {
         choice: from.choice,
@@ -372,5 +409,6 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         covariance,
         solution,
         losses,
+        sampling: None,
     }
 }

@@ -35,6 +35,11 @@ impl Layout {
         (self.spreads > 0).then(|| first + if self.choice.per_angle_a { group } else { 0 })
     }
 
+    /// Index of a group's mu.
+    pub fn mu_group(&self, group: usize) -> usize {
+        if self.choice.per_angle_mu { group } else { 0 }
+    }
+
     /// Number of parameters.
     pub fn parameters(&self) -> usize {
         usize::from(self.choice.kernel.has_c()) + self.spreads

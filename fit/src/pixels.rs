@@ -9,7 +9,7 @@
 
 use crate::edge::Line;
 use crate::profile::BIN_PX;
-use crate::window::Window;
+use crate::window::{Raster, Window};
 
 /// Pixels of one bin; u = distance from the bin's centre along the normal, t = position along the edge, both in pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -43,6 +43,8 @@ pub struct Pixels {
     pub first: i64,
     /// Whether the camera cut its noise off at 0.
     pub cut_off: bool,
+    /// Where they lie in the window.
+    pub raster: Raster,
 }
 
 impl Pixels {
@@ -65,6 +67,7 @@ impl Pixels {
             bins: sums[start..end.max(start)].iter().map(Sums::bin).collect(),
             first: start as i64 - limit,
             cut_off: window.cuts_off_at_zero(),
+            raster: window.raster(),
         }
     }
 

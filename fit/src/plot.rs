@@ -315,7 +315,11 @@ fn ramp(x: f64) -> String {
     )
 }
 
-fn draw(
+/// Panels under one title.
+///
+/// # Errors
+/// [`Error::Drawing`], [`Error::Ending`].
+pub fn draw(
     panels: Vec<Vec<Plot>>,
     layouts: Vec<Layout>,
     title: &str,

@@ -6,9 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::captures::Spectrum;
 use crate::estimate::{Estimate, Value};
+use crate::forward::Forward;
 use crate::kernel::{Family, Kernel};
 use crate::lobe::Shape;
 use crate::loss::Kind;
+use crate::sampled::Sampling;
 use crate::scene::Scene;
 use crate::select::Selection;
 
@@ -204,6 +206,17 @@ pub struct CameraResult {
     pub lens_exponent: Option<f64>,
 }
 
+/// The samples of a rendered model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SamplingResult {
+    /// Samples per pixel, how they are spread, and their seed.
+    #[serde(flatten)]
+    pub sampling: Sampling,
+    /// Standard deviation of every parameter by the samples alone, in the order of the covariance's names; part of the
+    /// standard errors.
+    pub standard_error: Vec<f64>,
+}
+
 /// RESULT.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultFile {
@@ -216,6 +229,12 @@ pub struct ResultFile {
     pub lobe: Option<Shape>,
     /// What was minimised.
     pub loss: Kind,
+    /// How the model was evaluated.
+    #[serde(default)]
+    pub forward: Forward,
+    /// The samples of the model; null where it was evaluated in closed form.
+    #[serde(default)]
+    pub sampling: Option<SamplingResult>,
     /// Evaluations of the solver.
     pub iterations: usize,
     /// Why it stopped.
@@ -312,6 +331,14 @@ impl ResultFile {
             kernel,
             lobe: kernel.has_lobe().then_some(best.choice.shape),
             loss: selection.loss.kind(),
+            forward: match best.sampling {
+                Some(_) => Forward::Render,
+                None => Forward::Spectral,
+            },
+            sampling: best.sampling.as_ref().map(|own| SamplingResult {
+                sampling: own.sampling,
+                standard_error: own.standard_error.clone(),
+            }),
             iterations: best.solution.iterations,
             stop: best.solution.stop.name().into(),
             seconds,
@@ -444,6 +471,7 @@ fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
              freedom): the standard errors are raised accordingly; try another --kernel or --lobe, or check the manifest"
         ));
     }
+    warnings.extend(coarse(best));
     let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
     if let Some(mu) = best.mu.iter().flatten().find(above_one) {
         warnings.push(format!(
@@ -463,4 +491,21 @@ fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// What to say where the samples of a render make a good part of the errors.
+fn coarse(best: &Estimate) -> Option<String> {
+    const GOOD_PART: f64 = 0.5;
+    let own = best.sampling.as_ref()?;
+    let parts = own.standard_error.iter().enumerate();
+    let worst = parts
+        .map(|(i, error)| error / best.covariance[(i, i)].sqrt())
+        .fold(0.0, f64::max);
+    (worst > GOOD_PART).then(|| {
+        format!(
+            "up to {:.0} % of a standard error is the render's own sampling error: give more than --samples {}",
+            100.0 * worst,
+            own.sampling.samples
+        )
+    })
 }

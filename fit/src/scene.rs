@@ -61,6 +61,8 @@ pub struct Aerial {
     pub image: String,
     /// Incidence, degrees.
     pub incidence_deg: f64,
+    /// Azimuth, degrees; `None` where a table of the mean over azimuths needs none.
+    pub azimuth_deg: Option<f64>,
     /// Floating distance (optical path), mm.
     pub r_mm: f64,
     /// Index into [`Scene::groups`].
@@ -346,6 +348,7 @@ fn aerial(
     Ok(Some(Aerial {
         image,
         incidence_deg: capture.incidence_deg,
+        azimuth_deg: capture.azimuth_deg,
         r_mm: capture.range_mm(),
         group: 0,
         exposure: capture.shot.exposure,

@@ -1,5 +1,6 @@
 //! How good the estimates are: against the Cramer-Rao bound on given photographs, and over simulated campaigns.
 
+pub mod forward;
 pub mod ranges;
 pub mod summary;
 pub mod trial;

@@ -10,6 +10,7 @@ use crate::edge::Line;
 use crate::kernel::{Blur, Kernel};
 use crate::lobe::Shape;
 use crate::profile::Profile;
+use crate::sampled::Sampled;
 use crate::sfr::{Estimator, Mtf};
 use crate::shift::ShiftLine;
 use crate::spread::Grid;
@@ -38,6 +39,8 @@ pub struct View {
     normal: [f64; 2],
     camera: Vec<f64>,
     whitener: Cholesky<f64, Dyn>,
+    /// The photograph's samples, where its model is evaluated by them.
+    sampled: Option<Sampled>,
 }
 
 /// A model's profile over the bins, with its derivatives by the natural logarithms of spread and c.
@@ -154,6 +157,7 @@ impl View {
             normal: [angle.cos(), angle.sin()],
             camera: Vec::new(),
             whitener,
+            sampled: None,
         };
         view.set_camera(camera);
         view
@@ -167,6 +171,17 @@ impl View {
             .iter()
             .map(|&f| camera.otf(f, self.line.normal_rad))
             .collect();
+        self.sampled = self.sampled.as_ref().map(|s| s.through(camera));
+    }
+
+    /// Evaluates the model by samples from now on, or in closed form.
+    pub fn set_sampled(&mut self, sampled: Option<Sampled>) {
+        self.sampled = sampled;
+    }
+
+    /// The samples by which the model is evaluated, if it is.
+    pub fn sampled(&self) -> Option<&Sampled> {
+        self.sampled.as_ref()
     }
 
     /// The same photograph seen through another camera.
@@ -183,6 +198,9 @@ impl View {
 
     /// The model's edge profile on this photograph's bins.
     pub fn curve(&self, model: &Model, blur: Blur) -> Curve {
+        if let Some(sampled) = &self.sampled {
+            return sampled.curve(model, blur, self.pitch_mm, &self.profile);
+        }
         let n = self.camera.len();
         let mut otf = [const { Vec::new() }; 3];
         for part in &mut otf {

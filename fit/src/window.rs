@@ -21,6 +21,33 @@ pub struct Pixel {
     pub value: f64,
 }
 
+/// Where the pixels of a window lie that are not taken out, without their values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    width: usize,
+    height: usize,
+    /// Row by row, ascending.
+    taken_out: Vec<usize>,
+}
+
+impl Raster {
+    /// Positions (x to the right, y down, pixels from the window's centre) in the order of [`Window::pixels`].
+    pub fn positions(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let (cx, cy) = centre(self.width, self.height);
+        let mut taken_out = self.taken_out.iter().peekable();
+        (0..self.width * self.height)
+            .filter(move |index| taken_out.next_if_eq(&index).is_none())
+            .map(move |index| {
+                let (x, y) = (index % self.width, index / self.width);
+                [x as f64 - cx, y as f64 - cy]
+            })
+    }
+}
+
+fn centre(width: usize, height: usize) -> (f64, f64) {
+    (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0))
+}
+
 impl Window {
     /// The rectangle `[x, y, width, height]` of a photograph, or all of it; `None` where the rectangle is empty or does
     /// not fit.
@@ -157,11 +184,18 @@ impl Window {
         self.values[y * self.width + x]
     }
 
+    /// Where its pixels lie.
+    pub fn raster(&self) -> Raster {
+        let out = |(index, value): (usize, &f32)| value.is_nan().then_some(index);
+        Raster {
+            width: self.width,
+            height: self.height,
+            taken_out: self.values.iter().enumerate().filter_map(out).collect(),
+        }
+    }
+
     fn centre(&self) -> (f64, f64) {
-        (
-            0.5 * (self.width as f64 - 1.0),
-            0.5 * (self.height as f64 - 1.0),
-        )
+        centre(self.width, self.height)
     }
 
     /// Smallest and largest value.

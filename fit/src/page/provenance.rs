@@ -49,6 +49,18 @@ pub fn section(page: &Page) -> String {
             significant(result.half_mirror, 4)
         ),
     ));
+    if let Some(own) = &result.sampling {
+        let sampling = own.sampling;
+        rows.push((
+            "render",
+            format!(
+                "{} samples a pixel ({}, seed {})",
+                sampling.samples,
+                sampling.sequence.name(),
+                sampling.seed
+            ),
+        ));
+    }
     rows.push((
         "solver",
         format!(

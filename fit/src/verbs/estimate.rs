@@ -12,15 +12,17 @@ use crate::bound::{absent, bounds};
 use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
 use crate::estimate::Value;
-use crate::loss::Kind;
+use crate::forward::{self, Forward};
+use crate::loss::{Kind, Loss};
 use crate::page::{Evidence, Page};
 use crate::photo::Channel;
 use crate::plot;
 use crate::report::{Number, Parameter, ResultFile, TableResult};
 use crate::scene::Scene;
-use crate::select::{Candidates, select};
+use crate::select::{Candidates, Selection, select};
 use crate::solve::Stop;
 use crate::truth::Truth;
+use crate::verbs::sampled::{self, Samples};
 use crate::verbs::terms::{self, Terms};
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
@@ -36,7 +38,8 @@ Examples:
   fit estimate captures.toml --table pair.h5 -o result.json
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json
   fit estimate captures.toml --table pair.h5 -o result.json --report report.html
-  fit estimate captures.toml --table pair.h5 --model saito -o saito.json")]
+  fit estimate captures.toml --table pair.h5 --model saito -o saito.json
+  fit estimate captures.toml --table pair.h5 --forward render --samples 16 -o result.json")]
 pub struct Arguments {
     /// The campaign's manifest
     pub captures: PathBuf,
@@ -56,9 +59,12 @@ pub struct Arguments {
     /// How the model is evaluated
     #[arg(long, value_enum, default_value_t = Forward::Spectral)]
     pub forward: Forward,
-    /// What is minimised
-    #[arg(long, value_enum, default_value_t = Kind::Edge)]
-    pub loss: Kind,
+    /// The samples of a render.
+    #[command(flatten)]
+    pub samples: Samples,
+    /// What is minimised; edge if left out, mtf with --forward render, which has no other
+    #[arg(long, value_enum)]
+    pub loss: Option<Kind>,
     /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
     #[arg(long, value_name = "TRUTH.json")]
     pub truth: Option<PathBuf>,
@@ -84,13 +90,6 @@ pub struct Arguments {
 #[derive(Debug, Clone)]
 pub struct Channels(Vec<Channel>);
 
-/// Forward models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Forward {
-    /// Closed form in the frequency domain
-    Spectral,
-}
-
 fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     Ok(Channels(match text {
         "each" => Channel::PRIMARIES.to_vec(),
@@ -103,7 +102,10 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
 /// # Errors
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let candidates = arguments.terms.candidates("fit estimate");
+    let mut candidates = arguments.terms.candidates("fit estimate");
+    if arguments.forward == Forward::Render {
+        sampled::only(&mut candidates, arguments.loss, "fit estimate");
+    }
     let several = |Channels(list): &Channels| list.len() > 1;
     if arguments.channel.as_ref().is_some_and(several)
         && (arguments.plot.is_some() || arguments.report.is_some())
@@ -222,7 +224,22 @@ fn estimate(
     let table = tables::read(&arguments.table)?;
     let mut scene = Scene::load(campaign, &table)?;
     let candidates = terms::possible(candidates, &mut scene, &arguments.captures)?;
-    let selection = select(&scene, arguments.loss, &candidates);
+    let render = arguments.forward == Forward::Render;
+    let default = if render { Kind::Mtf } else { Kind::Edge };
+    let mut selection = select(&scene, arguments.loss.unwrap_or(default), &candidates);
+    // Terms, and what the photographs only bound, are decided in closed form.
+    let mut bounds = bounds(&scene, &selection.loss, &selection.best);
+    bounds.extend(absent(&scene, &selection));
+    if render {
+        let Selection { best, compared, .. } = selection;
+        let sampling = arguments.samples.sampling();
+        let best = forward::by_samples(&mut scene, &table, best.choice, sampling)?;
+        selection = Selection {
+            loss: Loss::Mtf(&scene),
+            best,
+            compared,
+        };
+    }
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;
     let all = best
@@ -236,8 +253,6 @@ fn estimate(
             manifest: arguments.captures.clone(),
         });
     }
-    let mut bounds = bounds(&scene, &selection.loss, &selection.best);
-    bounds.extend(absent(&scene, &selection));
     let source = TableResult::of(&table);
     let seconds = start.elapsed().as_secs_f64();
     let result = ResultFile::new(&scene, &selection, bounds, source, seconds);
@@ -252,9 +267,12 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let lobe = result
         .lobe
         .map_or(String::new(), |l| format!(", lobe {}", l.name()));
+    let samples = result.sampling.as_ref().map_or(String::new(), |own| {
+        format!(", {} samples a pixel", own.sampling.samples)
+    });
     let _ = writeln!(
         text,
-        "kernel {}{lobe}, loss {}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
+        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
         result.kernel.name(),
         result.loss.name(),
         result.captures.len(),

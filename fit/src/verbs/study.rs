@@ -12,14 +12,20 @@ use tables::{Outputs, Table};
 
 use crate::captures;
 use crate::cli::{self, Failure};
+use crate::forward::Forward;
+use crate::loss::Kind;
 use crate::scene::Scene;
+use crate::select::select;
+use crate::study::forward::{Speed, speed};
 use crate::study::ranges::Ranges;
 use crate::study::summary::{LOOSE, Summary};
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 use crate::study::{Study, photographs, trial};
 use crate::verbs::terms::{self, Terms};
+use crate::verbs::{forward, sampled};
 
-/// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, or over simulated campaigns.
+/// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, by samples against the closed form,
+/// or over simulated campaigns.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 The Cramer-Rao bound is the smallest standard deviation that any unbiased estimate from the same pixels can have, with \
@@ -41,6 +47,7 @@ RANGES.toml may be left out; these are the defaults:
 
 Examples:
   fit study captures.toml --table pair.h5 --per-angle a,mu
+  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 --plot forward.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv")]
 pub struct Arguments {
     /// The manifest of the photographs to study
@@ -58,12 +65,15 @@ pub struct Arguments {
     /// Campaigns to draw
     #[arg(long, value_name = "N", default_value_t = 1900, requires = "ranges")]
     pub campaigns: u64,
-    /// Seed of all draws
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "ranges")]
+    /// Seed of all draws and samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Write every campaign there (CSV)
     #[arg(long, value_name = "FILE", requires = "ranges")]
     pub csv: Option<PathBuf>,
+    /// Samples in place of the closed form.
+    #[command(flatten)]
+    pub forward: forward::Arguments,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
@@ -80,6 +90,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = cli::pool(arguments.threads)?;
     let text = match (&arguments.ranges, &arguments.captures) {
         (Some(ranges), _) => drawn(arguments, ranges, &pool)?,
+        (None, Some(captures)) if arguments.forward.forward == Some(Forward::Render) => {
+            rendered(arguments, captures, &pool)?
+        }
         (None, Some(captures)) => {
             let campaign = captures::load(captures)?;
             let table = tables::read(&arguments.table)?;
@@ -98,6 +111,42 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (None, None) => String::new(),
     };
     cli::print(&text)
+}
+
+/// Speed against error of the estimate by samples.
+fn rendered(
+    arguments: &Arguments,
+    captures: &Path,
+    pool: &rayon::ThreadPool,
+) -> Result<String, Failure> {
+    let mut open = arguments.terms.candidates("fit study");
+    sampled::only(&mut open, None, "fit study");
+    let campaign = captures::load(captures)?;
+    let mut outputs = Outputs::beside([captures, &arguments.table]);
+    let plot = arguments.forward.plot.as_deref();
+    let picture = cli::reserve_picture(plot, &mut outputs)?;
+    let table = tables::read(&arguments.table)?;
+    let speed = pool.install(|| -> Result<Speed, Failure> {
+        let mut scene = Scene::load(&campaign, &table)?;
+        let choice = select(&scene, Kind::Mtf, &open).best.choice;
+        let samplings = arguments.forward.samplings(arguments.seed);
+        let randomisations = arguments.forward.randomisations;
+        Ok(speed(
+            &mut scene,
+            &table,
+            choice,
+            &samplings,
+            randomisations,
+        )?)
+    })?;
+    if let Some((path, output)) = picture {
+        output.commit(&forward::picture(&speed, path)?)?;
+    }
+    Ok(if arguments.json {
+        cli::json(&speed)
+    } else {
+        forward::table(&speed)
+    })
 }
 
 fn bounds(study: &Study) -> String {

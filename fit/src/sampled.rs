@@ -1,0 +1,216 @@
+//! One photograph's model by samples: the loop that Sugawara and Koizumi published (SIGGRAPH Asia 2025 Posters).
+//!
+//! Every pixel p of the photograph gathers the source's edge at places to which shift and lobe carry its light,
+//! I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a), with d_p the pixel's distance from the edge, S_s a ray shift
+//! (foreshortened, edge lengths), L_s an offset by the lobe of a = 1, and E the edge as the camera sees it ([`Texture`]).
+//! Derivatives are pathwise: dI/d ln c = -c mean E' n.S, dI/d ln a = mean E' n.L / a.
+//!
+//! n.S and n.L do not depend on a and c, so they are worked out once ([`Tile`]); an evaluation is two products, a look-up
+//! and three sums a sample. The numbers stay the same in every iteration, so that what is minimised is smooth.
+//!
+//! Evenly spread points: the k-th pixel of every bin of the profile has the k-th pattern, so that the pixels of a bin make up
+//! one net and neighbouring bins have the same one: what is left of their noise drops out of the differences between bins,
+//! of which an MTF is made (measured in fit/BENCHMARKS.md). Independent points: every pixel has its own, as published, until
+//! [`MOST_POINTS`] are used up and begin again, some hundred bins further on.
+
+pub mod texture;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Camera;
+use crate::edge::Line;
+use crate::kernel::{Blur, Kernel};
+use crate::lobe::Shape;
+use crate::profile::{BIN_PX, Profile};
+use crate::sample::{LobeSampler, Points, Sequence, ShiftSampler};
+use crate::view::{Curve, Model};
+use crate::window::Raster;
+use texture::{CELLS_PER_PX, Texture};
+
+/// Most points of one photograph: 16 MB.
+pub const MOST_POINTS: usize = 1 << 21;
+
+/// How a photograph is sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sampling {
+    /// Samples per pixel, >= 1.
+    pub samples: usize,
+    /// Seed of all of them.
+    pub seed: u64,
+    /// How they are spread.
+    pub sequence: Sequence,
+}
+
+/// Where light that left one point of the source meets the image, along the edge normal: `samples` for each of some pixels.
+#[derive(Debug)]
+pub struct Tile {
+    sampling: Sampling,
+    /// n.S: shift, foreshortened, edge lengths; 0 under `lobe`.
+    shift: Vec<f32>,
+    /// n.L: offset by a lobe of a = 1; 0 under `shift`.
+    lobe: Vec<f32>,
+}
+
+impl Tile {
+    /// Patterns for `pixels` pixels, fewer where [`MOST_POINTS`] forbids: randomisation `stream` of the sampling. `shift` and
+    /// the incidence (rad) are not used under `lobe`, `shape` not under `shift`.
+    pub fn new(
+        sampling: Sampling,
+        stream: u64,
+        pixels: usize,
+        shift: Option<(&ShiftSampler, f64)>,
+        shape: Option<Shape>,
+        normal: [f64; 2],
+    ) -> Tile {
+        let patterns = pixels.min(MOST_POINTS / sampling.samples).max(1);
+        let points = Points::new(sampling.sequence, sampling.seed, stream);
+        let lobe = shape.map(LobeSampler::new);
+        let pair = |index: usize| {
+            let [u, v, s, t] = points.at(index as u32);
+            let along = shift.map_or(0.0, |(sampler, incidence)| {
+                let [du, dv] = sampler.at([u, v]);
+                normal[0] * incidence.cos() * du + normal[1] * dv
+            });
+            let spread = lobe.map_or(0.0, |sampler| {
+                let [x, y] = sampler.at([s, t]);
+                normal[0] * x + normal[1] * y
+            });
+            (along as f32, spread as f32)
+        };
+        let (shift, lobe) = (0..patterns * sampling.samples)
+            .into_par_iter()
+            .map(pair)
+            .unzip();
+        Tile {
+            sampling,
+            shift,
+            lobe,
+        }
+    }
+
+    /// Shifts and lobe offsets of pattern `index`, which may lie beyond the last.
+    fn pattern(&self, index: usize) -> (&[f32], &[f32]) {
+        let size = self.sampling.samples;
+        let first = index % (self.shift.len() / size) * size;
+        (&self.shift[first..][..size], &self.lobe[first..][..size])
+    }
+}
+
+/// A photograph ready to be rendered: its pixels by bin, its samples, its source.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    /// Distances of the pixels from the edge, px, bin by bin.
+    distances_px: Arc<[f32]>,
+    /// Where each bin begins in them; one more than there are bins.
+    first: Arc<[usize]>,
+    tile: Arc<Tile>,
+    texture: Arc<Texture>,
+    normal_rad: f64,
+}
+
+impl Sampled {
+    /// Sorts the pixels of `raster` into the bins of `profile` about `line`; `tile` makes the samples for so many pixels.
+    pub fn new(
+        raster: &Raster,
+        profile: &Profile,
+        line: &Line,
+        camera: &Camera,
+        sequence: Sequence,
+        tile: impl FnOnce(usize) -> Tile,
+    ) -> Sampled {
+        let reach = profile.reach as f64;
+        let (sin, cos) = line.normal_rad.sin_cos();
+        let mut bins = vec![Vec::new(); profile.len()];
+        for [x, y] in raster.positions() {
+            let d = x * cos + y * sin - line.offset_px;
+            let bin = (d / BIN_PX).round() + reach;
+            if (0.0..=2.0 * reach).contains(&bin) {
+                bins[bin as usize].push(d as f32);
+            }
+        }
+        let mut first = vec![0];
+        for bin in &bins {
+            first.push(first[first.len() - 1] + bin.len());
+        }
+        let pixels = match sequence {
+            Sequence::Sobol => bins.iter().map(Vec::len).max().unwrap_or(0),
+            Sequence::Independent => first[bins.len()],
+        };
+        Sampled {
+            distances_px: bins.concat().into(),
+            first: first.into(),
+            tile: Arc::new(tile(pixels)),
+            texture: Arc::new(Texture::new(camera, line.normal_rad)),
+            normal_rad: line.normal_rad,
+        }
+    }
+
+    /// The same samples of a source that another camera looks at.
+    pub fn through(&self, camera: &Camera) -> Sampled {
+        Sampled {
+            texture: Arc::new(Texture::new(camera, self.normal_rad)),
+            ..self.clone()
+        }
+    }
+
+    /// Samples of one evaluation.
+    pub fn samples(&self) -> usize {
+        self.distances_px.len() * self.tile.sampling.samples
+    }
+
+    /// The render's edge profile on the photograph's bins, with its derivatives. `model` must have the kernel and the lobe
+    /// that the samples were drawn for.
+    pub fn curve(&self, model: &Model, blur: Blur, pitch_mm: f64, profile: &Profile) -> Curve {
+        let kernel = model.kernel;
+        let cells_per_mm = CELLS_PER_PX / pitch_mm;
+        let of_shift = if kernel.has_c() { blur.c_mm } else { 0.0 };
+        let of_lobe = if kernel.has_lobe() {
+            kernel.distance_scale(model.r_mm) / blur.spread
+        } else {
+            0.0
+        };
+        let scale = [of_shift * cells_per_mm, of_lobe * cells_per_mm];
+        let sums: Vec<[f64; 3]> = (0..profile.len())
+            .into_par_iter()
+            .with_min_len(16)
+            .map(|bin| self.bin(bin, scale.map(|s| s as f32)))
+            .collect();
+        let part = |index: usize, factor: f64| {
+            let mut bins: Vec<f64> = sums.iter().map(|sum| factor * sum[index]).collect();
+            profile.bridge(&mut bins);
+            bins
+        };
+        Curve {
+            bins: part(0, 1.0),
+            by_ln_spread: kernel.has_lobe().then(|| part(2, scale[1])),
+            by_ln_c: kernel.has_c().then(|| part(1, -scale[0])),
+        }
+    }
+
+    /// Means over a bin's pixels of E, E' n.S and E' n.L, E' per cell of the texture; 0 in an empty bin.
+    fn bin(&self, bin: usize, scale: [f32; 2]) -> [f64; 3] {
+        let pixels = self.first[bin]..self.first[bin + 1];
+        let own = match self.tile.sampling.sequence {
+            Sequence::Sobol => 0,
+            Sequence::Independent => pixels.start,
+        };
+        let count = pixels.len() * self.tile.sampling.samples;
+        let mut total = [0.0; 3];
+        for (index, &distance) in self.distances_px[pixels].iter().enumerate() {
+            let (shift, lobe) = self.tile.pattern(own + index);
+            let sums = self.texture.sums(distance, scale, shift, lobe);
+            for (total, sum) in total.iter_mut().zip(sums) {
+                *total += f64::from(sum);
+            }
+        }
+        total.map(|sum| sum / count.max(1) as f64)
+    }
+}
+
+/// Whether a kernel has samples: waves interfere, and have none.
+pub fn has_samples(kernel: Kernel) -> bool {
+    kernel != Kernel::Wave
+}
