@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo table1 test test-full test-mpi test-wheel wheel fmt lint doc bench tools python rust clean
+.PHONY: all build install demo table1 test test-full test-mpi test-mitsuba test-wheel wheel fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -67,7 +67,7 @@ test: fmt lint doc python
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-mpi test-wheel
+test-full: test test-mpi test-mitsuba test-wheel
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
@@ -75,6 +75,12 @@ test-mpi: rust tools
 	@echo "== ranks of MPI" >&2
 	@$(CARGO) clippy --workspace --features bake/mpi --all-targets --locked -- -D warnings
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --test ranks --locked
+
+# MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what it takes); MITSUBA_PYTHON: an
+# interpreter that has mitsuba.
+test-mitsuba: build
+	@test -n "$(MITSUBA_FIT)" || { echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)"
 
 # ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor HDF5.
 
