@@ -4,8 +4,7 @@
 //! photograph's was, the squared differences of the MTFs are minimised over a and c by their pathwise derivatives, and mu
 //! follows from the ratio of the light. Deviations: the differences are weighted by their noise (as everywhere under the
 //! loss `mtf`), the solver is Levenberg-Marquardt, the samples are evenly spread unless independent ones are asked for. Which
-//! terms the model has is chosen in closed form before. The search for a start is by few samples, everything after it by
-//! all of them.
+//! terms the model has, and where the search begins, is found in closed form.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -13,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use tables::Table;
 
 use crate::covariance::{contrasts, reflectances};
-use crate::estimate::{Choice, Compared, Estimate, compare, estimate, refined_to, rough};
+use crate::estimate::{Choice, Compared, Estimate, Optimum, compare, estimate, refined_to, rough};
 use crate::layout::Layout;
 use crate::loss::Loss;
 use crate::sample::ShiftSampler;
@@ -34,9 +33,6 @@ pub enum Forward {
 /// Change of the parameters, and of the sum of squares relative to itself, below which the iteration ends: the sums of a render
 /// are good to a few 1e-7.
 const CONVERGED: f64 = 1e-6;
-
-/// Most samples per pixel while a start is looked for.
-const TO_START: usize = 4;
 
 /// Independent randomisations from whose scatter the sampling error is taken: known to 1/sqrt(2 x 7) = 27 % of itself.
 pub const RANDOMISATIONS: u64 = 8;
@@ -75,7 +71,6 @@ pub fn draw(
             &view.profile,
             &view.line,
             &camera,
-            sampling.sequence,
             tile,
         );
         shot.view.set_sampled(Some(sampled));
@@ -96,31 +91,22 @@ pub fn samples(scene: &Scene) -> usize {
     sampled.map(Sampled::samples).sum()
 }
 
-/// The estimate of one candidate by one randomisation of the samples, their own error not in its standard errors. The scene
-/// keeps the samples.
+/// The estimate of one candidate by one randomisation of the samples from a start, their own error not in its standard
+/// errors. The scene keeps the samples.
 ///
 /// # Errors
 /// As [`draw`].
 pub fn by_one_randomisation(
     scene: &mut Scene,
     table: &Table,
-    choice: Choice,
+    start: Optimum,
     sampling: Sampling,
     randomisation: u64,
 ) -> Result<Estimate, tables::Error> {
-    let few = Sampling {
-        samples: sampling.samples.min(TO_START),
-        ..sampling
-    };
-    draw(scene, table, choice, few, randomisation)?;
-    let near = rough(scene, choice);
-    draw(scene, table, choice, sampling, randomisation)?;
+    draw(scene, table, start.choice, sampling, randomisation)?;
     let loss = Loss::Mtf(scene);
-    Ok(estimate(
-        scene,
-        &loss,
-        refined_to(CONVERGED, scene, &loss, near),
-    ))
+    let best = refined_to(CONVERGED, scene, &loss, start);
+    Ok(estimate(scene, &loss, best))
 }
 
 /// The estimate of one candidate by samples. Standard errors hold the sampling error: the scatter of
@@ -135,7 +121,9 @@ pub fn by_samples(
     choice: Choice,
     sampling: Sampling,
 ) -> Result<Estimate, tables::Error> {
-    let mut best = by_one_randomisation(scene, table, choice, sampling, 0)?;
+    clear(scene);
+    let start = rough(scene, choice);
+    let mut best = by_one_randomisation(scene, table, start, sampling, 0)?;
     let layout = Layout::new(choice, scene.groups.len());
     let mut estimates = Vec::new();
     for randomisation in 1..=RANDOMISATIONS {

@@ -7,15 +7,17 @@ use rayon::prelude::*;
 use serde::Serialize;
 use tables::Table;
 
-use crate::estimate::{Choice, Estimate, estimate, model, optimum};
+use crate::estimate::{Choice, Estimate, Optimum, estimate, model, optimum};
 use crate::forward::{self, by_one_randomisation};
 use crate::layout::Layout;
 use crate::loss::Loss;
 use crate::sample::Sequence;
 use crate::sampled::Sampling;
 use crate::scene::Scene;
+use crate::solve::Solution;
 
-/// Where gradients are compared, as multiples of the estimates of a and c: far off, as a start may be.
+/// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
+/// they are compared with begin (fit/BENCHMARKS.md).
 const AWAY: [f64; 2] = [1.75, 7.0 / 12.0];
 
 /// Relative errors of a fit, root mean square over randomisations and incidence angles; null for what the model has not.
@@ -42,7 +44,7 @@ pub struct Row {
     pub seconds_to_draw: f64,
     /// Median seconds of one evaluation: MTFs of all photographs and both derivatives, and their comparison.
     pub seconds_to_evaluate: f64,
-    /// Median seconds from measured photographs to the estimate, start and standard errors by pixel noise included.
+    /// Median seconds from measured photographs and a far start to the estimate and its standard errors by pixel noise.
     pub seconds: f64,
     /// Most evaluations that an estimate took.
     pub iterations: usize,
@@ -91,13 +93,24 @@ pub fn speed(
     let at = best.solution.parameters.clone();
     let evaluate = |scene: &Scene| Loss::Mtf(scene).evaluate(&layout, &at);
     let (_, spectral_seconds_to_evaluate) = timed(REPEATS, |_| evaluate(scene));
+    // All renders begin far off, where the peers' loop begins.
+    let far = Optimum {
+        choice,
+        solution: Solution {
+            parameters: away(&layout, &at),
+            iterations: 0,
+            ..best.solution.clone()
+        },
+        observations: best.residuals,
+    };
     let mut rows = Vec::new();
     for &sampling in samplings {
         let (mut fits, mut gradients) = (Vec::new(), Vec::new());
         let [mut drawing, mut evaluating, mut fitting] = [const { Vec::new() }; 3];
         for randomisation in 0..randomisations {
             let start = Instant::now();
-            let fit = by_one_randomisation(scene, table, choice, sampling, randomisation)?;
+            let from = far.clone();
+            let fit = by_one_randomisation(scene, table, from, sampling, randomisation)?;
             fitting.push(start.elapsed().as_secs_f64());
             fits.push(fit);
             let start = Instant::now();

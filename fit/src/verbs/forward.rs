@@ -12,9 +12,9 @@ use crate::sample::Sequence;
 use crate::sampled::Sampling;
 use crate::study::forward::{Row, Speed};
 
-/// Which forward models are studied.
+/// The renders that are studied.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Arguments {
+pub struct Renders {
     /// Study a forward model: render times estimates by samples beside the closed form
     #[arg(long, value_enum, conflicts_with = "ranges")]
     pub forward: Option<Forward>,
@@ -41,7 +41,7 @@ fn samples(text: &str) -> Result<Samples, String> {
     }
 }
 
-impl Arguments {
+impl Renders {
     /// Every number of samples, evenly spread and independent.
     pub fn samplings(&self, seed: u64) -> Vec<Sampling> {
         let Samples(list) = &self.samples;

@@ -73,7 +73,7 @@ pub struct Arguments {
     pub csv: Option<PathBuf>,
     /// Samples in place of the closed form.
     #[command(flatten)]
-    pub forward: forward::Arguments,
+    pub forward: forward::Renders,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
