@@ -211,7 +211,10 @@ impl Sampled {
     }
 }
 
-/// Whether a kernel has samples: waves interfere, and have none.
+/// Whether a kernel has samples: waves interfere, and have none; of the baselines none are drawn.
 pub fn has_samples(kernel: Kernel) -> bool {
-    kernel != Kernel::Wave
+    matches!(
+        kernel,
+        Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe
+    )
 }

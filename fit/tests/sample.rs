@@ -50,7 +50,7 @@ fn agree(sampled: (Complex64, f64), exact: Complex64, rest: f64, what: &str) {
 #[test]
 fn the_lobes_samples_have_its_otf() {
     let (mut cases, mut gains) = (0, Vec::new());
-    for shape in Shape::ALL {
+    for shape in Shape::ALL.into_iter().chain(Shape::MICROFACETS) {
         let sampler = LobeSampler::new(shape);
         for k in [0.05, 0.4, 1.1, 1.7, 2.3, 4.0, 9.0] {
             for angle in [0.0_f64, 0.1, 0.7] {
@@ -75,7 +75,7 @@ fn the_lobes_samples_have_its_otf() {
         gains[0],
         gains[gains.len() / 2]
     );
-    assert_eq!(cases, 42);
+    assert_eq!(cases, 84);
     // An Owen-scrambled net never has more than e = 2.72 times the variance (Owen 1997); scatter of two variances by 15
     // degrees of freedom each: a factor of 6 in 10^3.
     assert!(gains[0] > 1.0 / (2.72 * 6.0));

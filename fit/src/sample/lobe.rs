@@ -1,6 +1,7 @@
-//! Samples of the diffraction lobe of Eq. (1), for a = 1: offsets in the image plane times a.
+//! Samples of a lobe for a = 1: offsets in the image plane times a.
 //!
-//! Both shapes by inversion of a tabulated distribution function, cells so fine that the OTF of the samples is that of the
+//! Those of microfacets by inversion of their distribution functions, 1 - exp(-r^2) and 1 - 1 / (1 + r^2). The two shapes of Eq.
+//! (1) by inversion of a tabulated one, cells so fine that the OTF of the samples is that of the
 //! lobe to 2e-5 (a density that is even over cells of width h widens the lobe by h^2 / 12 in the variance):
 //! - radial: sinc^2(t) t on [0, 2.4 pi], and an even angle;
 //! - separable: sinc^2(t) on either axis. Its 1/t^2 tails go on for ever: beyond 64 pi every period holds
@@ -34,12 +35,14 @@ impl LobeSampler {
 
     /// The offset (tangential, sagittal) times a of a point of the unit square.
     pub fn at(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let about = |r: f64| {
+            let (sin, cos) = (TAU * v).sin_cos();
+            [r * cos, r * sin]
+        };
         match self.shape {
-            Shape::Radial => {
-                let (sin, cos) = (TAU * v).sin_cos();
-                let r = radius(u);
-                [r * cos, r * sin]
-            }
+            Shape::Radial => about(radius(u)),
+            Shape::Beckmann => about((-(-u).ln_1p()).sqrt()),
+            Shape::Ggx => about((u / (1.0 - u)).sqrt()),
             Shape::Separable => [axis(u), axis(v)],
         }
     }

@@ -1,6 +1,5 @@
 //! The options of a model by samples.
 
-use crate::kernel::Kernel;
 use crate::loss::Kind;
 use crate::sample::Sequence;
 use crate::sampled::{Sampling, has_samples};
@@ -46,9 +45,8 @@ pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str)
     }
     candidates.kernels.retain(|&kernel| has_samples(kernel));
     if candidates.kernels.is_empty() {
-        let wave = Kernel::Wave.name();
-        refuse(&format!(
-            "--kernel {wave} has no samples, for waves interfere; use --forward spectral"
-        ));
+        refuse(
+            "this model has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral",
+        );
     }
 }
