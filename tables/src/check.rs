@@ -141,6 +141,18 @@ fn values(table: &Table) -> Result<(), Invalid> {
         "0 to 1",
         error,
     )?;
+    if table.counts.is_none() {
+        // The content hash covers neither.
+        let none = |x: f64| x == 0.0;
+        let rays: Vec<f64> = table.rays.iter().map(|&n| n as f64).collect();
+        within("rays", &rays, "0 where there are no counts", none)?;
+        within(
+            "standard_error",
+            table.standard_error.iter(),
+            "0 where there are no counts",
+            none,
+        )?;
+    }
     let p = &table.provenance;
     let positive = |x: f64| x.is_finite() && x > 0.0;
     within(

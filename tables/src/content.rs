@@ -6,7 +6,7 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::table::{Exact, Provenance, Table};
+use crate::table::{Exact, Path, Provenance, Table};
 
 /// Version-independent tag that starts the hashed content.
 const TAG: &str = "retroreflective ray-shift table";
@@ -17,7 +17,14 @@ impl Table {
     /// Covers axes, counts and fates by randomisation (or, without counts, histogram, eta and fate fractions), the
     /// polygons of an exact table and the whole provenance. Two tables of equal hash are equal.
     pub fn content_hash(&self) -> String {
-        let mut items = Items(Sha256::new());
+        let mut hash = Sha256::new();
+        self.content(&mut |bytes| hash.update(bytes));
+        hex(hash.finalize().as_ref())
+    }
+
+    /// Gives the items to `sink`, piece by piece.
+    pub(crate) fn content(&self, sink: &mut dyn FnMut(&[u8])) {
+        let mut items = Items(sink);
         items.text("format", TAG);
         items.floats("incidence_deg", self.axes.incidence_deg.iter().copied());
         items.floats("azimuth_deg", self.axes.azimuth_deg.iter().copied());
@@ -38,7 +45,6 @@ impl Table {
             items.exact(exact);
         }
         items.provenance(&self.provenance);
-        hex(items.0.finalize().as_ref())
     }
 }
 
@@ -47,18 +53,18 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-struct Items(Sha256);
+struct Items<'a>(&'a mut dyn FnMut(&[u8]));
 
-impl Items {
+impl Items<'_> {
     fn head(&mut self, name: &str, bytes: usize) {
-        self.0.update(name.as_bytes());
-        self.0.update([0]);
-        self.0.update((bytes as u64).to_le_bytes());
+        self.0(name.as_bytes());
+        self.0(&[0]);
+        self.0(&(bytes as u64).to_le_bytes());
     }
 
     fn text(&mut self, name: &str, value: &str) {
         self.head(name, value.len());
-        self.0.update(value.as_bytes());
+        self.0(value.as_bytes());
     }
 
     fn words(&mut self, name: &str, values: impl ExactSizeIterator<Item = [u8; 8]>) {
@@ -67,11 +73,11 @@ impl Items {
         for value in values {
             buffer.extend_from_slice(&value);
             if buffer.len() == 1 << 16 {
-                self.0.update(&buffer);
+                self.0(&buffer);
                 buffer.clear();
             }
         }
-        self.0.update(&buffer);
+        self.0(&buffer);
     }
 
     fn integers(&mut self, name: &str, values: impl ExactSizeIterator<Item = u64>) {
@@ -185,4 +191,70 @@ impl Flat {
         }
         flat
     }
+
+    /// The paths again, by direction.
+    ///
+    /// # Errors
+    /// The first entry that does not fit the others. The arrays of a path have its numbers of elements: callers see
+    /// to that.
+    pub fn paths(&self, directions: usize) -> Result<Vec<Vec<Path>>, Misfit> {
+        let (vertices, _) = self.vertex.as_chunks::<2>();
+        let (matrices, _) = self.matrix.as_chunks::<4>();
+        let (offsets, _) = self.offset.as_chunks::<2>();
+        let mut paths = vec![Vec::new(); directions];
+        let mut lowest = 0;
+        for (k, &direction) in self.direction.iter().enumerate() {
+            if direction < lowest || direction >= directions as u64 {
+                return Err(Misfit {
+                    array: "path_direction",
+                    index: k,
+                    expected: format!("{lowest} to {}", directions - 1),
+                    found: direction,
+                });
+            }
+            lowest = direction;
+            let begin = if k == 0 { 0 } else { self.start[k] };
+            let polygon = (self.start[k] == begin && self.start[k + 1] >= begin)
+                .then(|| vertices.get(begin as usize..self.start[k + 1] as usize))
+                .flatten();
+            let Some(polygon) = polygon else {
+                return Err(Misfit {
+                    array: "polygon_start",
+                    index: k + 1,
+                    expected: format!("{begin} to {}", vertices.len()),
+                    found: self.start[k + 1],
+                });
+            };
+            let [uu, uv, vu, vv] = matrices[k];
+            paths[direction as usize].push(Path {
+                polygon: polygon.to_vec(),
+                matrix: [[uu, uv], [vu, vv]],
+                offset: offsets[k],
+                weight: self.weight[k],
+            });
+        }
+        let count = self.direction.len();
+        if self.start[0] != 0 || self.start[count] != vertices.len() as u64 {
+            return Err(Misfit {
+                array: "polygon_start",
+                index: count,
+                expected: vertices.len().to_string(),
+                found: self.start[count],
+            });
+        }
+        Ok(paths)
+    }
+}
+
+/// An entry of the flat arrays that does not fit the others.
+#[derive(Debug)]
+pub(crate) struct Misfit {
+    /// Name of the array.
+    pub array: &'static str,
+    /// Index of the entry.
+    pub index: usize,
+    /// What would fit.
+    pub expected: String,
+    /// What is there.
+    pub found: u64,
 }

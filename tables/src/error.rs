@@ -196,6 +196,35 @@ pub enum Error {
         /// The greatest number that is read.
         limit: u64,
     },
+    /// The file claims far more than it holds.
+    #[error(
+        "{}: claims {claimed} bytes of content in a file of {bytes}, as a decompression bomb does; if you trust it, \
+         store it uncompressed with `h5repack -f NONE`",
+        file.display()
+    )]
+    Inflated {
+        /// The file.
+        file: PathBuf,
+        /// Bytes of all arrays so far.
+        claimed: u64,
+        /// Length of the file.
+        bytes: u64,
+    },
+    /// The process that reads tables did not come back with one.
+    #[error(
+        "{}: cannot be read: the process that reads it with the HDF5 library {what}; the file is damaged or was made to \
+         do harm, copy it again or bake it again",
+        file.display()
+    )]
+    Apart {
+        /// The file.
+        file: PathBuf,
+        /// What became of the process.
+        what: String,
+    },
+    /// What the process that reads tables says: a sentence like the others here.
+    #[error("{0}")]
+    Told(String),
     /// A dataset is stored in a way that a table never is (outside the file, an unknown filter, an inflated
     /// chunk).
     #[error(

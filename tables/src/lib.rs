@@ -5,21 +5,26 @@
 //! adds the rays of tables, [`Table::direction`] looks one direction up and [`Direction::otf_along`] is its
 //! Fourier transform.
 //!
-//! ```no_run
+//! ```
 //! use std::path::Path;
 //!
-//! let table = tables::read(Path::new("table.h5"))?;
+//! let table = tables::read(Path::new("tests/kept/version_1_rays.h5"))?;
 //! let direction = table.direction(20.0, Some(30.0))?;
+//! assert!((direction.eta - 0.5931).abs() < 5e-5);
+//! // Its spectrum along u, at frequencies in cycles per edge length.
 //! let otf = direction.otf_along([1.0, 0.0], &[0.0, 0.1, 0.2]);
-//! println!("{} of the rays return; |S(0.2)| = {}", direction.eta, otf[2].norm());
+//! assert!((otf[0].re - 1.0).abs() < 1e-13 && otf[2].norm() < otf[1].norm());
 //! # Ok::<(), tables::Error>(())
 //! ```
+//!
+//! A program that reads strangers' tables calls [`apart::serve`] first in its `main`.
 //!
 //! Frame and unit everywhere: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane
 //! travel direction, v = n x u, in edge lengths; angles in degrees.
 
 #![deny(unsafe_code)]
 
+pub mod apart;
 pub mod check;
 pub mod content;
 pub mod counts;
@@ -27,11 +32,14 @@ pub mod error;
 mod heap;
 pub mod invalid;
 mod layout;
+mod ledger;
+mod limits;
 pub mod lookup;
 pub mod merge;
 pub mod output;
 pub mod polygon;
 pub mod read;
+mod received;
 mod scales;
 mod seal;
 pub mod shards;

@@ -27,6 +27,19 @@ pub use mismatch::Mismatch;
 ///
 /// Exact tables have no rays to add; only their directions are joined.
 ///
+/// ```
+/// # use std::path::Path;
+/// let table = tables::read(Path::new("tests/kept/version_1_rays.h5"))?;
+/// // A bake of as many rays from the seeds after those of the first: 16 randomisations take 16 seeds.
+/// let mut more = table.clone();
+/// more.provenance.seed += 16;
+/// let both = tables::merge(&[table.clone(), more])?;
+/// assert_eq!(both.rays[[0, 0]], 2 * table.rays[[0, 0]]);
+/// let error = tables::merge(&[table.clone(), table]).unwrap_err();
+/// assert!(matches!(error, tables::Error::Merge(_)));
+/// # Ok::<(), tables::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Merge`] with the field that differs, the overlap, the direction, seed or shard that is missing.
 pub fn merge(tables: &[Table]) -> Result<Table, Error> {

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::error::Error;
 use crate::seal::{self, Seal};
 use crate::table::Table;
-use crate::{heap, layout};
+use crate::{apart, heap, layout, ledger};
 
 /// Longest file that is read: the largest table that fits the memory limit, incompressible.
 const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
@@ -22,6 +22,9 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 /// The result follows from the counts where there are any, so that two readers hold the same bits. Links that
 /// leave the file, unknown filters and inflated chunks are refused.
 ///
+/// In a program that calls [`crate::apart::serve`] first, the HDF5 library opens the file in a process of its own, and a
+/// crash of the library is an error here.
+///
 /// # Errors
 /// A variant of [`Error`] for each of these, naming the file, the dataset or attribute and the remedy.
 ///
@@ -30,7 +33,13 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 /// assert!(error.to_string().contains("is not an HDF5 file"));
 /// ```
 pub fn read(path: &Path) -> Result<Table, Error> {
+    apart::read(path).unwrap_or_else(|| here(path))
+}
+
+/// Reads a table in this very process.
+pub(crate) fn here(path: &Path) -> Result<Table, Error> {
     guard(path)?;
+    ledger::confine();
     let failed = |source| Error::Hdf5 {
         file: path.to_owned(),
         place: "file".to_owned(),

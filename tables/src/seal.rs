@@ -13,6 +13,9 @@ use crate::content::hex;
 const MARK: &[u8; 8] = b"AIRRSEAL";
 const LENGTH: usize = MARK.len() + 32;
 
+/// Wrong bits of 64 with which a mark is still one.
+const MOST_WRONG: u32 = 8;
+
 /// What a seal says about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Seal {
@@ -41,14 +44,20 @@ pub(crate) fn check(bytes: &[u8]) -> Seal {
     let Some((before, seal)) = bytes.split_last_chunk::<LENGTH>() else {
         return Seal::Absent;
     };
-    if !seal.starts_with(MARK) {
+    // A mark with a few wrong bits is a damaged one: chance gives 8 bytes so alike to one file in 2^30.
+    let wrong: u32 = seal
+        .iter()
+        .zip(MARK)
+        .map(|(a, b)| (a ^ b).count_ones())
+        .sum();
+    if wrong > MOST_WRONG {
         return Seal::Absent;
     }
     let (stored, computed) = (
         hex(&seal[MARK.len()..]),
         hex(Sha256::digest(before).as_ref()),
     );
-    if stored == computed {
+    if stored == computed && wrong == 0 {
         Seal::Intact
     } else {
         Seal::Broken { stored, computed }
@@ -70,9 +79,7 @@ mod tests {
             let mut flipped = sealed.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             let seal = check(&flipped);
-            let in_mark = (100..108).contains(&(bit / 8));
-            assert_eq!(seal == Seal::Absent, in_mark, "bit {bit}");
-            assert_ne!(seal, Seal::Intact, "bit {bit}");
+            assert!(matches!(seal, Seal::Broken { .. }), "bit {bit}");
             tried += 1;
         }
         assert_eq!(tried, 8 * 140);

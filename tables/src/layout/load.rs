@@ -11,6 +11,7 @@ use super::place::{Place, near};
 use super::{Variable, attribute, polygons};
 use crate::check;
 use crate::error::Error;
+use crate::ledger::Ledger;
 use crate::table::{Axes, Fate, Provenance, Table};
 
 /// Rounding that another writer may have in scales and derived datasets.
@@ -18,7 +19,8 @@ pub(super) const ROUNDING: f64 = 1e-12;
 
 /// Reads and checks everything but the content hash; returns the table and the hash that the file states.
 pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Error> {
-    let root = Place::new(file, path, "")?;
+    let ledger = Ledger::new(file.size());
+    let root = Place::new(file, path, "", &ledger)?;
     let format = root.text(attribute::FORMAT)?;
     if format != super::FORMAT {
         return Err(Error::Format {

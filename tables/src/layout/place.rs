@@ -14,6 +14,7 @@ use ndarray::{ArrayD, Dimension, IxDyn};
 use super::load::ROUNDING;
 use super::{MOST_BYTES, Scale, Variable};
 use crate::error::Error;
+use crate::ledger::Ledger;
 use crate::table::{Axes, Fate};
 
 /// Longest text that is taken from a fixed-length attribute; the longest of ours has some hundred bytes.
@@ -27,6 +28,7 @@ pub(super) struct Place<'a> {
     pub(super) group: &'a Group,
     pub(super) file: &'a FilePath,
     prefix: &'static str,
+    ledger: &'a Ledger,
     links: HashSet<String>,
     pub(super) attributes: HashSet<String>,
 }
@@ -36,6 +38,7 @@ impl<'a> Place<'a> {
         group: &'a Group,
         file: &'a FilePath,
         prefix: &'static str,
+        ledger: &'a Ledger,
     ) -> Result<Place<'a>, Error> {
         let failed = |source| Error::Hdf5 {
             file: file.to_owned(),
@@ -56,9 +59,19 @@ impl<'a> Place<'a> {
             group,
             file,
             prefix,
+            ledger,
             links,
             attributes,
         })
+    }
+
+    /// A group inside this one.
+    pub(super) fn inside(
+        &self,
+        group: &'a Group,
+        prefix: &'static str,
+    ) -> Result<Place<'a>, Error> {
+        Place::new(group, self.file, prefix, self.ledger)
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
@@ -226,6 +239,8 @@ impl<'a> Place<'a> {
                 found: shape,
             });
         }
+        self.ledger
+            .enter(self.file, 8 * shape.iter().product::<usize>() as u64)?;
         let values = dataset.read_raw().map_err(self.hdf5("dataset", name))?;
         Ok((values, shape))
     }

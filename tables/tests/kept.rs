@@ -1,0 +1,73 @@
+//! Tables of version 1, as bake 0.1.0 wrote them. Every later version must read them and give these numbers: never
+//! replace the files, add those of a new version beside them.
+
+use std::path::{Path, PathBuf};
+
+use tables::{Fate, is_sealed, read};
+
+fn kept(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/kept")
+        .join(name)
+}
+
+/// `bake trace triangular.obj --method rays --rays 16384 --bins 16 --incidence 0,20 --azimuth 0,30
+/// --refractive-index 1.49 --seed 3`
+#[test]
+fn a_table_of_rays_of_version_1() {
+    let file = kept("version_1_rays.h5");
+    assert!(is_sealed(&file).unwrap());
+    let table = read(&file).unwrap();
+    assert_eq!(
+        table.content_hash(),
+        "7dca89b474c6db0ae9d90a6a453b0b8c2369db97394c794fb4fbb1fbef3db4ec"
+    );
+    assert_eq!(table.axes.incidence_deg, [0.0, 20.0]);
+    assert_eq!(table.axes.azimuth_deg, [0.0, 30.0]);
+    assert_eq!((table.axes.bins, table.axes.range), (16, 2.0));
+    assert!(table.rays.iter().all(|&rays| rays == 16384));
+    let counts = table.counts.as_ref().unwrap();
+    assert_eq!(counts.shape(), [2, 2, 16, 16, 16]);
+    assert_eq!(counts.slice(ndarray::s![1, 1, 0, .., ..]).sum(), 609);
+    assert_eq!(counts.slice(ndarray::s![1, 1, .., 7, 8]).sum(), 300);
+    // 9718 of 16384 rays; 300 of them in the bin.
+    assert_eq!(table.retroreflected[[1, 1]], 9718.0 / 16384.0);
+    assert_eq!(table.histogram[[1, 1, 7, 8]], 300.0 / 9718.0);
+    assert!((table.standard_error[[1, 1]] - 5.486_378_187_071_346e-4).abs() < 1e-18);
+    assert_eq!(
+        table.fate[[1, 1, Fate::LeftAfter2 as usize]],
+        1.0 - 9718.0 / 16384.0
+    );
+    let provenance = &table.provenance;
+    assert_eq!(
+        (provenance.generator.as_str(), provenance.design.as_str()),
+        ("bake 0.1.0", "triangular")
+    );
+    assert_eq!((provenance.seed, provenance.refractive_index), (3, 1.49));
+}
+
+/// `bake trace triangular-pair.obj --bins 16 --incidence 0,20 --azimuth 0,30 --refractive-index 1.49`
+#[test]
+fn an_exact_table_of_version_1() {
+    let file = kept("version_1_exact.h5");
+    assert!(is_sealed(&file).unwrap());
+    let table = read(&file).unwrap();
+    assert_eq!(
+        table.content_hash(),
+        "3dcfce00b42195dcbcd2055af16bae85aa5c61420636473f134caf85e75a5f07"
+    );
+    // Closed form of an ideal cube (2/3)(1 - 2 tan^2), with the angle inside; to rounding.
+    let inside = (20_f64.to_radians().sin() / 1.49).asin();
+    let eta = [2.0 / 3.0, 2.0 / 3.0 * (1.0 - 2.0 * inside.tan().powi(2))];
+    for i in 0..2 {
+        for j in 0..2 {
+            assert!((table.retroreflected[[i, j]] - eta[i]).abs() < 1e-14);
+        }
+    }
+    let exact = table.exact.as_ref().unwrap();
+    assert_eq!(exact.paths.iter().map(Vec::len).collect::<Vec<_>>(), [2; 4]);
+    let corners = exact.paths.iter().flatten().map(|path| path.polygon.len());
+    assert_eq!(corners.sum::<usize>(), 48);
+    assert!((table.histogram[[1, 1, 7, 8]] - 0.030_450_690_031_287_784).abs() < 1e-17);
+    assert_eq!((table.rays.sum(), table.counts), (0, None));
+}

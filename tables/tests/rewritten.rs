@@ -1,0 +1,101 @@
+//! Tables that other programs wrote again: by what they hold they are the same tables, without their seal.
+
+mod sample;
+
+use std::path::Path;
+use std::process::Command;
+
+use tables::{Table, is_sealed, read, write};
+
+/// h5py copies every object into a new file: of the oldest structures that HDF5 knows, or of the newest.
+const H5PY: &str = "import h5py, sys\n\
+with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w', libver=sys.argv[3]) as old:\n\
+\x20   for name in new: new.copy(name, old)\n\
+\x20   old.attrs.update(new.attrs)";
+
+/// h5py writes bare arrays, contiguous and without scales, as a script of one's own would.
+const ARRAYS: &str = "import h5py, sys\n\
+with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w') as old:\n\
+\x20   for name, data in new.items():\n\
+\x20       if isinstance(data, h5py.Dataset): old[name] = data[()]\n\
+\x20       else: new.copy(name, old)\n\
+\x20   old.attrs.update(new.attrs)";
+
+const XARRAY: &str = "import sys, xarray\n\
+with xarray.open_dataset(sys.argv[1], engine='h5netcdf') as table:\n\
+\x20   table.to_netcdf(sys.argv[2], engine='h5netcdf')";
+
+fn rewritten(script: &str, from: &Path, to: &Path, option: &str) {
+    let python = std::env::var_os("AIRR_PYTHON").expect(
+        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
+    );
+    let output = Command::new(python)
+        .args(["-c", script])
+        .args([from, to])
+        .arg(option)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn tables_from_h5py_and_xarray_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["from.h5", "to.h5"].map(|name| folder.path().join(name));
+    let kinds: [(&str, Table); 3] = [
+        ("rays", sample::rays(2, 7)),
+        ("mean", sample::mean()),
+        ("exact", sample::exact()),
+    ];
+    let mut tried = 0;
+    for (kind, table) in &kinds {
+        write(table, &from).unwrap();
+        for (script, option) in [
+            (H5PY, "earliest"),
+            (H5PY, "latest"),
+            (ARRAYS, ""),
+            (XARRAY, ""),
+        ] {
+            rewritten(script, &from, &to, option);
+            assert!(!is_sealed(&to).unwrap());
+            match read(&to) {
+                Ok(back) => {
+                    assert_eq!(back, *table, "{kind} {option}");
+                    assert_eq!(back.content_hash(), table.content_hash());
+                }
+                // xarray leaves groups out: an exact table without its polygons is another one.
+                Err(error) => {
+                    assert_eq!((*kind, script), ("exact", XARRAY), "{error}");
+                    let error = error.to_string();
+                    assert!(error.contains("attribute content_hash says"), "{error}");
+                }
+            }
+            std::fs::remove_file(&to).unwrap();
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 12);
+}
+
+/// The tools of the HDF5 project, where they are installed: HDFView saves likewise.
+#[test]
+fn a_table_from_h5repack_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let [from, to] = ["from.h5", "to.h5"].map(|name| folder.path().join(name));
+    write(&sample::exact(), &from).unwrap();
+    match Command::new("h5repack")
+        .args(["-f", "NONE"])
+        .args([&from, &to])
+        .status()
+    {
+        Ok(status) => {
+            assert!(status.success());
+            assert_eq!(read(&to).unwrap(), sample::exact());
+        }
+        Err(_) => println!("h5repack is not installed: not tried"),
+    }
+}
