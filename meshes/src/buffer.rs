@@ -5,7 +5,7 @@ use std::path::{Component, Path};
 use base64::Engine as _;
 use gltf::accessor::{DataType, Dimensions};
 
-use crate::error::Fault;
+use crate::error::{Counted, Fault};
 use crate::mesh::{MAX_BYTES, read_bounded};
 
 /// Contents of the buffers of a glTF document, in its order.
@@ -32,6 +32,7 @@ impl Buffers {
             contents: Vec::new(),
             external: Vec::new(),
         };
+        let mut total = 0;
         for buffer in document.buffers() {
             let index = buffer.index();
             let (content, external) = match buffer.source() {
@@ -50,6 +51,15 @@ impl Buffers {
                     buffer: index,
                     found: content.len(),
                     needed: buffer.length(),
+                });
+            }
+            // A small document may name one large file a thousand times.
+            total += content.len() as u64;
+            if total > MAX_BYTES {
+                return Err(Fault::TooLarge {
+                    what: Counted::Bytes,
+                    found: total,
+                    limit: MAX_BYTES,
                 });
             }
             buffers.contents.push(content);

@@ -39,6 +39,12 @@ pub enum Counted {
     Triangles,
     /// Nodes of a glTF scene.
     Nodes,
+    /// JSON objects of a glTF document.
+    Objects,
+    /// Bytes of a glTF document's JSON.
+    Json,
+    /// Bytes of that outside of its texts.
+    JsonValues,
     /// Corners of one polygon.
     Corners,
 }
@@ -50,6 +56,9 @@ impl std::fmt::Display for Counted {
             Self::Vertices => "vertices",
             Self::Triangles => "triangles",
             Self::Nodes => "nodes",
+            Self::Objects => "JSON objects",
+            Self::Json => "bytes of JSON",
+            Self::JsonValues => "bytes of JSON outside of texts",
             Self::Corners => "corners of one polygon",
         })
     }

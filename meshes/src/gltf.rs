@@ -37,6 +37,7 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     } else {
         (bytes, None)
     };
+    light(json)?;
     let document = validated(json)?;
     let buffers = Buffers::resolve(&document, binary, folder)?;
     let external = buffers
@@ -56,6 +57,32 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
         return Err(Fault::Empty);
     }
     Ok(mesh)
+}
+
+/// Refuses JSON that would take far more memory than its bytes do: an object of two may become a node of hundreds, a
+/// number of one a value of 32. Long texts (buffers as data URIs) take what they are.
+fn light(json: &[u8]) -> Result<(), Fault> {
+    let (mut objects, mut outside) = (0, 0);
+    let (mut in_text, mut escaped) = (false, false);
+    for &byte in json {
+        if in_text {
+            in_text = escaped || byte != b'"';
+            escaped = !escaped && byte == b'\\';
+        } else {
+            outside += 1;
+            objects += u64::from(byte == b'{');
+            in_text = byte == b'"';
+        }
+    }
+    let counted = [
+        (Counted::Json, json.len() as u64, 1 << 27),
+        (Counted::JsonValues, outside, 1 << 24),
+        (Counted::Objects, objects, 1 << 17),
+    ];
+    match counted.into_iter().find(|&(_, found, limit)| found > limit) {
+        Some((what, found, limit)) => Err(Fault::TooLarge { what, found, limit }),
+        None => Ok(()),
+    }
 }
 
 /// The document, validated by the `gltf` crate. Its validation looks positions up before it checks their index, and
