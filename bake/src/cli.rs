@@ -149,6 +149,7 @@ struct CompareArgs {
 ///
 /// Of the ranks of an MPI run all trace, and rank 0 alone does the rest.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    tables::apart::serve();
     let launched = Launched::from(|name| std::env::var(name).ok());
     let ranks = ranks::start(launched);
     let cli = match Cli::try_parse_from(arguments) {

@@ -159,6 +159,7 @@ impl Failure {
 
 /// Runs the program.
 pub fn main() -> ExitCode {
+    tables::apart::serve();
     let done = match Arguments::parse().verb {
         Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
         Verb::Export(arguments) => verbs::export::run(&arguments),
@@ -265,6 +266,9 @@ pub fn note(text: &str) {
     }
 }
 
+/// Longest JSON that is read, bytes: a hundred times the result of a thousand photographs.
+const MOST_JSON: u64 = 1 << 25;
+
 /// Reads a JSON file.
 ///
 /// # Errors
@@ -278,7 +282,8 @@ pub fn read_json<T: serde::de::DeserializeOwned>(
         message,
         expected,
     };
-    let text = std::fs::read_to_string(path).map_err(|e| error(format!("cannot be read ({e})")))?;
+    let text = crate::captures::keys::text(path, MOST_JSON)
+        .map_err(|e| error(format!("cannot be read ({e})")))?;
     serde_json::from_str(&text).map_err(|e| error(format!("is not such a file ({e})")))
 }
 

@@ -53,6 +53,21 @@ pub enum Error {
         /// Most pixels that are read.
         limit: u64,
     },
+    /// Far more pixels than bytes.
+    #[error(
+        "{file}: claims {width} x {height} pixels in {bytes} bytes, as a decompression bomb does; crop it, or save it \
+         without compression"
+    )]
+    Packed {
+        /// The photograph.
+        file: PathBuf,
+        /// Claimed columns.
+        width: u64,
+        /// Claimed rows.
+        height: u64,
+        /// Length of the file.
+        bytes: u64,
+    },
     /// The EXR decoder gave up.
     #[error(
         "{file}: cannot be decoded as EXR ({}); write or copy the file again",

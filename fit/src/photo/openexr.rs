@@ -10,7 +10,7 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
-use super::{Channel, Decode, Error, Photo, Picture, REC709, Transfer, check_size};
+use super::{Channel, Decode, Error, Photo, Picture, REC709, Transfer, check_packed, check_size};
 
 /// Bit of the version field that says "deep data inside" (OpenEXR file layout, version field).
 const DEEP_FLAG: u8 = 0x08;
@@ -137,6 +137,8 @@ fn read_planes(
     }
     let (width, height) = (header.layer_size.width(), header.layer_size.height());
     check_size(path, width as u64, height as u64)?;
+    let bytes = header.channels.bytes_per_pixel as u64;
+    check_packed(path, [width as u64, height as u64], bytes)?;
     let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
     blocks
         .filter_chunks(false, |_, tile, block| {

@@ -10,7 +10,8 @@ use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageRea
 use rayon::prelude::*;
 
 use super::{
-    Channel, Decode, Error, Format, MAX_PIXELS, Photo, Picture, REC709, Transfer, check_size,
+    Channel, Decode, Error, Format, MAX_PIXELS, Photo, Picture, REC709, Transfer, check_packed,
+    check_size,
 };
 
 /// Most that a decoder may allocate: the largest picture as four 16-bit channels.
@@ -121,6 +122,8 @@ fn decode(
     let mut decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into())?;
+    let bytes = decoder.color_type().bytes_per_pixel();
+    check_packed(path, [width.into(), height.into()], bytes.into())?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_BYTES);
     decoder.set_limits(limits).map_err(broken)?;
