@@ -98,16 +98,25 @@ pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
     let columns = chosen.len().clamp(1, 5);
     let (plots, layouts): (Vec<_>, Vec<_>) = chosen.iter().map(|&at| panel(table, at)).unzip();
     let scene = Figure::new(chosen.len().div_ceil(columns), columns)
-        .with_title(format!(
-            "{}: ray shift p' - p in the incidence frame (u along the direction of travel, v = n x u), edge lengths",
-            table.provenance.design
-        ))
+        .with_title(title(table, columns, stride))
         .with_title_size(16)
         .with_plots(plots)
         .with_layouts(layouts)
         .with_cell_size(370.0, 300.0)
         .render();
     format.render(&scene, file)
+}
+
+/// What all panels have in common, no wider than they are.
+fn title(table: &Table, columns: usize, stride: usize) -> String {
+    let mut title = format!("{}: ray shift p' - p", table.provenance.design);
+    if columns > 2 {
+        title += ", probability per launched ray and square edge length";
+    }
+    if stride > 1 {
+        title += &format!(" (one of every {stride} directions)");
+    }
+    title
 }
 
 fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
@@ -131,18 +140,20 @@ fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
     let azimuth = if azimuth.is_nan() {
         "mean over azimuths".into()
     } else {
-        format!("{azimuth}°")
+        format!("azimuth {azimuth}°")
     };
-    let title = format!(
-        "{}°, {azimuth}: {:.2} % back",
-        axes.incidence_deg[i],
-        100.0 * table.retroreflected[[i, a]]
-    );
+    let eta = table.retroreflected[[i, a]];
+    let back = if eta == 0.0 {
+        "nothing back".into()
+    } else {
+        format!("{:.2} % back", 100.0 * eta)
+    };
+    let title = format!("incidence {}°, {azimuth}: {back}", axes.incidence_deg[i]);
     let plots = vec![Plot::Heatmap(map)];
     let layout = Layout::auto_from_plots(&plots)
         .with_title(title)
-        .with_x_label("u")
-        .with_y_label("v")
+        .with_x_label("u (direction of travel), edge lengths")
+        .with_y_label("v = n x u, edge lengths")
         .with_title_size(13);
     (plots, layout)
 }
