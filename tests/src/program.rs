@@ -1,5 +1,6 @@
 //! The two programs as a user starts them: arguments in, exit code and text out.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
@@ -42,8 +43,25 @@ pub fn fit<S: AsRef<str>>(folder: &Path, arguments: &[S]) -> Run {
 
 /// Starts a program of this project in `folder`.
 pub fn run<S: AsRef<str>>(name: &str, folder: &Path, arguments: &[S]) -> Run {
+    run_by(&[], name, folder, arguments)
+}
+
+/// Likewise, by another program that takes the command line as its last arguments.
+pub fn run_by<S: AsRef<str>>(
+    starter: &[&OsStr],
+    name: &str,
+    folder: &Path,
+    arguments: &[S],
+) -> Run {
     let arguments: Vec<&str> = arguments.iter().map(AsRef::as_ref).collect();
-    let output = Command::new(fresh(name))
+    let program = fresh(name);
+    let words: Vec<&OsStr> = starter
+        .iter()
+        .copied()
+        .chain([program.as_os_str()])
+        .collect();
+    let output = Command::new(words[0])
+        .args(&words[1..])
         .current_dir(folder)
         .args(&arguments)
         .env_remove("RUST_BACKTRACE")

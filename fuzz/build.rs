@@ -1,0 +1,15 @@
+//! Coverage of libhdf5: gcc has no counters of libFuzzer's kind, but calls a function at every edge.
+
+fn main() {
+    println!("cargo::rerun-if-changed=trace.c");
+    cc::Build::new()
+        .file("trace.c")
+        .no_default_flags(true)
+        .flag("-O2")
+        .flag("-fPIC")
+        .cargo_metadata(false)
+        .compile("trace");
+    let folder = std::env::var("OUT_DIR").expect("cargo sets it");
+    println!("cargo::rustc-link-search=native={folder}");
+    println!("cargo::rustc-link-lib=static:+whole-archive=trace");
+}

@@ -1,0 +1,61 @@
+//! What is fuzzed: each function gives some bytes to one door of the project, which must answer with a value or an
+//! error. The fuzz targets call them, and `tests/tests/corpus.rs` does so over the kept corpus.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+/// A folder of this process, in memory where there is such a file system.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() {
+        tempfile::tempdir_in(memory)
+    } else {
+        tempfile::tempdir()
+    };
+    folder.expect("a temporary folder can be made")
+});
+
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = FOLDER.path().join(name);
+    fs::write(&path, bytes).expect("a temporary file can be written");
+    path
+}
+
+fn cell(mesh: Result<meshes::Mesh, meshes::Fault>) {
+    if let Ok(mesh) = mesh {
+        let _ = meshes::normalise(&mesh, Path::new("fuzzed"), &meshes::CellOptions::default());
+    }
+}
+
+/// A Wavefront OBJ file, to the cell that is traced.
+pub fn obj(bytes: &[u8]) {
+    cell(meshes::obj::parse(bytes));
+}
+
+/// A glTF or GLB file without files beside it, to the cell that is traced.
+pub fn gltf(bytes: &[u8]) {
+    cell(meshes::gltf::parse(bytes, None));
+}
+
+/// An HDF5 table. The tables of the corpus have no seal, so that a changed one reaches the HDF5 library and its
+/// content hash.
+pub fn table(bytes: &[u8]) {
+    let path = file("table.h5", bytes);
+    let _ = tables::read(&path);
+}
+
+/// A photograph of any format: what it holds decides, not its name.
+pub fn photograph(bytes: &[u8]) {
+    let path = file("photograph", bytes);
+    let _ = fit::photo::load(&path, &fit::photo::Decode::default());
+    let _ = fit::photo::Settings::of(&path);
+}
+
+/// A manifest of captures, ranges of a study and parameters of a simulation.
+pub fn toml(bytes: &[u8]) {
+    let path = file("fuzzed.toml", bytes);
+    let _ = fit::captures::load(&path);
+    let _ = fit::study::ranges::Ranges::load(&path);
+    let _ = fit::simulate::Params::load(&path);
+}

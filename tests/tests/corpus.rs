@@ -1,0 +1,41 @@
+//! The kept corpus of the fuzz targets, given to the same functions: each file ends in a value or an error, without a
+//! panic, and none takes long.
+
+use std::time::{Duration, Instant};
+
+use tests::files::project;
+
+#[path = "../../fuzz/src/lib.rs"]
+mod fuzz;
+
+/// A watchdog: what takes a second under the fuzzer is a finding, and a test machine may be ten times slower.
+const MOST: Duration = Duration::from_secs(10);
+
+#[test]
+fn the_corpus_is_answered() {
+    let targets: [(&str, fn(&[u8])); 5] = [
+        ("obj", fuzz::obj),
+        ("gltf", fuzz::gltf),
+        ("table", fuzz::table),
+        ("photograph", fuzz::photograph),
+        ("toml", fuzz::toml),
+    ];
+    for (name, answer) in targets {
+        let folder = project().join("fuzz/corpus").join(name);
+        let (mut files, mut bytes) = (0, 0);
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            let content = std::fs::read(&path).unwrap();
+            let start = Instant::now();
+            answer(&content);
+            assert!(start.elapsed() < MOST, "{}", path.display());
+            (files, bytes) = (files + 1, bytes + content.len());
+        }
+        println!("{name}: {files} files, {bytes} bytes");
+        assert!(files >= 4, "{}", folder.display());
+        assert!(
+            bytes < 100_000,
+            "minimise the corpus of {name}: {bytes} bytes"
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! Two bakes to one file at the same time, and readers meanwhile: both end well, the later one stays.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use tests::program::bake;
+
+#[test]
+fn two_bakes_to_one_file_leave_one_of_them_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    bake(here, &["design", "triangular", "-o", "cell.obj"]).done();
+    let trace = |seed: &str, file: &str| {
+        let options = [
+            "--method", "rays", "--rays", "65536", "--bins", "64", "--seed", seed,
+        ];
+        let words = [&["trace", "cell.obj", "-o", file][..], &options].concat();
+        bake(here, &words).done()
+    };
+    let inspect = |file: &str| bake(here, &["inspect", file]).done();
+    trace("1", "first.h5");
+    trace("2", "second.h5");
+    let known = [inspect("first.h5"), inspect("second.h5")];
+    let bytes = ["first.h5", "second.h5"].map(|file| std::fs::read(here.join(file)).unwrap());
+    std::fs::copy(here.join("first.h5"), here.join("table.h5")).unwrap();
+
+    let done = AtomicBool::new(false);
+    let mut seen = [0, 0];
+    std::thread::scope(|scope| {
+        let bakes = ["1", "2"].map(|seed| {
+            let trace = &trace;
+            scope.spawn(move || (0..10).for_each(|_| drop(trace(seed, "table.h5"))))
+        });
+        let reader = scope.spawn(|| {
+            let mut seen = [0, 0];
+            while !done.load(Ordering::Relaxed) {
+                let text = inspect("table.h5");
+                seen[known
+                    .iter()
+                    .position(|known| *known == text)
+                    .expect("one of the two")] += 1;
+            }
+            seen
+        });
+        for bake in bakes {
+            bake.join().unwrap();
+        }
+        done.store(true, Ordering::Relaxed);
+        seen = reader.join().unwrap();
+    });
+    println!("20 bakes, {seen:?} reads of the two tables");
+    assert!(seen[0] + seen[1] >= 5, "{seen:?}");
+    assert!(bytes.contains(&std::fs::read(here.join("table.h5")).unwrap()));
+    let mut left: Vec<_> = std::fs::read_dir(here)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    left.sort();
+    assert_eq!(left, ["cell.obj", "first.h5", "second.h5", "table.h5"]);
+}
