@@ -7,6 +7,7 @@
 mod error;
 pub mod keys;
 mod spectrum;
+pub(crate) mod text;
 
 use std::path::{Path, PathBuf};
 

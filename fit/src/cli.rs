@@ -282,7 +282,7 @@ pub fn read_json<T: serde::de::DeserializeOwned>(
         message,
         expected,
     };
-    let text = crate::captures::keys::text(path, MOST_JSON)
+    let text = crate::captures::text::read(path, MOST_JSON)
         .map_err(|e| error(format!("cannot be read ({e})")))?;
     serde_json::from_str(&text).map_err(|e| error(format!("is not such a file ({e})")))
 }

@@ -3,8 +3,6 @@
 //! serde's own messages stop at "unknown field"; walking the parsed document keeps the line of every key, so that an
 //! error can name the file, the line, the key and the nearest key that would have been right.
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use toml::Spanned;
@@ -79,27 +77,13 @@ pub struct Document {
 /// Longest TOML that is read: ten times that of a thousand photographs.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Reads a text of at most `most` bytes.
-///
-/// # Errors
-/// The system does not give it, it is not UTF-8, or it is longer.
-pub(crate) fn text(file: &Path, most: u64) -> io::Result<String> {
-    let mut text = String::new();
-    let read = File::open(file)?.take(most + 1).read_to_string(&mut text)?;
-    if read as u64 > most {
-        let what = format!("it is longer than {most} bytes");
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, what));
-    }
-    Ok(text)
-}
-
 impl Document {
     /// Reads a file.
     ///
     /// # Errors
     /// [`Error::Read`] where the system does not give it, it is not UTF-8 or longer than a MiB.
     pub fn read(file: &Path) -> Result<Document, Error> {
-        let text = text(file, MOST_BYTES).map_err(|source| Error::Read {
+        let text = super::text::read(file, MOST_BYTES).map_err(|source| Error::Read {
             file: file.to_owned(),
             source,
         })?;
