@@ -62,21 +62,23 @@ pub fn arc(window: &Window, line: &Line, profile: &Profile) -> Result<f64, Fault
     Ok(sagitta_px)
 }
 
-/// Steepness (over the first's) and distance (pixels) of a second edge.
+/// Steepness (over the first's) and distance (pixels) of a second edge. A ripple of the blur itself, as waves make it, is
+/// alike on both sides of the edge; a ghost is not.
 fn double(profile: &Profile) -> Option<(f64, f64)> {
     const HALF: usize = 4;
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, HALF)).collect();
     let first = (0..slopes.len()).max_by(|&a, &b| slopes[a].total_cmp(&slopes[b]))?;
     let most = profile.variance.iter().copied().fold(0.0, f64::max);
     let noise = (2.0 * most).sqrt() / (2.0 * HALF as f64 * BIN_PX);
-    let mut found: Option<(f64, f64)> = None;
-    for outward in [-1_isize, 1] {
+    let sides = [-1_isize, 1].map(|outward| {
+        let mut found: Option<(f64, f64)> = None;
         // Outward from the first: the lowest point so far, and whatever rises from it.
         let mut valley = slopes[first];
         let mut at = first as isize + outward;
         while let Some(&slope) = usize::try_from(at).ok().and_then(|j| slopes.get(j)) {
             valley = valley.min(slope);
-            let enough = slope > DOUBLED * slopes[first]
+            // Half as steep as a second edge must be: what it is compared with on the other side.
+            let enough = slope > 0.5 * DOUBLED * slopes[first]
                 && slope > 8.0 * noise + valley.max(0.0)
                 && valley < VALLEY * slope;
             if enough && found.is_none_or(|(share, _)| slope > share * slopes[first]) {
@@ -85,8 +87,20 @@ fn double(profile: &Profile) -> Option<(f64, f64)> {
             }
             at += outward;
         }
+        found
+    });
+    let alike = |a: f64, b: f64| a.min(b) > 0.5 * a.max(b);
+    if let [Some(left), Some(right)] = sides
+        && alike(left.0, right.0)
+        && alike(left.1, right.1)
+    {
+        return None;
     }
-    found
+    let steepest = sides
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    steepest.filter(|&(share, _)| share > DOUBLED)
 }
 
 /// Height of the edge's arc over the chord of the window (pixels), and its standard error: the pixels' distances from the
