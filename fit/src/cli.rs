@@ -115,6 +115,14 @@ pub enum Failure {
         /// What writes such files.
         expected: &'static str,
     },
+    /// A result of several channels, of which one must be named.
+    #[error("{}: holds one result for each of the channels {held}; name one with --channel", path.display())]
+    Channel {
+        /// The file.
+        path: PathBuf,
+        /// Names of its channels.
+        held: String,
+    },
     /// A table of another cell than the ranges name.
     #[error("{}: is not the table of the ideal cell that is simulated; bake it: bake design {design} -o cell.obj, then \
              bake trace cell.obj --refractive-index {ior} --incidence 0:45:15 --azimuth 30", table.display())]

@@ -126,4 +126,33 @@ fn every_channel_is_measured_as_its_own_photograph() {
     let (code, _, err) = run(&["each", "--plot", "mtf.svg"]);
     assert_eq!(code, Some(2), "{err}");
     assert!(err.contains("name one --channel"), "{err}");
+
+    // A prediction is of one channel, which must be named.
+    let predict = |more: &[&str]| {
+        let place = ["--table", "table.h5", "--distance", "200", "--incidence"];
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_fit"))
+            .current_dir(mixed.path())
+            .args(["predict", "colours.json"])
+            .args(place)
+            .arg(incidence[0].to_string())
+            .args(more)
+            .output()
+            .unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (
+            output.status.code(),
+            text(output.stdout),
+            text(output.stderr),
+        )
+    };
+    let (code, red, err) = predict(&["--channel", "red"]);
+    assert_eq!(code, Some(0), "{err}");
+    let (code, blue, err) = predict(&["--channel", "blue"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert_ne!(red, blue);
+    for more in [&[][..], &["--channel", "luminance"]] {
+        let (code, _, err) = predict(more);
+        assert_eq!(code, Some(1), "{err}");
+        assert!(err.contains("blue, green, red"), "{err}");
+    }
 }

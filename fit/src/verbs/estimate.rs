@@ -354,10 +354,32 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     text
 }
 
-/// Reads a RESULT.json.
+/// Reads a RESULT.json of one fit.
 ///
 /// # Errors
-/// [`Failure::Json`].
+/// [`Failure::Json`]; [`Failure::Channel`] for one of several channels.
 pub fn read_result(path: &Path) -> Result<ResultFile, Failure> {
-    cli::read_json(path, "`fit estimate -o` wrote")
+    read_channel(path, None)
+}
+
+/// Reads a RESULT.json of one fit, or, by its name, one channel of a file of several.
+///
+/// # Errors
+/// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named, or another.
+pub fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
+    let expected = "`fit estimate -o` wrote";
+    let several = || cli::read_json::<BTreeMap<String, ResultFile>>(path, expected);
+    let channels = |held: BTreeMap<String, ResultFile>| Failure::Channel {
+        path: path.to_owned(),
+        held: held.into_keys().collect::<Vec<_>>().join(", "),
+    };
+    match channel {
+        None => {
+            cli::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
+        }
+        Some(name) => {
+            let mut held = several()?;
+            held.remove(name).ok_or_else(|| channels(held))
+        }
+    }
 }

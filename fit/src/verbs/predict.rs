@@ -10,7 +10,7 @@ use crate::cli::{self, Failure};
 use crate::kernel::Kernel;
 use crate::plot::{self, Variable};
 use crate::predict::{Axis, Places, Prediction, predict};
-use crate::verbs::estimate::read_result;
+use crate::verbs::estimate::read_channel;
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
 #[derive(Debug, clap::Args)]
@@ -39,6 +39,9 @@ pub struct Arguments {
     /// Azimuths, degrees; the table's own if it holds only one
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = cli::numbers)]
     pub azimuth: Option<std::vec::Vec<f64>>,
+    /// Of a file of `fit estimate --channel each`, the channel: red, green or blue
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
     /// Frequencies, 1/mm
     #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
     pub frequency: std::vec::Vec<f64>,
@@ -82,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
-    let result = read_result(&arguments.result)?;
+    let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
     let table = tables::read(&arguments.table)?;
     let mut places = Places {
         distance_mm: arguments.distance.clone(),
