@@ -47,7 +47,8 @@ pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
     rows.find(|row| row.choice.kernel == with)?;
     let both = Choice {
         kernel: with,
-        per_angle_a: false,
+        // A lobe keeps an a for every angle, or c would make up for what one a cannot; a shift has one bound.
+        per_angle_a: choice.kernel == Kernel::Lobe && choice.per_angle_a,
         ..choice
     };
     let loss = &selection.loss;
