@@ -132,6 +132,112 @@ fn closed_form_meets_the_pupil_on_a_raster() {
     assert!(worst < 2e-5, "{worst:e}");
 }
 
+/// Radix-2 transform in place, along `values` (a power of 2 of them).
+fn fft(values: &mut [Complex64], sign: f64) {
+    let n = values.len();
+    if n < 2 {
+        return;
+    }
+    let (mut even, mut odd): (Vec<_>, Vec<_>) = values
+        .chunks_exact(2)
+        .map(|pair| (pair[0], pair[1]))
+        .unzip();
+    fft(&mut even, sign);
+    fft(&mut odd, sign);
+    for (k, (e, o)) in even.into_iter().zip(odd).enumerate() {
+        let o = o * Complex64::cis(sign * TAU * k as f64 / n as f64);
+        (values[k], values[k + n / 2]) = (e + o, e - o);
+    }
+}
+
+/// The textbook's road: pupil, its two-dimensional transform, the power of that (the image of a point), and the transform
+/// back, which is the OTF at all lags at once. A cell on the border is in or out. No side runs along the raster, so that 1,500
+/// cells are wrong by 0.29 of themselves at random, of 75,000 at 20 degrees: 1.5e-4, of which 4 are allowed. The phase turns
+/// by 4 pi 0.16 mm / (lambda R) = 0.01 from cell to cell at most, which is nothing beside.
+#[test]
+fn closed_form_meets_the_transform_of_the_pupil() {
+    const N: usize = 1024;
+    let (c, r, nm) = (0.2, 150.0, 550.0);
+    let lambda_r = nm * 1e-6 * r;
+    // 512 cells an edge length, so that the aperture and its lags fit into the raster.
+    let cell = c / 512.0;
+    let table = ideal(&[0.0, 20.0]);
+    let (mut cases, mut worst) = (0, 0.0_f64);
+    for incidence_deg in [0.0_f64, 20.0] {
+        let direction = direction(&table, incidence_deg);
+        let cosine = incidence_deg.to_radians().cos();
+        let (mut otf, mut power) = (vec![Complex64::ZERO; N * N], 0.0);
+        for path in direction.paths.iter().flatten() {
+            let corners: Vec<[f64; 2]> = path
+                .polygon
+                .iter()
+                .map(|p| {
+                    [
+                        cosine * (p[0] - 0.5 * path.offset[0]),
+                        p[1] - 0.5 * path.offset[1],
+                    ]
+                })
+                .map(|p| p.map(|x| c * x))
+                .collect();
+            // Convex: inside is on one side of all of its edges.
+            let inside = |at: [f64; 2]| {
+                let side = |k: usize| {
+                    let (p, q) = (corners[k], corners[(k + 1) % corners.len()]);
+                    (q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0]) > 0.0
+                };
+                (1..corners.len()).all(|k| side(k) == side(0))
+            };
+            let place = |i: usize| (i as f64 + 0.5 - 0.5 * N as f64) * cell;
+            let mut field: Vec<Complex64> = (0..N * N)
+                .map(|i| {
+                    let at = [place(i % N), place(i / N)];
+                    let turn = TAU * (at[0] * at[0] + at[1] * at[1]) / lambda_r;
+                    if inside(at) {
+                        Complex64::cis(turn)
+                    } else {
+                        Complex64::ZERO
+                    }
+                })
+                .collect();
+            both_ways(&mut field, -1.0);
+            for value in &mut field {
+                *value = value.norm_sqr().into();
+            }
+            both_ways(&mut field, 1.0);
+            // Cubes add incoherently.
+            otf.iter_mut()
+                .zip(&field)
+                .for_each(|(sum, value)| *sum += value);
+            power += field[0].re;
+        }
+        for (normal, step) in [([1.0, 0.0], 1), ([0.0, 1.0], N)] {
+            let line = line(&direction, normal, &spectrum("550"));
+            for lag in [3, 10, 31, 77, 150, 260] {
+                let (found, _) = line.otf(c, r, lag as f64 * cell / lambda_r);
+                let expected = otf[lag * step] / power;
+                worst = worst.max((found - expected.re).abs());
+                cases += 1;
+            }
+        }
+    }
+    println!("{cases} cases, largest difference {worst:.2e}");
+    assert_eq!(cases, 2 * 2 * 6);
+    assert!(worst < 6e-4, "{worst:e}");
+}
+
+/// Transforms rows, then columns, of a square.
+fn both_ways(field: &mut [Complex64], sign: f64) {
+    let n = field.len().isqrt();
+    for _ in 0..2 {
+        field.chunks_exact_mut(n).for_each(|row| fft(row, sign));
+        for i in 0..n {
+            for k in 0..i {
+                field.swap(i * n + k, k * n + i);
+            }
+        }
+    }
+}
+
 /// Fourth-order differences over h = 1e-4 of ln c: the wave k = 4 pi c f reaches 17 an edge length, so k^5 h^4/30 is
 /// 5e-12, and rounding 1e-14/h is 1e-10. (No case lies within h of a lag that passes a corner, where the slope has a kink.)
 #[test]
