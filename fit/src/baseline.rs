@@ -85,9 +85,20 @@ impl Baseline {
     /// OTF at `frequency` (1/mm) along the line and optical path `r_mm`, and its derivatives by the logarithms of the
     /// roughness and of the front's.
     pub fn otf(&self, shape: Shape, blur: Blur, r_mm: f64, frequency: f64) -> [Complex64; 3] {
-        let (own, by_own) = self.own.otf(shape, blur.spread * r_mm, frequency);
-        let (front, by_front) = self.front.otf(shape, blur.c_mm * r_mm, frequency);
+        let [own, by_own] = self.own_otf(shape, blur.spread * r_mm, frequency);
+        let [front, by_front] = self.front_otf(shape, blur.c_mm * r_mm, frequency);
         [own * front, by_own * front, own * by_front].map(Complex64::from)
+    }
+
+    /// The factor of the own facets, whose slopes have this scale (roughness times distance, mm), and its derivative by the
+    /// scale's logarithm.
+    pub fn own_otf(&self, shape: Shape, scale_mm: f64, frequency: f64) -> [f64; 2] {
+        self.own.otf(shape, scale_mm, frequency).into()
+    }
+
+    /// The same of the front; 1 and 0 where it is smooth.
+    pub fn front_otf(&self, shape: Shape, scale_mm: f64, frequency: f64) -> [f64; 2] {
+        self.front.otf(shape, scale_mm, frequency).into()
     }
 
     /// Distance along the line, mm, beyond which on both sides together lies the share `tail` of the light, well below 1.

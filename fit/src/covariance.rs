@@ -1,9 +1,11 @@
 //! Noise carried through the estimate: covariances of the logarithms of c, spreads and mu.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::estimate::{Compared, model};
 use crate::layout::Layout;
+use crate::reference::Reference;
 use crate::reflectance::Contrast;
 use crate::scene::Scene;
 use crate::solve::Solution;
@@ -66,7 +68,7 @@ impl Noise {
         // Blur by bin noise (p x bins), scaled to unit variance of the noise, misfit included.
         let by_bins: Vec<DMatrix<f64>> = scene
             .shots
-            .iter()
+            .par_iter()
             .zip(&answers)
             .map(|(shot, answer)| {
                 let mut response = answer * shot.view.whitened_response();
@@ -77,28 +79,30 @@ impl Noise {
             })
             .collect();
         // Blur by lens parameters.
-        let lens = scene.lens_steps();
-        let by_lens: Vec<DVector<f64>> = lens
-            .iter()
-            .map(|step| {
-                let mut sum = DVector::zeros(p);
-                for ((shot, part), (answer, other)) in scene
+        let neighbours = scene.reference.as_ref().map(Reference::neighbours);
+        let by_lens: Vec<DVector<f64>> = neighbours
+            .into_iter()
+            .flatten()
+            .map(|(camera, step)| {
+                let changes: Vec<DVector<f64>> = scene
                     .shots
-                    .iter()
+                    .par_iter()
                     .zip(parts)
-                    .zip(answers.iter().zip(&step.views))
-                {
-                    let blur = layout.blur(&solution.parameters, shot.group);
-                    let curve = other.curve(&model(shot, layout.choice), blur);
-                    let (modelled, _) = other.predict(&curve.bins, &[]);
-                    let change: Vec<f64> = modelled
-                        .iter()
-                        .zip(&part.modelled)
-                        .map(|(a, b)| (a - b) / step.size)
-                        .collect();
-                    sum -= answer * other.whiten(&change);
-                }
-                sum
+                    .zip(&answers)
+                    .map(|((shot, part), answer)| {
+                        let other = shot.view.through(&camera);
+                        let blur = layout.blur(&solution.parameters, shot.group);
+                        let curve = other.curve(&model(shot, layout.choice), blur);
+                        let (modelled, _) = other.predict(&curve.bins, &[]);
+                        let pairs = modelled.iter().zip(&part.modelled);
+                        let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / step).collect();
+                        answer * other.whiten(&change)
+                    })
+                    .collect();
+                // One after the other, so that the rounding is the same whatever the threads.
+                changes
+                    .iter()
+                    .fold(DVector::zeros(p), |sum, change| sum - change)
             })
             .collect();
         let lens_covariance = scene.reference.as_ref().map(|r| r.lens_covariance);

@@ -182,10 +182,17 @@ pub struct Optimum {
 }
 
 impl Optimum {
-    /// Bayes' criterion: chi^2 + k ln n, n the independent numbers compared (see [`Loss::observations`]).
-    pub fn criterion(&self) -> f64 {
+    /// Bayes' criterion: chi^2 / `misfit` + k ln n, n the independent numbers compared (see [`Loss::observations`]).
+    pub fn criterion(&self, misfit: f64) -> f64 {
         let n = self.observations as f64;
-        self.solution.sum_of_squares() + self.solution.parameters.len() as f64 * n.ln()
+        self.solution.sum_of_squares() / misfit + self.solution.parameters.len() as f64 * n.ln()
+    }
+
+    /// Sum of squares per degree of freedom.
+    pub fn reduced_chi2(&self) -> f64 {
+        let parameters = self.solution.parameters.len();
+        let freedom = self.observations.saturating_sub(parameters).max(1);
+        self.solution.sum_of_squares() / freedom as f64
     }
 }
 

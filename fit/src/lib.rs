@@ -17,6 +17,7 @@ pub mod estimate;
 pub mod export;
 pub mod factor;
 pub mod forward;
+pub mod fourier;
 pub mod hermite;
 pub mod illumination;
 pub mod joint;

@@ -116,13 +116,13 @@ impl<'a> Photograph<'a> {
         let blurs = model.map_or((false, false), |(model, _)| {
             (model.kernel.has_lobe(), model.kernel.has_c())
         });
-        let n = self.grid.frequencies_per_mm.len();
+        let n = self.grid.frequencies_per_mm().len();
         // Value, by ln spread, by ln c, by ln(lens blur), by exponent.
         let mut otf = [const { Vec::new() }; 5];
         for part in &mut otf {
             part.reserve(n);
         }
-        for &f in &self.grid.frequencies_per_mm {
+        for f in self.grid.frequencies_per_mm() {
             let camera = camera.otf_and_slopes(f, normal_rad);
             let [value, by_spread, by_c] = match model {
                 Some((model, blur)) if camera[0].abs() >= 1e-8 => model.otf(blur, f),

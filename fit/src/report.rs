@@ -432,7 +432,7 @@ fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
             curves: Curves {
                 frequency_per_mm: shot.view.estimator.frequencies_per_mm.clone(),
                 measured: shot.view.mtf.modulus.clone(),
-                standard_error: shot.view.mtf_standard_error(),
+                standard_error: shot.view.mtf_standard_error.clone(),
                 modelled: modelled.clone(),
             },
         })

@@ -112,14 +112,6 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
-/// The views of a scene through a camera one step of a lens parameter away.
-pub struct LensStep {
-    /// Size of the step.
-    pub size: f64,
-    /// The views, in the order of the shots.
-    pub views: Vec<View>,
-}
-
 impl Scene {
     /// Reads and measures all photographs of a campaign, in parallel.
     ///
@@ -253,26 +245,6 @@ impl Scene {
     /// Mean floating distance, mm.
     pub fn mean_distance_mm(&self) -> f64 {
         self.shots.iter().map(|s| s.r_mm).sum::<f64>() / self.shots.len() as f64
-    }
-
-    /// The views through the neighbouring cameras of the lens fit.
-    pub fn lens_steps(&self) -> Vec<LensStep> {
-        let neighbours = self
-            .reference
-            .as_ref()
-            .map(Reference::neighbours)
-            .unwrap_or_default();
-        neighbours
-            .into_iter()
-            .map(|(camera, size)| LensStep {
-                size,
-                views: self
-                    .shots
-                    .iter()
-                    .map(|shot| shot.view.through(&camera))
-                    .collect(),
-            })
-            .collect()
     }
 }
 

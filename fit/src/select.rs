@@ -4,6 +4,9 @@
 //! covariance, so that neighbouring frequencies, which share pixels, are not counted twice; or under `edge` two numbers for
 //! every bin of pixels, not every pixel, for most pixels of a bin repeat one another. A further term must lower it by more
 //! than [`CLEAR`].
+//!
+//! Where no candidate describes the photographs to their noise, all sums of squares are divided by the least chi-square per
+//! degree of freedom (Burnham and Anderson, Model Selection, 2002, 2.5): what is wrong with all of them would else buy terms.
 
 use crate::estimate::{Choice, Estimate, Optimum, estimate, refined, rough, rough_from, unrefined};
 use crate::kernel::Kernel;
@@ -12,6 +15,8 @@ use crate::lobe::Shape;
 use crate::loss::{Kind, Loss};
 use crate::scene::Scene;
 use crate::start;
+
+use nalgebra::{DMatrix, DVector};
 
 /// Fall of the criterion below which the simpler candidate stays.
 pub const CLEAR: f64 = 4.0;
@@ -54,6 +59,23 @@ pub struct Compared {
     pub chi2: f64,
     /// Parameters of the blur.
     pub parameters: usize,
+    /// Where they ended: ln c, ln spread.
+    pub at: DVector<f64>,
+}
+
+impl Compared {
+    /// Whether a candidate is simpler than a choice of so many parameters, or as simple and preferred: it wins where
+    /// neither is clearly better.
+    pub fn precedes(&self, choice: Choice, parameters: usize) -> bool {
+        let rank = |kernel| Kernel::ALL.iter().position(|&other| other == kernel);
+        (self.parameters, rank(self.choice.kernel)) < (parameters, rank(choice.kernel))
+    }
+}
+
+/// By how much every sum of squares is too large: the least chi-square per degree of freedom, at least 1.
+fn misfit(fits: &[Optimum]) -> f64 {
+    let all = fits.iter().map(Optimum::reduced_chi2);
+    all.fold(f64::INFINITY, f64::min).max(1.0)
 }
 
 /// Fits all candidates and picks one. The MTFs come first whatever the loss: they find the neighbourhood of every candidate's
@@ -64,28 +86,31 @@ pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<
         .map(|choice| rough(scene, choice))
         .collect();
     share_c(scene, &mut fits);
-    let least = fits
-        .iter()
-        .map(Optimum::criterion)
-        .fold(f64::INFINITY, f64::min);
+    let scale = misfit(&fits);
     let nearest = fits
         .iter()
-        .min_by(|a, b| a.criterion().total_cmp(&b.criterion()))
-        .map(|fit| (fit.choice, fit.solution.parameters.clone()))
+        .min_by(|a, b| a.criterion(scale).total_cmp(&b.criterion(scale)))
         .expect("there is at least one candidate");
-    let loss = Loss::new(kind, scene, (nearest.0, &nearest.1));
+    let least = nearest.criterion(scale);
+    let near = nearest.solution.parameters.clone();
+    let loss = Loss::new(kind, scene, (nearest.choice, &near));
     for fit in &mut fits {
-        let hopeful = fit.criterion() <= HOPELESS * least + CLEAR;
+        let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
         let finish = if hopeful { refined } else { unrefined };
         *fit = finish(scene, &loss, fit.clone());
     }
+    let scale = misfit(&fits);
     let mut compared: Vec<Compared> = fits
         .iter()
-        .map(|fit| Compared {
-            choice: fit.choice,
-            criterion: fit.criterion(),
-            chi2: fit.solution.sum_of_squares(),
-            parameters: Layout::new(fit.choice, scene.groups.len()).parameters(),
+        .map(|fit| {
+            let parameters = Layout::new(fit.choice, scene.groups.len()).parameters();
+            Compared {
+                choice: fit.choice,
+                criterion: fit.criterion(scale),
+                chi2: fit.solution.sum_of_squares(),
+                parameters,
+                at: fit.solution.parameters.rows(0, parameters).into_owned(),
+            }
         })
         .collect();
     compared.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
@@ -94,7 +119,7 @@ pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<
     fits.sort_by_key(|fit| fit.solution.parameters.len());
     let chosen = fits
         .iter()
-        .position(|fit| fit.criterion() <= least + CLEAR)
+        .position(|fit| fit.criterion(scale) <= least + CLEAR)
         .unwrap_or(0);
     let chosen = fits.swap_remove(chosen);
     let shared_mu = Optimum {
@@ -119,6 +144,7 @@ pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<
 /// the other terms, and a far c may be a local optimum.
 fn share_c(scene: &Scene, fits: &mut [Optimum]) {
     const ELSEWHERE: f64 = 0.1;
+    let scale = misfit(fits);
     let ln_c = |fit: &Optimum| {
         fit.choice
             .kernel
@@ -128,15 +154,15 @@ fn share_c(scene: &Scene, fits: &mut [Optimum]) {
     let best = fits
         .iter()
         .filter(|fit| fit.choice.kernel.has_c())
-        .min_by(|a, b| a.criterion().total_cmp(&b.criterion()));
+        .min_by(|a, b| a.criterion(scale).total_cmp(&b.criterion(scale)));
     let Some(shared) = best.and_then(ln_c) else {
         return;
     };
     for fit in fits {
         if ln_c(fit).is_some_and(|own| (own - shared).abs() > ELSEWHERE) {
-            let start = start::at(scene, fit.choice, shared.exp()).1;
+            let start = start::at(scene, fit.choice, shared.exp());
             let other = rough_from(scene, fit.choice, vec![start]);
-            if other.criterion() < fit.criterion() {
+            if other.criterion(scale) < fit.criterion(scale) {
                 *fit = other;
             }
         }
@@ -177,26 +203,35 @@ fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
     choices
 }
 
-/// Whether the mu of the incidence groups differ by more than their errors, by the same criterion: sum of squares of the
-/// whitened differences against ln(photographs) for each further parameter.
+/// Whether the mu of the incidence groups differ by more than their errors, by the same criterion.
 fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
     let Some(mu) = fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
         return false;
     };
     let first = fit.names.len() - mu.len();
+    let values: Vec<f64> = mu.iter().map(|mu| mu.value).collect();
+    let covariance = DMatrix::from_fn(mu.len(), mu.len(), |i, j| {
+        fit.covariance[(first + i, first + j)] / (values[i] * values[j])
+    });
+    let limit = own_mu_limit(mu.len(), scene.shots.len());
+    scatter_of_mu(&values, &covariance).is_none_or(|squares| squares > limit)
+}
+
+/// Sum of squares of the differences of ln mu between the incidence groups, in units of their noise; `covariance` is that of
+/// ln mu. `None` where it is singular.
+pub fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
     let rest = mu.len() - 1;
     // Differences to the first: the errors that all share (reference, lens) fall out.
-    let difference = nalgebra::DVector::from_fn(rest, |i, _| (mu[i + 1].value / mu[0].value).ln());
-    let relative =
-        |i: usize, j: usize| fit.covariance[(first + i, first + j)] / (mu[i].value * mu[j].value);
-    let covariance = nalgebra::DMatrix::from_fn(rest, rest, |i, j| {
-        relative(i + 1, j + 1) - relative(i + 1, 0) - relative(0, j + 1) + relative(0, 0)
+    let difference = DVector::from_fn(rest, |i, _| (mu[i + 1] / mu[0]).ln());
+    let covariance = DMatrix::from_fn(rest, rest, |i, j| {
+        let of = |i, j| covariance[(i, j)];
+        of(i + 1, j + 1) - of(i + 1, 0) - of(0, j + 1) + of(0, 0)
     });
-    match covariance.cholesky() {
-        Some(factor) => {
-            let squares = difference.dot(&factor.solve(&difference));
-            squares > rest as f64 * (scene.shots.len() as f64).ln() + CLEAR
-        }
-        None => true,
-    }
+    let factor = covariance.cholesky()?;
+    Some(difference.dot(&factor.solve(&difference)))
+}
+
+/// The sum of squares from which so many groups have a mu each: ln(photographs) for each further parameter.
+pub fn own_mu_limit(groups: usize, photographs: usize) -> f64 {
+    (groups - 1) as f64 * (photographs as f64).ln() + CLEAR
 }

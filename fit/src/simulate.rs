@@ -5,7 +5,7 @@
 //!
 //! Photograph: x to the right, y downward, origin at the centre of the picture. The edge normal points from dark to
 //! bright; `offset_px` moves the edge along the rows by that many columns to the left. Level of a pixel = veil +
-//! exposure x contrast x (dark_ratio + (1 - dark_ratio) E(s)), contrast = source_level
+//! exposure x contrast x light x (dark_ratio + (1 - dark_ratio) E(s)), contrast = source_level
 //! for the reference and source_level x mu x eta x T x R of the half mirror for a capture; then shot noise and reading
 //! noise in electrons, rounding to the converter's steps, and clipping to [0, 1].
 
@@ -59,13 +59,17 @@ pub fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
     };
     let reach_mm = (centre_x.hypot(centre_y) + edge.offset_px.abs()) * pitch;
     let profile = Profile::new(&blur, reach_mm, STEPS_PER_PIXEL);
-    let level = |s: f64| {
-        let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * profile.at(s);
-        camera.veil + edge.exposure * contrast * share
+    let [to_right, to_bottom] = edge.light;
+    let level = |(x, y): (usize, usize)| {
+        let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * profile.at(distance_mm(x, y));
+        let light = 1.0
+            + to_right * (x as f64 - centre_x) / centre_x
+            + to_bottom * (y as f64 - centre_y) / centre_y;
+        camera.veil + edge.exposure * contrast * light * share
     };
     Ok((0..camera.height)
         .flat_map(|y| (0..camera.width).map(move |x| (x, y)))
-        .map(|(x, y)| level(distance_mm(x, y)))
+        .map(level)
         .collect())
 }
 

@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner};
+use realfft::ComplexToReal;
 
+use crate::fourier;
 use crate::profile::{BIN_PX, Profile};
 use crate::sfr::sinc;
 
@@ -16,22 +17,23 @@ pub struct Grid {
     size: usize,
     bin_mm: f64,
     inverse: Arc<dyn ComplexToReal<f64>>,
-    /// Frequencies along the normal, 1/mm, from 0 to 2 per pixel.
-    pub frequencies_per_mm: Vec<f64>,
 }
 
 impl Grid {
     /// A grid whose period is at least three profiles long, so that a blur of up to a whole profile does not come round.
     pub fn new(bins: usize, pitch_mm: f64) -> Grid {
         let size = (3 * bins).next_power_of_two().max(2048);
-        let bin_mm = BIN_PX * pitch_mm;
-        let period = size as f64 * bin_mm;
         Grid {
             size,
-            bin_mm,
-            inverse: RealFftPlanner::new().plan_fft_inverse(size),
-            frequencies_per_mm: (0..=size / 2).map(|q| q as f64 / period).collect(),
+            bin_mm: BIN_PX * pitch_mm,
+            inverse: fourier::inverse(size),
         }
+    }
+
+    /// Frequencies along the normal, 1/mm, from 0 to 2 per pixel.
+    pub fn frequencies_per_mm(&self) -> impl ExactSizeIterator<Item = f64> + use<> {
+        let period = self.size as f64 * self.bin_mm;
+        (0..self.size / 2 + 1).map(move |q| q as f64 / period)
     }
 
     /// The edge profile averaged over evenly filled bins.
@@ -44,11 +46,11 @@ impl Grid {
         let step = otf[0].re;
         let mut half: Vec<Complex64> = otf
             .iter()
-            .zip(&self.frequencies_per_mm)
-            .map(|(o, &f)| o * sinc(PI * f * self.bin_mm) / Complex64::new(0.0, TAU * f * period))
+            .zip(self.frequencies_per_mm())
+            .map(|(o, f)| o * sinc(PI * f * self.bin_mm) / Complex64::new(0.0, TAU * f * period))
             .collect();
         // The mean of the profile: where its centre of mass lies, which the OTF's slope at 0 tells.
-        half[0] = Complex64::from(otf[1].im / (TAU * self.frequencies_per_mm[1] * period));
+        half[0] = Complex64::from(otf[1].im / TAU);
         // The last coefficient is real; what is dropped lies at 2 per pixel, beyond every camera's reach.
         half[self.size / 2].im = 0.0;
         let mut periodic = vec![0.0; self.size];

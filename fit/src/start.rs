@@ -2,8 +2,9 @@
 
 use std::f64::consts::LN_10;
 
+use rayon::prelude::*;
+
 use crate::estimate::{Choice, model};
-use crate::kernel::Blur;
 use crate::scene::Scene;
 
 /// A starting point.
@@ -39,9 +40,10 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     } else {
         vec![1.0]
     };
+    let search = Search::new(scene, choice);
     let mut found: Vec<(f64, Start)> = lengths
-        .iter()
-        .map(|&c_mm| at(scene, choice, c_mm))
+        .into_par_iter()
+        .map(|c_mm| search.at(c_mm))
         .collect();
     // c is tried from below, within and above what most photographs can tell.
     let bands = if choice.kernel.has_c() { 3 } else { 1 };
@@ -53,54 +55,86 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     found.chunks_mut(size).map(best).collect()
 }
 
-/// The best point at one c, and the sum of its squared differences.
-pub fn at(scene: &Scene, choice: Choice, c_mm: f64) -> (f64, Start) {
-    let groups = if choice.per_angle_a {
-        scene.groups.len()
-    } else {
-        1
-    };
-    let distance = scene.mean_distance_mm();
-    let scale = if choice.kernel.is_baseline() {
-        0.03 / distance
-    } else {
-        choice.kernel.distance_scale(distance)
-    };
-    let spreads: Vec<f64> = if choice.kernel.has_lobe() {
-        (0..STEPS).map(|i| decades(0.3, i) * scale).collect()
-    } else {
-        vec![1.0]
-    };
-    // cost[group][spread]
-    let mut cost = vec![vec![0.0; spreads.len()]; groups];
-    for shot in &scene.shots {
-        let view = &shot.view;
-        let model = model(shot, choice);
-        let group = if choice.per_angle_a { shot.group } else { 0 };
-        let frequencies = &view.estimator.frequencies_per_mm;
-        let step = frequencies.len().div_ceil(24);
-        for k in (1..frequencies.len()).step_by(step) {
-            let f = frequencies[k];
-            let camera = scene.camera.otf(f, view.line.normal_rad);
-            for (cost, &spread) in cost[group].iter_mut().zip(&spreads) {
-                let otf = model.otf(Blur { spread, c_mm }, f)[0].norm() * camera;
-                *cost += (otf - view.mtf.modulus[k]).powi(2);
-            }
+/// The best point at one c.
+pub fn at(scene: &Scene, choice: Choice, c_mm: f64) -> Start {
+    Search::new(scene, choice).at(c_mm).1
+}
+
+/// The MTFs of a scene at a few frequencies, with what of the model does not depend on c.
+struct Search<'a> {
+    scene: &'a Scene,
+    choice: Choice,
+    spreads: Vec<f64>,
+    /// By photograph.
+    samples: Vec<Vec<Sample>>,
+}
+
+struct Sample {
+    frequency: f64,
+    measured: f64,
+    /// Modulus of lobe and camera at every spread.
+    lobe: Vec<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn new(scene: &'a Scene, choice: Choice) -> Search<'a> {
+        let distance = scene.mean_distance_mm();
+        let scale = if choice.kernel.is_baseline() {
+            0.03 / distance
+        } else {
+            choice.kernel.distance_scale(distance)
+        };
+        let spreads: Vec<f64> = if choice.kernel.has_lobe() {
+            (0..STEPS).map(|i| decades(0.3, i) * scale).collect()
+        } else {
+            vec![1.0]
+        };
+        let shots = scene.shots.par_iter().map(|shot| {
+            let (view, model) = (&shot.view, model(shot, choice));
+            let frequencies = &view.estimator.frequencies_per_mm;
+            let step = frequencies.len().div_ceil(24);
+            let sample = |k: usize| {
+                let frequency = frequencies[k];
+                let camera = scene.camera.otf(frequency, view.line.normal_rad);
+                let lobe = |&spread: &f64| (model.lobe_otf(spread, frequency)[0] * camera).abs();
+                Sample {
+                    frequency,
+                    measured: view.mtf.modulus[k],
+                    lobe: spreads.iter().map(lobe).collect(),
+                }
+            };
+            (1..frequencies.len()).step_by(step).map(sample).collect()
+        });
+        Search {
+            scene,
+            choice,
+            samples: shots.collect(),
+            spreads,
         }
     }
-    let best = cost.iter().map(|row| {
-        row.iter()
-            .copied()
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or((0, 0.0), |best| best)
-    });
-    let (indices, costs): (Vec<usize>, Vec<f64>) = best.unzip();
-    (
-        costs.iter().sum(),
-        Start {
-            c_mm,
-            spread: indices.into_iter().map(|i| spreads[i]).collect(),
-        },
-    )
+
+    /// The best point at one c, behind the sum of its squared differences.
+    fn at(&self, c_mm: f64) -> (f64, Start) {
+        let own = self.choice.per_angle_a;
+        let groups = if own { self.scene.groups.len() } else { 1 };
+        // cost[group][spread]
+        let mut cost = vec![vec![0.0; self.spreads.len()]; groups];
+        for (shot, samples) in self.scene.shots.iter().zip(&self.samples) {
+            let model = model(shot, self.choice);
+            let cost = &mut cost[if own { shot.group } else { 0 }];
+            for sample in samples {
+                let sheet = model.sheet_otf(c_mm, sample.frequency)[0].norm();
+                for (cost, lobe) in cost.iter_mut().zip(&sample.lobe) {
+                    *cost += (sheet * lobe - sample.measured).powi(2);
+                }
+            }
+        }
+        let best = cost.iter().map(|row| {
+            let all = row.iter().copied().enumerate();
+            all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
+        });
+        let (indices, costs): (Vec<usize>, Vec<f64>) = best.unzip();
+        let spread = indices.into_iter().map(|i| self.spreads[i]).collect();
+        (costs.iter().sum(), Start { c_mm, spread })
+    }
 }

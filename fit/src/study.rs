@@ -1,6 +1,8 @@
 //! How good the estimates are: against the Cramer-Rao bound on given photographs, and over simulated campaigns.
 
+pub mod choice;
 pub mod forward;
+pub mod picture;
 pub mod ranges;
 pub mod summary;
 pub mod trial;
@@ -59,6 +61,8 @@ pub struct Fit {
     pub seconds: f64,
     /// Sum of squares per degree of freedom.
     pub reduced_chi2: f64,
+    /// Standard errors of c and the spreads over their bounds (root mean square); `None` for other kernels than the chosen.
+    pub error_over_bound: Option<f64>,
 }
 
 /// One candidate fitted with one loss: start, optimum, and everything that follows from it.
@@ -87,11 +91,14 @@ pub fn photographs(scene: &Scene, seconds_to_measure: f64, open: &Candidates) ->
         for loss in [Kind::Mtf, Kind::Edge] {
             let start = Instant::now();
             let found = fit(scene, choice, loss);
+            let seconds = start.elapsed().as_secs_f64();
             fits.push(Fit {
                 kernel,
                 loss,
-                seconds: start.elapsed().as_secs_f64(),
+                seconds,
                 reduced_chi2: found.reduced_chi2(),
+                error_over_bound: (kernel == best.choice.kernel)
+                    .then(|| over_bound(&found, &parameters)),
             });
         }
     }
@@ -102,6 +109,14 @@ pub fn photographs(scene: &Scene, seconds_to_measure: f64, open: &Candidates) ->
         parameters,
         fits,
     }
+}
+
+fn over_bound(found: &Estimate, parameters: &[Parameter]) -> f64 {
+    let n = found.blur_parameters();
+    let squares = (0..n)
+        .zip(parameters)
+        .map(|(i, p)| found.covariance[(i, i)] / p.bound.powi(2));
+    (squares.sum::<f64>() / n.max(1) as f64).sqrt()
 }
 
 fn parameters(scene: &Scene, loss: &Loss, best: &Estimate, with_mtf: &Estimate) -> Vec<Parameter> {

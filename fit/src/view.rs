@@ -7,11 +7,12 @@ use num_complex::Complex64;
 use crate::baseline::Baseline;
 use crate::camera::Camera;
 use crate::edge::Line;
+use crate::fourier::fast_length;
 use crate::kernel::{Blur, Kernel};
 use crate::lobe::Shape;
 use crate::profile::Profile;
 use crate::sampled::Sampled;
-use crate::sfr::{Estimator, Mtf};
+use crate::sfr::{self, Estimator, Mtf};
 use crate::shift::ShiftLine;
 use crate::spread::Grid;
 use crate::wave::WaveLine;
@@ -33,6 +34,8 @@ pub struct View {
     pub estimator: Estimator,
     /// What it measures.
     pub mtf: Mtf,
+    /// Standard error of its modulus.
+    pub mtf_standard_error: Vec<f64>,
     grid: Grid,
     pitch_mm: f64,
     /// Edge normal in the aerial image, (tangential, sagittal).
@@ -75,30 +78,46 @@ pub struct Model<'a> {
 impl Model<'_> {
     /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by ln(spread) and ln(c).
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
-        if self.kernel == Kernel::Wave {
-            let Some(line) = self.wave else {
-                return [Complex64::from(f64::NAN); 3];
-            };
-            let (value, by_ln_c) = line.otf(blur.c_mm, self.r_mm, frequency);
-            return [value.into(), Complex64::ZERO, by_ln_c.into()];
+        let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
+        let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
+        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe]
+    }
+
+    /// The factor that depends on c, of shift, waves or a rough front, and its derivative by ln(c); 1 and 0 where the kernel
+    /// has none.
+    pub fn sheet_otf(&self, c_mm: f64, frequency: f64) -> [Complex64; 2] {
+        if let Some(facets) = self.baseline {
+            return facets
+                .front_otf(self.shape, c_mm * self.r_mm, frequency)
+                .map(Complex64::from);
         }
-        if self.kernel.is_baseline() {
-            let nothing = [Complex64::from(f64::NAN); 3];
-            let otf = |facets: Baseline| facets.otf(self.shape, blur, self.r_mm, frequency);
-            return self.baseline.map_or(nothing, otf);
+        match (self.kernel, self.wave, self.shift) {
+            (Kernel::Wave, Some(line), _) => {
+                let (value, by_ln_c) = line.otf(c_mm, self.r_mm, frequency);
+                [value.into(), by_ln_c.into()]
+            }
+            (kernel, ..) if kernel == Kernel::Wave || kernel.is_baseline() => {
+                [Complex64::from(f64::NAN); 2]
+            }
+            (Kernel::Eq1 | Kernel::Angular | Kernel::Shift, _, Some(line)) => {
+                let (value, by_c) = line.otf(c_mm, frequency);
+                [value, by_c * c_mm]
+            }
+            _ => [Complex64::ONE, Complex64::ZERO],
         }
-        let (shift, by_c) = match self.shift {
-            Some(line) if self.kernel.has_c() => line.otf(blur.c_mm, frequency),
-            _ => (Complex64::ONE, Complex64::ZERO),
-        };
-        let (lobe, by_a, a) = if self.kernel.has_lobe() {
-            let a = blur.spread / self.kernel.distance_scale(self.r_mm);
-            let (value, slope) = self.shape.otf(a, frequency, self.normal);
-            (value, slope, a)
-        } else {
-            (1.0, 0.0, 0.0)
-        };
-        [shift * lobe, shift * (by_a * a), by_c * (lobe * blur.c_mm)]
+    }
+
+    /// The lobe's factor, and its derivative by ln(spread); 1 and 0 where the kernel has none.
+    pub fn lobe_otf(&self, spread: f64, frequency: f64) -> [f64; 2] {
+        if let Some(facets) = self.baseline {
+            return facets.own_otf(self.shape, spread * self.r_mm, frequency);
+        }
+        if !self.kernel.has_lobe() {
+            return [1.0, 0.0];
+        }
+        let a = spread / self.kernel.distance_scale(self.r_mm);
+        let (value, slope) = self.shape.otf(a, frequency, self.normal);
+        [value, slope * a]
     }
 
     /// Kink of the OTF at zero frequency (mm), and its derivatives by ln(spread) and ln(c).
@@ -119,7 +138,7 @@ impl Model<'_> {
 impl View {
     /// Measures the edge at `line`. `tangential_rad` is the direction of the tangential axis in the photograph.
     ///
-    /// Frequencies: the spacing is the reciprocal of the profile's length (closer ones tell nothing new); the last is
+    /// Frequencies: the spacing is about the reciprocal of the profile's length (closer ones tell nothing new); the last is
     /// where the measured modulus sinks into three times its noise, at most half the sampling frequency.
     pub fn new(
         line: Line,
@@ -128,30 +147,29 @@ impl View {
         tangential_rad: f64,
         camera: &Camera,
     ) -> View {
-        let length_mm = profile.len() as f64 * crate::profile::BIN_PX * pitch_mm;
-        let nyquist = 0.5 / pitch_mm;
-        let spacing = (1.0 / length_mm).max(nyquist / (4 * MOST_FREQUENCIES) as f64);
-        let all: Vec<f64> = (1..)
-            .map(|k| k as f64 * spacing)
-            .take_while(|&f| f <= nyquist)
-            .collect();
-        let wide = Estimator::new(&profile, pitch_mm, &all);
+        // Half the sampling frequency is the eighth part of a period.
+        let period = fast_length(profile.len()).min(8 * 4 * MOST_FREQUENCIES);
+        let most = period / 8;
+        let wide = Estimator::new(&profile, pitch_mm, period, most);
         let mtf = wide.measure(&profile);
         let dark = |k: usize| mtf.modulus[k] < 3.0 * mtf.power_noise[k].sqrt();
-        let count = (1..all.len())
+        let count = (1..most)
             .find(|&k| dark(k) && dark(k + 1))
-            .unwrap_or(all.len())
-            .clamp(4.min(all.len()), MOST_FREQUENCIES);
-        let estimator = Estimator::new(&profile, pitch_mm, &all[..count]);
+            .unwrap_or(most)
+            .clamp(4.min(most), MOST_FREQUENCIES);
+        let estimator = wide.truncated(count);
         let mtf = estimator.measure(&profile);
+        let response = estimator.response(&profile);
+        let mtf_standard_error = sfr::standard_error(&response, &profile);
+        let whitener = whitener(response, &profile);
         let grid = Grid::new(profile.len(), pitch_mm);
         let angle = line.normal_rad - tangential_rad;
-        let whitener = whitener(&mtf, &profile);
         let mut view = View {
             line,
             profile,
             estimator,
             mtf,
+            mtf_standard_error,
             grid,
             pitch_mm,
             normal: [angle.cos(), angle.sin()],
@@ -167,9 +185,8 @@ impl View {
     pub fn set_camera(&mut self, camera: &Camera) {
         self.camera = self
             .grid
-            .frequencies_per_mm
-            .iter()
-            .map(|&f| camera.otf(f, self.line.normal_rad))
+            .frequencies_per_mm()
+            .map(|f| camera.otf(f, self.line.normal_rad))
             .collect();
         self.sampled = self.sampled.as_ref().map(|s| s.through(camera));
     }
@@ -206,7 +223,7 @@ impl View {
         for part in &mut otf {
             part.reserve(n);
         }
-        for (&f, &camera) in self.grid.frequencies_per_mm.iter().zip(&self.camera) {
+        for (f, &camera) in self.grid.frequencies_per_mm().zip(&self.camera) {
             // Beyond the camera's reach the rest need not be worked out.
             let values = if camera.abs() < 1e-8 {
                 [Complex64::ZERO; 3]
@@ -252,15 +269,9 @@ impl View {
 
     /// The noise response of the whitened MTF: rows are whitened frequencies, columns are bins.
     pub fn whitened_response(&self) -> DMatrix<f64> {
-        let rows = &self.mtf.by_bin[1..];
-        let mut m = DMatrix::from_fn(rows.len(), self.profile.len(), |k, j| rows[k][j]);
+        let mut m = self.estimator.response(&self.profile).remove_row(0);
         self.whitener.l_dirty().solve_lower_triangular_mut(&mut m);
         m
-    }
-
-    /// Standard error of the measured modulus at every frequency.
-    pub fn mtf_standard_error(&self) -> Vec<f64> {
-        self.mtf.standard_error(&self.profile)
     }
 
     /// Frequency (1/mm) at which the measured MTF first falls to one half, from the frequencies of comparison.
@@ -274,14 +285,14 @@ impl View {
     }
 }
 
-/// Covariance of the measured modulus by bin noise, factored.
-fn whitener(mtf: &Mtf, profile: &Profile) -> Cholesky<f64, Dyn> {
-    let rows = &mtf.by_bin[1..];
-    let response = DMatrix::from_fn(rows.len(), profile.len(), |k, j| {
-        rows[k][j] * profile.variance[j].sqrt()
-    });
+/// Covariance of the measured modulus by bin noise, factored; zero frequency left out.
+fn whitener(response: DMatrix<f64>, profile: &Profile) -> Cholesky<f64, Dyn> {
+    let mut response = response.remove_row(0);
+    for (mut bin, variance) in response.column_iter_mut().zip(&profile.variance) {
+        bin *= variance.sqrt();
+    }
     let mut covariance = &response * response.transpose();
-    for k in 0..rows.len() {
+    for k in 0..covariance.nrows() {
         covariance[(k, k)] *= 1.0 + 1e-9;
         covariance[(k, k)] += MODEL_ERROR * MODEL_ERROR;
     }

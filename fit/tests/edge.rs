@@ -30,7 +30,7 @@ fn source(normal_deg: f64, offset_px: f64) -> Photo {
     params.reference = Some(Edge {
         normal_deg,
         offset_px,
-        exposure: 1.0,
+        ..Edge::SOURCE
     });
     let light = simulate::light(&params, None).expect("the parameters are valid");
     photo(
@@ -62,7 +62,7 @@ fn known_edges_of_all_directions() {
             let profile = Profile::new(&window, &line).expect("the picture is large enough");
             let pitch_mm = 0.08;
             let frequencies: Vec<f64> = (1..=50).map(|k| 0.01 * f64::from(k) / pitch_mm).collect();
-            let mtf = Estimator::new(&profile, pitch_mm, &frequencies).measure(&profile);
+            let mtf = Estimator::new(&profile, pitch_mm, 400, 50).measure(&profile);
             let blur_mm = std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.55 * pitch_mm;
             let lens = Some(Lens {
                 blur_mm,
@@ -94,7 +94,7 @@ fn simple_fractions_are_bridged() {
             profile.empty_bins() > 0,
             !profile.warnings(&line).is_empty()
         );
-        let mtf = Estimator::new(&profile, 1.0, &[0.25]).measure(&profile);
+        let mtf = Estimator::new(&profile, 1.0, 16, 1).measure(&profile);
         assert!(mtf.modulus[1].is_finite() && mtf.modulus[1] < 1.0);
         cases += 1;
     }

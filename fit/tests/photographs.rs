@@ -7,7 +7,7 @@ use fit::captures::Roi;
 use fit::edge::Fault;
 use fit::measure::{Measurement, edge};
 use fit::photo::Photo;
-use fit::sfr::Estimator;
+use fit::sfr::{Estimator, standard_error};
 
 const SIGMA_PX: f64 = 0.8;
 const DARK: f64 = 0.1;
@@ -75,8 +75,9 @@ fn noisy(mut photo: Photo, seed: u64) -> Photo {
 /// error there.
 fn error(measured: &Measurement, sigma: f64) -> (f64, f64) {
     let frequencies: Vec<f64> = (1..=50).map(|k| 0.01 * f64::from(k)).collect();
-    let mtf = Estimator::new(&measured.profile, 1.0, &frequencies).measure(&measured.profile);
-    let noise = mtf.standard_error(&measured.profile);
+    let estimator = Estimator::new(&measured.profile, 1.0, 400, 50);
+    let mtf = estimator.measure(&measured.profile);
+    let noise = standard_error(&estimator.response(&measured.profile), &measured.profile);
     let known = |f: f64| (-2.0 * (PI * sigma * f).powi(2)).exp();
     let worst = frequencies
         .iter()

@@ -13,7 +13,7 @@ fn params() -> Params {
         edge: Edge {
             normal_deg: normal,
             offset_px: 0.62,
-            exposure: 6.0,
+            ..Edge::AERIAL
         },
         floating_distance_mm: distance,
         path_mm: None,

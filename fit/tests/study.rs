@@ -4,10 +4,12 @@ mod planted;
 
 use std::path::Path;
 
+use fit::captures::Spectrum;
 use fit::kernel::Kernel;
 use fit::lobe::Shape;
 use fit::loss::Kind;
 use fit::select::Candidates;
+use fit::study::choice;
 use fit::study::photographs;
 use fit::study::ranges::Ranges;
 use fit::study::summary::{Summary, tells};
@@ -76,6 +78,90 @@ fn edge_comes_near_the_bound_and_its_intervals_hold() {
             .filter(|t| !tells(t))
             .all(|t| t.bound[0] >= 0.1 * t.truth[0])
     );
+}
+
+/// The choice of terms, in short; the long study is recorded in BENCHMARKS.md. Where what was planted can be told apart it is
+/// chosen in 95 % at least, and where it cannot, something simpler is: of n campaigns the share scatters by
+/// sqrt(0.95 x 0.05 / n), and the limit is 95 % less 4 of these.
+#[test]
+fn terms_are_chosen_where_they_can_be_told() {
+    let ranges = Ranges {
+        photographs: [3.0, 6.0],
+        spectrum: Spectrum::parse("550").ok(),
+        kernels: Kernel::ALL.to_vec(),
+        ..Ranges::default()
+    };
+    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
+    let directions = ranges.directions(&table);
+    let count = 40;
+    let all: Vec<choice::Trial> = (0..count)
+        .into_par_iter()
+        .filter_map(|index| {
+            let params = ranges.open_campaign(5, index, &directions);
+            // A ripple of waves may still pass for a second edge, which is refused.
+            choice::run(&params, index, &table).ok()
+        })
+        .collect();
+    assert!(all.len() > 35, "{} of {count}", all.len());
+    let summary = choice::Summary::new(count as usize, &all);
+    let mut judged = 0;
+    for row in &summary.rows {
+        println!("{row:?}");
+        if !["all kernels", "mu shared", "mu by angle"].contains(&row.planted.as_str()) {
+            continue;
+        }
+        for [all, good] in [row.told, row.hidden] {
+            let n = all.max(1) as f64;
+            let least = 0.95 - 4.0 * (0.95 * 0.05 / n).sqrt();
+            assert!(all == 0 || good as f64 / n > least, "{row:?}");
+            judged += all;
+        }
+    }
+    assert!(judged > 50, "{judged} judged");
+    let kernels: std::collections::BTreeSet<&str> =
+        all.iter().map(|t| t.planted.kernel.name()).collect();
+    assert_eq!(kernels.len(), 5);
+    for trial in &all {
+        // A simpler rival cannot fit better than the truth without noise: the margin is a number.
+        assert!(trial.blur.margin.is_none_or(f64::is_finite), "{trial:?}");
+    }
+}
+
+/// Uneven light below what is evened out: the pixels carry it as a nuisance and keep mu, which the MTFs do not. Over 12
+/// campaigns the mean square of a normal pull scatters by sqrt(2/12) = 0.41 about 1: the limits are 4 of these.
+#[test]
+fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
+    let ranges = Ranges {
+        photographs: [4.0, 4.0],
+        electrons: [2e4, 2e4],
+        light: Some([0.01, 0.02]),
+        ..Ranges::default()
+    };
+    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
+    let directions = ranges.directions(&table);
+    let pulls: Vec<[f64; 2]> = (0..12)
+        .into_par_iter()
+        .map(|index| {
+            let params = ranges.campaign(11, index, &directions);
+            assert!(
+                params
+                    .captures
+                    .iter()
+                    .all(|shot| shot.edge.light != [0.0; 2])
+            );
+            let trial = trial::run(&params, index, &table).expect("the edges are visible");
+            trial
+                .found
+                .map(|found| (found[2][0] - trial.truth[2]) / trial.bound[2])
+        })
+        .collect();
+    let square = |loss: usize| pulls.iter().map(|p| p[loss].powi(2)).sum::<f64>() / 12.0;
+    let (mtf, edge) = (square(0), square(1));
+    println!("mean squared error of mu over the bound squared: mtf {mtf:.2}, edge {edge:.2}");
+    assert!(edge < 1.0 + 4.0 * 0.41, "edge {edge}");
+    assert!(mtf > edge, "mtf {mtf}");
 }
 
 /// A campaign is a function of (seed, index), whatever the threads and whatever else is drawn.
@@ -152,6 +238,9 @@ fn ranges_are_read() {
         ("mu = { from = 0.2 }\n", "to"),
         ("electron = { from = 1, to = 2 }\n", "electrons"),
         ("photographs = { from = 0, to = 3 }\n", "between 1 and 1000"),
+        ("kernels = [\"eq2\"]\n", "use one of eq1"),
+        ("kernels = []\n", "an array of one or more strings"),
+        ("kernels = [\"wave\"]\n", "wavelength_nm"),
     ] {
         let file = folder.path().join("ranges.toml");
         std::fs::write(&file, text).expect("the folder takes files");
@@ -159,5 +248,5 @@ fn ranges_are_read() {
         assert!(error.contains(said), "{error}");
         cases += 1;
     }
-    assert_eq!(cases, 4);
+    assert_eq!(cases, 7);
 }

@@ -299,16 +299,41 @@ impl<'d> Section<'d> {
         names: &'static [&'static str],
         parse: impl Fn(&str) -> Option<T>,
     ) -> Result<Option<T>, Error> {
-        let Some(text) = self.text(key)? else {
-            return Ok(None);
-        };
-        let unknown = || Error::UnknownName {
+        let text = self.text(key)?;
+        text.map(|text| parse(text).ok_or_else(|| self.unknown(key, text, names)))
+            .transpose()
+    }
+
+    fn unknown(&self, key: &str, name: &str, names: &'static [&'static str]) -> Error {
+        Error::UnknownName {
             place: self.place_of(key),
             key: key.to_owned(),
-            name: text.to_owned(),
+            name: name.to_owned(),
             names,
+        }
+    }
+
+    /// Strings that are each one of `names`, at least one.
+    ///
+    /// # Errors
+    /// [`Error::WrongType`], [`Error::UnknownName`].
+    pub fn choices<T>(
+        &self,
+        key: &str,
+        names: &'static [&'static str],
+        parse: impl Fn(&str) -> Option<T>,
+    ) -> Result<Option<Vec<T>>, Error> {
+        let Some(value) = self.get(key) else {
+            return Ok(None);
         };
-        parse(text).map(Some).ok_or_else(unknown)
+        let wrong = || self.wrong_type(key, "an array of one or more strings", value.get_ref());
+        let array = value.get_ref().as_array().filter(|array| !array.is_empty());
+        let one = |element: &Spanned<DeValue<'_>>| {
+            let text = element.get_ref().as_str().ok_or_else(wrong)?;
+            parse(text).ok_or_else(|| self.unknown(key, text, names))
+        };
+        let array = array.ok_or_else(wrong)?;
+        array.iter().map(one).collect::<Result<_, _>>().map(Some)
     }
 
     /// `N` whole numbers, 0 or greater.

@@ -43,9 +43,8 @@ impl Texture {
         let grid = Grid::new((2 * CELLS - 2) / 3, pitch_mm);
         let cell_mm = BIN_PX * pitch_mm;
         let otf: Vec<Complex64> = grid
-            .frequencies_per_mm
-            .iter()
-            .map(|&f| {
+            .frequencies_per_mm()
+            .map(|f| {
                 // Once for the average that the grid takes over a cell, twice for the straight lines.
                 let smoothing = sinc(std::f64::consts::PI * f * cell_mm).powi(3);
                 Complex64::from(camera.otf(f, normal_rad) / smoothing)

@@ -34,8 +34,14 @@ const TRUTH: [&str; 8] = [
     "c",
     "mu",
 ];
-const REFERENCE: [&str; 3] = ["edge_normal_deg", "offset_px", "exposure"];
-const CAPTURE: [&str; 8] = [
+const REFERENCE: [&str; 5] = [
+    "edge_normal_deg",
+    "offset_px",
+    "exposure",
+    "light_to_right",
+    "light_to_bottom",
+];
+const CAPTURE: [&str; 10] = [
     "floating_distance_mm",
     "path_mm",
     "incidence_deg",
@@ -44,6 +50,8 @@ const CAPTURE: [&str; 8] = [
     "edge_normal_deg",
     "offset_px",
     "exposure",
+    "light_to_right",
+    "light_to_bottom",
 ];
 
 /// The camera and the bench.
@@ -128,6 +136,9 @@ pub struct Edge {
     pub offset_px: f64,
     /// Exposure relative to the reference.
     pub exposure: f64,
+    /// Uneven light: what it gains from the middle of the picture to the right and to the lower border, relative to the
+    /// middle; it varies linearly.
+    pub light: [f64; 2],
 }
 
 impl Edge {
@@ -136,12 +147,14 @@ impl Edge {
         normal_deg: 4.0,
         offset_px: 0.0,
         exposure: 1.0,
+        light: [0.0; 2],
     };
     /// An aerial edge where the file does not say.
     pub const AERIAL: Edge = Edge {
         normal_deg: 5.0,
         offset_px: 0.0,
         exposure: 6.0,
+        light: [0.0; 2],
     };
 }
 
@@ -347,7 +360,13 @@ fn by_incidence(keys: &Section<'_>, key: &'static str) -> Result<Option<ByIncide
 }
 
 fn edge(keys: &Section<'_>, default: Edge) -> Result<Edge, Error> {
+    const GAIN: Bounds = Bounds {
+        words: "between -0.5 and 0.5",
+        holds: |x| (-0.5..=0.5).contains(&x),
+    };
+    let gain = |key| Ok::<f64, Error>(keys.number(key, GAIN)?.unwrap_or(0.0));
     Ok(Edge {
+        light: [gain("light_to_right")?, gain("light_to_bottom")?],
         normal_deg: keys
             .number("edge_normal_deg", Bounds::TURN)?
             .unwrap_or(default.normal_deg),

@@ -207,6 +207,8 @@ fn truth(params: &Params) -> String {
                 "edge_normal_deg": shot.edge.normal_deg,
                 "offset_px": shot.edge.offset_px,
                 "exposure": shot.edge.exposure,
+                "light_to_right": shot.edge.light[0],
+                "light_to_bottom": shot.edge.light[1],
             })
         })
         .collect();

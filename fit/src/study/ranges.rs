@@ -1,16 +1,18 @@
 //! Campaigns drawn at random: the ranges, and one campaign of them.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use tables::Table;
 
 use crate::captures::keys::{Bounds, Document, Section};
+use crate::captures::{self, Spectrum};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
 use crate::simulate::noise::PixelNoise;
 use crate::simulate::{self, ByIncidence, CAMERA, Camera, Edge, Error, Params, Shot, Truth, cell};
 
-const ROOT: [&str; 10] = [
+const ROOT: [&str; 15] = [
     "ior",
     "pair",
     "lobe",
@@ -20,6 +22,11 @@ const ROOT: [&str; 10] = [
     "photographs",
     "electrons",
     "distance_mm",
+    "light",
+    "kernels",
+    "wavelength_nm",
+    "a_fall",
+    "mu_fall",
     "camera",
 ];
 
@@ -53,6 +60,16 @@ pub struct Ranges {
     pub electrons: [f64; 2],
     /// Floating distance, mm.
     pub distance_mm: [f64; 2],
+    /// Uneven light: gain from the middle to the border of every picture, in a direction of its own; even where `None`.
+    pub light: Option<[f64; 2]>,
+    /// Kernels of [`Ranges::open_campaign`], each as likely.
+    pub kernels: Vec<Kernel>,
+    /// Wavelengths of the source, for the `wave` kernel.
+    pub spectrum: Option<Spectrum>,
+    /// ln of a at 0 degrees over a at 45, where every angle has its own.
+    pub a_fall: [f64; 2],
+    /// The same of mu.
+    pub mu_fall: [f64; 2],
     /// The camera; its full well is drawn.
     pub camera: Camera,
 }
@@ -69,6 +86,11 @@ impl Default for Ranges {
             photographs: [2.0, 20.0],
             electrons: [500.0, 40_000.0],
             distance_mm: [100.0, 400.0],
+            light: None,
+            kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
+            spectrum: None,
+            a_fall: [0.005, 1.5],
+            mu_fall: [0.0005, 0.5],
             camera: Camera {
                 width: 192,
                 height: 128,
@@ -93,12 +115,25 @@ impl Ranges {
             words: "between 1 and 1000",
             holds: |x| (1.0..=1000.0).contains(&x),
         };
+        const GAIN: Bounds = Bounds {
+            words: "greater than 0 and at most 0.5",
+            holds: |x| x > 0.0 && x <= 0.5,
+        };
         let document = Document::read(file)?;
         let table = document.parse()?;
         let root = Section::root(&document, &table, &ROOT)?;
         let default = Ranges::default();
         let own = root.section("camera", &CAMERA)?;
-        let range = |key, bounds, default| range(&root, key, bounds, default);
+        let range = |key, bounds, default| {
+            Ok::<_, Error>(named_range(&root, key, bounds)?.unwrap_or(default))
+        };
+        let kernels = root
+            .choices("kernels", &Kernel::NAMES, Kernel::from_name)?
+            .unwrap_or(default.kernels);
+        let spectrum = captures::spectrum(&root)?;
+        if kernels.contains(&Kernel::Wave) {
+            root.required("wavelength_nm", spectrum.as_ref())?;
+        }
         Ok(Ranges {
             ior: root.number("ior", INDEX)?.unwrap_or(default.ior),
             pair: root.flag("pair")?.unwrap_or(default.pair),
@@ -111,6 +146,11 @@ impl Ranges {
             photographs: range("photographs", COUNT, default.photographs)?,
             electrons: range("electrons", Bounds::POSITIVE, default.electrons)?,
             distance_mm: range("distance_mm", Bounds::POSITIVE, default.distance_mm)?,
+            light: named_range(&root, "light", GAIN)?,
+            kernels,
+            spectrum,
+            a_fall: range("a_fall", Bounds::POSITIVE, default.a_fall)?,
+            mu_fall: range("mu_fall", Bounds::POSITIVE, default.mu_fall)?,
             camera: match &own {
                 Some(keys) => simulate::camera(Some(keys))?,
                 None => default.camera,
@@ -139,8 +179,6 @@ impl Ranges {
     /// Campaign number `index` under `seed`, over the given directions (at least one): a function of these alone.
     pub fn campaign(&self, seed: u64, index: u64, directions: &[[f64; 2]]) -> Params {
         let mut draw = PixelNoise::new(seed, index, u64::MAX);
-        let log =
-            |draw: &mut PixelNoise, [low, high]: [f64; 2]| low * (high / low).powf(draw.uniform());
         let a = log(&mut draw, self.a_per_mm);
         let c_mm = log(&mut draw, self.c_mm);
         let mu = log(&mut draw, self.mu);
@@ -161,6 +199,7 @@ impl Ranges {
                 normal_deg: quarter + sign * tilt,
                 offset_px: 2.0 * draw.uniform() - 1.0,
                 exposure,
+                light: [0.0; 2],
             }
         };
         let reference = edge(&mut draw, BRIGHT / camera.source_level);
@@ -180,7 +219,7 @@ impl Ranges {
                 }
             })
             .collect();
-        Params {
+        let mut params = Params {
             seed: (draw.uniform() * (1_u64 << 52) as f64) as u64,
             camera,
             truth: Truth {
@@ -195,19 +234,62 @@ impl Ranges {
             },
             reference: Some(reference),
             captures,
+        };
+        if let Some(range) = self.light {
+            let mut draw = PixelNoise::new(seed, index, u64::MAX - 1);
+            let captures = params.captures.iter_mut().map(|shot| &mut shot.edge);
+            for edge in captures.chain(&mut params.reference) {
+                let (gain, turn) = (log(&mut draw, range), TAU * draw.uniform());
+                edge.light = [gain * turn.cos(), gain * turn.sin()];
+            }
         }
+        params
+    }
+
+    /// The same campaign with terms drawn, too: one of the kernels, and in half of the campaigns each an a and a mu that
+    /// fall from angle to angle, as those of real sheets do.
+    pub fn open_campaign(&self, seed: u64, index: u64, directions: &[[f64; 2]]) -> Params {
+        let mut params = self.campaign(seed, index, directions);
+        let mut draw = PixelNoise::new(seed, index, u64::MAX - 2);
+        let kernel = self.kernels[(draw.uniform() * self.kernels.len() as f64) as usize];
+        let mut angles: Vec<f64> = params.captures.iter().map(|s| s.incidence_deg).collect();
+        angles.sort_by(f64::total_cmp);
+        angles.dedup();
+        let mut falling = |value: &ByIncidence, scale: f64, range: [f64; 2], may: bool| {
+            let (own, fall) = (draw.uniform() < 0.5, log(&mut draw, range));
+            let first = scale * value.at(angles[0]).unwrap_or(1.0);
+            if own && may && angles.len() > 1 {
+                let at = |&angle: &f64| (angle, first * (-fall * angle / 45.0).exp());
+                ByIncidence::Table(angles.iter().map(at).collect())
+            } else {
+                ByIncidence::Shared(first)
+            }
+        };
+        let truth = &mut params.truth;
+        truth.kernel = kernel;
+        truth.spectrum = self.spectrum.clone();
+        // The A of the angular kernel is that of a at the middle distance.
+        let middle = (self.distance_mm[0] * self.distance_mm[1]).sqrt();
+        let scale = kernel.distance_scale(middle);
+        truth.a = falling(&truth.a, scale, self.a_fall, kernel.has_lobe());
+        truth.mu = falling(&truth.mu, 1.0, self.mu_fall, true);
+        params
     }
 }
 
+/// A number evenly drawn in the logarithm.
+fn log(draw: &mut PixelNoise, [low, high]: [f64; 2]) -> f64 {
+    low * (high / low).powf(draw.uniform())
+}
+
 /// `key = { from = ..., to = ... }`.
-fn range(
+fn named_range(
     root: &Section<'_>,
     key: &'static str,
     bounds: Bounds,
-    default: [f64; 2],
-) -> Result<[f64; 2], Error> {
+) -> Result<Option<[f64; 2]>, Error> {
     let Some(keys) = root.section(key, &["from", "to"])? else {
-        return Ok(default);
+        return Ok(None);
     };
     let from = keys.required("from", keys.number("from", bounds)?)?;
     let to = keys.required("to", keys.number("to", bounds)?)?;
@@ -219,5 +301,5 @@ fn range(
             to,
         });
     }
-    Ok([from, to])
+    Ok(Some([from, to]))
 }

@@ -16,7 +16,7 @@ use crate::loss::{Kind, Loss};
 use crate::noise::PixelNoise;
 use crate::photo::{Decode, Photo};
 use crate::scene::{self, Scene};
-use crate::simulate::{self, Params};
+use crate::simulate::{self, Camera, Params};
 
 /// The parameters of a trial, in their order everywhere.
 pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
@@ -48,7 +48,7 @@ pub struct Trial {
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
 pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
-    let scene = scene(params, table)?;
+    let scene = scene(params, table, simulate::photograph)?;
     let choice = Choice {
         kernel: Kernel::Eq1,
         shape: params.truth.lobe,
@@ -98,19 +98,9 @@ fn bound(
 ) -> [f64; 3] {
     let camera = &params.camera;
     let mut joint = Joint::new(scene, choice, near);
-    // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
-    let blur_mm =
-        std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
-    let mut at = joint.start(&DVector::from_vec(vec![truth[0].ln(), truth[1].ln()]));
-    for (value, planted) in at.iter_mut().skip(2).zip([blur_mm.ln(), 2.0]) {
-        *value = planted;
-    }
-    let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
-    let noise = PixelNoise {
-        read: (camera.read_noise_e / camera.full_well_e).powi(2) + step * step / 12.0,
-        gain: 1.0 / camera.full_well_e,
-    };
-    joint.with_noise(choice, &at, noise);
+    let blur = DVector::from_vec(vec![truth[0].ln(), truth[1].ln()]);
+    let at = planted(&joint, camera, &blur);
+    joint.with_noise(choice, &at, noise(camera));
     let layout = Layout::new(choice, scene.groups.len());
     let bound = joint.information(&layout, &at, 1.0, Used::ByAnyEstimate);
     let covariance = bound.mu.map_or(bound.blur, |mu| mu.covariance);
@@ -118,8 +108,33 @@ fn bound(
     [0, 1, 2].map(|i| deviation(i) * truth[i])
 }
 
-/// Photographs and measures a campaign without a file.
-fn scene(params: &Params, table: &Table) -> Result<Scene, scene::Error> {
+/// The planted point: a blur, and the planted lens behind it.
+pub(super) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DVector<f64> {
+    // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
+    let blur_mm =
+        std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
+    let mut at = joint.start(blur);
+    for (value, planted) in at.iter_mut().skip(blur.len()).zip([blur_mm.ln(), 2.0]) {
+        *value = planted;
+    }
+    at
+}
+
+/// The planted noise.
+pub(super) fn noise(camera: &Camera) -> PixelNoise {
+    let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
+    PixelNoise {
+        read: (camera.read_noise_e / camera.full_well_e).powi(2) + step * step / 12.0,
+        gain: 1.0 / camera.full_well_e,
+    }
+}
+
+/// Measures a campaign without a file; `photograph` gives the pixels of a capture, or of the reference.
+pub(super) fn scene(
+    params: &Params,
+    table: &Table,
+    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::Error> + Sync,
+) -> Result<Scene, scene::Error> {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
     let shot = |index: Option<usize>, exposure: f64| captures::Shot {
@@ -139,7 +154,7 @@ fn scene(params: &Params, table: &Table) -> Result<Scene, scene::Error> {
             pixel_pitch_mm: camera.pixel_pitch_mm,
             half_mirror_transmittance: camera.half_mirror_transmittance,
             half_mirror_reflectance: camera.half_mirror_reflectance,
-            spectrum: None,
+            spectrum: params.truth.spectrum.clone(),
         },
         reference: params.reference.map(|edge| shot(None, edge.exposure)),
         captures: params
@@ -162,8 +177,8 @@ fn scene(params: &Params, table: &Table) -> Result<Scene, scene::Error> {
         Ok(Photo {
             width: camera.width,
             height: camera.height,
-            // The truth of a drawn campaign is one number for all angles: there is no entry to be missing.
-            luminance: simulate::photograph(params, index).unwrap_or_default(),
+            // The truth of a drawn campaign has an entry for each of its angles.
+            luminance: photograph(params, index).unwrap_or_default(),
             clip_level: None,
             warnings: Vec::new(),
         })

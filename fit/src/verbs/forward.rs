@@ -1,7 +1,7 @@
 //! `fit study CAPTURES --forward render`: speed against error of the forward models, as a table and a picture.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use kuva::prelude::*;
 
@@ -24,9 +24,6 @@ pub struct Renders {
     /// Independent randomisations of every number of samples
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(2..=1000), requires = "forward")]
     pub randomisations: u64,
-    /// Error against seconds as a picture, .svg or .png
-    #[arg(long, value_name = "FILE", requires = "forward")]
-    pub plot: Option<PathBuf>,
 }
 
 /// Numbers of samples.

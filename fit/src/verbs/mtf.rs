@@ -10,7 +10,7 @@ use crate::captures::Roi;
 use crate::cli::{self, Failure};
 use crate::measure::{self, Measurement};
 use crate::photo::{self, Channel, Decode, Transfer};
-use crate::sfr::{Estimator, crossing};
+use crate::sfr::{self, Estimator, crossing};
 
 /// Points of the curve from 0 to the pixel frequency.
 const POINTS: usize = 512;
@@ -125,12 +125,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         fault,
     })?;
     let pitch = arguments.pixel_pitch.unwrap_or(1.0);
-    let wanted: Vec<f64> = (1..=POINTS)
-        .map(|k| k as f64 / POINTS as f64 / pitch)
-        .collect();
-    let estimator = Estimator::new(&profile, pitch, &wanted);
+    // Up to the sampling frequency, which is a quarter of a period.
+    let estimator = Estimator::new(&profile, pitch, 4 * POINTS, POINTS);
     let mtf = estimator.measure(&profile);
-    let standard_error: Vec<f64> = mtf.standard_error(&profile);
+    let standard_error = sfr::standard_error(&estimator.response(&profile), &profile);
     let frequency = &estimator.frequencies_per_mm;
     let (dark, bright) = profile.plateaus();
     let contrast = bright - dark;

@@ -20,7 +20,7 @@ use crate::study::forward::{Speed, speed};
 use crate::study::ranges::Ranges;
 use crate::study::summary::{LOOSE, Summary};
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
-use crate::study::{Study, photographs, trial};
+use crate::study::{Study, choice, photographs, picture, trial};
 use crate::verbs::terms::{self, Terms};
 use crate::verbs::{forward, sampled};
 
@@ -43,12 +43,19 @@ RANGES.toml may be left out; these are the defaults:
   photographs = { from = 2, to = 20 }          # at directions of the table, drawn with repetition
   electrons = { from = 500, to = 40000 }       # at full scale
   distance_mm = { from = 100, to = 400 }
+  light = { from = 0.001, to = 0.03 }          # uneven light, middle to border; even if left out
   [camera]                                     # as for `fit simulate`; 192 x 128 pixels of 0.08 mm if left out
+With --choice the terms are drawn too and left open, and the shares of right choices are reported:
+  kernels = [\"eq1\", \"angular\", \"shift\", \"lobe\"]   # with wavelength_nm also \"wave\"
+  a_fall = { from = 0.005, to = 1.5 }          # in half of the campaigns ln of a falls so much from 0 to 45 degrees
+  mu_fall = { from = 0.0005, to = 0.5 }        # likewise ln of mu
 
 Examples:
   fit study captures.toml --table pair.h5 --per-angle a,mu
-  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 --plot forward.svg
-  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv")]
+  fit study captures.toml --table pair.h5 --kernel eq1 --plot speed.svg
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv --plot study.svg
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --choice
+  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 --plot forward.svg")]
 pub struct Arguments {
     /// The manifest of the photographs to study
     #[arg(required_unless_present = "ranges", conflicts_with = "ranges")]
@@ -68,9 +75,20 @@ pub struct Arguments {
     /// Seed of all draws and samples
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Draw kernels and sharings too, leave them open (auto), and say how often what was planted is chosen
+    #[arg(long, requires = "ranges")]
+    pub choice: bool,
     /// Write every campaign there (CSV)
-    #[arg(long, value_name = "FILE", requires = "ranges")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "ranges",
+        conflicts_with = "choice"
+    )]
     pub csv: Option<PathBuf>,
+    /// Errors and coverage, or of given photographs and renders seconds against error, as a picture, .svg or .png
+    #[arg(long, value_name = "FILE", conflicts_with = "choice")]
+    pub plot: Option<PathBuf>,
     /// Samples in place of the closed form.
     #[command(flatten)]
     pub forward: forward::Renders,
@@ -95,6 +113,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         (None, Some(captures)) => {
             let campaign = captures::load(captures)?;
+            let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
+            let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
             let table = tables::read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
             let start = Instant::now();
@@ -102,6 +122,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let seconds = start.elapsed().as_secs_f64();
             let open = terms::possible(&open, &mut scene, captures)?;
             let study = pool.install(|| photographs(&scene, seconds, &open));
+            if let Some((path, output)) = picture {
+                output.commit(&picture::photographs(&study, path)?)?;
+            }
             if arguments.json {
                 cli::json(&study)
             } else {
@@ -123,8 +146,7 @@ fn rendered(
     sampled::only(&mut open, None, "fit study");
     let campaign = captures::load(captures)?;
     let mut outputs = Outputs::beside([captures, &arguments.table]);
-    let plot = arguments.forward.plot.as_deref();
-    let picture = cli::reserve_picture(plot, &mut outputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let mut scene = Scene::load(&campaign, &table)?;
@@ -176,17 +198,19 @@ fn bounds(study: &Study) -> String {
     }
     let _ = writeln!(
         text,
-        "{:<10}{:<6}{:>9}{:>28}",
-        "kernel", "loss", "seconds", "chi-square per freedom"
+        "{:<10}{:<6}{:>9}{:>26}{:>15}",
+        "kernel", "loss", "seconds", "chi-square per freedom", "error / bound"
     );
     for fit in &study.fits {
+        let error = fit.error_over_bound;
         let _ = writeln!(
             text,
-            "{:<10}{:<6}{:>9.4}{:>28.3}",
+            "{:<10}{:<6}{:>9.4}{:>26.3}{:>15}",
             fit.kernel.name(),
             fit.loss.name(),
             fit.seconds,
-            fit.reduced_chi2
+            fit.reduced_chi2,
+            error.map_or("-".into(), |error| format!("{error:.3}"))
         );
     }
     text
@@ -198,28 +222,96 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
     let mut outputs = Outputs::beside([file, &arguments.table]);
     let csv = cli::reserve(arguments.csv.as_deref(), &mut outputs)?;
-    let bar = bar(arguments.campaigns);
-    let trials: Vec<Trial> = pool.install(|| {
-        (0..arguments.campaigns)
-            .into_par_iter()
-            .filter_map(|index| {
-                let params = ranges.campaign(arguments.seed, index, &directions);
-                let trial = trial::run(&params, index, &table).ok();
-                bar.inc(1);
-                trial
-            })
-            .collect()
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let count = arguments.campaigns as usize;
+    if arguments.choice {
+        let trials = run_all(arguments, pool, |index| {
+            let params = ranges.open_campaign(arguments.seed, index, &directions);
+            choice::run(&params, index, &table).ok()
+        });
+        let summary = choice::Summary::new(count, &trials);
+        return Ok(if arguments.json {
+            cli::json(&summary)
+        } else {
+            choices(&summary)
+        });
+    }
+    let trials = run_all(arguments, pool, |index| {
+        let params = ranges.campaign(arguments.seed, index, &directions);
+        trial::run(&params, index, &table).ok()
     });
-    bar.finish_and_clear();
     if let Some(output) = csv {
         output.commit(spreadsheet(&trials).as_bytes())?;
     }
-    let summary = Summary::new(arguments.campaigns as usize, &trials);
+    let summary = Summary::new(count, &trials);
+    if let Some((path, output)) = picture {
+        output.commit(&picture::drawn(&summary, path)?)?;
+    }
     Ok(if arguments.json {
         cli::json(&summary)
     } else {
         table_of(&summary)
     })
+}
+
+/// Every campaign, in parallel; those that come to nothing are left out.
+fn run_all<T: Send>(
+    arguments: &Arguments,
+    pool: &rayon::ThreadPool,
+    run: impl Fn(u64) -> Option<T> + Sync,
+) -> Vec<T> {
+    let bar = bar(arguments.campaigns);
+    let trials = pool.install(|| {
+        let campaigns = (0..arguments.campaigns).into_par_iter();
+        let one = |index| {
+            let trial = run(index);
+            bar.inc(1);
+            trial
+        };
+        campaigns.filter_map(one).collect()
+    });
+    bar.finish_and_clear();
+    trials
+}
+
+fn choices(summary: &choice::Summary) -> String {
+    let mut text = format!(
+        "{} campaigns, {} without a visible edge; told apart: what was planted should win by {} standard deviations\n",
+        summary.campaigns,
+        summary.without_edge,
+        choice::SURE
+    );
+    let _ = writeln!(
+        text,
+        "{:<22}{:>10}{:>20}{:>20}{:>20}",
+        "planted", "campaigns", "told: chosen", "hidden: simpler", "between: either"
+    );
+    let share = |[all, good]: [usize; 2]| match all {
+        0 => "-".to_owned(),
+        _ => format!("{good}/{all} {:.1} %", 100.0 * good as f64 / all as f64),
+    };
+    for row in &summary.rows {
+        let _ = writeln!(
+            text,
+            "{:<22}{:>10}{:>20}{:>20}{:>20}",
+            row.planted,
+            row.campaigns,
+            share(row.told),
+            share(row.hidden),
+            share(row.between)
+        );
+    }
+    for row in &summary.bounds {
+        let _ = writeln!(
+            text,
+            "{:<22}{:>10} without a number, {} with a bound, which holds in {}",
+            row.name,
+            row.campaigns,
+            row.bounded,
+            share([row.bounded, row.holds])
+        );
+    }
+    text
 }
 
 /// The directions to photograph; the table must hold the shift of the cell that is simulated there.

@@ -137,6 +137,7 @@ pub fn params(
                 normal_deg: stream.between(4.0, 9.0),
                 offset_px: stream.between(-1.0, 1.0),
                 exposure: 4.0,
+                ..Edge::AERIAL
             };
             captures.push(Shot {
                 edge,

@@ -1,0 +1,374 @@
+//! The choice of terms, judged: campaigns of drawn terms, fitted with all of them open.
+//!
+//! Whether photographs can tell a term is asked of the bound, not of the fit: every simpler rival is fitted to the same
+//! photographs without noise, under the planted noise. Its sum of squares D is what its own is above the truth's on the
+//! average, less the q parameters that it spares; with noise the difference scatters by sqrt(4 D + 2 q). So the planted
+//! terms win by (D + q - penalty) / sqrt(4 D + 2 q) standard deviations, the penalty being that of the criterion. By more
+//! than [`SURE`] against every rival they can be told apart; by less than -[`SURE`] against one they cannot.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use tables::Table;
+
+use super::trial;
+use crate::bound;
+use crate::estimate::{Choice, Optimum, refined};
+use crate::joint::{Joint, Used};
+use crate::kernel::Kernel;
+use crate::layout::Layout;
+use crate::loss::{Kind, Loss};
+use crate::report::Bound;
+use crate::scene::{self, Scene};
+use crate::select::{CLEAR, Candidates, Compared, own_mu_limit, scatter_of_mu, select};
+use crate::simulate::{self, ByIncidence, Params};
+use crate::solve::{Solution, Stop};
+
+/// Standard deviations that make a difference sure: one campaign in 44 on the limit goes the other way.
+pub const SURE: f64 = 2.0;
+
+/// Terms of a campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Terms {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// Whether every angle has an a of its own.
+    pub per_angle_a: bool,
+    /// Whether every angle has a mu of its own.
+    pub per_angle_mu: bool,
+}
+
+/// A term as planted, beside what was made of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Standard deviations by which the planted terms should win against the best simpler ones; `None`: there are none.
+    pub margin: Option<f64>,
+    /// Whether they were chosen.
+    pub right: bool,
+    /// Whether simpler ones were.
+    pub simpler: bool,
+}
+
+/// A one-sided bound beside the planted value: c from above, a from below.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OneSided {
+    /// The bound; `None` where the photographs gave none.
+    pub bound: Option<f64>,
+    /// c in mm, 0 where nothing was shifted; a in 1/mm, `None` where nothing was diffracted.
+    pub planted: Option<f64>,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+/// What came of one campaign.
+#[derive(Debug, Clone, Serialize)]
+pub struct Trial {
+    /// Number of the campaign.
+    pub index: u64,
+    /// Photographs, the reference not counted.
+    pub photographs: usize,
+    /// What was planted.
+    pub planted: Terms,
+    /// What was chosen.
+    pub chosen: Terms,
+    /// Kernel and sharing of a.
+    pub blur: Verdict,
+    /// Sharing of mu; `None` where all photographs are of one angle.
+    pub mu: Option<Verdict>,
+    /// Where c came back as a bound.
+    pub c_at_most: Option<OneSided>,
+    /// Where a, shared by all angles, came back as a bound.
+    pub a_at_least: Option<OneSided>,
+}
+
+/// Runs a campaign of any terms with all of them open.
+///
+/// # Errors
+/// As [`Scene::load`]: photographs so noisy that their edge is not found.
+pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
+    let scene = trial::scene(params, table, simulate::photograph)?;
+    let truth = &params.truth;
+    let own = |values: &ByIncidence| matches!(values, ByIncidence::Table(_));
+    let choice = Choice {
+        kernel: truth.kernel,
+        shape: truth.lobe,
+        per_angle_a: own(&truth.a),
+        per_angle_mu: own(&truth.mu),
+    };
+    let mut kernels = Kernel::ALL.to_vec();
+    kernels.retain(|&kernel| kernel != Kernel::Wave || scene.waves().is_ok());
+    let open = Candidates {
+        kernels,
+        shapes: vec![truth.lobe],
+        per_angle_a: None,
+        per_angle_mu: None,
+    };
+    let selection = select(&scene, Kind::Edge, &open);
+    let best = &selection.best;
+    let silent = |params: &Params, index| {
+        let light = simulate::light(params, index)?;
+        Ok(light.into_iter().map(|v| v as f32).collect())
+    };
+    let (margin, mu_margin) = {
+        let scene = trial::scene(params, table, silent)?;
+        margins(params, &scene, choice, &selection.compared)
+    };
+    let chosen = selection.compared.iter().find(|row| {
+        let (a, b) = (row.choice, best.choice);
+        (a.kernel, a.per_angle_a) == (b.kernel, b.per_angle_a)
+    });
+    let parameters = Layout::new(choice, scene.groups.len()).parameters();
+    let mu = (scene.groups.len() > 1).then_some(Verdict {
+        margin: mu_margin,
+        right: best.choice.per_angle_mu == choice.per_angle_mu,
+        simpler: choice.per_angle_mu && !best.choice.per_angle_mu,
+    });
+    let mut bounds = bound::bounds(&scene, &selection.loss, best);
+    bounds.extend(bound::absent(&scene, &selection));
+    let one_sided = |name: &str, side: fn(&Bound) -> Option<f64>, planted: Option<f64>| {
+        bounds.get(name).map(|found| {
+            let bound = side(found);
+            let holds = match (name, bound, planted) {
+                ("c_mm", Some(bound), Some(c)) => c <= bound,
+                (_, Some(bound), Some(a)) => a >= bound,
+                _ => true,
+            };
+            OneSided {
+                bound,
+                planted,
+                holds,
+            }
+        })
+    };
+    let c = if truth.kernel.has_c() {
+        truth.c_mm
+    } else {
+        0.0
+    };
+    // Bounds of a are of the literal Eq. (1); of another lobe there is no such a.
+    let a = (truth.kernel == Kernel::Eq1 || truth.kernel == Kernel::Lobe)
+        .then(|| truth.a.at(scene.groups[0]))
+        .flatten();
+    let literal = truth.kernel != Kernel::Angular && truth.kernel != Kernel::Wave;
+    Ok(Trial {
+        index,
+        photographs: scene.shots.len(),
+        planted: terms(choice),
+        chosen: terms(best.choice),
+        blur: Verdict {
+            margin,
+            right: (best.choice.kernel, best.choice.per_angle_a)
+                == (choice.kernel, choice.per_angle_a),
+            simpler: chosen.is_some_and(|row| row.precedes(choice, parameters)),
+        },
+        mu,
+        c_at_most: one_sided("c_mm", |b| b.at_most, Some(c)),
+        a_at_least: (literal && !choice.per_angle_a)
+            .then(|| one_sided("a_per_mm", |b| b.at_least, a))
+            .flatten(),
+    })
+}
+
+fn terms(choice: Choice) -> Terms {
+    Terms {
+        kernel: choice.kernel,
+        per_angle_a: choice.per_angle_a,
+        per_angle_mu: choice.per_angle_mu,
+    }
+}
+
+/// By how many standard deviations the planted terms should win: of the blur, and of mu. `scene` is without noise.
+fn margins(
+    params: &Params,
+    scene: &Scene,
+    choice: Choice,
+    rivals: &[Compared],
+) -> (Option<f64>, Option<f64>) {
+    let layout = Layout::new(choice, scene.groups.len());
+    let truth = &params.truth;
+    let c = choice.kernel.has_c().then_some(truth.c_mm);
+    let spread = |g: usize| truth.a.at(scene.groups[g]).unwrap_or(1.0);
+    let blur = c.into_iter().chain((0..layout.spreads).map(spread));
+    let blur = DVector::from_iterator(layout.parameters(), blur.map(f64::ln));
+    let mut joint = Joint::new(scene, choice, &blur);
+    let at = trial::planted(&joint, &params.camera, &blur);
+    joint.with_noise(choice, &at, trial::noise(&params.camera));
+
+    let own_mu = Layout::new(
+        Choice {
+            per_angle_mu: true,
+            ..choice
+        },
+        scene.groups.len(),
+    );
+    let mu_margin = choice
+        .per_angle_mu
+        .then(|| {
+            let known = joint.information(&own_mu, &at, 1.0, Used::ByAnyEstimate);
+            let first = layout.parameters();
+            let groups = scene.groups.len();
+            let covariance: DMatrix<f64> = known.mu?.covariance;
+            let covariance = covariance
+                .view((first, first), (groups, groups))
+                .into_owned();
+            let planted: Option<Vec<f64>> = scene.groups.iter().map(|&g| truth.mu.at(g)).collect();
+            let squares = scatter_of_mu(&planted?, &covariance)?;
+            let spared = (groups - 1) as f64;
+            let limit = own_mu_limit(groups, scene.shots.len());
+            Some((squares + spared - limit) / (4.0 * squares + 2.0 * spared).sqrt())
+        })
+        .flatten();
+
+    let loss = Loss::Edge(Box::new(joint));
+    let (residuals, _) = loss.evaluate(&layout, &at);
+    let own = residuals.norm_squared();
+    let n = (loss.observations() as f64).ln();
+    let margin = rivals
+        .iter()
+        .filter(|rival| rival.precedes(choice, layout.parameters()))
+        .map(|rival| {
+            let start = Optimum {
+                choice: rival.choice,
+                solution: Solution {
+                    parameters: rival.at.clone(),
+                    residuals: DVector::zeros(0),
+                    jacobian: DMatrix::zeros(0, 0),
+                    iterations: 0,
+                    stop: Stop::Converged,
+                },
+                observations: loss.observations(),
+            };
+            let fitted = refined(scene, &loss, start).solution.sum_of_squares();
+            let above = (fitted - own).max(0.0);
+            let spared = (layout.parameters() - rival.parameters) as f64;
+            let wins = above + spared - spared * n - CLEAR;
+            // Equal rivals of equal size do not scatter: the preferred one stays.
+            wins / (4.0 * above + 2.0 * spared).sqrt().max(1e-3)
+        })
+        .reduce(f64::min);
+    (margin, mu_margin)
+}
+
+/// How often what was planted was chosen, among campaigns that can tell it, cannot, or lie between.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Row {
+    /// What was planted.
+    pub planted: String,
+    /// Campaigns of it.
+    pub campaigns: usize,
+    /// Campaigns that can tell it from everything simpler, and those of them that chose it.
+    pub told: [usize; 2],
+    /// Campaigns that cannot, and those of them that chose something simpler.
+    pub hidden: [usize; 2],
+    /// Those between, and those of them that chose either.
+    pub between: [usize; 2],
+}
+
+impl Row {
+    fn new(planted: String) -> Row {
+        Row {
+            planted,
+            ..Row::default()
+        }
+    }
+
+    fn add(&mut self, verdict: &Verdict) {
+        let margin = verdict.margin.unwrap_or(f64::INFINITY);
+        let (place, good) = if margin >= SURE {
+            (&mut self.told, verdict.right)
+        } else if margin <= -SURE {
+            (&mut self.hidden, verdict.simpler)
+        } else {
+            (&mut self.between, verdict.right || verdict.simpler)
+        };
+        place[0] += 1;
+        place[1] += usize::from(good);
+        self.campaigns += 1;
+    }
+}
+
+/// One kind of one-sided bound.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Sided {
+    /// c at most, or a at least; and of what.
+    pub name: String,
+    /// Campaigns in which the parameter was not given as a number.
+    pub campaigns: usize,
+    /// Those with a bound.
+    pub bounded: usize,
+    /// Those whose bound holds the planted value.
+    pub holds: usize,
+}
+
+/// What the trials say.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// Campaigns drawn.
+    pub campaigns: usize,
+    /// Those in which no edge was found in some photograph.
+    pub without_edge: usize,
+    /// By what was planted; all of them last.
+    pub rows: Vec<Row>,
+    /// One-sided bounds.
+    pub bounds: Vec<Sided>,
+}
+
+impl Summary {
+    /// Sums up the trials of `campaigns` campaigns.
+    pub fn new(campaigns: usize, trials: &[Trial]) -> Summary {
+        let mut rows = Vec::new();
+        let (mut all, mut mus) = (Row::new("all kernels".into()), Vec::new());
+        for kernel in Kernel::ALL {
+            for own in [false, true] {
+                let sharing = if own { ", a by angle" } else { "" };
+                let mut row = Row::new(format!("{}{sharing}", kernel.name()));
+                let planted =
+                    |t: &&Trial| (t.planted.kernel, t.planted.per_angle_a) == (kernel, own);
+                for trial in trials.iter().filter(planted) {
+                    row.add(&trial.blur);
+                    all.add(&trial.blur);
+                }
+                rows.push(row);
+            }
+        }
+        for own in [false, true] {
+            let sharing = if own { "mu by angle" } else { "mu shared" };
+            let mut row = Row::new(sharing.into());
+            for trial in trials.iter().filter(|t| t.planted.per_angle_mu == own) {
+                trial.mu.iter().for_each(|verdict| row.add(verdict));
+            }
+            mus.push(row);
+        }
+        rows.push(all);
+        rows.extend(mus);
+        rows.retain(|row| row.campaigns > 0);
+        let mut bounds = Vec::new();
+        for (name, side) in [
+            (
+                "c at most",
+                (|t| t.c_at_most) as fn(&Trial) -> Option<OneSided>,
+            ),
+            ("a at least", |t| t.a_at_least),
+        ] {
+            for kernel in Kernel::ALL {
+                let mut row = Sided {
+                    name: format!("{name}, of {}", kernel.name()),
+                    ..Sided::default()
+                };
+                let planted = trials.iter().filter(|t| t.planted.kernel == kernel);
+                for found in planted.filter_map(side) {
+                    row.campaigns += 1;
+                    row.bounded += usize::from(found.bound.is_some());
+                    row.holds += usize::from(found.bound.is_some() && found.holds);
+                }
+                bounds.push(row);
+            }
+        }
+        bounds.retain(|row| row.campaigns > 0);
+        Summary {
+            campaigns,
+            without_edge: campaigns - trials.len(),
+            rows,
+            bounds,
+        }
+    }
+}
