@@ -38,7 +38,8 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// Spread and corner size, or roughnesses, at an incidence.
+    /// Spread and corner size, or roughnesses, at an incidence. A roughness that the photographs only bound is 0: what they do
+    /// not show is left out.
     ///
     /// # Errors
     /// [`Error::Unknown`].
@@ -53,14 +54,14 @@ impl<'a> Fitted<'a> {
             Kernel::Eq1 | Kernel::Lobe => at("a_per_mm", &result.a_per_mm)?,
             Kernel::Angular => at("a_times_r", &result.a_times_r)?,
             Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo | Kernel::Mrm => {
-                at("roughness", &result.roughness)?
+                at("roughness", &result.roughness).unwrap_or(0.0)
             }
         };
         let c_mm = if result.kernel.has_c() {
-            let value = result.c_mm.or(result.surface_roughness);
+            let value = result.c_mm.and_then(|c| c.value);
+            let smooth = result.surface_roughness.map(|c| c.value.unwrap_or(0.0));
             let parameter = result.kernel.c_name();
-            let value = value.and_then(|c| c.value);
-            value.ok_or(Error::Unknown { parameter })?
+            value.or(smooth).ok_or(Error::Unknown { parameter })?
         } else {
             1.0
         };

@@ -56,6 +56,23 @@ fn a_lobe_is_its_own_nearest() {
     assert_eq!(cases, 3);
 }
 
+/// A roughness that is only bounded from above leaves the other one.
+#[test]
+fn a_roughness_that_is_only_bounded_is_none() {
+    let table = table();
+    let bounded = json!({ "value": null, "standard_error": null });
+    let front = |facets: Value| {
+        let entries = json!({ "kernel": "saito-surface", "lobe": "ggx", "roughness": facets, "surface_roughness": 3e-3 });
+        at(&result(&table, entries), &table, 150.0, 30.0)
+    };
+    let (alone, tiny, both) = (front(bounded), front(json!(1e-12)), front(json!(5e-4)));
+    assert!(
+        (alone.alpha / tiny.alpha - 1.0).abs() < 1e-5,
+        "{alone:?} {tiny:?}"
+    );
+    assert!(both.alpha > 1.1 * alone.alpha, "{both:?}");
+}
+
 #[test]
 fn the_nearest_lobe_of_a_sheet_depends_on_the_distance() {
     let table = table();
