@@ -33,7 +33,8 @@ def write_png(path, image, bits=16):
     height, width, _ = image.shape
     kind = ">u2" if bits == 16 else "u1"
     pixels = np.round(np.clip(image, 0, 1) * (2**bits - 1)).astype(kind)
-    lines = b"".join(b"\0" + row.tobytes() for row in pixels)
+    pixels = np.ascontiguousarray(pixels).view(np.uint8).reshape(height, width, -1)
+    lines = b"".join(b"\1" + np.diff(row, axis=0, prepend=np.uint8(0)).tobytes() for row in pixels)
     chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
     head = struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)
     data = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines, 9)) + chunk(b"IEND", b"")
@@ -196,7 +197,8 @@ exposure = 4.0
 def main():
     programs, out = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
     weights = Path(sys.argv[4]).resolve() if sys.argv[3:4] == ["--lpips"] else None
-    work = out / "work"
+    work = programs.parent / "table1"
+    out.mkdir(parents=True, exist_ok=True)
     work.mkdir(parents=True, exist_ok=True)
     bake = lambda *a: run(programs / "bake", *a, cwd=work)
     fit = lambda *a: run(programs / "fit", *a, cwd=work)
@@ -238,7 +240,7 @@ def main():
                     score = json.loads(fit("evaluate", "model.png", "photo.png", *options, "--json"))
                     scores[name, distance, model, content] = score
                     row.append(read_png(work / "model.png"))
-                if content != "natural" or distance == 150:
+                if name == "A" and (content != "natural" or distance == 150):
                     pictures.append(np.concatenate([picture[::2, ::2] for picture in row], axis=1))
                 print(f"sheet {name}, {distance} mm, {content}: done", file=sys.stderr)
     write_tables(out, scores, fits, list(contents))
