@@ -51,7 +51,7 @@ pub(crate) struct Bundle {
     incidence_deg: f64,
     azimuth_deg: f64,
     streams: Vec<Stream>,
-    /// Rays launched are those of all ranks; counts and fates are their sums in rank 0 after [`Rounds::gather`], and
+    /// Rays launched are those of all ranks; counts and fates are their sums in rank 0 after [`gather`], and
     /// until then what each traced since.
     sums: Mutex<Sums>,
 }
