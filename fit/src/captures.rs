@@ -4,6 +4,7 @@
 //! x runs along columns to the right and y along rows downward; angles in it run from +x towards +y. Every key is
 //! checked here, so that whatever comes out is finite and in range and every image exists.
 
+mod bounds;
 mod error;
 pub mod keys;
 mod spectrum;
