@@ -1,5 +1,7 @@
 //! RESULT.json: what an estimate says, for scripts and for `fit predict`.
 
+mod table;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -13,6 +15,7 @@ use crate::loss::Kind;
 use crate::sampled::Sampling;
 use crate::scene::Scene;
 use crate::select::Selection;
+pub use table::{CellResult, TableResult};
 
 /// A parameter: one number for all incidence angles, or one per angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -143,56 +146,6 @@ pub struct CaptureResult {
     pub warnings: Vec<String>,
     /// The MTF curves.
     pub curves: Curves,
-}
-
-/// The table that was used.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TableResult {
-    /// Its content hash.
-    pub content_hash: String,
-    /// Its design.
-    pub design: String,
-    /// What tables of the same cell share, whatever directions they hold; absent from older results.
-    #[serde(default)]
-    pub cell: Option<CellResult>,
-}
-
-/// What makes two tables those of one cell.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CellResult {
-    /// SHA-256 of the mesh.
-    pub mesh_hash: String,
-    /// Corner sizes are in units of it.
-    pub edge_length: f64,
-    /// Direction of azimuth 0 in the mesh's frame.
-    pub azimuth_zero: [f64; 3],
-    /// Of the front face.
-    pub refractive_index: f64,
-    /// What the facets are backed with.
-    pub back: String,
-}
-
-impl TableResult {
-    /// What a result keeps of the table that it was fitted with.
-    pub fn of(table: &tables::Table) -> TableResult {
-        let from = &table.provenance;
-        TableResult {
-            content_hash: table.content_hash(),
-            design: from.design.clone(),
-            cell: Some(CellResult {
-                mesh_hash: from.mesh_hash.clone(),
-                edge_length: from.edge_length,
-                azimuth_zero: from.azimuth_zero,
-                refractive_index: from.refractive_index,
-                back: from.back.clone(),
-            }),
-        }
-    }
-
-    /// Whether the other is a table of the same cell.
-    pub fn same_cell(&self, other: &TableResult) -> bool {
-        self.content_hash == other.content_hash || (self.cell.is_some() && self.cell == other.cell)
-    }
 }
 
 /// The camera that was used.
