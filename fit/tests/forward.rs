@@ -62,7 +62,7 @@ fn parts(curve: &Curve) -> Vec<&Vec<f64>> {
 /// how many of its own standard errors the mean of 8 randomisations is off.
 ///
 /// The closed form knows the bins by three moments of their pixels' positions (1e-5 of the step, measured in the test of
-/// noise-free photographs) and takes out the tails of the separable lobe to second order; the texture's lines leave 2e-5.
+/// noise-free photographs) and takes out the tails of the separable lobe to second order; the texture's lines leave a ripple of 5e-5.
 /// Together 1e-4 of the step. 6 standard errors with 7 degrees of freedom are exceeded by 5 in 10^4 frequencies by chance,
 /// of which 1 in 100 is allowed.
 #[test]
