@@ -59,11 +59,10 @@ fn an_exact_table_of_version_1() {
     // Closed form of an ideal cube (2/3)(1 - 2 tan^2), with the angle inside; to rounding.
     let inside = (20_f64.to_radians().sin() / 1.49).asin();
     let eta = [2.0 / 3.0, 2.0 / 3.0 * (1.0 - 2.0 * inside.tan().powi(2))];
-    for i in 0..2 {
-        for j in 0..2 {
-            assert!((table.retroreflected[[i, j]] - eta[i]).abs() < 1e-14);
-        }
+    for ((i, _), retroreflected) in table.retroreflected.indexed_iter() {
+        assert!((retroreflected - eta[i]).abs() < 1e-14);
     }
+    assert_eq!(table.retroreflected.dim(), (2, 2));
     let exact = table.exact.as_ref().unwrap();
     assert_eq!(exact.paths.iter().map(Vec::len).collect::<Vec<_>>(), [2; 4]);
     let corners = exact.paths.iter().flatten().map(|path| path.polygon.len());

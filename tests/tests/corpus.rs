@@ -11,9 +11,11 @@ mod fuzz;
 /// A watchdog: what takes a second under the fuzzer is a finding, and a test machine may be ten times slower.
 const MOST: Duration = Duration::from_secs(10);
 
+type Target = (&'static str, fn(&[u8]));
+
 #[test]
 fn the_corpus_is_answered() {
-    let targets: [(&str, fn(&[u8])); 5] = [
+    let targets: [Target; 5] = [
         ("obj", fuzz::obj),
         ("gltf", fuzz::gltf),
         ("table", fuzz::table),
