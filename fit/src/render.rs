@@ -3,6 +3,7 @@
 //! The picture is the source as it appears in the mid-air image, upright, one luminance a pixel; pixels outside of it are black.
 
 pub mod psf;
+pub mod sampled;
 pub mod tiles;
 pub mod transform;
 pub mod view;
@@ -45,6 +46,11 @@ pub enum Error {
     /// A view that does not show the sheet.
     #[error(transparent)]
     Unseen(#[from] view::Error),
+    /// A model that is known by its transform alone.
+    #[error(
+        "the model of this result has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral"
+    )]
+    NoSamples,
     /// A pixel is seen at an angle that the table lacks.
     #[error("at pixel ({column:.0}, {row:.0}) of the view: {fault}")]
     Pixel {
@@ -123,8 +129,7 @@ pub fn viewed(
     tolerance: f64,
 ) -> Result<(Picture, Tiles), Error> {
     let size = [source.width, source.height];
-    let middle = size.map(|n| 0.5 * (n as f64 - 1.0));
-    let seen = |[x, y]: [f64; 2]| view.at([x - middle[0], y - middle[1]]);
+    let seen = seen_by(view, source);
     let tiles = Tiles::new(size, tolerance, |at| -> Result<Psf, Error> {
         let Seen {
             place,
@@ -139,30 +144,57 @@ pub fn viewed(
         })
     })?;
     let mut planes = tiles.render(&source.planes, size);
-    if let Some(index) = view.coating {
-        for (plane, own) in planes.iter_mut().zip(&source.planes) {
-            let rows = plane.par_chunks_exact_mut(source.width).enumerate();
-            rows.try_for_each(|(y, row)| -> Result<(), Error> {
-                for (x, value) in row.iter_mut().enumerate() {
-                    let Seen {
-                        place, mirrored, ..
-                    } = seen([x as f64, y as f64])?;
-                    if let Some([column, row]) = mirrored {
-                        let share = half_mirror * view::fresnel(index, place.incidence_deg);
-                        let at = [column + middle[0], row + middle[1]];
-                        *value += share as f32 * bilinear(own, size, at);
-                    }
-                }
-                Ok(())
-            })?;
-        }
-    }
+    coat(&mut planes, source, view, half_mirror)?;
     let image = Picture {
         planes,
         warnings: Vec::new(),
         ..*source
     };
     Ok((image, tiles))
+}
+
+/// How the view shows the pixels of a picture, given as (column, row).
+fn seen_by<'a>(
+    view: &'a View,
+    source: &Picture,
+) -> impl Fn([f64; 2]) -> Result<Seen, view::Error> + Sync + use<'a> {
+    let middle = middle(source);
+    move |[x, y]| view.at([x - middle[0], y - middle[1]])
+}
+
+fn middle(source: &Picture) -> [f64; 2] {
+    [source.width, source.height].map(|n| 0.5 * (n as f64 - 1.0))
+}
+
+/// Adds what the sheet's front face mirrors, if it is coated.
+fn coat(
+    planes: &mut [Vec<f32>],
+    source: &Picture,
+    view: &View,
+    half_mirror: f64,
+) -> Result<(), view::Error> {
+    let Some(index) = view.coating else {
+        return Ok(());
+    };
+    let (size, middle) = ([source.width, source.height], middle(source));
+    let seen = seen_by(view, source);
+    for (plane, own) in planes.iter_mut().zip(&source.planes) {
+        let rows = plane.par_chunks_exact_mut(source.width).enumerate();
+        rows.try_for_each(|(y, row)| -> Result<(), view::Error> {
+            for (x, value) in row.iter_mut().enumerate() {
+                let Seen {
+                    place, mirrored, ..
+                } = seen([x as f64, y as f64])?;
+                if let Some([column, row]) = mirrored {
+                    let share = half_mirror * view::fresnel(index, place.incidence_deg);
+                    let at = [column + middle[0], row + middle[1]];
+                    *value += share as f32 * bilinear(own, size, at);
+                }
+            }
+            Ok(())
+        })?;
+    }
+    Ok(())
 }
 
 /// A plane between its pixels, black outside.

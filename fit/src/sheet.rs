@@ -8,7 +8,9 @@ use crate::kernel::{Blur, Kernel};
 use crate::lobe::{CUT, Shape};
 use crate::plane::ShiftPlane;
 use crate::report::{ResultFile, TableResult};
-use crate::spot::{Error, Place, Sheet, Spot, TAIL};
+use crate::sample::{LobeSampler, ShiftSampler};
+use crate::sampled::has_samples;
+use crate::spot::{Error, Place, Sampler, Sheet, Spot, TAIL};
 use crate::wave::WaveLine;
 
 /// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly in the incidence and
@@ -224,6 +226,31 @@ impl Spot for FittedSpot<'_> {
 
     fn reach_mm(&self) -> f64 {
         self.reach_mm
+    }
+
+    fn samples(&self) -> Option<Box<Sampler<'_>>> {
+        if !self.returns || !has_samples(self.sheet.result.kernel) {
+            return None;
+        }
+        let shift = match self.shift {
+            Some(_) => Some(ShiftSampler::new(&self.direction)?),
+            None => None,
+        };
+        let lobe = self.lobe.map(|(shape, a)| (LobeSampler::new(shape), a));
+        let c_mm = self.blur.c_mm;
+        let tangential_mm = c_mm * self.place.incidence_deg.to_radians().cos();
+        Some(Box::new(move |[u, v, w, z]| {
+            let mut at = [0.0; 2];
+            if let Some(shift) = &shift {
+                let [along, across] = shift.at([u, v]);
+                at = [tangential_mm * along, c_mm * across];
+            }
+            if let Some((lobe, a)) = &lobe {
+                let [along, across] = lobe.at([w, z]);
+                at = [at[0] + along / a, at[1] + across / a];
+            }
+            at
+        }))
     }
 
     fn interpolated(&self) -> bool {

@@ -5,6 +5,7 @@
 
 use num_complex::Complex64;
 
+use crate::sample::sequence::DIMENSIONS;
 use crate::wave;
 
 /// Where a point of the mid-air image is seen.
@@ -32,11 +33,20 @@ pub trait Spot: Send + Sync {
     /// along each axis.
     fn reach_mm(&self) -> f64;
 
+    /// Where the light goes (tangential, sagittal), mm, as a function of four coordinates of the unit cube; `None` for a model
+    /// that is known by its transform alone, and where nothing returns.
+    fn samples(&self) -> Option<Box<Sampler<'_>>> {
+        None
+    }
+
     /// Whether the place lies between the directions of the table, which costs accuracy.
     fn interpolated(&self) -> bool {
         false
     }
 }
+
+/// A point of the spot, mm, for a point of the unit cube of [`crate::sample::Points`].
+pub type Sampler<'a> = dyn Fn([f64; DIMENSIONS]) -> [f64; 2] + Sync + 'a;
 
 /// Share of the light that may fall outside of [`Spot::reach_mm`].
 pub const TAIL: f64 = 0.002;

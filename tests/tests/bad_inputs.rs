@@ -478,6 +478,6 @@ fn options() {
     for (program, arguments, code, part) in cases {
         bench.refuses(&here, program, &arguments, code, &[part]);
     }
-    assert_eq!(count, 53);
+    assert_eq!(count, 52);
     bench.all_refused(count);
 }

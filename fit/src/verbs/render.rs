@@ -8,11 +8,13 @@ use serde::Serialize;
 use tables::Outputs;
 
 use crate::cli::{self, Failure};
+use crate::forward::Forward;
 use crate::photo::{self, Picture, Transfer, Writing};
-use crate::render::{self, Scale, psf::Psf, view::View};
+use crate::render::{self, Scale, psf::Psf, sampled, sampled::Spotted, view::View};
 use crate::sheet::Fitted;
 use crate::spot::Place;
 use crate::verbs::estimate::read_result;
+use crate::verbs::sampled::Samples;
 
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
 #[derive(Debug, clap::Args)]
@@ -26,6 +28,8 @@ Examples:
 -o aerial.exr
   fit render --source content.png --params result.json --table pair.h5 --distance 150 --incidence 0 --azimuth 30 \
 --exposure 10 --ambient 0.002 -o aerial.png --json
+  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence 20 --azimuth 30 \
+--forward render --samples 64 -o sampled.exr --json
 
 With --view, a camera sees the sheet: every pixel has its own incidence, azimuth and distance, and with them its own blur and \
 brightness, so the table must hold directions all around (bake trace --azimuth 0:345:15). All as the camera sees it, the half \
@@ -92,6 +96,12 @@ pub struct Arguments {
     /// What integers in the source mean, linear or srgb, and in a PNG that is written; sRGB for 8 bits if left out
     #[arg(long, value_name = "NAME", value_parser = cli::transfer)]
     pub transfer: Option<Transfer>,
+    /// spectral: by transforms; render: by samples, for a check
+    #[arg(long, value_enum, default_value_t)]
+    pub forward: Forward,
+    /// Samples of the blur.
+    #[command(flatten)]
+    pub samples: Samples,
     /// Threads; all cores if left out
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -121,6 +131,8 @@ struct Report {
     transfer_error: f64,
     /// Tiles along columns and rows, and the largest error between their corners; null without a view.
     tiles: Option<TileReport>,
+    /// Root mean square over the image of the standard error by the samples, before exposure; null without samples.
+    sampling_error: Option<f64>,
     /// Mean and greatest luminance of the mid-air image over the ambient one; null without ambient light.
     contrast: Option<Contrast>,
     seconds: Seconds,
@@ -169,9 +181,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let read = started.elapsed().as_secs_f64();
 
     let seen = pool.install(|| match &arguments.view {
-        Some(file) => from_camera(&source, &sheet, &View::load(file)?, arguments.tolerance),
+        Some(file) => from_camera(&source, &sheet, &View::load(file)?, arguments),
         None => from_afar(&source, &sheet, arguments),
     })?;
+    let mut warnings = warnings(&source, &seen);
     let (mut image, ambient) = (seen.image, seen.ambient);
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,
@@ -180,8 +193,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     pool.install(|| image.expose(ambient, arguments.exposure));
     let rendered = started.elapsed().as_secs_f64();
 
-    let places = &seen.places;
-    let mut warnings = warnings(&source, &seen.psfs, range(places, |p| p.incidence_deg));
+    let spots = &seen.spots;
     let clipped = image.above_white();
     if writing == Writing::Png && clipped > 0 {
         warnings.push(format!(
@@ -207,14 +219,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         height,
         channels,
         pixel_pitch_mm: seen.pitch_mm,
-        incidence_deg: range(places, |p| p.incidence_deg),
+        incidence_deg: range(spots, |spot| spot.place.incidence_deg),
         azimuth_deg: (!table.axes.is_mean())
-            .then(|| range(places, |p| p.azimuth_deg.unwrap_or(f64::NAN))),
-        distance_mm: range(places, |p| p.r_mm),
-        energy: (seen.psfs.iter().all(|psf| psf.energy.is_some()))
-            .then(|| range(&seen.psfs, |psf| psf.energy.unwrap_or(1.0))),
-        transfer_error: seen.psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
+            .then(|| range(spots, |spot| spot.place.azimuth_deg.unwrap_or(f64::NAN))),
+        distance_mm: range(spots, |spot| spot.place.r_mm),
+        energy: (spots.iter().all(|spot| spot.energy.is_some()))
+            .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
+        transfer_error: seen.transfer_error,
         tiles: seen.tiles,
+        sampling_error: seen.sampling_error,
         contrast,
         seconds: Seconds {
             read,
@@ -228,12 +241,44 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// The image and what is said about it.
 struct Seen {
     image: Picture,
-    places: Vec<Place>,
-    /// Weights at all places that were worked out.
-    psfs: Vec<Psf>,
+    /// All places that were worked out.
+    spots: Vec<Spotted>,
+    transfer_error: f64,
     tiles: Option<TileReport>,
+    sampling_error: Option<f64>,
     pitch_mm: f64,
     ambient: f64,
+}
+
+impl Seen {
+    fn by_transforms(image: Picture, places: Vec<Place>, psfs: &[Psf]) -> Seen {
+        let spotted = |(place, psf): (Place, &Psf)| Spotted {
+            place,
+            energy: psf.energy,
+            interpolated: psf.interpolated,
+        };
+        Seen {
+            image,
+            spots: places.into_iter().zip(psfs).map(spotted).collect(),
+            transfer_error: psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
+            tiles: None,
+            sampling_error: None,
+            pitch_mm: 0.0,
+            ambient: 0.0,
+        }
+    }
+
+    fn by_samples(sampled: sampled::Sampled) -> Seen {
+        Seen {
+            image: sampled.image,
+            spots: sampled.seen,
+            transfer_error: 0.0,
+            tiles: None,
+            sampling_error: sampled.standard_error,
+            pitch_mm: 0.0,
+            ambient: 0.0,
+        }
+    }
 }
 
 /// All pixels at one incidence and distance.
@@ -252,14 +297,20 @@ fn from_afar(
         pitch_mm: pitch_mm.unwrap_or(sheet.result.camera.pixel_pitch_mm),
         tangential_axis_deg: arguments.tangential_axis,
     };
-    let psf = render::uniform_psf(sheet, &place, &scale)?;
+    let seen = match arguments.forward {
+        Forward::Spectral => {
+            let psf = render::uniform_psf(sheet, &place, &scale)?;
+            Seen::by_transforms(render::uniform(source, &psf), vec![place], &[psf])
+        }
+        Forward::Render => {
+            let sampling = arguments.samples.sampling();
+            Seen::by_samples(sampled::uniform(source, sheet, &place, &scale, sampling)?)
+        }
+    };
     Ok(Seen {
-        image: render::uniform(source, &psf),
-        places: vec![place],
-        psfs: vec![psf],
-        tiles: None,
         pitch_mm: scale.pitch_mm,
         ambient: arguments.ambient,
+        ..seen
     })
 }
 
@@ -268,25 +319,37 @@ fn from_camera(
     source: &Picture,
     sheet: &Fitted<'_>,
     view: &View,
-    tolerance: f64,
+    arguments: &Arguments,
 ) -> Result<Seen, render::Error> {
     let half_mirror = sheet.result.half_mirror;
-    let (image, tiles) = render::viewed(source, sheet, view, half_mirror, tolerance)?;
-    let [width, height] = [source.width, source.height].map(|n| n as f64);
-    let places = tiles.corner_places();
-    let places = places.map(|[x, y]| view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]));
+    let seen = match arguments.forward {
+        Forward::Spectral => {
+            let tolerance = arguments.tolerance;
+            let (image, tiles) = render::viewed(source, sheet, view, half_mirror, tolerance)?;
+            let [width, height] = [source.width, source.height].map(|n| n as f64);
+            let places = tiles.corner_places().map(|[x, y]| {
+                let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
+                seen.map(|seen| seen.place)
+            });
+            let places = places.collect::<Result<_, _>>()?;
+            Seen {
+                tiles: Some(TileReport {
+                    counts: tiles.counts(),
+                    error: tiles.error,
+                }),
+                ..Seen::by_transforms(image, places, tiles.corners())
+            }
+        }
+        Forward::Render => {
+            let sampling = arguments.samples.sampling();
+            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling)?;
+            Seen::by_samples(sampled)
+        }
+    };
     Ok(Seen {
-        image,
-        places: places
-            .map(|seen| seen.map(|seen| seen.place))
-            .collect::<Result<_, _>>()?,
-        psfs: tiles.corners().to_vec(),
-        tiles: Some(TileReport {
-            counts: tiles.counts(),
-            error: tiles.error,
-        }),
         pitch_mm: view.pitch_mm(),
         ambient: view.ambient,
+        ..seen
     })
 }
 
@@ -298,35 +361,35 @@ fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
     })
 }
 
-fn warnings(source: &Picture, psfs: &[Psf], incidence_deg: Range) -> Vec<String> {
+fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
     let mut warnings = source.warnings.clone();
-    let [low, high] = incidence_deg;
+    let spots = &seen.spots;
+    let [low, high] = range(spots, |spot| spot.place.incidence_deg);
     let at = if low == high {
         format!("{low} deg")
     } else {
         format!("{low:.2} to {high:.2} deg")
     };
-    if psfs.iter().any(|psf| psf.energy.is_none()) {
+    if spots.iter().any(|spot| spot.energy.is_none()) {
         warnings.push(
             "the result has no mu (no reference photograph): the image is as bright as the source"
                 .into(),
         );
     }
-    if psfs.iter().all(|psf| psf.energy == Some(0.0)) {
+    if spots.iter().all(|spot| spot.energy == Some(0.0)) {
         warnings.push(format!(
             "nothing is returned at incidence {at}: the image is black"
         ));
     }
-    if low == high && psfs.iter().any(|psf| psf.interpolated) {
+    if low == high && spots.iter().any(|spot| spot.interpolated) {
         warnings.push(format!(
             "interpolated between directions of the table, which costs accuracy: incidence {at}; bake it"
         ));
     }
-    let error = psfs.iter().map(|psf| psf.error).fold(0.0, f64::max);
-    if error > 1e-3 {
+    if seen.transfer_error > 1e-3 {
         warnings.push(format!(
             "the blur is much finer than a pixel: the contrast of single pixels errs by up to {:.1} %",
-            100.0 * error
+            100.0 * seen.transfer_error
         ));
     }
     warnings
