@@ -77,10 +77,13 @@ test-mpi: rust tools
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --test ranks --locked
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what it takes); MITSUBA_PYTHON: an
-# interpreter that has mitsuba.
-test-mitsuba: build
+# interpreter that has mitsuba and h5py.
+test-mitsuba: demo
 	@test -n "$(MITSUBA_FIT)" || { echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
 	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)"
+	@$(BIN)/fit render $(MITSUBA_SCENE) -o demo/aerial.exr
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) fit/doc/mitsuba_edge.py $(MITSUBA_SCENE) -o demo/mitsuba.exr --compare demo/aerial.exr
+MITSUBA_SCENE = --source $(CAMPAIGN)/source.exr --params demo/result.json --table demo/pair.h5 --distance 300 --incidence 20
 
 # ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor HDF5.
 
