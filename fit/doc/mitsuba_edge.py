@@ -3,8 +3,9 @@
     python mitsuba_edge.py --source edge.exr --params result.json --table sheet.h5 --distance 300 --incidence 20 \
         -o mitsuba.exr --compare aerial.exr
 
-Needs mitsuba, h5py, numpy, and an LLVM that Mitsuba takes (3.9 wants 19: DRJIT_LIBLLVM_PATH). The table must hold the direction. --compare: what `fit render` made with the same options; prints
-the root mean square difference and the standard error of the samples here, and fails above 1.2 times that.
+Needs mitsuba, h5py, numpy, and an LLVM that Mitsuba takes (3.9 wants 19: DRJIT_LIBLLVM_PATH). The table must hold the
+direction. --compare: what `fit render` made with the same options; prints the root mean square difference and the standard
+error of the samples here, and fails above 1.2 times that.
 """
 import argparse, json, os, sys
 
