@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tables::{Output, OutputError, Outputs};
 
+use crate::kernel::Family;
 use crate::verbs;
 use crate::wave;
 use crate::{captures, edge, photo, plot, predict, render, scene, simulate};
@@ -65,6 +66,15 @@ pub enum Failure {
     Hollow {
         /// The manifest.
         manifest: PathBuf,
+    },
+    /// The result is of another model than the one that was named.
+    #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table table.h5 --model {} -o result.json",
+        path.display(), asked.name())]
+    Model {
+        /// The result.
+        path: PathBuf,
+        /// The model named.
+        asked: Family,
     },
     /// The prediction.
     #[error(transparent)]

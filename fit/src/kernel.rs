@@ -45,6 +45,16 @@ pub enum Family {
 }
 
 impl Family {
+    /// The name in files and options.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Family::Proposed => "proposed",
+            Family::Saito => "saito",
+            Family::Guo => "guo",
+            Family::Mrm => "mrm",
+        }
+    }
+
     /// Its kernels, in the order of preference among equals.
     pub const fn kernels(self) -> &'static [Kernel] {
         match self {

@@ -56,4 +56,16 @@ fn any_table_of_the_fitted_cell_predicts() {
         "{}",
         refused.err
     );
+
+    // A model may be named; it must be the result's.
+    let named = |model: &str| {
+        let places = ["--distance", "300", "--incidence", "15", "--azimuth", "30"];
+        let files = ["predict", "r.json", "--table", &fitted, "--model", model];
+        fit(here, &[&files[..], &places].concat())
+    };
+    named("proposed").done();
+    let refused = named("saito");
+    assert_eq!(refused.code, Some(1));
+    let remedy = "r.json: is the fit of another model; fit this one: fit estimate captures.toml --table table.h5 --model saito";
+    assert!(refused.err.contains(remedy), "{}", refused.err);
 }

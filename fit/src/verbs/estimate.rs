@@ -13,6 +13,7 @@ use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
 use crate::estimate::Value;
 use crate::forward::{self, Forward};
+use crate::kernel::Family;
 use crate::loss::{Kind, Loss};
 use crate::page::{Evidence, Page};
 use crate::photo::Channel;
@@ -360,6 +361,20 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
 /// [`Failure::Json`]; [`Failure::Channel`] for one of several channels.
 pub fn read_result(path: &Path) -> Result<ResultFile, Failure> {
     read_channel(path, None)
+}
+
+/// That a result is of the model that was named, if one was.
+///
+/// # Errors
+/// [`Failure::Model`].
+pub fn check_model(path: &Path, result: &ResultFile, model: Option<Family>) -> Result<(), Failure> {
+    match model {
+        Some(asked) if asked != result.model => Err(Failure::Model {
+            path: path.to_owned(),
+            asked,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Reads a RESULT.json of one fit, or, by its name, one channel of a file of several.

@@ -7,10 +7,10 @@ use serde::Serialize;
 use tables::Outputs;
 
 use crate::cli::{self, Failure};
-use crate::kernel::Kernel;
+use crate::kernel::{Family, Kernel};
 use crate::plot::{self, Variable};
 use crate::predict::{Axis, Places, Prediction, predict};
-use crate::verbs::estimate::read_channel;
+use crate::verbs::estimate::{check_model, read_channel};
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
 #[derive(Debug, clap::Args)]
@@ -45,6 +45,9 @@ pub struct Arguments {
     /// Frequencies, 1/mm
     #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
     pub frequency: std::vec::Vec<f64>,
+    /// Whose model the result must be, if any is named: a result knows its own
+    #[arg(long, value_enum)]
+    pub model: Option<Family>,
     /// One JSON object instead of CSV
     #[arg(long)]
     pub json: bool,
@@ -86,6 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
+    check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let mut places = Places {
         distance_mm: arguments.distance.clone(),

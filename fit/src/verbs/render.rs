@@ -9,11 +9,12 @@ use tables::Outputs;
 
 use crate::cli::{self, Failure};
 use crate::forward::Forward;
+use crate::kernel::Family;
 use crate::photo::{self, Picture, Transfer, Writing};
 use crate::render::{self, Scale, psf::Psf, sampled, sampled::Spotted, view::View};
 use crate::sheet::Fitted;
 use crate::spot::Place;
-use crate::verbs::estimate::read_result;
+use crate::verbs::estimate::{check_model, read_result};
 use crate::verbs::sampled::Samples;
 
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
@@ -102,6 +103,9 @@ pub struct Arguments {
     /// Samples of the blur.
     #[command(flatten)]
     pub samples: Samples,
+    /// Whose model the result must be, if any is named: a result knows its own
+    #[arg(long, value_enum)]
+    pub model: Option<Family>,
     /// Threads; all cores if left out
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
@@ -172,6 +176,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
     let output = outputs.reserve(&arguments.output)?;
     let result = read_result(&arguments.params)?;
+    check_model(&arguments.params, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let sheet = Fitted::new(&result, &table)?;
     let pool = cli::pool(arguments.threads)?;
