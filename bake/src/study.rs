@@ -405,12 +405,8 @@ fn programs(cell: &Cell, plan: &Plan) -> usize {
     let sheet = Sheet::new(cell, Index::Auto);
     let bins = Bins::new(plan.axes.bins, plan.axes.range);
     let rules = plan.rules(cell);
-    let directions = plan
-        .axes
-        .incidence_deg
-        .iter()
-        .flat_map(|&i| plan.axes.azimuth_deg.iter().map(move |&a| (i, a)));
-    directions
+    plan.axes
+        .directions()
         .filter(|&(i, a)| {
             !Kernel::over(&sheet, &rules, &bins, i, a)
                 .programs()

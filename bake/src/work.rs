@@ -60,12 +60,8 @@ impl Bundle {
     /// One for each direction of a plan, incidence slow, azimuth fast.
     pub(crate) fn all(plan: &Plan) -> Vec<Bundle> {
         let bins = Bins::new(plan.axes.bins, plan.axes.range);
-        let directions = plan
-            .axes
-            .incidence_deg
-            .iter()
-            .flat_map(|&i| plan.axes.azimuth_deg.iter().map(move |&a| (i, a)));
-        directions
+        plan.axes
+            .directions()
             .map(|(incidence_deg, azimuth_deg)| Bundle {
                 incidence_deg,
                 azimuth_deg,

@@ -72,13 +72,9 @@ impl ShiftPlane {
 /// Shifts that no other goes beyond: corners of the polygons as they are shifted, or of the bins that hold something; edge lengths.
 fn corners(direction: &Direction) -> Vec<[f64; 2]> {
     if let Some(paths) = &direction.paths {
-        let shifted = paths.iter().flat_map(|path| {
-            let [[uu, uv], [vu, vv]] = path.matrix;
-            let [u, v] = path.offset;
-            path.polygon
-                .iter()
-                .map(move |p| [uu * p[0] + uv * p[1] + u, vu * p[0] + vv * p[1] + v])
-        });
+        let shifted = paths
+            .iter()
+            .flat_map(|path| path.polygon.iter().map(|&entry| path.shift(entry)));
         return shifted.collect();
     }
     let width = width(direction);

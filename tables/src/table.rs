@@ -115,6 +115,12 @@ impl Axes {
     pub fn shape(&self) -> (usize, usize) {
         (self.incidence_deg.len(), self.azimuth_deg.len())
     }
+
+    /// All directions (incidence, azimuth), degrees, in the order of the arrays: incidence slow, azimuth fast.
+    pub fn directions(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let azimuths = move |&i| self.azimuth_deg.iter().map(move |&a| (i, a));
+        self.incidence_deg.iter().flat_map(azimuths)
+    }
 }
 
 /// One facet sequence of an exact bake: the rays that enter through `polygon` leave shifted by `matrix * p +
@@ -132,6 +138,17 @@ pub struct Path {
     /// Share of the launched power that this path returns (1 for lossless reflections); of a sheet of many cubes, times
     /// how often its kind of cube occurs relative to the most frequent kind.
     pub weight: f64,
+}
+
+impl Path {
+    /// Shift (u, v) of the ray that enters at `entry`, edge lengths.
+    pub fn shift(&self, entry: [f64; 2]) -> [f64; 2] {
+        let row = |k: usize| {
+            let [by_u, by_v] = self.matrix[k];
+            by_u * entry[0] + by_v * entry[1] + self.offset[k]
+        };
+        [row(0), row(1)]
+    }
 }
 
 /// What `bake --method exact` found: the polygons and maps behind the histogram.

@@ -15,11 +15,7 @@ fn some_shards() -> tables::Table {
 
 #[test]
 fn h5py_and_xarray_read_every_kind_of_table() {
-    let Some(python) = std::env::var_os("AIRR_PYTHON") else {
-        panic!(
-            "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf"
-        );
-    };
+    let python = sample::python();
     let folder = tempfile::tempdir().unwrap();
     let mut tried = 0;
     for (kind, table) in [

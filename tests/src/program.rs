@@ -122,3 +122,13 @@ pub fn sources(folder: &Path) -> Vec<PathBuf> {
     found.sort();
     found
 }
+
+/// The Python that `make test` sets up.
+///
+/// # Panics
+/// Without it.
+pub fn python() -> std::ffi::OsString {
+    std::env::var_os("AIRR_PYTHON").expect(
+        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
+    )
+}

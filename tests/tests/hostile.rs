@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use tests::files::{argument, bake_table_with};
-use tests::program::run_by;
+use tests::program::{python, run_by};
 
 /// Most memory of any process of a command, bytes.
 const MOST_BYTES: u64 = 500_000_000;
@@ -18,12 +18,6 @@ const MEASURE: &str = "import resource, subprocess, sys\n\
     code = subprocess.run(sys.argv[1:]).returncode\n\
     print('\\npeak', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)\n\
     sys.exit(code if code >= 0 else 200)";
-
-fn python() -> std::ffi::OsString {
-    std::env::var_os("AIRR_PYTHON").expect(
-        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
-    )
-}
 
 /// A small table from rays, `table.h5` in `folder`.
 fn table(folder: &Path) {

@@ -3,14 +3,10 @@
 use std::process::Command;
 
 use tests::files::{argument, bake_table_with};
+use tests::program::python;
 
 #[test]
 fn a_baked_table_opens_in_h5py_and_xarray() {
-    let Some(python) = std::env::var_os("AIRR_PYTHON") else {
-        panic!(
-            "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf"
-        );
-    };
     let folder = tempfile::tempdir().unwrap();
     let mut read = 0;
     for method in [
@@ -18,7 +14,7 @@ fn a_baked_table_opens_in_h5py_and_xarray() {
         &["--method", "exact"],
     ] {
         let table = bake_table_with(folder.path(), "triangular", "0,10,35", "0,30", method);
-        let output = Command::new(&python)
+        let output = Command::new(python())
             .arg(argument("tests/tests/read_table.py"))
             .arg(folder.path().join(table))
             .arg(method[1])

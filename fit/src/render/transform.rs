@@ -11,6 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
 use super::psf::Psf;
+use crate::fourier::is_smooth;
 
 /// Columns that are transformed together: a cache line of the rows that they are gathered from.
 const BLOCK: usize = 16;
@@ -166,9 +167,12 @@ impl Spectrum {
     }
 }
 
-/// The smallest number from `least` on with no prime factor above 7.
+/// Prime factors of a fast length.
+const PRIMES: [usize; 4] = [2, 3, 5, 7];
+
+/// The smallest fast length from `least` >= 1 on.
 fn smooth(least: usize) -> usize {
-    (least..).find(|&n| is_smooth(n)).unwrap_or(least)
+    (least..).find(|&n| is_smooth(n, &PRIMES)).unwrap_or(least)
 }
 
 fn smooth_even(least: usize) -> usize {
@@ -177,16 +181,8 @@ fn smooth_even(least: usize) -> usize {
 
 /// Likewise, odd.
 pub fn smooth_odd(least: usize) -> usize {
-    let odd = (least..).filter(|n| n % 2 == 1);
-    odd.into_iter().find(|&n| is_smooth(n)).unwrap_or(least)
-}
-
-fn is_smooth(n: usize) -> bool {
-    let mut rest = n.max(1);
-    for prime in [2, 3, 5, 7] {
-        while rest.is_multiple_of(prime) {
-            rest /= prime;
-        }
-    }
-    rest == 1
+    (least | 1..)
+        .step_by(2)
+        .find(|&n| is_smooth(n, &PRIMES))
+        .unwrap_or(least)
 }

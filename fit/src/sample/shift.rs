@@ -59,11 +59,6 @@ impl ShiftSampler {
 fn triangles(paths: &[Path]) -> Option<Support> {
     let (mut masses, mut triangles) = (Vec::new(), Vec::new());
     for path in paths {
-        let image = |p: [f64; 2]| -> [f64; 2] {
-            std::array::from_fn(|k| {
-                path.offset[k] + path.matrix[k][0] * p[0] + path.matrix[k][1] * p[1]
-            })
-        };
         let Some((&a, rest)) = path.polygon.split_first() else {
             continue;
         };
@@ -71,7 +66,7 @@ fn triangles(paths: &[Path]) -> Option<Support> {
             let [b, c] = [pair[0], pair[1]];
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             masses.push(path.weight * twice.max(0.0));
-            triangles.push([image(a), image(b), image(c)]);
+            triangles.push([a, b, c].map(|entry| path.shift(entry)));
         }
     }
     Some(Support::Triangles {

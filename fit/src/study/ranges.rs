@@ -160,11 +160,7 @@ impl Ranges {
 
     /// Directions of a table that these campaigns photograph: incidence and azimuth, degrees.
     pub fn directions(&self, table: &Table) -> Vec<[f64; 2]> {
-        let axes = &table.axes;
-        let all = axes
-            .incidence_deg
-            .iter()
-            .flat_map(|&i| axes.azimuth_deg.iter().map(move |&a| [i, a]));
+        let all = table.axes.directions().map(|(i, a)| [i, a]);
         all.filter(|&direction| self.eta(direction) >= LEAST_ETA)
             .collect()
     }

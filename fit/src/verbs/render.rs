@@ -185,12 +185,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
     let read = started.elapsed().as_secs_f64();
 
-    let seen = pool.install(|| match &arguments.view {
-        Some(file) => from_camera(&source, &sheet, &View::load(file)?, arguments),
-        None => from_afar(&source, &sheet, arguments),
+    let view = arguments.view.as_deref().map(View::load).transpose();
+    let view = view.map_err(render::Error::from)?;
+    let pitch = arguments.pixel_pitch;
+    let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
+    let pitch_mm = view.as_ref().map_or(pitch, View::pitch_mm);
+    let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
+    let seen = pool.install(|| match &view {
+        Some(view) => from_camera(&source, &sheet, view, arguments),
+        None => from_afar(&source, &sheet, pitch_mm, arguments),
     })?;
     let mut warnings = warnings(&source, &seen);
-    let (mut image, ambient) = (seen.image, seen.ambient);
+    let mut image = seen.image;
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,
         peak: image.peak_luminance() / ambient,
@@ -223,7 +229,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         width,
         height,
         channels,
-        pixel_pitch_mm: seen.pitch_mm,
+        pixel_pitch_mm: pitch_mm,
         incidence_deg: range(spots, |spot| spot.place.incidence_deg),
         azimuth_deg: (!table.axes.is_mean())
             .then(|| range(spots, |spot| spot.place.azimuth_deg.unwrap_or(f64::NAN))),
@@ -251,8 +257,6 @@ struct Seen {
     transfer_error: f64,
     tiles: Option<TileReport>,
     sampling_error: Option<f64>,
-    pitch_mm: f64,
-    ambient: f64,
 }
 
 impl Seen {
@@ -268,8 +272,6 @@ impl Seen {
             transfer_error: psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
             tiles: None,
             sampling_error: None,
-            pitch_mm: 0.0,
-            ambient: 0.0,
         }
     }
 
@@ -280,8 +282,6 @@ impl Seen {
             transfer_error: 0.0,
             tiles: None,
             sampling_error: sampled.standard_error,
-            pitch_mm: 0.0,
-            ambient: 0.0,
         }
     }
 }
@@ -290,6 +290,7 @@ impl Seen {
 fn from_afar(
     source: &Picture,
     sheet: &Fitted<'_>,
+    pitch_mm: f64,
     arguments: &Arguments,
 ) -> Result<Seen, render::Error> {
     let place = Place {
@@ -297,12 +298,11 @@ fn from_afar(
         azimuth_deg: arguments.azimuth.or(cli::only_azimuth(sheet.table)),
         r_mm: arguments.distance.unwrap_or(f64::NAN),
     };
-    let pitch_mm = arguments.pixel_pitch;
     let scale = Scale {
-        pitch_mm: pitch_mm.unwrap_or(sheet.result.camera.pixel_pitch_mm),
+        pitch_mm,
         tangential_axis_deg: arguments.tangential_axis,
     };
-    let seen = match arguments.forward {
+    Ok(match arguments.forward {
         Forward::Spectral => {
             let psf = render::uniform_psf(sheet, &place, &scale)?;
             Seen::by_transforms(render::uniform(source, &psf), vec![place], &[psf])
@@ -311,11 +311,6 @@ fn from_afar(
             let sampling = arguments.samples.sampling();
             Seen::by_samples(sampled::uniform(source, sheet, &place, &scale, sampling)?)
         }
-    };
-    Ok(Seen {
-        pitch_mm: scale.pitch_mm,
-        ambient: arguments.ambient,
-        ..seen
     })
 }
 
@@ -327,7 +322,7 @@ fn from_camera(
     arguments: &Arguments,
 ) -> Result<Seen, render::Error> {
     let half_mirror = sheet.result.half_mirror;
-    let seen = match arguments.forward {
+    Ok(match arguments.forward {
         Forward::Spectral => {
             let tolerance = arguments.tolerance;
             let (image, tiles) = render::viewed(source, sheet, view, half_mirror, tolerance)?;
@@ -350,11 +345,6 @@ fn from_camera(
             let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling)?;
             Seen::by_samples(sampled)
         }
-    };
-    Ok(Seen {
-        pitch_mm: view.pitch_mm(),
-        ambient: view.ambient,
-        ..seen
     })
 }
 

@@ -161,3 +161,10 @@ pub fn exact() -> Table {
         provenance,
     }
 }
+
+/// The Python that `make test` sets up.
+pub fn python() -> std::ffi::OsString {
+    std::env::var_os("AIRR_PYTHON").expect(
+        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
+    )
+}
