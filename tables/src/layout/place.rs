@@ -400,7 +400,14 @@ fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
     let elements = chunk
         .iter()
         .try_fold(1_u64, |bytes, &n| bytes.checked_mul(n as u64));
-    let bytes = elements.and_then(|n| n.checked_mul(dataset.dtype().ok()?.size() as u64));
+    let kind = dataset.dtype()?;
+    // A text of variable length is a length, an address and an index in the file, a pointer in memory.
+    let element = if TEXTS.contains(&kind.to_descriptor()?) {
+        16
+    } else {
+        kind.size() as u64
+    };
+    let bytes = elements.and_then(|n| n.checked_mul(element));
     let Some(bytes) = bytes.filter(|&bytes| bytes <= MOST_CHUNK) else {
         return Ok(Some("in chunks above 128 MiB"));
     };
