@@ -26,6 +26,18 @@ def read_table(name):
         return table
 
 
+def at_azimuth(table, azimuth_deg):
+    """The histograms [incidence, v, u] and eta [incidence] at an azimuth that the table holds, itself or by its symmetry."""
+    turn = 360 / table.get("symmetry_rotations", 1)
+    mirror = table.get("symmetry_mirror_deg")
+    for j, own in enumerate(table["azimuth_deg"]):
+        for image, step in [(own, 1)] + ([(2 * mirror - own, -1)] if mirror is not None else []):
+            if abs((azimuth_deg - image + turn / 2) % turn - turn / 2) < 1e-9:
+                # Seen in a mirror, v is turned over.
+                return {"histogram": table["histogram"][:, j, ::step], "retroreflected": table["retroreflected"][:, j]}
+    raise KeyError(f"azimuth {azimuth_deg} deg is between those of the table")
+
+
 if __name__ == "__main__":
     read = read_table(sys.argv[1])
     for i, incidence in enumerate(read["incidence_deg"]):

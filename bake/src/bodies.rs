@@ -88,6 +88,14 @@ pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.facets.len() < SMALL {
         return Err(Whole::Small);
     }
+    apart(cell)
+}
+
+/// As [`kinds`] for a cell without a lattice, however few its facets.
+///
+/// # Errors
+/// [`Whole`]: why it is not taken apart.
+pub fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     let surface = Surface::new(cell);
     let bodies = surface.bodies().ok_or(Whole::Connected)?;
     let large = bodies.iter().any(|body| body.len() > program::FACETS);

@@ -41,8 +41,9 @@ enum Verb {
     Design(DesignArgs),
     /// Traces a mesh into a ray-shift table
     #[command(
-        after_help = "Example: acrylic prisms, 0 to 45 degrees at azimuth 30\n  \
-        bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30"
+        after_help = "Examples: acrylic prisms, 0 to 45 degrees at azimuth 30, and at all azimuths in steps of 10\n  \
+        bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30\n  \
+        bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10"
     )]
     Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table

@@ -14,7 +14,7 @@ mod beam;
 mod bins;
 mod body;
 mod candidate;
-mod facet;
+pub(crate) mod facet;
 mod mean;
 mod paths;
 mod rim;

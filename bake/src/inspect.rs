@@ -3,7 +3,7 @@
 use crate::report::{directions_json, directions_text};
 use serde_json::json;
 use std::fmt::Write;
-use tables::Table;
+use tables::{Symmetry, Table};
 
 /// For a person.
 pub fn text(table: &Table) -> String {
@@ -48,6 +48,19 @@ pub fn text(table: &Table) -> String {
             axes.bins, axes.range
         ),
     );
+    let Symmetry {
+        rotations,
+        mirror_deg,
+    } = from.symmetry;
+    if from.symmetry != Symmetry::NONE {
+        let mirror = mirror_deg.map_or(String::new(), |m| {
+            format!(", mirror plane at azimuth {m} deg")
+        });
+        line(
+            "symmetry",
+            format!("{rotations} rotations{mirror}: every azimuth is looked up among those below"),
+        );
+    }
     line(
         "frame",
         "u along the in-plane direction of travel, v = n x u; the shift is p' - p".into(),
@@ -76,6 +89,7 @@ pub fn json(table: &Table) -> String {
         "method": from.method,
         "sampler": from.sampler,
         "seed": from.seed,
+        "symmetry": { "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg },
         "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,

@@ -34,6 +34,7 @@ pub mod sequence;
 pub mod sheet;
 pub mod simd;
 pub mod study;
+pub mod symmetry;
 pub mod tally;
 pub mod triangle;
 mod work;

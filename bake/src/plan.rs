@@ -1,13 +1,16 @@
 //! From raw arguments to a checked plan. Every default of `bake trace` is stated here, once.
 
+mod angles;
 mod error;
 
 use crate::bodies::{self, Whole};
 use crate::path::Rules;
 use crate::sequence::Sampler;
+use crate::symmetry;
+use angles::{angles, full_step, sector};
 use std::num::NonZeroUsize;
-use tables::Axes;
 use tables::shards::MOST_SHARDS;
+use tables::{Axes, Symmetry};
 
 pub use error::PlanError;
 
@@ -26,6 +29,8 @@ pub mod default {
     pub const INCIDENCE: &str = "0:45:5";
     /// `--azimuth`
     pub const AZIMUTH: &str = "0";
+    /// `--azimuth full` without a step, degrees
+    pub const FULL_STEP_DEG: f64 = 5.0;
     /// `--rays` per direction
     pub const RAYS: u64 = 4_194_304;
     /// `--bins`
@@ -149,6 +154,10 @@ impl Default for Request {
 pub struct Plan {
     /// Directions and bins; an azimuth of NaN stands for the mean over all.
     pub axes: Axes,
+    /// The widest step between all azimuths, degrees, where all are asked for; see [`Plan::fold`].
+    pub full_step_deg: Option<f64>,
+    /// What the azimuths stand for besides themselves.
+    pub symmetry: Symmetry,
     /// Refractive index asked for; the cell's own where `None`.
     pub refractive_index: Option<f64>,
     /// What facets are backed with.
@@ -197,8 +206,10 @@ impl Plan {
                 range: "from 0 to below 90 degrees",
             });
         }
+        let full_step_deg = full_step(&request.azimuth)?;
         let azimuth_deg = match request.azimuth.trim() {
             "mean" => vec![f64::NAN],
+            _ if let Some(step) = full_step_deg => sector(Symmetry::NONE, step),
             text => angles("--azimuth", text)?,
         };
         let turn = |angle: f64| angle > -360.0 && angle <= 360.0;
@@ -300,6 +311,8 @@ impl Plan {
                 bins: request.bins,
                 range: request.range,
             },
+            full_step_deg,
+            symmetry: Symmetry::NONE,
             refractive_index: request.refractive_index,
             back: request.back,
             method: request.method,
@@ -311,6 +324,22 @@ impl Plan {
             threads,
             shard,
         })
+    }
+
+    /// Where all azimuths are asked for, only those of a sector that stands for all by the symmetry of `cell`.
+    pub fn fold(self, cell: &meshes::Cell) -> Plan {
+        let Some(step) = self.full_step_deg else {
+            return self;
+        };
+        let symmetry = symmetry::of(cell);
+        Plan {
+            axes: Axes {
+                azimuth_deg: sector(symmetry, step),
+                ..self.axes
+            },
+            symmetry,
+            ..self
+        }
     }
 
     /// Whether the table is a mean over all azimuths.
@@ -354,48 +383,6 @@ impl Plan {
         }
         warnings
     }
-}
-
-/// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
-fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
-    let number = |part: &str| {
-        let wrong = || PlanError::Angle {
-            option,
-            text: text.into(),
-            part: part.trim().into(),
-        };
-        part.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|angle| angle.is_finite())
-            .ok_or_else(wrong)
-    };
-    let mut angles = if text.contains(':') {
-        let [start, stop, step] = text.split(':').map(number).collect::<Result<Vec<_>, _>>()?[..]
-        else {
-            return Err(PlanError::Steps {
-                option,
-                text: text.into(),
-            });
-        };
-        // Half a thousandth of a step forgives the rounding of steps such as 0.1.
-        let steps = ((stop - start) / step + 5e-4).floor();
-        if !(step > 0.0 && (0.0..DIRECTIONS_LIMIT as f64).contains(&steps)) {
-            return Err(PlanError::Steps {
-                option,
-                text: text.into(),
-            });
-        }
-        (0..=steps as u32)
-            .map(|i| start + f64::from(i) * step)
-            .collect()
-    } else {
-        text.split(',').map(number).collect::<Result<Vec<_>, _>>()?
-    };
-    angles.sort_by(f64::total_cmp);
-    angles.dedup();
-    // -0 is 0.
-    Ok(angles.into_iter().map(|angle| angle + 0.0).collect())
 }
 
 /// Reads `2/8`; the only share of one is the whole bake.
@@ -492,7 +479,14 @@ mod tests {
                     azimuth: "all".into(),
                     ..base()
                 },
-                "or mean",
+                ", full or mean",
+            ),
+            (
+                Request {
+                    azimuth: "full:0".into(),
+                    ..base()
+                },
+                "--azimuth full 0: give a number above 0 and at most 90, the widest step",
             ),
             (
                 Request {
@@ -602,6 +596,6 @@ mod tests {
             );
             refused += 1;
         }
-        assert_eq!(refused, 22);
+        assert_eq!(refused, 23);
     }
 }

@@ -37,5 +37,6 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
             }),
             _ => None,
         },
+        symmetry: plan.symmetry,
     }
 }

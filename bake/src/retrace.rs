@@ -28,6 +28,8 @@ pub fn retrace(
     let part = table.part(&incidences, &azimuths);
     let plan = Plan {
         axes: part.axes.clone(),
+        full_step_deg: None,
+        symmetry: table.provenance.symmetry,
         refractive_index: Some(table.provenance.refractive_index),
         back,
         method: Method::Rays,

@@ -8,6 +8,7 @@ use ndarray::{Array2, Array4, Array5, Axis};
 
 use crate::content::Flat;
 use crate::invalid::Invalid;
+use crate::symmetry::MOST_ROTATIONS;
 use crate::table::{Axes, Exact, Fate, Table};
 
 /// Allowed rounding of sums that should be 1 and of areas that should be eta.
@@ -183,6 +184,19 @@ fn values(table: &Table) -> Result<(), Invalid> {
     within("tolerance", [&p.tolerance], "finite numbers from 0", |x| {
         x.is_finite() && x >= 0.0
     })?;
+    let rotations = f64::from(p.symmetry.rotations);
+    within(
+        "symmetry_rotations",
+        [&rotations],
+        "whole numbers from 1 to 360",
+        |n| (1.0..=f64::from(MOST_ROTATIONS)).contains(&n),
+    )?;
+    within(
+        "symmetry_mirror_deg",
+        &p.symmetry.mirror_deg,
+        "from 0 to below 360",
+        |x| (0.0..360.0).contains(&x),
+    )?;
     let lattice: &[f64] = p.lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
     within("lattice", lattice, "finite numbers", f64::is_finite)
 }

@@ -6,6 +6,7 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::symmetry::Symmetry;
 use crate::table::{Exact, Path, Provenance, Table};
 
 /// Version-independent tag that starts the hashed content.
@@ -128,6 +129,7 @@ impl Items<'_> {
             tolerance,
             lattice,
             shards,
+            symmetry,
         } = provenance;
         self.text("generator", generator);
         self.text("design", design);
@@ -151,6 +153,14 @@ impl Items<'_> {
         self.floats("lattice", lattice.iter().copied());
         if let Some(shards) = shards {
             self.text("shards", &shards.to_string());
+        }
+        if *symmetry != Symmetry::NONE {
+            self.integers(
+                "symmetry_rotations",
+                [u64::from(symmetry.rotations)].into_iter(),
+            );
+            let mirror = symmetry.mirror_deg;
+            self.floats("symmetry_mirror_deg", mirror.iter().copied());
         }
     }
 }

@@ -162,6 +162,8 @@ mod attribute {
     pub const TOLERANCE: &str = "tolerance";
     pub const LATTICE: &str = "lattice";
     pub const SHARDS: &str = "shards";
+    pub const SYMMETRY_ROTATIONS: &str = "symmetry_rotations";
+    pub const SYMMETRY_MIRROR_DEG: &str = "symmetry_mirror_deg";
     pub const UNITS: &str = "units";
     pub const LONG_NAME: &str = "long_name";
 }

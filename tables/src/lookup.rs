@@ -8,6 +8,7 @@
 use ndarray::Array2;
 
 use crate::error::Error;
+use crate::symmetry;
 use crate::table::{Path, Table};
 
 /// Angles closer than this are the same direction, degrees.
@@ -74,16 +75,50 @@ pub enum NoDirection {
     },
 }
 
-/// Two places of an axis and the share of the second.
-type Bracket = (usize, usize, f64);
+/// An azimuth that the table knows: one of its own, or what the symmetry makes of it.
+#[derive(Debug, Clone, Copy)]
+struct Image {
+    /// In [0, 360).
+    azimuth_deg: f64,
+    /// Index in the axis.
+    place: usize,
+    /// Whether v is turned over.
+    mirrored: bool,
+}
+
+impl Image {
+    /// The only azimuth of a mean.
+    const MEAN: Image = Image {
+        azimuth_deg: f64::NAN,
+        place: 0,
+        mirrored: false,
+    };
+
+    fn seen(&self, probability: Array2<f64>) -> Array2<f64> {
+        if self.mirrored {
+            symmetry::mirrored(probability)
+        } else {
+            probability
+        }
+    }
+
+    fn seen_paths(&self, paths: &[Path]) -> Vec<Path> {
+        if self.mirrored {
+            symmetry::mirrored_paths(paths)
+        } else {
+            paths.to_vec()
+        }
+    }
+}
 
 impl Table {
     /// The direction of that incidence and azimuth, degrees: the table's own within 1e-9 deg, else
     /// interpolated between its neighbours.
     ///
-    /// Azimuths are periodic in 360 deg. Between the last and the first azimuth there is interpolation only
-    /// where that gap is no wider than the widest other one, that is, where the table goes all around. A table
-    /// of the mean over azimuths answers every azimuth, or none, with the mean.
+    /// Azimuths are periodic in 360 deg, and those of a symmetric table ([`crate::Symmetry`]) stand for their images too.
+    /// Between the last and the first azimuth, and between images, there is interpolation only where that gap is no wider
+    /// than the widest one of the table's own azimuths, that is, where the table goes all around. A table of the mean over
+    /// azimuths answers every azimuth, or none, with the mean.
     ///
     /// # Errors
     /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that it holds;
@@ -105,6 +140,7 @@ impl Table {
     /// #     back: "mirror".into(), losses: "none".into(), reflectance: 1.0, method: "rays".into(),
     /// #     sampler: "random".into(), seed: 1,
     /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, shards: None,
+    /// #     symmetry: tables::Symmetry::NONE,
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg
@@ -136,9 +172,9 @@ impl Table {
             .into());
         }
         let across = if self.axes.is_mean() {
-            Some((0, 0, 0.0))
+            Some((Image::MEAN, Image::MEAN, 0.0))
         } else {
-            around(azimuths, asked)
+            around(&self.images(), self.widest_gap_deg(), asked)
         };
         match (between(&self.axes.incidence_deg, incidence_deg), across) {
             (Some(along), Some(across)) => Ok(self.mixture(along, across, incidence_deg, asked)),
@@ -146,33 +182,66 @@ impl Table {
         }
     }
 
+    /// The azimuths in [0, 360) that the table knows, ascending: its own ones and their images.
+    fn images(&self) -> Vec<Image> {
+        let symmetry = self.provenance.symmetry;
+        let places = self.axes.azimuth_deg.iter().enumerate();
+        let mut images: Vec<Image> = places
+            .flat_map(|(place, &azimuth)| {
+                let image = move |(azimuth_deg, mirrored)| Image {
+                    azimuth_deg,
+                    place,
+                    mirrored,
+                };
+                symmetry.images(azimuth).map(image)
+            })
+            .collect();
+        // Of equal azimuths the first one stays, which is seen in no mirror if one of them is.
+        images.sort_by(|a, b| {
+            let order = a.azimuth_deg.total_cmp(&b.azimuth_deg);
+            order
+                .then(a.mirrored.cmp(&b.mirrored))
+                .then(a.place.cmp(&b.place))
+        });
+        images.dedup_by(|b, a| b.azimuth_deg - a.azimuth_deg <= SAME_DEG);
+        images
+    }
+
+    /// The widest gap between neighbours of the azimuth axis, degrees: wider ones are not interpolated across.
+    fn widest_gap_deg(&self) -> f64 {
+        let gaps = self.axes.azimuth_deg.windows(2);
+        gaps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+    }
+
     fn mixture(
         &self,
-        along: Bracket,
-        across: Bracket,
+        along: (usize, usize, f64),
+        across: (Image, Image, f64),
         incidence_deg: f64,
         azimuth_deg: f64,
     ) -> Direction {
-        let shares = |(a, b, t): Bracket| [(a, 1.0 - t), (b, t)];
         let mut eta = 0.0;
         let mut variance = 0.0;
         let mut probability = Array2::zeros((self.axes.bins, self.axes.bins));
-        for (i, p) in shares(along) {
-            for (j, q) in shares(across) {
-                let share = p * q;
+        for (i, p) in [(along.0, 1.0 - along.2), (along.1, along.2)] {
+            for (image, q) in [(across.0, 1.0 - across.2), (across.1, across.2)] {
+                let (j, share) = (image.place, p * q);
                 if share > 0.0 {
                     eta += share * self.retroreflected[[i, j]];
                     variance += (share * self.standard_error[[i, j]]).powi(2);
-                    probability.scaled_add(share, &self.probability(i, j));
+                    probability.scaled_add(share, &image.seen(self.probability(i, j)));
                 }
             }
         }
         let interpolated = along.2 > 0.0 || across.2 > 0.0;
-        let held = along.0 * self.axes.azimuth_deg.len() + across.0;
         let paths = self
             .exact
             .as_ref()
-            .filter(|_| !interpolated && !self.axes.is_mean());
+            .filter(|_| !interpolated && !self.axes.is_mean())
+            .and_then(|exact| {
+                let held = along.0 * self.axes.azimuth_deg.len() + across.0.place;
+                exact.paths.get(held)
+            });
         Direction {
             incidence_deg,
             azimuth_deg,
@@ -181,7 +250,7 @@ impl Table {
             range: self.axes.range,
             standard_error: variance.sqrt(),
             interpolated,
-            paths: paths.and_then(|exact| exact.paths.get(held).cloned()),
+            paths: paths.map(|paths| across.0.seen_paths(paths)),
         }
     }
 
@@ -193,19 +262,28 @@ impl Table {
                 .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
                 .unwrap_or(f64::NAN)
         };
+        let images = self.images();
+        let images = images.iter().map(|image| image.azimuth_deg);
+        let azimuths: Vec<f64> = self
+            .axes
+            .azimuth_deg
+            .iter()
+            .copied()
+            .chain(images)
+            .collect();
         NoDirection::Outside {
             incidence_deg,
             azimuth_deg,
             nearest_incidence_deg: nearest(&self.axes.incidence_deg, &|x| {
                 (x - incidence_deg).abs()
             }),
-            nearest_azimuth_deg: nearest(&self.axes.azimuth_deg, &|x| turn(x - azimuth_deg).abs()),
+            nearest_azimuth_deg: nearest(&azimuths, &|x| turn(x - azimuth_deg).abs()),
         }
     }
 }
 
-/// The place of `x` in an ascending axis, if it is in it or between two of its values.
-fn between(axis: &[f64], x: f64) -> Option<Bracket> {
+/// The places of an ascending axis around `x` and the share of the second, if `x` is in it or between two of its values.
+fn between(axis: &[f64], x: f64) -> Option<(usize, usize, f64)> {
     if let Some(held) = axis.iter().position(|&held| (held - x).abs() <= SAME_DEG) {
         return Some((held, held, 0.0));
     }
@@ -218,28 +296,19 @@ fn between(axis: &[f64], x: f64) -> Option<Bracket> {
     ))
 }
 
-/// The place of an azimuth among ascending azimuths, periodic in 360 deg.
-fn around(axis: &[f64], x: f64) -> Option<Bracket> {
-    if let Some(held) = axis
-        .iter()
-        .position(|&held| turn(held - x).abs() <= SAME_DEG)
-    {
+/// The images around an azimuth and the share of the second, where they are no further apart than `widest_deg`.
+fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<(Image, Image, f64)> {
+    let held = |image: &&Image| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
+    if let Some(&held) = images.iter().find(held) {
         return Some((held, held, 0.0));
     }
-    // Relative to the first azimuth, in one turn. Azimuths of more than a turn would have no order.
-    let x = (x - axis[0]).rem_euclid(360.0);
-    let relative: Vec<f64> = axis.iter().map(|value| value - axis[0]).collect();
-    let last = relative.len() - 1;
-    if let Some(place) = between(&relative, x) {
-        return Some(place);
-    }
-    let gap = 360.0 - relative[last];
-    let widest = relative
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .fold(0.0, f64::max);
-    (last > 0 && gap > 0.0 && gap <= widest + SAME_DEG)
-        .then(|| (last, 0, (x - relative[last]) / gap))
+    let x = x.rem_euclid(360.0);
+    let above = images.partition_point(|image| image.azimuth_deg <= x);
+    let next = images[above % images.len()];
+    let before = images[(above + images.len() - 1) % images.len()];
+    let from = |azimuth: f64| (azimuth - before.azimuth_deg).rem_euclid(360.0);
+    let gap = from(next.azimuth_deg);
+    (gap > 0.0 && gap <= widest_deg + SAME_DEG).then(|| (before, next, from(x) / gap))
 }
 
 /// The angle in (-180, 180] that differs by whole turns, degrees.

@@ -96,6 +96,7 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         provenance.angular_tolerance_deg = "angular_tolerance_deg",
         provenance.tolerance = "tolerance",
         provenance.lattice = "lattice",
+        provenance.symmetry = "symmetry",
         provenance.generator = "generator",
         axes.bins = "bins",
         axes.range = "shift_range",

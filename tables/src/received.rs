@@ -10,6 +10,7 @@ use ndarray::{Array, Array2, Dimension, ShapeError};
 use crate::check;
 use crate::content::Flat;
 use crate::layout::MOST_BYTES;
+use crate::symmetry::Symmetry;
 use crate::table::{Axes, Exact, Fate, Provenance, Table};
 
 /// Longest name of an item.
@@ -243,6 +244,18 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
                     .map_err(|()| wrong("shards that are none"))?,
             ),
             _ => None,
+        },
+        symmetry: match items.name.as_str() {
+            "symmetry_rotations" => Symmetry {
+                rotations: u32::try_from(items.integer("symmetry_rotations")?)
+                    .map_err(|_| wrong("too many rotations"))?,
+                mirror_deg: match items.floats("symmetry_mirror_deg")?[..] {
+                    [] => None,
+                    [mirror] => Some(mirror),
+                    _ => return Err(wrong("more than one mirror")),
+                },
+            },
+            _ => Symmetry::NONE,
         },
     })
 }

@@ -6,6 +6,7 @@
 use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
 use crate::shards::Shards;
+use crate::symmetry::Symmetry;
 
 /// What became of a ray. The names and their order are those of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -198,6 +199,8 @@ pub struct Provenance {
     pub lattice: Option<[[f64; 2]; 2]>,
     /// Which shards of a bake these are; `None` for a whole one.
     pub shards: Option<Shards>,
+    /// What the azimuths stand for besides themselves.
+    pub symmetry: Symmetry,
 }
 
 /// A ray-shift table.

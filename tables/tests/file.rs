@@ -29,6 +29,7 @@ fn kinds() -> Vec<(&'static str, Table)> {
         ("rays, 16 randomisations", sample::rays(16, 8)),
         ("mean over azimuths", sample::mean()),
         ("exact with polygons", sample::exact()),
+        ("exact with a symmetry", sample::symmetric()),
         ("exact without polygons", without_polygons),
         ("exact, nothing returns", pathless),
     ]
@@ -52,7 +53,7 @@ fn every_kind_of_table_comes_back_bit_for_bit() {
         );
         tried += 1;
     }
-    assert_eq!(tried, 6);
+    assert_eq!(tried, 7);
 }
 
 #[test]

@@ -89,6 +89,47 @@ fn azimuths_wrap_only_where_the_table_goes_around() {
 }
 
 #[test]
+fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
+    let mut table = sample::symmetric();
+    table.axes.azimuth_deg = vec![0.0, 30.0];
+    let mut cases = 0;
+    for (place, azimuth) in [(0, 0.0), (1, 30.0)] {
+        let own = table.direction(10.0, Some(azimuth)).unwrap();
+        for turn in 0..6 {
+            // Azimuths 0 and 30 deg lie on mirror planes, so that they need no mirror.
+            let image = table.direction(10.0, Some(azimuth - 60.0 * f64::from(turn)));
+            let image = image.unwrap();
+            assert!(!image.interpolated);
+            assert_eq!(image.probability, table.probability(1, place));
+            assert_eq!(image.paths, own.paths);
+            cases += 1;
+        }
+    }
+    table.axes.azimuth_deg = vec![10.0, 30.0];
+    let own = table.direction(10.0, Some(10.0)).unwrap();
+    for azimuth in [-10.0, 50.0, 170.0, 350.0] {
+        let image = table.direction(10.0, Some(azimuth)).unwrap();
+        assert_eq!(image.eta, own.eta);
+        let turned = own.probability.slice(ndarray::s![..;-1, ..]);
+        assert_eq!(image.probability, turned);
+        // The transform follows: the mirrored distribution along (x, y) is the own one along (x, -y).
+        let line = image.otf_along([0.7, 0.4], &[0.3, 1.1]);
+        let expected = own.otf_along([0.7, -0.4], &[0.3, 1.1]);
+        for (a, b) in line.iter().zip(&expected) {
+            assert!((a - b).norm() < 1e-14, "{azimuth}: {a} {b}");
+        }
+        cases += 1;
+    }
+    // Between 30 and 50 deg, as between 10 and 30: no wider than the table's own gap. Those from -10 to 10 deg too.
+    let middle = table.direction(10.0, Some(40.0)).unwrap();
+    assert!((middle.eta - 0.5 * (own.eta + table.retroreflected[[1, 1]])).abs() < 1e-15);
+    table.axes.azimuth_deg = vec![12.0, 30.0];
+    assert!(table.direction(10.0, Some(40.0)).is_ok(), "18 deg");
+    assert!(table.direction(10.0, Some(0.0)).is_err(), "24 deg");
+    assert_eq!(cases, 12 + 4);
+}
+
+#[test]
 fn outside_the_nearest_direction_is_named() {
     let table = sample::rays(1, 5);
     let mut cases = 0;

@@ -23,6 +23,7 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         ("mean", sample::mean()),
         ("shards", some_shards()),
         ("exact", sample::exact()),
+        ("symmetric", sample::symmetric()),
     ] {
         let file = folder.path().join(kind).with_extension("h5");
         write(&table, &file).unwrap();
@@ -52,5 +53,5 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         assert!(out.starts_with("checks passed: "), "{kind}: {out}");
         tried += 1;
     }
-    assert_eq!(tried, 4);
+    assert_eq!(tried, 5);
 }

@@ -66,6 +66,9 @@ def content_hash(file):
             floats(name, attrs.get(name, []))
     if "shards" in attrs:
         item("shards", attrs["shards"].encode())
+    if "symmetry_rotations" in attrs:
+        integers("symmetry_rotations", attrs["symmetry_rotations"])
+        floats("symmetry_mirror_deg", attrs.get("symmetry_mirror_deg", []))
     return digest.hexdigest()
 
 
@@ -79,7 +82,8 @@ def main():
         "rays": ("incidence_deg", "azimuth_deg"),
         "fate": ("incidence_deg", "azimuth_deg", "fate_name"),
     }
-    if kind != "exact":
+    exact = kind in ("exact", "symmetric")
+    if not exact:
         dims["counts"] = ("incidence_deg", "azimuth_deg", "randomisation", "shift_v", "shift_u")
         dims["fate_counts"] = ("incidence_deg", "azimuth_deg", "randomisation", "fate_name")
 
@@ -136,7 +140,15 @@ def main():
     table = module.read_table(name)
     check(table["histogram"][1, 0, 3, 4] == float(probability), "read_table histogram")
     check(table["fate_name"][0] == "retroreflected" and len(table["fate_name"]) == 10, "read_table fates")
-    if kind == "exact":
+    if kind == "symmetric":
+        held = table["histogram"][1, 1]
+        for azimuth, expected in [(30, held), (90, held), (-30, held), (330, held), (0, table["histogram"][1, 0])]:
+            check((module.at_azimuth(table, azimuth)["histogram"][1] == expected).all(), f"azimuth {azimuth}")
+        table["histogram"][1, 0, 2, 3] = 0.5
+        table["azimuth_deg"] = np.array([10.0, 30.0])
+        mirrored = module.at_azimuth(table, 50)
+        check((mirrored["histogram"][1] == table["histogram"][1, 0, ::-1]).all(), "v turned over")
+    elif exact:
         for direction in np.ndindex(i, j):
             here = [p for p in table["paths"] if (p["incidence"], p["azimuth"]) == direction]
             area = 0.0

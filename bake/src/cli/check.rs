@@ -4,9 +4,10 @@ use super::{CellArgs, Failure, print, warn};
 use crate::plan::Back;
 use crate::report;
 use crate::retrace::retrace;
+use crate::symmetry;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use tables::{Outputs, Table};
+use tables::{Outputs, Symmetry, Table};
 
 /// Options of `bake verify`.
 #[derive(Debug, Args)]
@@ -101,6 +102,12 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
             "{} is not the file that the table was baked from (its hash differs); the rays judge it all the same",
             mesh.display()
         )]);
+    }
+    if from.symmetry != Symmetry::NONE && from.symmetry != symmetry::of(&cell) {
+        return Err(Failure::Symmetry {
+            table: args.table.clone(),
+            mesh: mesh.to_owned(),
+        });
     }
     let back = Back::from_name(&from.back).filter(|_| from.losses == "none");
     let back = back.ok_or_else(|| Failure::Unknown {

@@ -51,6 +51,9 @@ pub(super) enum Failure {
     #[error("{} does not hold what rays find in {}: the differences are larger than both errors; bake it again",
         table.display(), mesh.display())]
     Retraced { table: PathBuf, mesh: PathBuf },
+    #[error("{} claims a symmetry that {} does not have, so that it is wrong at other azimuths; bake it again",
+        table.display(), mesh.display())]
+    Symmetry { table: PathBuf, mesh: PathBuf },
     #[error("{}: its back \"{back}\" with losses \"{losses}\" is not known to this program; update it, or leave out --mesh",
         file.display())]
     Unknown {

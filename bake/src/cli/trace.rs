@@ -27,7 +27,8 @@ pub(super) struct TraceArgs {
     /// Incidence angles outside the sheet, degrees: a list or start:stop:step
     #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
     incidence: String,
-    /// Azimuths, degrees: a list, start:stop:step, or mean for the average over all
+    /// Azimuths, degrees: a list, start:stop:step, full for all (steps of 5, full:STEP for others; of a symmetric cell only a
+    /// sector is baked), or mean for the average over all
     #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
     azimuth: String,
     /// Refractive index behind a flat front face [default: the file's, else 1]
@@ -194,6 +195,7 @@ impl Ready {
     fn new(args: &TraceArgs, leads: bool) -> Result<Self, Failure> {
         let plan = Plan::new(&args.request())?;
         let cell = args.cell.load(&args.mesh)?;
+        let plan = plan.fold(&cell);
         let mut ready = Ready {
             plan,
             cell,

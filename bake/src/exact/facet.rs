@@ -16,7 +16,7 @@ const COPLANAR: f64 = 1e-13;
 
 /// A convex planar mirror, cell frame, edge lengths.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Facet {
+pub(crate) struct Facet {
     /// Corners, counter-clockwise seen from the light.
     pub corners: Vec<DVec3>,
     /// Unit normal towards the light.
@@ -64,7 +64,7 @@ impl Facet {
 }
 
 /// Joins coplanar neighbours; triangles without area are dropped. The order follows the triangles'.
-pub(super) fn join(triangles: &[[DVec3; 3]]) -> Vec<Facet> {
+pub(crate) fn join(triangles: &[[DVec3; 3]]) -> Vec<Facet> {
     let mut facets: Vec<Option<Facet>> = triangles.iter().map(|t| Facet::new(t.to_vec())).collect();
     let mut owner: HashMap<[Key; 2], usize> = HashMap::new();
     for (i, facet) in facets.iter().enumerate() {

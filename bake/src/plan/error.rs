@@ -9,7 +9,7 @@ use thiserror::Error;
 pub enum PlanError {
     /// A list of angles that cannot be read.
     #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), start:stop:step (0:45:5){}",
-        if *.option == "--azimuth" { " or mean" } else { "" })]
+        if *.option == "--azimuth" { ", full or mean" } else { "" })]
     Angle {
         /// The option.
         option: &'static str,

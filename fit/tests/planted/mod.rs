@@ -99,6 +99,7 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
             tolerance: 0.0,
             lattice: None,
             shards: None,
+            symmetry: tables::Symmetry::NONE,
         },
     }
 }

@@ -12,6 +12,7 @@ use super::{Variable, attribute, polygons};
 use crate::check;
 use crate::error::Error;
 use crate::ledger::Ledger;
+use crate::symmetry::Symmetry;
 use crate::table::{Axes, Fate, Provenance, Table};
 
 /// Rounding that another writer may have in scales and derived datasets.
@@ -158,6 +159,18 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
         }
         false => None,
     };
+    let has = |name| root.attributes.contains(name);
+    let symmetry = Symmetry {
+        rotations: match has(attribute::SYMMETRY_ROTATIONS) {
+            // What does not fit is refused by `check`, as too many.
+            true => u32::try_from(root.integer(attribute::SYMMETRY_ROTATIONS)?).unwrap_or(u32::MAX),
+            false => 1,
+        },
+        mirror_deg: match has(attribute::SYMMETRY_MIRROR_DEG) {
+            true => Some(root.number(attribute::SYMMETRY_MIRROR_DEG)?),
+            false => None,
+        },
+    };
     Ok(Provenance {
         generator: root.text(attribute::GENERATOR)?,
         design: root.text(attribute::DESIGN)?,
@@ -176,5 +189,6 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
         tolerance: root.number(attribute::TOLERANCE)?,
         lattice,
         shards,
+        symmetry,
     })
 }

@@ -45,6 +45,7 @@ pub fn provenance() -> Provenance {
         tolerance: 0.0,
         lattice: Some([[1.0, 0.0], [0.5, 0.75]]),
         shards: None,
+        symmetry: tables::Symmetry::NONE,
     }
 }
 
@@ -105,6 +106,16 @@ pub fn mean() -> Table {
         fates,
         source.provenance,
     )
+}
+
+/// An exact table whose azimuths stand for their images.
+pub fn symmetric() -> Table {
+    let mut table = exact();
+    table.provenance.symmetry = tables::Symmetry {
+        rotations: 6,
+        mirror_deg: Some(0.0),
+    };
+    table
 }
 
 /// An exact table of two paths a direction and none in the last.

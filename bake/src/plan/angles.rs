@@ -1,0 +1,77 @@
+//! Angles as a user types them.
+
+use super::{DIRECTIONS_LIMIT, PlanError, default};
+use tables::Symmetry;
+
+/// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
+pub(super) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
+    let number = |part: &str| {
+        let wrong = || PlanError::Angle {
+            option,
+            text: text.into(),
+            part: part.trim().into(),
+        };
+        part.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|angle| angle.is_finite())
+            .ok_or_else(wrong)
+    };
+    let mut angles = if text.contains(':') {
+        let [start, stop, step] = text.split(':').map(number).collect::<Result<Vec<_>, _>>()?[..]
+        else {
+            return Err(PlanError::Steps {
+                option,
+                text: text.into(),
+            });
+        };
+        // Half a thousandth of a step forgives the rounding of steps such as 0.1.
+        let steps = ((stop - start) / step + 5e-4).floor();
+        if !(step > 0.0 && (0.0..DIRECTIONS_LIMIT as f64).contains(&steps)) {
+            return Err(PlanError::Steps {
+                option,
+                text: text.into(),
+            });
+        }
+        (0..=steps as u32)
+            .map(|i| start + f64::from(i) * step)
+            .collect()
+    } else {
+        text.split(',').map(number).collect::<Result<Vec<_>, _>>()?
+    };
+    angles.sort_by(f64::total_cmp);
+    angles.dedup();
+    // -0 is 0.
+    Ok(angles.into_iter().map(|angle| angle + 0.0).collect())
+}
+
+/// The step of `full` or `full:STEP`, degrees; `None` where all azimuths are not asked for.
+pub(super) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
+    let wrong = |value| PlanError::Number {
+        option: "--azimuth full",
+        value,
+        range: "above 0 and at most 90, the widest step between azimuths, as in full:2",
+    };
+    match text.trim().split_once(':') {
+        None if text.trim() == "full" => Ok(Some(default::FULL_STEP_DEG)),
+        Some(("full", step)) => {
+            let step = step.trim().parse().unwrap_or(f64::NAN);
+            let allowed = step > 0.0 && step <= 90.0;
+            allowed.then_some(Some(step)).ok_or_else(|| wrong(step))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Even azimuths, at most `step` apart, that stand for all.
+pub(super) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
+    let (first, width) = symmetry.sector_deg();
+    // Half a thousandth of a step forgives the rounding of steps such as 0.1; between two azimuths lie all the others.
+    let steps = (width / step - 5e-4).ceil().max(2.0) as u32;
+    let last = match symmetry.mirror_deg {
+        Some(_) => steps,
+        None => steps - 1,
+    };
+    let azimuths = (0..=last).map(|k| first + width * f64::from(k) / f64::from(steps));
+    azimuths.collect()
+}
