@@ -9,6 +9,7 @@ use crate::reference::Reference;
 use crate::reflectance::Contrast;
 use crate::scene::Scene;
 use crate::solve::Solution;
+use crate::view::Weights;
 
 /// Covariances of logarithms.
 pub struct Noise {
@@ -30,13 +31,15 @@ impl Noise {
     /// Carries the noise of every bin, of the lens and of the reference's step through the estimate.
     ///
     /// Every estimate on the MTFs is linearised in the bins of every photograph: d(ln p) = -H^-1 J^T dr for the blur, the fit of the
-    /// plateaus plus its dependence on the blur for mu. `inflation` is chi^2 per degree of freedom where a model fits worse
+    /// plateaus plus its dependence on the blur for mu. `weights` are those of the loss: the bins' noise is carried through them, so that
+    /// the errors hold whether or not they are the best (a sandwich). `inflation` is chi^2 per degree of freedom where a model fits worse
     /// than its noise, else 1: the blur's covariance is raised by it.
     pub fn new(
         scene: &Scene,
         layout: &Layout,
         solution: &Solution,
         parts: &[Compared],
+        weights: Weights,
         inflation: f64,
     ) -> Noise {
         let p = layout.parameters();
@@ -47,19 +50,20 @@ impl Noise {
             .filter(|i| i.iter().all(|v| v.is_finite()))
             .unwrap_or_else(|| DMatrix::from_diagonal_element(p, p, f64::INFINITY));
 
-        // -H^-1 J^T of each shot, over its whitened frequencies.
+        // -H^-1 J^T of each shot, over its weighed frequencies.
         let answers: Vec<DMatrix<f64>> = scene
             .shots
             .iter()
             .zip(parts)
             .map(|(shot, part)| {
-                let mut jt = DMatrix::zeros(p, part.residuals.len());
+                let mut jt = DMatrix::zeros(p, part.difference.len() - 1);
                 for (column, derivative) in layout
                     .columns(shot.group)
                     .into_iter()
                     .zip(&part.derivatives)
                 {
-                    jt.row_mut(column).copy_from(&derivative.transpose());
+                    jt.row_mut(column)
+                        .copy_from(&shot.view.weigh(weights, derivative).transpose());
                 }
                 // Residual = model - data: the parameters follow the data with a plus sign.
                 &inverse * jt
@@ -71,7 +75,7 @@ impl Noise {
             .par_iter()
             .zip(&answers)
             .map(|(shot, answer)| {
-                let mut response = answer * shot.view.whitened_response();
+                let mut response = answer * shot.view.response(weights);
                 for (j, v) in shot.view.profile.variance.iter().enumerate() {
                     response.column_mut(j).scale_mut((v * inflation).sqrt());
                 }
@@ -96,7 +100,7 @@ impl Noise {
                         let (modelled, _) = other.predict(&curve.bins, &[]);
                         let pairs = modelled.iter().zip(&part.modelled);
                         let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / step).collect();
-                        answer * other.whiten(&change)
+                        answer * other.weigh(weights, &change)
                     })
                     .collect();
                 // One after the other, so that the rounding is the same whatever the threads.

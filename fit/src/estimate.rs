@@ -1,8 +1,8 @@
 //! The estimate: one candidate model fitted to all photographs of a scene.
 //!
 //! Sugawara and Koizumi minimise the squared difference of the MTFs of photographs and renders over a and c, then take
-//! mu from the luminance ratio. So does the loss `mtf`, with three deviations: the render is replaced by its closed form; the
-//! differences are weighted by their noise covariance, which the estimator knows; and the solver is Levenberg-Marquardt. The
+//! mu from the luminance ratio. So does the loss `mse`, with two deviations: the render is replaced by its closed form, and
+//! the solver is Levenberg-Marquardt. The loss `mtf` weighs the differences by their noise covariance as well, which the estimator knows. The
 //! loss `edge` puts the likelihood of the pixels in place of the MTF (see `likelihood`).
 
 use nalgebra::{DMatrix, DVector};
@@ -20,7 +20,7 @@ use crate::sampled::Sampling;
 use crate::scene::{Aerial, Scene};
 use crate::solve::{CONVERGED, Solution, least_squares};
 use crate::start;
-use crate::view::{Curve, Model, View};
+use crate::view::{Curve, Model, View, Weights};
 
 /// What a candidate lets vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +59,8 @@ pub struct Estimate {
     pub names: Vec<String>,
     /// Covariance of all of them.
     pub covariance: DMatrix<f64>,
-    /// Sum of squares of the residuals in units of their noise.
+    /// Sum of squares of the residuals in units of their noise; under `mse` that of the MTFs, where their mean squared difference is
+    /// least.
     pub chi2: f64,
     /// Independent residuals.
     pub residuals: usize,
@@ -110,6 +111,15 @@ impl Estimate {
         });
     }
 
+    /// Where it lies, for another loss or forward model to start from.
+    pub fn optimum(&self) -> Optimum {
+        Optimum {
+            choice: self.choice,
+            solution: self.solution.clone(),
+            observations: self.residuals,
+        }
+    }
+
     /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
     pub fn reduced_chi2(&self) -> f64 {
         let freedom = self.residuals.saturating_sub(self.blur_parameters()).max(1);
@@ -123,10 +133,10 @@ pub struct Compared {
     pub curve: Curve,
     /// Its MTF through the photograph's estimator.
     pub modelled: Vec<f64>,
-    /// Whitened differences to the measured MTF.
-    pub residuals: DVector<f64>,
+    /// Its differences to the measured MTF, not weighed.
+    pub difference: Vec<f64>,
     /// Their derivatives by ln spread and ln c, those that the kernel has.
-    pub derivatives: Vec<DVector<f64>>,
+    pub derivatives: Vec<Vec<f64>>,
 }
 
 /// The model of one photograph under a candidate.
@@ -163,8 +173,8 @@ pub fn compare(shot: &Aerial, view: &View, choice: Choice, blur: Blur) -> Compar
         .map(|(m, d)| m - d)
         .collect();
     Compared {
-        residuals: view.whiten(&difference),
-        derivatives: derivatives.iter().map(|d| view.whiten(d)).collect(),
+        difference,
+        derivatives,
         curve,
         modelled,
     }
@@ -298,21 +308,25 @@ pub fn residuals_at(
     Loss::Mtf(scene).evaluate(&layout, parameters)
 }
 
-/// Stacks the residuals and derivatives of all photographs.
+/// Stacks the differences of all photographs and their derivatives, weighed.
 pub fn assemble(
     scene: &Scene,
     layout: &Layout,
     parts: &[Compared],
+    weights: Weights,
 ) -> (DVector<f64>, DMatrix<f64>) {
-    let rows = parts.iter().map(|p| p.residuals.len()).sum();
+    let rows = parts.iter().map(|p| p.difference.len() - 1).sum();
     let (mut residuals, mut jacobian) = (
         DVector::zeros(rows),
         DMatrix::zeros(rows, layout.parameters()),
     );
     let mut row = 0;
     for (shot, part) in scene.shots.iter().zip(parts) {
-        let n = part.residuals.len();
-        residuals.rows_mut(row, n).copy_from(&part.residuals);
+        let weighed = |values: &[f64]| shot.view.weigh(weights, values);
+        let n = part.difference.len() - 1;
+        residuals
+            .rows_mut(row, n)
+            .copy_from(&weighed(&part.difference));
         for (column, derivative) in layout
             .columns(shot.group)
             .into_iter()
@@ -320,7 +334,7 @@ pub fn assemble(
         {
             jacobian
                 .view_mut((row, column), (n, 1))
-                .copy_from(derivative);
+                .copy_from(&weighed(derivative));
         }
         row += n;
     }
@@ -336,7 +350,7 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
     } = optimum;
     let layout = &Layout::new(choice, scene.groups.len());
     let camera = match loss {
-        Loss::Mtf(_) => scene.camera,
+        Loss::Mtf(_) | Loss::Mse(_) => scene.camera,
         Loss::Edge(joint) => joint.camera(layout, &solution.parameters),
     };
     let parts: Vec<Compared> = scene
@@ -345,16 +359,25 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         .map(|shot| {
             let blur = layout.blur(&solution.parameters, shot.group);
             match loss {
-                Loss::Mtf(_) => compare(shot, &shot.view, choice, blur),
+                Loss::Mtf(_) | Loss::Mse(_) => compare(shot, &shot.view, choice, blur),
                 Loss::Edge(_) => compare(shot, &shot.view.through(&camera), choice, blur),
             }
         })
         .collect();
     let p = layout.parameters();
     let freedom = observations.saturating_sub(p).max(1) as f64;
-    let inflation = (solution.sum_of_squares() / freedom).max(1.0);
+    let chi2 = match loss {
+        Loss::Mse(_) => {
+            let (residuals, _) = assemble(scene, layout, &parts, Weights::Noise);
+            residuals.norm_squared()
+        }
+        _ => solution.sum_of_squares(),
+    };
+    let inflation = (chi2 / freedom).max(1.0);
+    let of_mtfs = |weights| Noise::new(scene, layout, &solution, &parts, weights, inflation);
     let noise = match loss {
-        Loss::Mtf(_) => Noise::new(scene, layout, &solution, &parts, inflation),
+        Loss::Mtf(_) => of_mtfs(Weights::Noise),
+        Loss::Mse(_) => of_mtfs(Weights::Even),
         Loss::Edge(joint) => {
             joint.information(layout, &solution.parameters, inflation, Used::ByTheEstimate)
         }
@@ -408,7 +431,7 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         c_mm: layout.c().map(value),
         spread: (p - layout.spreads..p).map(value).collect(),
         mu: mu.map(|mu| (p..p + mu.len()).map(value).collect()),
-        chi2: solution.sum_of_squares(),
+        chi2,
         residuals: observations,
         camera,
         modelled: parts.into_iter().map(|part| part.modelled).collect(),

@@ -2,9 +2,8 @@
 //!
 //! As published: an edge is rendered for every photograph with so many samples per pixel, its MTF is taken as the
 //! photograph's was, the squared differences of the MTFs are minimised over a and c by their pathwise derivatives, and mu
-//! follows from the ratio of the light. Deviations: the differences are weighted by their noise (as everywhere under the
-//! loss `mtf`), the solver is Levenberg-Marquardt, the samples are evenly spread unless independent ones are asked for. Which
-//! terms the model has, and where the search begins, is found in closed form.
+//! follows from the ratio of the light. Deviations: the solver is Levenberg-Marquardt, the samples are evenly spread unless
+//! independent ones are asked for, and the differences are weighed by their noise unless the plain ones are (`mse`). Which terms the model has, and where the search begins, is found in closed form.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -18,6 +17,7 @@ use crate::loss::Loss;
 use crate::sample::ShiftSampler;
 use crate::sampled::{Sampled, Sampling, Tile};
 use crate::scene::Scene;
+use crate::view::Weights;
 
 /// Forward models.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -91,7 +91,7 @@ pub fn samples(scene: &Scene) -> usize {
     sampled.map(Sampled::samples).sum()
 }
 
-/// The estimate of one candidate by one randomisation of the samples from a start, their own error not in its standard
+/// The estimate of one candidate, MTF differences weighed so, by one randomisation of the samples from a start, their own error not in its standard
 /// errors. The scene keeps the samples.
 ///
 /// # Errors
@@ -99,12 +99,13 @@ pub fn samples(scene: &Scene) -> usize {
 pub fn by_one_randomisation(
     scene: &mut Scene,
     table: &Table,
+    weights: Weights,
     start: Optimum,
     sampling: Sampling,
     randomisation: u64,
 ) -> Result<Estimate, tables::Error> {
     draw(scene, table, start.choice, sampling, randomisation)?;
-    let loss = Loss::Mtf(scene);
+    let loss = Loss::of_mtfs(scene, weights);
     let best = refined_to(CONVERGED, scene, &loss, start);
     Ok(estimate(scene, &loss, best))
 }
@@ -118,17 +119,18 @@ pub fn by_one_randomisation(
 pub fn by_samples(
     scene: &mut Scene,
     table: &Table,
+    weights: Weights,
     choice: Choice,
     sampling: Sampling,
 ) -> Result<Estimate, tables::Error> {
     clear(scene);
     let start = rough(scene, choice);
-    let mut best = by_one_randomisation(scene, table, start, sampling, 0)?;
+    let mut best = by_one_randomisation(scene, table, weights, start, sampling, 0)?;
     let layout = Layout::new(choice, scene.groups.len());
     let mut estimates = Vec::new();
     for randomisation in 1..=RANDOMISATIONS {
         draw(scene, table, choice, sampling, randomisation)?;
-        estimates.push(neighbour(scene, &layout, &best));
+        estimates.push(neighbour(scene, weights, &layout, &best));
     }
     draw(scene, table, choice, sampling, 0)?;
     best.add_sampling_error(sampling, &scatter(&estimates));
@@ -136,9 +138,9 @@ pub fn by_samples(
 }
 
 /// ln(c, spreads, mu) of the samples that the scene holds now, one step from an estimate by others.
-fn neighbour(scene: &Scene, layout: &Layout, best: &Estimate) -> DVector<f64> {
+fn neighbour(scene: &Scene, weights: Weights, layout: &Layout, best: &Estimate) -> DVector<f64> {
     let at = &best.solution.parameters;
-    let (residuals, jacobian) = Loss::Mtf(scene).evaluate(layout, at);
+    let (residuals, jacobian) = Loss::of_mtfs(scene, weights).evaluate(layout, at);
     let step = (jacobian.tr_mul(&jacobian))
         .cholesky()
         .map_or(DVector::zeros(at.len()), |normal| {

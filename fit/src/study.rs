@@ -71,7 +71,7 @@ pub fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
     let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
     let best = match kind {
         Kind::Mtf => near,
-        Kind::Edge => refined(scene, &loss, near),
+        Kind::Mse | Kind::Edge => refined(scene, &loss, near),
     };
     estimate(scene, &loss, best)
 }

@@ -23,6 +23,15 @@ pub const MODEL_ERROR: f64 = 2e-5;
 /// Most frequencies that one photograph is compared at.
 const MOST_FREQUENCIES: usize = 96;
 
+/// How the differences of two MTFs at several frequencies are weighed against each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weights {
+    /// In units of their noise, correlations between frequencies taken out.
+    Noise,
+    /// All alike, so that the sum of their squares is the mean squared difference, as published.
+    Even,
+}
+
 /// A photograph of an edge, measured.
 #[derive(Clone)]
 pub struct View {
@@ -267,10 +276,26 @@ impl View {
         v
     }
 
-    /// The noise response of the whitened MTF: rows are whitened frequencies, columns are bins.
-    pub fn whitened_response(&self) -> DMatrix<f64> {
+    /// Differences of two MTFs, weighed (zero frequency left out). Linear.
+    pub fn weigh(&self, weights: Weights, difference: &[f64]) -> DVector<f64> {
+        match weights {
+            Weights::Noise => self.whiten(difference),
+            Weights::Even => {
+                let v = DVector::from_column_slice(&difference[1..]);
+                &v / (v.len() as f64).sqrt()
+            }
+        }
+    }
+
+    /// The noise response of the weighed MTF: rows are weighed frequencies, columns are bins.
+    pub fn response(&self, weights: Weights) -> DMatrix<f64> {
         let mut m = self.estimator.response(&self.profile).remove_row(0);
-        self.whitener.l_dirty().solve_lower_triangular_mut(&mut m);
+        match weights {
+            Weights::Noise => {
+                self.whitener.l_dirty().solve_lower_triangular_mut(&mut m);
+            }
+            Weights::Even => m /= (m.nrows() as f64).sqrt(),
+        }
         m
     }
 

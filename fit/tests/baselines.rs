@@ -9,6 +9,7 @@ use fit::captures::{Campaign, Capture, Setup, Shot};
 use fit::kernel::{Blur, Family, Kernel};
 use fit::lobe::Shape;
 use fit::loss::Kind;
+use fit::microfacet;
 use fit::photo::{Decode, Photo};
 use fit::scene::Scene;
 use fit::select::{Candidates, Selection, select};
@@ -171,6 +172,47 @@ fn otfs_are_those_of_traced_facets() {
         }
     }
     assert_eq!(cases, 162);
+}
+
+/// Saito's three facets with a third of the spread each, against the shares that they have: with w the unit vector across both the ray and the
+/// line, facet i turns the light along the line by 2 sqrt(1 - w_i^2) of its slope (w on the cube's axes). Over all rays and
+/// lines the OTF of GGX differs by 0.045 at most, where w lies on an axis; at normal incidence, w across (1, 1, 1), by 0.0066; that of
+/// Beckmann nowhere. Steps of 1/40 in w and 1/20 in the frequency miss less than 1 % of the greatest.
+#[test]
+fn equal_shares_of_three_facets_are_as_good_as_stated() {
+    let otf = |shape: Shape, k: f64| match shape {
+        Shape::Beckmann => microfacet::beckmann(k).0,
+        _ => microfacet::ggx(k).0,
+    };
+    let worst = |shape: Shape, squares: [f64; 3]| {
+        (1..=100)
+            .map(|i| {
+                let k = 0.05 * f64::from(i);
+                let own = squares.map(|w| otf(shape, 2.0 * k * (1.0 - w).max(0.0).sqrt()));
+                let equal = otf(shape, k * (8.0_f64 / 3.0).sqrt()).powi(3);
+                (own.iter().product::<f64>() - equal).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    let (mut all, mut cases) = (0.0_f64, 0);
+    for i in 0..=40 {
+        for j in 0..=40 - i {
+            let squares = [i, j, 40 - i - j].map(|n| f64::from(n) / 40.0);
+            all = all.max(worst(Shape::Ggx, squares));
+            assert!(worst(Shape::Beckmann, squares) < 1e-14, "{squares:?}");
+            cases += 1;
+        }
+    }
+    let upright = (0..=60).map(|i| {
+        let turn = f64::from(i).to_radians();
+        let [x, y] = [turn.cos() / 2.0_f64.sqrt(), turn.sin() / 6.0_f64.sqrt()];
+        worst(Shape::Ggx, [x + y, y - x, -2.0 * y].map(|w| w * w))
+    });
+    let upright = upright.fold(0.0, f64::max);
+    println!("{all:.4} over all, {upright:.4} at normal incidence");
+    assert!((all - 0.0453).abs() < 0.0005, "{all}");
+    assert!((upright - 0.0066).abs() < 0.0001, "{upright}");
+    assert_eq!(cases, 861);
 }
 
 /// Guo et al., eqs. 2 and 3 as printed: Jacobians of the two refractions. At normal incidence two rough refractions of Saito's

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::estimate::sum_of_squares_with;
+use crate::loss::Kind;
 use crate::report::Bound;
 use crate::scene::Scene;
 use crate::select::Selection;
@@ -32,7 +33,8 @@ pub struct Profile {
 pub struct Evidence {
     /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
     pub reduced_chi2: f64,
-    /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four.
+    /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four. None under `mse`, which is no
+    /// likelihood.
     pub profiles: Vec<Profile>,
 }
 
@@ -44,9 +46,10 @@ impl Evidence {
             let name = &fit.names[*i];
             name == fit.choice.kernel.c_name() || fit.spread.len() == 1 || bounds.contains_key(name)
         };
+        let likelihood = selection.loss.kind() != Kind::Mse;
         let profiles = (0..fit.blur_parameters())
             .filter(wanted)
-            .take(MOST)
+            .take(if likelihood { MOST } else { 0 })
             .map(|i| profile(scene, selection, bounds.get(&fit.names[i]), i))
             .collect();
         Evidence {

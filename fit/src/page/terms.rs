@@ -80,7 +80,8 @@ pub fn section(page: &Page) -> String {
     ];
     out.push_str(&table("Candidate models", &head, &rows));
     let compared = match result.loss {
-        Kind::Mtf => "the MTFs",
+        // The criterion of `mse` is that of `mtf`.
+        Kind::Mtf | Kind::Mse => "the MTFs",
         Kind::Edge => "the pixels around the edges",
     };
     let mu = match &result.mu {

@@ -15,6 +15,7 @@ use crate::sample::Sequence;
 use crate::sampled::Sampling;
 use crate::scene::Scene;
 use crate::solve::Solution;
+use crate::view::Weights;
 
 /// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
 /// they are compared with begin (fit/BENCHMARKS.md).
@@ -110,7 +111,8 @@ pub fn speed(
         for randomisation in 0..randomisations {
             let start = Instant::now();
             let from = far.clone();
-            let fit = by_one_randomisation(scene, table, from, sampling, randomisation)?;
+            let fit =
+                by_one_randomisation(scene, table, Weights::Noise, from, sampling, randomisation)?;
             fitting.push(start.elapsed().as_secs_f64());
             fits.push(fit);
             let start = Instant::now();

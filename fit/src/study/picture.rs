@@ -14,6 +14,7 @@ use crate::plot::{Error, draw};
 fn colour(loss: Kind) -> &'static str {
     match loss {
         Kind::Mtf => "#d62728",
+        Kind::Mse => "#2ca02c",
         Kind::Edge => "#1f77b4",
     }
 }

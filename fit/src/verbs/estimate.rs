@@ -11,7 +11,7 @@ use tables::Outputs;
 use crate::bound::{absent, bounds};
 use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
-use crate::estimate::Value;
+use crate::estimate::{self, Value, refined};
 use crate::forward::{self, Forward};
 use crate::kernel::Family;
 use crate::loss::{Kind, Loss};
@@ -25,12 +25,14 @@ use crate::solve::Stop;
 use crate::truth::Truth;
 use crate::verbs::sampled::{self, Samples};
 use crate::verbs::terms::{self, Terms};
+use crate::view::Weights;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 What is minimised: edge, by default, comes within a few percent of the Cramer-Rao bound; mtf, the published loss, has \
-standard errors 1.7 times (c) and 2.3 times (a) the bound (`fit study`, fit/BENCHMARKS.md).
+standard errors 1.7 times (c) and 2.3 times (a) the bound (`fit study`, fit/BENCHMARKS.md), its differences weighed by \
+their noise; mse weighs all frequencies alike, as published (terms and bounds are then those of mtf).
 What is left open (auto) is decided by Bayes' criterion on the residuals in units of their noise; a further term must \
 lower it by more than 4. Standard errors carry pixel noise, the lens fit, the reference's step and the table's rays.
 
@@ -40,7 +42,7 @@ Examples:
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json
   fit estimate captures.toml --table pair.h5 -o result.json --report report.html
   fit estimate captures.toml --table pair.h5 --model saito -o saito.json
-  fit estimate captures.toml --table pair.h5 --forward render --samples 16 -o result.json")]
+  fit estimate captures.toml --table pair.h5 --forward render --loss mse --samples 16 -o result.json")]
 pub struct Arguments {
     /// The campaign's manifest
     pub captures: PathBuf,
@@ -63,7 +65,7 @@ pub struct Arguments {
     /// The samples of a render.
     #[command(flatten)]
     pub samples: Samples,
-    /// What is minimised; edge if left out, mtf with --forward render, which has no other
+    /// What is minimised; edge if left out; mtf with --forward render, which compares MTFs
     #[arg(long, value_enum)]
     pub loss: Option<Kind>,
     /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
@@ -227,19 +229,30 @@ fn estimate(
     let candidates = terms::possible(candidates, &mut scene, &arguments.captures)?;
     let render = arguments.forward == Forward::Render;
     let default = if render { Kind::Mtf } else { Kind::Edge };
-    let mut selection = select(&scene, arguments.loss.unwrap_or(default), &candidates);
-    // Terms, and what the photographs only bound, are decided in closed form.
+    let kind = arguments.loss.unwrap_or(default);
+    let weights = match kind {
+        Kind::Mse => Weights::Even,
+        Kind::Mtf | Kind::Edge => Weights::Noise,
+    };
+    // Terms, and what the photographs only bound, are decided in closed form and in units of the noise.
+    let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
+    let mut selection = select(&scene, telling, &candidates);
     let mut bounds = bounds(&scene, &selection.loss, &selection.best);
     bounds.extend(absent(&scene, &selection));
     if render {
         let Selection { best, compared, .. } = selection;
         let sampling = arguments.samples.sampling();
-        let best = forward::by_samples(&mut scene, &table, best.choice, sampling)?;
+        let best = forward::by_samples(&mut scene, &table, weights, best.choice, sampling)?;
         selection = Selection {
-            loss: Loss::Mtf(&scene),
+            loss: Loss::of_mtfs(&scene, weights),
             best,
             compared,
         };
+    } else if kind == Kind::Mse {
+        let loss = Loss::Mse(&scene);
+        let best = refined(&scene, &loss, selection.best.optimum());
+        selection.best = estimate::estimate(&scene, &loss, best);
+        selection.loss = loss;
     }
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;

@@ -31,7 +31,7 @@ impl Samples {
 }
 
 /// Leaves the candidates that have samples. Ends the program with a usage error where none is left, or another loss was asked
-/// for than the published one.
+/// for than those of MTFs.
 pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
     let refuse = |what: &str| -> ! {
         clap::Command::new(verb)
@@ -40,7 +40,7 @@ pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str)
     };
     if loss == Some(Kind::Edge) {
         refuse(
-            "--forward render compares MTFs, as published; leave out --loss edge, or use --forward spectral",
+            "--forward render compares MTFs, as published; use --loss mtf or mse, or --forward spectral",
         );
     }
     candidates.kernels.retain(|&kernel| has_samples(kernel));
