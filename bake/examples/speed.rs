@@ -19,6 +19,7 @@ use std::sync::Arc;
 const RULES: Rules = Rules {
     refractive_index: 1.0,
     mirror_back: true,
+    losses: None,
     angular_tolerance_rad: 0.0087,
 };
 

@@ -27,7 +27,13 @@ pub fn text(table: &Table) -> String {
         );
     }
     line("refractive index", from.refractive_index.to_string());
-    line("back, losses", format!("{}, {}", from.back, from.losses));
+    line(
+        "back, losses",
+        format!("{}, {}", from.back, from.losses_text()),
+    );
+    if let Some(nm) = from.wavelength_nm {
+        line("wavelength", format!("{nm} nm"));
+    }
     let sampler = if from.sampler == "none" {
         String::new()
     } else {
@@ -86,6 +92,8 @@ pub fn json(table: &Table) -> String {
         "back": from.back,
         "losses": from.losses,
         "reflectance": from.reflectance,
+        "metal_index": from.metal_index,
+        "wavelength_nm": from.wavelength_nm,
         "method": from.method,
         "sampler": from.sampler,
         "seed": from.seed,

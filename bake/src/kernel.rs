@@ -86,11 +86,13 @@ impl Kernel {
             .zip(entries)
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
         let programs: Option<Vec<Program>> = programs.collect();
+        // Photons end where their own chance says, so that each goes alone.
+        let alone = rules.losses.is_some();
         Kernel {
-            programs: programs.unwrap_or_default(),
+            programs: programs.filter(|_| !alone).unwrap_or_default(),
             instructions: InstructionSet::best(),
             // With an azimuth of its own for each, rays part at once.
-            packets: direction.is_some(),
+            packets: direction.is_some() && !alone,
             scenes: scenes.clone(),
             launch: launch.clone(),
             rules: *rules,
@@ -183,10 +185,13 @@ impl Kernel {
         for index in samples {
             let (scene, point) = self.launch.entry(stream, index);
             let direction = self.direction_of(stream, index);
-            tally.count(
-                &self.bins,
-                &trace(&self.scenes[scene], &self.rules, &direction, point),
-            );
+            let chance = match self.rules.losses {
+                Some(_) => self.launch.chance(stream, index),
+                None => 0.5,
+            };
+            let scene = &self.scenes[scene];
+            let outcome = trace(scene, &self.rules, &direction, point, chance);
+            tally.count(&self.bins, &outcome);
         }
     }
 }

@@ -151,6 +151,11 @@ impl Launch {
     pub fn azimuth_rad(&self, stream: &Stream, index: u64) -> f64 {
         (centred(stream.third(index)) + 0.5) * std::f64::consts::TAU
     }
+
+    /// The chance of the photon `index` where there are losses, in (0, 1).
+    pub fn chance(&self, stream: &Stream, index: u64) -> f64 {
+        centred(stream.fourth(index)) + 0.5
+    }
 }
 
 /// An entrance cut into pieces.

@@ -14,6 +14,8 @@ pub mod inspect;
 pub mod kernel;
 pub mod lanes;
 pub mod launch;
+pub mod light;
+pub mod material;
 pub mod optics;
 pub mod packet;
 pub mod path;

@@ -1,5 +1,6 @@
 //! One ray from the entrance to its fate: the tracer that everything faster is checked against.
 
+use crate::light::{Light, Surface};
 use crate::optics::{reflect, reflection, totally_reflected};
 use crate::ray::{Direction, Ray};
 use crate::scene::{Event, Scene};
@@ -17,8 +18,19 @@ pub struct Rules {
     pub refractive_index: f64,
     /// Whether facets reflect at every angle (a mirror coating) or only totally.
     pub mirror_back: bool,
+    /// What is behind the facets, where Fresnel's losses count; then `mirror_back` says nothing.
+    pub losses: Option<Surface>,
     /// Largest angle of the rotation -M, M the path's linear map, that counts as retroreflected, rad.
     pub angular_tolerance_rad: f64,
+}
+
+impl Rules {
+    /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the normal.
+    pub fn lets_through(&self, cosine: f64) -> bool {
+        self.losses.is_none()
+            && !self.mirror_back
+            && !totally_reflected(cosine, self.refractive_index)
+    }
 }
 
 /// What became of one ray.
@@ -97,7 +109,7 @@ impl Course {
             return Err(Fate::BounceLimit);
         }
         let cosine = self.direction.dot(normal);
-        if !(rules.mirror_back || totally_reflected(cosine, rules.refractive_index)) {
+        if rules.lets_through(cosine) {
             return Err(Fate::Transmitted);
         }
         Ok(Course {
@@ -121,12 +133,31 @@ impl Course {
     }
 }
 
+/// A photon of unpolarised light: it goes on as long as the power that a beam would have left exceeds its `chance`.
+struct Photon {
+    light: Light,
+    surface: Surface,
+    chance: f64,
+}
+
+impl Photon {
+    /// Ends it, with the fate given, where only `power` is left.
+    fn survive(&self, power: f64, fate: Fate) -> Result<(), Fate> {
+        if power > self.chance {
+            Ok(())
+        } else {
+            Err(fate)
+        }
+    }
+}
+
 /// A ray under way.
 struct Path {
     /// Its present piece.
     ray: Ray,
     course: Course,
     prism: [i32; 2],
+    photon: Option<Photon>,
 }
 
 impl Path {
@@ -141,7 +172,13 @@ impl Path {
                 prism,
                 ..
             } => {
+                let before = self.course.direction;
                 self.course = self.course.past(normal, front, rules)?;
+                if let Some(photon) = &mut self.photon {
+                    let (surface, index) = (photon.surface, rules.refractive_index);
+                    photon.light = photon.light.reflected(before, normal, &surface, index);
+                    photon.survive(photon.light.power(), surface.takes())?;
+                }
                 self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
                 self.ray = Ray {
                     direction: self.course.direction,
@@ -150,23 +187,49 @@ impl Path {
                 Ok(())
             }
             Event::Endless => Err(Fate::BounceLimit),
-            Event::Out => Err(self.course.left(direction, rules)),
+            Event::Out => {
+                if let Some(photon) = &self.photon {
+                    let travel = self.course.direction;
+                    let outside = photon.light.power_outside(travel, rules.refractive_index);
+                    photon.survive(outside, Fate::Absorbed)?;
+                }
+                Err(self.course.left(direction, rules))
+            }
         }
     }
 }
 
-/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`.
-pub fn trace(scene: &Scene, rules: &Rules, direction: &Direction, point: DVec2) -> Outcome {
+/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`. Where
+/// the rules have losses, `chance` in (0, 1) decides how far it comes: of evenly spread chances as many come back as power
+/// does, so that a tally of photons has whole numbers. Without losses it says nothing.
+pub fn trace(
+    scene: &Scene,
+    rules: &Rules,
+    direction: &Direction,
+    point: DVec2,
+    chance: f64,
+) -> Outcome {
     let mut path = Path {
         ray: scene.enter(point, direction.travel),
         course: Course::new(direction),
         prism: [0, 0],
+        photon: rules.losses.map(|surface| Photon {
+            light: Light::entered(direction.travel, rules.refractive_index),
+            surface,
+            chance,
+        }),
     };
-    let fate = loop {
-        let event = scene.next(&path.ray);
-        if let Err(fate) = path.pass(&event, rules, direction) {
-            break fate;
-        }
+    let entered = path.photon.as_ref().map_or(Ok(()), |photon| {
+        photon.survive(photon.light.power(), Fate::Absorbed)
+    });
+    let fate = match entered {
+        Err(fate) => fate,
+        Ok(()) => loop {
+            let event = scene.next(&path.ray);
+            if let Err(fate) = path.pass(&event, rules, direction) {
+                break fate;
+            }
+        },
     };
     let mut shift = DVec2::ZERO;
     if fate == Fate::Retroreflected {

@@ -4,10 +4,12 @@ mod angles;
 mod error;
 
 use crate::bodies::{self, Whole};
+use crate::light::Surface;
 use crate::path::Rules;
 use crate::sequence::Sampler;
 use crate::symmetry;
 use angles::{angles, full_step, sector};
+use num_complex::Complex64;
 use std::num::NonZeroUsize;
 use tables::shards::MOST_SHARDS;
 use tables::{Axes, Symmetry};
@@ -86,6 +88,15 @@ impl Back {
     }
 }
 
+/// What surfaces take from the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Losses {
+    /// Nothing: mirrors reflect all, the front face lets all through.
+    None,
+    /// What Fresnel's equations say of the front face and of each facet, for unpolarised light.
+    Fresnel,
+}
+
 /// How much work to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
@@ -106,6 +117,14 @@ pub struct Request {
     pub refractive_index: Option<f64>,
     /// `--back`
     pub back: Back,
+    /// `--losses`
+    pub losses: Losses,
+    /// `--reflectance`, where given
+    pub reflectance: Option<f64>,
+    /// Index of `--metal`, where given
+    pub metal: Option<Complex64>,
+    /// `--wavelength-nm`, where given
+    pub wavelength_nm: Option<f64>,
     /// `--method`
     pub method: Method,
     /// `--sampler`
@@ -135,6 +154,10 @@ impl Default for Request {
             azimuth: default::AZIMUTH.into(),
             refractive_index: None,
             back: Back::Mirror,
+            losses: Losses::None,
+            reflectance: None,
+            metal: None,
+            wavelength_nm: None,
             method: Method::Auto,
             sampler: Sampler::Sobol,
             rays: None,
@@ -162,6 +185,10 @@ pub struct Plan {
     pub refractive_index: Option<f64>,
     /// What facets are backed with.
     pub back: Back,
+    /// What is behind the facets where their losses count.
+    pub losses: Option<Surface>,
+    /// Vacuum wavelength, nm, where it was given.
+    pub wavelength_nm: Option<f64>,
     /// How to bake.
     pub method: Method,
     /// How samples are spread.
@@ -250,6 +277,10 @@ impl Plan {
                 range: "from 1 to 10",
             });
         }
+        if let Some(nm) = request.wavelength_nm {
+            positive("--wavelength-nm", nm, 1e6, "above 0 and at most 1e6 nm")?;
+        }
+        let losses = surface(request)?;
         let most = match request.sampler {
             Sampler::Sobol => RAYS_PER_RANDOMISATION * default::RANDOMISATIONS,
             Sampler::Random => 1 << 48,
@@ -315,6 +346,8 @@ impl Plan {
             symmetry: Symmetry::NONE,
             refractive_index: request.refractive_index,
             back: request.back,
+            losses,
+            wavelength_nm: request.wavelength_nm,
             method: request.method,
             sampler: request.sampler,
             effort,
@@ -361,6 +394,7 @@ impl Plan {
         Rules {
             refractive_index: self.index_of(cell),
             mirror_back: self.back == Back::Mirror,
+            losses: self.losses,
             angular_tolerance_rad: self.angular_tolerance_deg.to_radians(),
         }
     }
@@ -382,6 +416,32 @@ impl Plan {
             ));
         }
         warnings
+    }
+}
+
+/// What is behind the facets where their losses count.
+fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
+    let named = [
+        ("--reflectance", request.reflectance.is_some()),
+        ("--metal", request.metal.is_some()),
+    ];
+    let named: Vec<&'static str> = named
+        .into_iter()
+        .filter_map(|(option, given)| given.then_some(option))
+        .collect();
+    let both = |first, second| Err(PlanError::Both { first, second });
+    match (request.losses, request.back, &named[..]) {
+        (Losses::None, _, []) => Ok(None),
+        (Losses::None, _, [option, ..]) => Err(PlanError::NeedsLosses { option }),
+        (_, _, &[first, second]) => both(first, second),
+        (_, Back::Tir, &[option, ..]) => both(option, "--back tir"),
+        (_, Back::Tir, []) => Ok(Some(Surface::Bare)),
+        (_, Back::Mirror, _) => {
+            let reflectance = request.reflectance.unwrap_or(1.0);
+            positive("--reflectance", reflectance, 1.0, "above 0 and at most 1")?;
+            let mirror = Surface::Mirror { reflectance };
+            Ok(Some(request.metal.map_or(mirror, Surface::Metal)))
+        }
     }
 }
 
@@ -587,8 +647,48 @@ mod tests {
                 "--threads 0: give a whole number from 1",
             ),
         ];
+        let lossy = |back, reflectance, metal| Request {
+            losses: Losses::Fresnel,
+            back,
+            reflectance,
+            metal,
+            ..base()
+        };
+        let metal = Some(Complex64::new(1.0, 7.0));
+        let losses = [
+            (
+                Request {
+                    reflectance: Some(0.9),
+                    ..base()
+                },
+                "--reflectance needs --losses fresnel",
+            ),
+            (
+                Request { metal, ..base() },
+                "--metal needs --losses fresnel",
+            ),
+            (
+                lossy(Back::Mirror, Some(0.9), metal),
+                "--reflectance and --metal exclude each other",
+            ),
+            (
+                lossy(Back::Tir, None, metal),
+                "--metal and --back tir exclude each other",
+            ),
+            (
+                lossy(Back::Mirror, Some(1.1), None),
+                "--reflectance 1.1: give a number above 0 and at most 1",
+            ),
+            (
+                Request {
+                    wavelength_nm: Some(-550.0),
+                    ..base()
+                },
+                "--wavelength-nm -550: give a number above 0",
+            ),
+        ];
         let mut refused = 0;
-        for (request, sentence) in &cases {
+        for (request, sentence) in cases.iter().chain(&losses) {
             let error = Plan::new(request).expect_err(sentence).to_string();
             assert!(
                 error.contains(sentence),
@@ -596,6 +696,6 @@ mod tests {
             );
             refused += 1;
         }
-        assert_eq!(refused, 23);
+        assert_eq!(refused, 29);
     }
 }

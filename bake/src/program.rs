@@ -13,7 +13,7 @@
 //! Cells that do not fit (periodic, many facets, facets that pierce each other or hide each other in a circle) have
 //! no program and are traced facet by facet: `Program::new` returns `None`.
 
-use crate::optics::{reflect, reflection, totally_reflected};
+use crate::optics::{reflect, reflection};
 use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
 use crate::ray::Direction;
 use crate::scene::Scene;
@@ -372,7 +372,7 @@ impl Builder<'_> {
         if bounces as u32 == BOUNCE_LIMIT {
             return self.step(bounces, tests, End::Fate(Fate::BounceLimit));
         }
-        if !self.rules.mirror_back && !totally_reflected(cosine, self.rules.refractive_index) {
+        if self.rules.lets_through(cosine) {
             return self.step(bounces, tests, End::Fate(Fate::Transmitted));
         }
         self.step(bounces, tests, End::Onward)?;

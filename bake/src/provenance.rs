@@ -1,7 +1,9 @@
 //! What a table says about where it comes from.
 
-use crate::plan::{Effort, Plan, Shard};
+use crate::light::Surface;
+use crate::plan::{Back, Effort, Plan, Shard};
 use meshes::Cell;
+use num_complex::Complex64;
 use tables::{Provenance, Shards};
 
 /// Where a table of `cell` baked by `method` comes from.
@@ -15,8 +17,11 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
         azimuth_zero: cell.azimuth_zero.to_array(),
         refractive_index: plan.index_of(cell),
         back: plan.back.name().into(),
-        losses: "none".into(),
-        reflectance: 1.0,
+        losses: plan.losses.map_or("none", |_| "fresnel").into(),
+        reflectance: match plan.losses {
+            Some(Surface::Mirror { reflectance }) => reflectance,
+            _ => 1.0,
+        },
         method,
         sampler,
         seed: plan.seed,
@@ -29,6 +34,11 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
             .entrance
             .lattice
             .map(|lattice| lattice.map(|vector| vector.to_array())),
+        wavelength_nm: plan.wavelength_nm,
+        metal_index: match plan.losses {
+            Some(Surface::Metal(index)) => Some([index.re, index.im]),
+            _ => None,
+        },
         shards: match (plan.shard, plan.effort) {
             (Some(Shard { number, of }), Effort::Rays(rays)) => Some(Shards {
                 of,
@@ -40,3 +50,25 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
         symmetry: plan.symmetry,
     }
 }
+
+/// What was behind the facets of a table whose losses count; `None` where they do not.
+///
+/// # Errors
+/// The table names losses or a back that this program does not know.
+pub fn losses_of(from: &Provenance) -> Result<Option<Surface>, Unknown> {
+    let reflectance = from.reflectance;
+    match (from.losses.as_str(), Back::from_name(&from.back)) {
+        (_, None) => Err(Unknown),
+        ("none", _) => Ok(None),
+        ("fresnel", Some(Back::Tir)) => Ok(Some(Surface::Bare)),
+        ("fresnel", Some(Back::Mirror)) => Ok(Some(match from.metal_index {
+            Some([n, k]) => Surface::Metal(Complex64::new(n, k)),
+            None => Surface::Mirror { reflectance },
+        })),
+        _ => Err(Unknown),
+    }
+}
+
+/// Losses of a later version.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unknown;

@@ -46,9 +46,9 @@ impl Trace<'_> {
     }
 
     /// For a script.
-    pub fn json(&self) -> String {
+    pub fn json(&self) -> Value {
         let rays: u64 = self.table.rays.sum();
-        let value = json!({
+        json!({
             "table": self.file.display().to_string(),
             "content_hash": self.table.content_hash(),
             "method": self.table.provenance.method,
@@ -56,8 +56,7 @@ impl Trace<'_> {
             "rays": rays,
             "rays_per_second": if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },
             "directions": directions_json(self.table),
-        });
-        format!("{value}\n")
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! A table judged by its mesh: a random part of its directions traced again.
 
+use crate::light::Surface;
 use crate::plan::{Back, Effort, Method, Plan};
 use crate::report::Comparison;
 use crate::run::{self, RunError};
@@ -18,6 +19,7 @@ const PART: [usize; 2] = [4, 2];
 pub fn retrace(
     table: &Table,
     back: Back,
+    losses: Option<Surface>,
     cell: &Cell,
     rays: u64,
     seed: u64,
@@ -32,6 +34,8 @@ pub fn retrace(
         symmetry: table.provenance.symmetry,
         refractive_index: Some(table.provenance.refractive_index),
         back,
+        losses,
+        wavelength_nm: table.provenance.wavelength_nm,
         method: Method::Rays,
         sampler: Sampler::Random,
         effort: Effort::Rays(rays),

@@ -4,7 +4,7 @@
 //! centres of 2^32 equal cells, so that no sample falls on the end of the interval and means have no bias.
 //!
 //! - random: Philox2x32-10 (Salmon et al. 2011), a counter-based generator: any index costs the same;
-//! - sobol: the first three dimensions of the Sobol sequence (Joe and Kuo 2008), Owen-scrambled by the hash of Laine
+//! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008), Owen-scrambled by the hash of Laine
 //!   and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points from a multiple of 2^k on are a
 //!   (0, k, 2)-net in the first two dimensions.
 
@@ -32,8 +32,8 @@ impl Sampler {
 pub struct Stream {
     /// How the points are spread.
     pub sampler: Sampler,
-    /// Scrambling seeds of the three dimensions (sobol) or key and counter tweak (random).
-    pub keys: [u32; 3],
+    /// Scrambling seeds of the four dimensions (sobol) or key and counter tweak (random).
+    pub keys: [u32; 4],
 }
 
 impl Stream {
@@ -60,7 +60,12 @@ impl Stream {
         let more = mix(hash ^ 0x5851_f42d_4c95_7f2d);
         Stream {
             sampler,
-            keys: [hash as u32, (hash >> 32) as u32, more as u32],
+            keys: [
+                hash as u32,
+                (hash >> 32) as u32,
+                more as u32,
+                (more >> 32) as u32,
+            ],
         }
     }
 
@@ -90,13 +95,25 @@ impl Stream {
     #[inline]
     pub fn third(&self, index: u64) -> u32 {
         match self.sampler {
-            // The top bit of the counter is free (an index stays below 2^62): it names the second block.
-            Sampler::Random => {
-                let [low, high] = self.counter(index);
-                philox_one([low, high ^ 0x8000_0000], self.keys[0])[0]
-            }
-            Sampler::Sobol => scramble(third_dimension(index as u32), self.keys[2]),
+            Sampler::Random => self.second_block(index)[0],
+            Sampler::Sobol => scramble(dimension(&THIRD, index as u32), self.keys[2]),
         }
+    }
+
+    /// A fourth coordinate of point `index`.
+    #[inline]
+    pub fn fourth(&self, index: u64) -> u32 {
+        match self.sampler {
+            Sampler::Random => self.second_block(index)[1],
+            Sampler::Sobol => scramble(dimension(&FOURTH, index as u32), self.keys[3]),
+        }
+    }
+
+    /// Two more random numbers for point `index`: the top bit of the counter is free (an index stays below 2^62).
+    #[inline]
+    fn second_block(&self, index: u64) -> [u32; 2] {
+        let [low, high] = self.counter(index);
+        philox_one([low, high ^ 0x8000_0000], self.keys[0])
     }
 }
 
@@ -159,10 +176,10 @@ pub(crate) fn pascal(index: u32) -> u32 {
     x
 }
 
-/// Third dimension of the Sobol sequence, lowest bit first.
-fn third_dimension(index: u32) -> u32 {
+/// The dimension of the Sobol sequence with these direction numbers, lowest bit first.
+fn dimension(columns: &[u32; 32], index: u32) -> u32 {
     let mut digits = 0;
-    for (bit, column) in THIRD.iter().enumerate() {
+    for (bit, column) in columns.iter().enumerate() {
         digits ^= column & 0u32.wrapping_sub((index >> bit) & 1);
     }
     digits.reverse_bits()
@@ -176,6 +193,20 @@ const THIRD: [u32; 32] = {
     let mut i = 2;
     while i < 32 {
         columns[i] = columns[i - 1] ^ columns[i - 2] ^ (columns[i - 2] >> 2);
+        i += 1;
+    }
+    columns
+};
+
+/// Those of the fourth: polynomial x^3 + x + 1, m = 1, 3, 1.
+const FOURTH: [u32; 32] = {
+    let mut columns = [0u32; 32];
+    columns[0] = 1 << 31;
+    columns[1] = 3 << 30;
+    columns[2] = 1 << 29;
+    let mut i = 3;
+    while i < 32 {
+        columns[i] = columns[i - 2] ^ columns[i - 3] ^ (columns[i - 3] >> 3);
         i += 1;
     }
     columns
@@ -210,7 +241,7 @@ mod tests {
         ];
         // scipy.stats.qmc.Sobol(3, scramble=False) gives the same set in Gray-code order.
         for (index, point) in [0u32, 1, 2, 3].into_iter().zip(points) {
-            let plain = [index, pascal(index), third_dimension(index)]
+            let plain = [index, pascal(index), dimension(&THIRD, index)]
                 .map(|digits| f64::from(digits.reverse_bits()) / 4_294_967_296.0);
             let expected = match index {
                 0 | 1 => [point.0, point.1, point.2],
@@ -246,11 +277,23 @@ mod tests {
     }
 
     #[test]
-    fn third_dimension_is_equidistributed() {
+    fn third_and_fourth_dimension_are_equidistributed() {
         let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);
-        let mut seen = [0u32; 256];
-        (0..256).for_each(|index| seen[(stream.third(index) >> 24) as usize] += 1);
-        assert_eq!(seen, [1; 256]);
+        for coordinate in [Stream::third, Stream::fourth] {
+            let mut seen = [0u32; 256];
+            (0..256).for_each(|index| seen[(coordinate(&stream, index) >> 24) as usize] += 1);
+            assert_eq!(seen, [1; 256]);
+        }
+    }
+
+    /// Its first points unscrambled, as the tables of Joe and Kuo give them.
+    #[test]
+    fn fourth_dimension_is_the_published_one() {
+        let eighths = |index| dimension(&FOURTH, index).reverse_bits() >> 29;
+        assert_eq!(
+            [0, 1, 2, 3, 4, 5, 6, 7].map(eighths),
+            [0, 4, 6, 2, 1, 5, 7, 3]
+        );
     }
 
     /// Streams differ: no two of 2,000 (directions x randomisations x seeds) share a key triple.

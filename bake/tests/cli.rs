@@ -159,6 +159,104 @@ fn wrong_usage_and_failed_work() {
     assert_eq!(left.len(), 3, "no half-written file stays: {left:?}");
 }
 
+/// A table a wavelength, each with the indices of its own, judged by photons through the mesh.
+#[test]
+fn prisms_with_losses_at_several_wavelengths() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let here = folder.path();
+    good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
+    let losses = [
+        "--losses",
+        "fresnel",
+        "--metal",
+        "silver",
+        "--incidence",
+        "0,30",
+    ];
+    let glass = [
+        "--refractive-index",
+        "pmma",
+        "--wavelength-nm",
+        "450,650",
+        "--json",
+    ];
+    let trace = ["trace", "pair.obj", "-o", "pair-{nm}.h5"];
+    let said = good(here, &[&trace[..], &losses, &glass].concat());
+    let said: serde_json::Value = serde_json::from_str(&said).expect("one JSON object");
+    let mut etas = Vec::new();
+    for (k, (nm, index)) in [(450.0, "1.50061"), (650.0, "1.48809")]
+        .into_iter()
+        .enumerate()
+    {
+        let file = format!("pair-{nm}.h5");
+        assert_eq!(said["tables"][k]["table"], file.as_str());
+        let held = good(here, &["inspect", &file, "--json"]);
+        let held: serde_json::Value = serde_json::from_str(&held).expect("JSON");
+        assert_eq!(held["wavelength_nm"], nm);
+        assert_eq!(
+            format!(
+                "{:.5}",
+                held["refractive_index"].as_f64().expect("a number")
+            ),
+            index
+        );
+        assert_eq!(held["losses"], "fresnel");
+        assert!(held["metal_index"][1].as_f64().expect("k") > 2.0);
+        etas.push(
+            held["directions"][0]["retroreflected"]
+                .as_f64()
+                .expect("eta"),
+        );
+        let text = good(here, &["inspect", &file]);
+        assert!(
+            text.contains("mirror, fresnel, metal of index 0.1"),
+            "{text}"
+        );
+        let judged = good(
+            here,
+            &["verify", &file, "--mesh", "pair.obj", "--rays", "65536"],
+        );
+        assert!(
+            judged.contains("yes") && !judged.contains(" no\n"),
+            "{judged}"
+        );
+    }
+    // Silver reflects red better than blue; either keeps less than two thirds by the front face and three reflections.
+    assert!(
+        0.4 < etas[0] && etas[0] < etas[1] && etas[1] < 0.6,
+        "{etas:?}"
+    );
+    let refusals: [(&[&str], &str); 6] = [
+        (&["--wavelength-nm", "450,650"], "names 2 wavelengths"),
+        (
+            &["--refractive-index", "pmma"],
+            "pmma depends on the wavelength",
+        ),
+        (&["--refractive-index", "wood"], "pmma, polycarbonate, bk7"),
+        (
+            &["--metal", "silver", "--wavelength-nm", "550"],
+            "--metal needs --losses fresnel",
+        ),
+        (&["--metal", "tin"], "--metal tin: give aluminium, silver"),
+        (
+            &["--losses", "fresnel", "--reflectance", "0"],
+            "--reflectance 0",
+        ),
+    ];
+    for (options, sentence) in refusals {
+        let refused = bake(
+            here,
+            &[&["trace", "pair.obj", "-o", "x.h5"], options].concat(),
+        );
+        let message = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(2), "{message}");
+        assert!(message.contains(sentence), "{message}");
+    }
+    let refused = bake(here, &trace);
+    assert!(text(&refused.stderr).contains("{nm} stands for a wavelength"));
+    assert!(!here.join("x.h5").exists());
+}
+
 /// A sheet of many cubes is taken apart without a word; where the digits of the file do not allow it, a line says why.
 #[test]
 fn a_sheet_that_is_traced_as_a_whole() {

@@ -20,6 +20,7 @@ use std::sync::Arc;
 const MIRROR: Rules = Rules {
     refractive_index: 1.0,
     mirror_back: true,
+    losses: None,
     angular_tolerance_rad: 0.009,
 };
 
@@ -41,6 +42,7 @@ fn program_equals_tracer_ray_for_ray() {
     let tir = Rules {
         refractive_index: 1.49,
         mirror_back: false,
+        losses: None,
         ..MIRROR
     };
     // Enough for a block that is traced cell by cell, and for what lies before and after it.
@@ -265,6 +267,7 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
     let tir = Rules {
         refractive_index: 1.49,
         mirror_back: false,
+        losses: None,
         ..MIRROR
     };
     let (first, rays) = ((1 << 15) - 5, 40_000u64);
@@ -294,7 +297,7 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
                         let choice = choices.pair(index)[0] as usize % 120;
                         entered[choice][kind] = true;
                         let point = point + kinds[kind].places[choice];
-                        all.count(&bins, &trace(whole, &rules, &direction, point));
+                        all.count(&bins, &trace(whole, &rules, &direction, point, 0.5));
                     }
                     assert_eq!(parts.fates, all.fates, "at ({incidence}, {azimuth})");
                     let size = bins.len();
@@ -400,7 +403,7 @@ fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
                 for index in first..first + rays {
                     let (kind, point) = sheet.launch.entry(&stream, index);
                     let point = point + kinds[kind].places[0];
-                    all.count(&bins, &trace(&whole, &MIRROR, &direction, point));
+                    all.count(&bins, &trace(&whole, &MIRROR, &direction, point, 0.5));
                 }
                 for set in InstructionSet::available() {
                     let kernel = Kernel::over(&sheet, &MIRROR, &bins, incidence, azimuth).on(set);
@@ -440,6 +443,7 @@ fn packets_equal_single_rays_bit_for_bit() {
     let tir = Rules {
         refractive_index: 1.49,
         mirror_back: false,
+        losses: None,
         ..MIRROR
     };
     let mut compared = 0;

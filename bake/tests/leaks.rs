@@ -14,6 +14,7 @@ use tables::Fate;
 const MIRROR: Rules = Rules {
     refractive_index: 1.0,
     mirror_back: true,
+    losses: None,
     angular_tolerance_rad: 0.0087,
 };
 
@@ -65,7 +66,7 @@ fn aimed(cell: &Cell, index: Index, targets: &[(DVec3, DVec3)], rays: u64) -> (u
             continue;
         }
         launched += 1;
-        let outcome = trace(&scene, &MIRROR, &direction, entry);
+        let outcome = trace(&scene, &MIRROR, &direction, entry, 0.5);
         leaks += u64::from(has_leaked(outcome.fate, outcome.travel));
     }
     (launched, leaks)
@@ -111,7 +112,7 @@ fn aimed_rays_have_the_right_shift() {
         let along = |z: f64| direction.travel * ((scene.height() - z) / direction.travel.z);
         let entry = (target + along(target.z)).truncate();
         let q = along(0.0).truncate();
-        let outcome = trace(&scene, &MIRROR, &direction, entry);
+        let outcome = trace(&scene, &MIRROR, &direction, entry, 0.5);
         if inside(triangle, entry, 1e-9) && inside(triangle, 2.0 * q - entry, 1e-9) {
             assert_eq!(outcome.fate, Fate::Retroreflected, "sample {sample}");
             let expected = direction.to_frame(2.0 * (q - entry));

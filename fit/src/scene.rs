@@ -138,6 +138,12 @@ impl Scene {
                 "the table is a mean over azimuths: azimuth_deg of the captures has no effect; bake the azimuths to use it".into(),
             );
         }
+        let losses = table.provenance.losses_text();
+        if losses != "none" {
+            warnings.push(format!(
+                "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
+            ));
+        }
         let reference = match &campaign.reference {
             None => {
                 warnings.push(

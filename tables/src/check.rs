@@ -197,6 +197,16 @@ fn values(table: &Table) -> Result<(), Invalid> {
         "from 0 to below 360",
         |x| (0.0..360.0).contains(&x),
     )?;
+    within(
+        "wavelength_nm",
+        &p.wavelength_nm,
+        "finite positive numbers",
+        positive,
+    )?;
+    let metal: &[f64] = p.metal_index.as_ref().map_or(&[], |index| index);
+    within("metal_index", metal, "finite numbers from 0", |x| {
+        x.is_finite() && x >= 0.0
+    })?;
     let lattice: &[f64] = p.lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
     within("lattice", lattice, "finite numbers", f64::is_finite)
 }

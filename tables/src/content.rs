@@ -128,6 +128,8 @@ impl Items<'_> {
             angular_tolerance_deg,
             tolerance,
             lattice,
+            wavelength_nm,
+            metal_index,
             shards,
             symmetry,
         } = provenance;
@@ -151,6 +153,13 @@ impl Items<'_> {
         self.floats("tolerance", [*tolerance].into_iter());
         let lattice: &[f64] = lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
         self.floats("lattice", lattice.iter().copied());
+        // No item where absent, so that older tables keep their hash.
+        if let Some(wavelength_nm) = wavelength_nm {
+            self.floats("wavelength_nm", [*wavelength_nm].into_iter());
+        }
+        if let Some(metal_index) = metal_index {
+            self.floats("metal_index", metal_index.iter().copied());
+        }
         if let Some(shards) = shards {
             self.text("shards", &shards.to_string());
         }

@@ -161,6 +161,8 @@ mod attribute {
     pub const ANGULAR_TOLERANCE_DEG: &str = "angular_tolerance_deg";
     pub const TOLERANCE: &str = "tolerance";
     pub const LATTICE: &str = "lattice";
+    pub const WAVELENGTH_NM: &str = "wavelength_nm";
+    pub const METAL_INDEX: &str = "metal_index";
     pub const SHARDS: &str = "shards";
     pub const SYMMETRY_ROTATIONS: &str = "symmetry_rotations";
     pub const SYMMETRY_MIRROR_DEG: &str = "symmetry_mirror_deg";

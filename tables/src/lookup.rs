@@ -139,8 +139,8 @@ impl Table {
     /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0,
     /// #     back: "mirror".into(), losses: "none".into(), reflectance: 1.0, method: "rays".into(),
     /// #     sampler: "random".into(), seed: 1,
-    /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, shards: None,
-    /// #     symmetry: tables::Symmetry::NONE,
+    /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, wavelength_nm: None,
+    /// #     metal_index: None, shards: None, symmetry: tables::Symmetry::NONE,
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg

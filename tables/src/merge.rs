@@ -97,6 +97,8 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         provenance.tolerance = "tolerance",
         provenance.lattice = "lattice",
         provenance.symmetry = "symmetry",
+        provenance.wavelength_nm = "wavelength_nm",
+        provenance.metal_index = "metal_index",
         provenance.generator = "generator",
         axes.bins = "bins",
         axes.range = "shift_range",

@@ -236,6 +236,14 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
             [ax, ay, bx, by] => Some([[ax, ay], [bx, by]]),
             _ => return Err(wrong("a lattice of other than four numbers")),
         },
+        wavelength_nm: match items.name.as_str() {
+            "wavelength_nm" => Some(items.float("wavelength_nm")?),
+            _ => None,
+        },
+        metal_index: match items.name.as_str() {
+            "metal_index" => Some(items.some("metal_index")?),
+            _ => None,
+        },
         shards: match items.name.as_str() {
             "shards" => Some(
                 items

@@ -24,7 +24,7 @@ pub enum Fate {
     Deviated,
     /// Went through a facet where total internal reflection failed.
     Transmitted,
-    /// Absorbed by a facet or the front face.
+    /// Absorbed by a facet, met one from behind, or was reflected by the front face on the way in or out.
     Absorbed,
     /// Hit nothing.
     Missed,
@@ -183,7 +183,7 @@ pub struct Provenance {
     pub back: String,
     /// `none` or `fresnel`.
     pub losses: String,
-    /// Reflectance of each facet, 1 where losses are left out.
+    /// Reflectance of each mirror facet, 1 where losses are left out or a metal or a bare back decides.
     pub reflectance: f64,
     /// `rays` or `exact`.
     pub method: String,
@@ -197,10 +197,31 @@ pub struct Provenance {
     pub tolerance: f64,
     /// Lattice vectors in the cell frame, edge lengths, where the cell is periodic.
     pub lattice: Option<[[f64; 2]; 2]>,
+    /// Vacuum wavelength that the bake was told, nm; `None` where it was not.
+    pub wavelength_nm: Option<f64>,
+    /// Complex refractive index n + ik, as [n, k], of the metal behind each facet, where there is one.
+    pub metal_index: Option<[f64; 2]>,
     /// Which shards of a bake these are; `None` for a whole one.
     pub shards: Option<Shards>,
     /// What the azimuths stand for besides themselves.
     pub symmetry: Symmetry,
+}
+
+impl Provenance {
+    /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets are made of.
+    pub fn losses_text(&self) -> String {
+        match self.metal_index {
+            _ if self.losses == "none" => self.losses.clone(),
+            Some([n, k]) => format!("{}, metal of index {n} + {k}i", self.losses),
+            None if self.back == "mirror" => {
+                format!(
+                    "{}, mirrors of reflectance {}",
+                    self.losses, self.reflectance
+                )
+            }
+            None => format!("{}, bare facets", self.losses),
+        }
+    }
 }
 
 /// A ray-shift table.

@@ -121,7 +121,7 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
     );
 
     type Change = fn(&mut Table);
-    let changes: [(&str, Change); 17] = [
+    let changes: [(&str, Change); 19] = [
         ("generator", |t| t.provenance.generator.push('1')),
         ("design", |t| t.provenance.design.push('1')),
         ("mesh_hash", |t| t.provenance.mesh_hash.push('1')),
@@ -141,6 +141,12 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
         }),
         ("tolerance", |t| t.provenance.tolerance = 1.0),
         ("lattice", |t| t.provenance.lattice = None),
+        ("wavelength_nm", |t| {
+            t.provenance.wavelength_nm = Some(550.0)
+        }),
+        ("metal_index", |t| {
+            t.provenance.metal_index = Some([0.97, 6.5])
+        }),
         ("bins", |t| t.axes.bins = 16),
         ("shift_range", |t| t.axes.range = 3.0),
     ];

@@ -64,6 +64,9 @@ def content_hash(file):
             integers(name, attrs[name])
         else:
             floats(name, attrs.get(name, []))
+    for name in ["wavelength_nm", "metal_index"]:
+        if name in attrs:
+            floats(name, attrs[name])
     if "shards" in attrs:
         item("shards", attrs["shards"].encode())
     if "symmetry_rotations" in attrs:

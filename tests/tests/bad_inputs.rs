@@ -280,6 +280,12 @@ fn options() {
         trace("--edge-length", "1e20", "does not fit a cell 3 wide"),
         trace("--azimuth", "-360", "above -360"),
         trace("--range", "1e6", "--range 1000000"),
+        trace("--refractive-index", "wood", "pmma, polycarbonate, bk7"),
+        trace("--refractive-index", "bk7", "depends on the wavelength"),
+        trace("--metal", "tin", "--metal tin"),
+        trace("--reflectance", "0.9", "needs --losses fresnel"),
+        trace("--wavelength-nm", "0", "--wavelength-nm 0"),
+        trace("--wavelength-nm", "450,650", "write {nm}"),
         (
             "bake",
             vec!["trace", "triangular.obj", "-o", "./triangular.obj"],

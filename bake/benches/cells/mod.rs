@@ -10,6 +10,7 @@ use std::path::Path;
 pub const RULES: Rules = Rules {
     refractive_index: 1.49,
     mirror_back: true,
+    losses: None,
     angular_tolerance_rad: 0.0087,
 };
 

@@ -2,6 +2,7 @@
 
 use super::{CellArgs, Failure, print, warn};
 use crate::plan::Back;
+use crate::provenance::losses_of;
 use crate::report;
 use crate::retrace::retrace;
 use crate::symmetry;
@@ -109,13 +110,14 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
             mesh: mesh.to_owned(),
         });
     }
-    let back = Back::from_name(&from.back).filter(|_| from.losses == "none");
-    let back = back.ok_or_else(|| Failure::Unknown {
-        file: args.table.clone(),
-        back: from.back.clone(),
-        losses: from.losses.clone(),
-    })?;
-    Ok(retrace(table, back, &cell, args.rays, args.seed)?)
+    let (Some(back), Ok(losses)) = (Back::from_name(&from.back), losses_of(from)) else {
+        return Err(Failure::Unknown {
+            file: args.table.clone(),
+            back: from.back.clone(),
+            losses: from.losses.clone(),
+        });
+    };
+    Ok(retrace(table, back, losses, &cell, args.rays, args.seed)?)
 }
 
 /// Runs `bake merge`.

@@ -2,7 +2,8 @@
 
 use super::{CellArgs, Failure, print, warn};
 use crate::exact::ExactCell;
-use crate::plan::{Back, Method, Plan, Request, default};
+use crate::material;
+use crate::plan::{Back, Losses, Method, Plan, PlanError, Request, default};
 use crate::progress::Progress;
 use crate::provenance::provenance;
 use crate::ranks::{Launched, Ranks};
@@ -21,7 +22,7 @@ use tables::{Output, Outputs, Table};
 pub(super) struct TraceArgs {
     /// Mesh: .obj, .gltf or .glb
     mesh: PathBuf,
-    /// Table to write (HDF5)
+    /// Table to write (HDF5); {nm} in the name stands for the wavelength
     #[arg(short, long, value_name = "TABLE.h5")]
     output: PathBuf,
     /// Incidence angles outside the sheet, degrees: a list or start:stop:step
@@ -31,12 +32,31 @@ pub(super) struct TraceArgs {
     /// sector is baked), or mean for the average over all
     #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
     azimuth: String,
-    /// Refractive index behind a flat front face [default: the file's, else 1]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    refractive_index: Option<f64>,
+    /// Refractive index behind a flat front face: a number, pmma, polycarbonate, bk7, or pairs nm:index [default: the file's,
+    /// else 1]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    refractive_index: Option<String>,
+    /// Wavelengths in vacuum, nm: each has a table of its own
+    #[arg(
+        long,
+        alias = "wavelengths-nm",
+        value_name = "NM,..",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    wavelength_nm: Vec<f64>,
     /// What the facets are backed with
     #[arg(long, value_enum, default_value_t = Back::Mirror)]
     back: Back,
+    /// What surfaces take from the light
+    #[arg(long, value_enum, default_value_t = Losses::None)]
+    losses: Losses,
+    /// Part of the light that each mirror facet reflects, with --losses fresnel [default: 1]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    reflectance: Option<f64>,
+    /// Metal of the mirrors, with --losses fresnel: aluminium, silver, or the complex index N,K
+    #[arg(long, value_name = "NAME", allow_hyphen_values = true)]
+    metal: Option<String>,
     /// How to find the distribution
     #[arg(long, value_enum, default_value_t = Method::Auto)]
     method: Method,
@@ -81,12 +101,21 @@ pub(super) struct TraceArgs {
 }
 
 impl TraceArgs {
-    fn request(&self) -> Request {
-        Request {
+    /// What is asked of the table of one wavelength, where any is named.
+    fn request(&self, wavelength_nm: Option<f64>) -> Result<Request, PlanError> {
+        let index = self.refractive_index.as_deref();
+        let index = index.map(|text| material::refractive_index(text, wavelength_nm));
+        let metal = self.metal.as_deref();
+        let metal = metal.map(|text| material::metal(text, wavelength_nm));
+        Ok(Request {
             incidence: self.incidence.clone(),
             azimuth: self.azimuth.clone(),
-            refractive_index: self.refractive_index,
+            refractive_index: index.transpose()?,
             back: self.back,
+            losses: self.losses,
+            reflectance: self.reflectance,
+            metal: metal.transpose()?,
+            wavelength_nm,
             method: self.method,
             sampler: match self.sampler {
                 SamplerName::Random => Sampler::Random,
@@ -100,6 +129,29 @@ impl TraceArgs {
             seed: self.seed,
             threads: self.threads,
             shard: self.shard.clone(),
+        })
+    }
+
+    /// The tables to write and their wavelengths.
+    fn tables(&self) -> Result<Vec<(PathBuf, Option<f64>)>, PlanError> {
+        let name = self.output.to_string_lossy();
+        let named = name.contains("{nm}");
+        match &self.wavelength_nm[..] {
+            [] if named => Err(PlanError::NoWavelength {
+                output: name.into_owned(),
+            }),
+            [] => Ok(vec![(self.output.clone(), None)]),
+            [_, _, ..] if !named => Err(PlanError::OneFile {
+                wavelengths: self.wavelength_nm.len(),
+                output: name.into_owned(),
+            }),
+            wavelengths => Ok(wavelengths
+                .iter()
+                .map(|nm| match named {
+                    true => (name.replace("{nm}", &nm.to_string()).into(), Some(*nm)),
+                    false => (self.output.clone(), Some(*nm)),
+                })
+                .collect()),
         }
     }
 }
@@ -135,56 +187,32 @@ pub(super) fn run(
             _ => Failure::Elsewhere,
         });
     }
-    let Ready {
-        plan,
-        cell,
-        output,
-        before,
-    } = agreed(Ready::new(args, ranks.leads()), ranks)?;
-    agreed(same_everywhere(&plan, &cell, ranks), ranks)?;
-    let progress = Progress::new(&plan, ranks.leads());
-    let saved = SavedFile::of(&args.output);
-    let mut unsaved = None;
-    // A disk that is full now may have room at the end: the bake goes on, and says so once.
-    let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
-    let saves = Saves::new(before, args.save_every, &mut save);
-    let start = Instant::now();
-    let advance = |rays| progress.advance(rays);
-    let table = run::bake_from(&cell, &plan, &advance, Some(saves), ranks);
-    let seconds = start.elapsed().as_secs_f64();
-    progress.finish();
-    warn(&Vec::from_iter(unsaved.map(|error| {
-        format!("the bake could not be saved on its way: {error}")
-    })));
-    let table = match table.map_err(Failure::from) {
-        // The others wait for what this rank no longer does.
-        Err(failure) if ranks.count() > 1 => {
-            failure.print();
-            ranks.abort(failure.code());
-        }
-        table => table?,
-    };
-    let (Some(table), Some(output)) = (table, output) else {
-        return Ok(());
-    };
-    tables::commit(&table, output)?;
-    saved.remove();
-    let report = report::Trace {
-        table: &table,
-        file: &args.output,
-        seconds,
-    };
-    print(&if args.json {
-        report.json()
-    } else {
-        report.text()
-    })
+    let Ready { cell, bakes } = agreed(Ready::new(args, ranks.leads()), ranks)?;
+    for bake in &bakes {
+        agreed(same_everywhere(&bake.plan, &cell, ranks), ranks)?;
+    }
+    let mut said = Vec::new();
+    for bake in bakes {
+        said.extend(bake.run(args, &cell, ranks)?);
+    }
+    match &said[..] {
+        [] => Ok(()),
+        [one] if args.json => print(&format!("{one}\n")),
+        all if args.json => print(&format!("{}\n", serde_json::json!({ "tables": all }))),
+        _ => Ok(()),
+    }
 }
 
-/// A bake whose options, mesh and output are in order.
+/// A bake whose options, mesh and outputs are in order.
 struct Ready {
-    plan: Plan,
     cell: Cell,
+    bakes: Vec<Bake>,
+}
+
+/// One table to be.
+struct Bake {
+    plan: Plan,
+    file: PathBuf,
     /// Reserved by who writes.
     output: Option<Output>,
     before: Option<Table>,
@@ -193,24 +221,86 @@ struct Ready {
 impl Ready {
     /// `leads`: this process prints, writes and reads what was saved.
     fn new(args: &TraceArgs, leads: bool) -> Result<Self, Failure> {
-        let plan = Plan::new(&args.request())?;
+        let plans = args
+            .tables()?
+            .into_iter()
+            .map(|(file, nm)| Ok((file, Plan::new(&args.request(nm)?)?)))
+            .collect::<Result<Vec<_>, PlanError>>()?;
         let cell = args.cell.load(&args.mesh)?;
-        let plan = plan.fold(&cell);
-        let mut ready = Ready {
-            plan,
-            cell,
-            output: None,
-            before: None,
-        };
+        let mut outputs = Outputs::beside([args.mesh.as_path()]);
         if leads {
-            warn(&ready.cell.warnings);
-            warn(&ready.plan.warnings(&ready.cell));
-            warn(&method_warning(args, &ready.cell));
-            let output = Outputs::beside([args.mesh.as_path()]).reserve(&args.output)?;
-            ready.before = saved_before(&SavedFile::of(output.path()), args.resume)?;
-            ready.output = Some(output);
+            warn(&cell.warnings);
+            warn(
+                &plans
+                    .first()
+                    .map_or(Vec::new(), |(_, plan)| plan.warnings(&cell)),
+            );
+            warn(&method_warning(args, &cell));
         }
-        Ok(ready)
+        let mut bakes = Vec::new();
+        for (file, plan) in plans {
+            let (mut output, mut before) = (None, None);
+            if leads {
+                let reserved = outputs.reserve(&file)?;
+                before = saved_before(&SavedFile::of(reserved.path()), args.resume)?;
+                output = Some(reserved);
+            }
+            bakes.push(Bake {
+                plan: plan.fold(&cell),
+                file,
+                output,
+                before,
+            });
+        }
+        Ok(Ready { cell, bakes })
+    }
+}
+
+impl Bake {
+    /// Bakes and writes the table and says what is in it: at once for a person, as an object for a script. Nothing in
+    /// the ranks that do not write.
+    fn run(
+        self,
+        args: &TraceArgs,
+        cell: &Cell,
+        ranks: &dyn Ranks,
+    ) -> Result<Option<serde_json::Value>, Failure> {
+        let progress = Progress::new(&self.plan, ranks.leads());
+        let saved = SavedFile::of(&self.file);
+        let mut unsaved = None;
+        // A disk that is full now may have room at the end: the bake goes on, and says so once.
+        let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
+        let saves = Saves::new(self.before, args.save_every, &mut save);
+        let start = Instant::now();
+        let advance = |rays| progress.advance(rays);
+        let table = run::bake_from(cell, &self.plan, &advance, Some(saves), ranks);
+        let seconds = start.elapsed().as_secs_f64();
+        progress.finish();
+        warn(&Vec::from_iter(unsaved.map(|error| {
+            format!("the bake could not be saved on its way: {error}")
+        })));
+        let table = match table.map_err(Failure::from) {
+            // The others wait for what this rank no longer does.
+            Err(failure) if ranks.count() > 1 => {
+                failure.print();
+                ranks.abort(failure.code());
+            }
+            table => table?,
+        };
+        let (Some(table), Some(output)) = (table, self.output) else {
+            return Ok(None);
+        };
+        tables::commit(&table, output)?;
+        saved.remove();
+        let report = report::Trace {
+            table: &table,
+            file: &self.file,
+            seconds,
+        };
+        if !args.json {
+            print(&report.text())?;
+        }
+        Ok(Some(report.json()))
     }
 }
 

@@ -9,7 +9,7 @@ use tables::table::Fate;
 
 use super::candidate::Candidate;
 use super::view::{Affine, Isometry, Shadow, View};
-use crate::optics::totally_reflected;
+use crate::light::Light;
 use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
 use crate::polygon::{self, HalfPlane, Polygon};
 
@@ -26,24 +26,41 @@ pub(super) struct Piece {
     /// shift = matrix p + offset.
     pub matrix: DMat2,
     pub offset: DVec2,
+    /// Part of its power that comes back.
+    pub weight: f64,
 }
 
 /// What became of the light of one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outcome {
     pub pieces: Vec<Piece>,
-    /// Area by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns is in `pieces` alone.
+    /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns is in `pieces` alone.
     pub area: [f64; Fate::ALL.len()],
     /// Net area of the slivers given up as rounding, square edge lengths.
     pub dropped: f64,
 }
 
+/// What the light of a beam has in common: the facets that it has met.
+#[derive(Clone, Copy)]
+struct Course {
+    isometry: Isometry,
+    reflections: u32,
+    /// `None` without losses.
+    light: Option<Light>,
+}
+
+impl Course {
+    /// Power that is left, 1 at the launch.
+    fn power(&self) -> f64 {
+        self.light.map_or(1.0, |light| light.power())
+    }
+}
+
 struct Beam {
     polygon: Polygon,
-    isometry: Isometry,
+    course: Course,
     /// Depth of the facet that it leaves.
     depth: Affine,
-    reflections: u32,
 }
 
 /// What a beam looks for facets with.
@@ -114,8 +131,19 @@ impl Tracer<'_> {
     /// facet of the base period, wherever they are, so that no beam is cut at the parallelogram's sides.
     fn enter(&mut self) {
         let view = self.view;
+        let index = self.rules.refractive_index;
+        let course = Course {
+            isometry: Isometry::IDENTITY,
+            reflections: 0,
+            light: self
+                .rules
+                .losses
+                .map(|_| Light::entered(view.direction, index)),
+        };
+        let power = course.power();
+        self.settle(view.entrance_area * (1.0 - power), Fate::Absorbed);
         let mut lit = 0.0;
-        let base = view.shadows(&Isometry::IDENTITY);
+        let base = view.shadows(&course.isometry);
         let periodic = view.lattice.is_some();
         for shadow in &base {
             let doors: &[Polygon] = if periodic {
@@ -130,11 +158,11 @@ impl Tracer<'_> {
                 };
                 for polygon in self.lit_parts(&candidate, &base) {
                     lit += polygon::area(&polygon);
-                    self.hit(&candidate.shadow, polygon, &Isometry::IDENTITY, 0);
+                    self.hit(&candidate.shadow, polygon, &course);
                 }
             }
         }
-        self.settle(view.entrance_area - lit, Fate::Missed);
+        self.settle((view.entrance_area - lit) * power, Fate::Missed);
     }
 
     /// The parts of a facet that light reaches: less what stands before it.
@@ -210,18 +238,19 @@ impl Tracer<'_> {
     /// Cuts a beam by what it meets next.
     fn step(&mut self, beam: &Beam) {
         let view = self.view;
-        let toward = beam.isometry.linear * view.direction;
+        let isometry = &beam.course.isometry;
+        let toward = isometry.linear * view.direction;
         let from: Vec<DVec3> = beam
             .polygon
             .iter()
-            .map(|&p| beam.isometry.linear * view.point(p, beam.depth.at(p)) + beam.isometry.shift)
+            .map(|&p| isometry.linear * view.point(p, beam.depth.at(p)) + isometry.shift)
             .collect();
         let ahead = Ahead {
             beam,
             toward,
             leave: view.travel_to_leave(&from, toward),
             from,
-            shadows: view.shadows(&beam.isometry),
+            shadows: view.shadows(isometry),
         };
         let mut open = vec![beam.polygon.clone()];
         let mut look = FIRST_LOOK;
@@ -246,7 +275,7 @@ impl Tracer<'_> {
             let travel = ahead.leave.min(look);
             view.copies(
                 shadow,
-                &beam.isometry,
+                &beam.course.isometry,
                 &ahead.from,
                 toward,
                 travel,
@@ -288,21 +317,22 @@ impl Tracer<'_> {
         }
         let seen: f64 = visible.iter().map(|(_, seen)| polygon::area(seen)).sum();
         let rest = polygon::area(part) - seen;
+        let power = beam.course.power();
         let mut open = Vec::new();
         if rest.abs() <= view.least_area {
-            self.outcome.dropped += rest;
+            self.outcome.dropped += rest * power;
         } else if !all_seen {
             open = without(part, &visible, view.least_area);
-            self.outcome.dropped += rest - total_area(&open);
+            self.outcome.dropped += (rest - total_area(&open)) * power;
         } else if ahead.leave > look && view.lattice.is_some() {
-            self.settle(rest, Fate::BounceLimit);
+            self.settle(rest * power, Fate::BounceLimit);
         } else {
             let parts = without(part, &visible, view.least_area);
             self.leave(beam, toward, parts, rest);
         }
         for (i, seen) in visible {
             let shadow = &candidates[i].shadow;
-            self.hit(shadow, seen, &beam.isometry, beam.reflections);
+            self.hit(shadow, seen, &beam.course);
         }
         open
     }
@@ -340,54 +370,74 @@ impl Tracer<'_> {
     }
 
     /// Reflects what hit a facet, or ends it there.
-    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, isometry: &Isometry, reflections: u32) {
+    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, course: &Course) {
+        let rules = self.rules;
         let facet = &self.view.facets[shadow.facet];
-        let cosine = facet.normal.dot(isometry.linear * self.view.direction);
+        let travel = course.isometry.linear * self.view.direction;
         let area = polygon::area(&polygon);
-        if reflections == BOUNCE_LIMIT {
-            self.settle(area, Fate::BounceLimit);
-        } else if !self.rules.mirror_back && !totally_reflected(cosine, self.rules.refractive_index)
-        {
-            self.settle(area, Fate::Transmitted);
-        } else {
-            let offset = facet.offset + facet.normal.dot(shadow.translation);
-            self.pending.push(Beam {
-                polygon,
-                isometry: isometry.reflected(facet.normal, offset),
-                depth: shadow.depth,
-                reflections: reflections + 1,
-            });
+        if course.reflections == BOUNCE_LIMIT {
+            return self.settle(area * course.power(), Fate::BounceLimit);
         }
+        if rules.lets_through(facet.normal.dot(travel)) {
+            return self.settle(area, Fate::Transmitted);
+        }
+        let offset = facet.offset + facet.normal.dot(shadow.translation);
+        let mut onward = Course {
+            isometry: course.isometry.reflected(facet.normal, offset),
+            reflections: course.reflections + 1,
+            light: course.light,
+        };
+        if let (Some(light), Some(surface)) = (&mut onward.light, &rules.losses) {
+            *light = light.reflected(travel, facet.normal, surface, rules.refractive_index);
+            let lost = course.power() - light.power();
+            self.settle(area * lost, surface.takes());
+        }
+        self.pending.push(Beam {
+            polygon,
+            course: onward,
+            depth: shadow.depth,
+        });
     }
 
     /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to `rest` within rounding.
     fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
         let rules = self.rules;
-        let linear = beam.isometry.linear;
+        let Course {
+            isometry,
+            reflections,
+            light,
+        } = beam.course;
+        let outside = light.map_or(1.0, |light| {
+            light.power_outside(toward, rules.refractive_index)
+        });
+        self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
         match fate_of_leaving(
-            linear,
+            isometry.linear,
             self.view.direction,
-            beam.reflections,
+            reflections,
             rules.angular_tolerance_rad,
         ) {
             Fate::Retroreflected => {
-                self.outcome.dropped += rest - total_area(&parts);
-                self.return_light(beam, toward, parts);
+                self.outcome.dropped += (rest - total_area(&parts)) * outside;
+                self.return_light(&isometry, toward, parts, outside);
             }
-            fate => self.settle(rest, fate),
+            fate => self.settle(rest * outside, fate),
         }
     }
 
-    fn return_light(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>) {
+    fn return_light(
+        &mut self,
+        isometry: &Isometry,
+        toward: DVec3,
+        parts: Vec<Polygon>,
+        weight: f64,
+    ) {
         let height = self.view.height;
         // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
         // entrance plane.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
-        let (u, v) = (
-            carry(beam.isometry.linear.x_axis),
-            carry(beam.isometry.linear.y_axis),
-        );
-        let start = beam.isometry.linear.z_axis * height + beam.isometry.shift - DVec3::Z * height;
+        let (u, v) = (carry(isometry.linear.x_axis), carry(isometry.linear.y_axis));
+        let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * height;
         let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
         let offset = carry(start);
         self.outcome
@@ -396,6 +446,7 @@ impl Tracer<'_> {
                 polygon,
                 matrix,
                 offset,
+                weight,
             }));
     }
 

@@ -1,7 +1,7 @@
-//! Pieces that share a map become one polygon.
+//! Pieces that share a map and a weight become one polygon.
 //!
 //! Light that meets the same cube's faces in another order is shifted alike: the six facet sequences of an ideal cube
-//! are one polygon with one map. In a lattice the pieces of one cube may have been lit through different copies; each
+//! are one polygon with one map. Where there are losses, orders differ in what they do to the polarisation, and stay apart. In a lattice the pieces of one cube may have been lit through different copies; each
 //! is brought to the period that holds its map's fixed point (the cube's own centre), where they meet.
 
 use glam::DVec2;
@@ -13,6 +13,9 @@ use crate::polygon::{self, Polygon};
 
 /// Maps closer than this are the same one, relative to the offset's size: rounding of a few reflections is 1e-15.
 const SAME_MAP: f64 = 1e-13;
+
+/// Weights closer than this are the same one: rounding of a few reflections, as above.
+const SAME_WEIGHT: f64 = 1e-13;
 
 /// The table's paths.
 pub(super) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
@@ -60,7 +63,8 @@ fn bring_home(piece: &mut Piece, [a, b]: [DVec2; 2]) {
 fn same_map(a: &Piece, b: &Piece) -> bool {
     let slack = SAME_MAP * (1.0 + a.offset.length());
     let linear = a.matrix - b.matrix;
-    (a.offset - b.offset).length() <= slack
+    (a.weight - b.weight).abs() <= SAME_WEIGHT
+        && (a.offset - b.offset).length() <= slack
         && linear.x_axis.length() + linear.y_axis.length()
             <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
 }
@@ -99,7 +103,7 @@ fn path(piece: Piece) -> Path {
         polygon: piece.polygon.iter().map(|p| p.to_array()).collect(),
         matrix: [[u[0], v[0]], [u[1], v[1]]],
         offset: piece.offset.to_array(),
-        weight: 1.0,
+        weight: piece.weight,
     }
 }
 

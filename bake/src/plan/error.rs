@@ -1,6 +1,7 @@
 //! Why the options of a bake make no plan.
 
 use super::DIRECTIONS_LIMIT;
+use crate::material::MaterialError;
 use tables::shards::MOST_SHARDS;
 use thiserror::Error;
 
@@ -65,6 +66,32 @@ pub enum PlanError {
         first: &'static str,
         /// The other.
         second: &'static str,
+    },
+    /// A loss without losses.
+    #[error("{option} needs --losses fresnel, or nothing of it is counted; give both or neither")]
+    NeedsLosses {
+        /// The option.
+        option: &'static str,
+    },
+    /// An index that no name, number or list gives.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+    /// The place of a wavelength that is not there.
+    #[error("-o {output}: {{nm}} stands for a wavelength, and none is named; give --wavelength-nm")]
+    NoWavelength {
+        /// What was given.
+        output: String,
+    },
+    /// Tables of several wavelengths that would be one file.
+    #[error(
+        "--wavelength-nm names {wavelengths} wavelengths, each with a table of its own, and -o {output} is one file; write \
+         {{nm}} where the wavelength belongs, such as sheet-{{nm}}.h5"
+    )]
+    OneFile {
+        /// How many.
+        wavelengths: usize,
+        /// What was given.
+        output: String,
     },
     /// An error estimate without independent randomisations.
     #[error(

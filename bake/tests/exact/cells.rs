@@ -22,6 +22,7 @@ pub fn rules(refractive_index: f64) -> Rules {
     Rules {
         refractive_index,
         mirror_back: true,
+        losses: None,
         angular_tolerance_rad: 0.5f64.to_radians(),
     }
 }

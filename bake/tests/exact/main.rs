@@ -6,4 +6,5 @@ mod cells;
 mod closed_form;
 mod designs;
 mod invariants;
+mod losses;
 mod sheets;

@@ -60,6 +60,7 @@ fn the_last_samples() {
     let rules = Rules {
         refractive_index: 1.0,
         mirror_back: true,
+        losses: None,
         angular_tolerance_rad: 0.0087,
     };
     let scene = Arc::new(Scene::new(&cube, Index::Loop));

@@ -122,6 +122,7 @@ fn dihedral_errors() {
         let rules = Rules {
             refractive_index: 1.0,
             mirror_back: true,
+            losses: None,
             angular_tolerance_rad: 0.5f64.to_radians(),
         };
         let normal = Direction::new(0.0, 0.0, 1.0);
@@ -130,7 +131,7 @@ fn dihedral_errors() {
         for turn in 0..24 {
             // Near the centre all three faces are met, in the six orders.
             let (y, x) = (f64::from(turn) * 15.0 + 7.0).to_radians().sin_cos();
-            let outcome = trace(&scene, &rules, &normal, glam::DVec2::new(x, y) * 0.15);
+            let outcome = trace(&scene, &rules, &normal, glam::DVec2::new(x, y) * 0.15, 0.5);
             assert_eq!(outcome.bounces, 3);
             let off = outcome.travel + normal.travel;
             worst = worst.max((off.length() / expected - 1.0).abs());

@@ -22,6 +22,7 @@ use tables::Fate;
 const MIRROR: Rules = Rules {
     refractive_index: 1.0,
     mirror_back: true,
+    losses: None,
     angular_tolerance_rad: 0.0087,
 };
 
@@ -76,7 +77,7 @@ fn aimed(
             continue;
         }
         launched += 1;
-        let outcome = trace(scene, &MIRROR, &direction, entry);
+        let outcome = trace(scene, &MIRROR, &direction, entry, 0.5);
         let ended = matches!(
             outcome.fate,
             Fate::Missed | Fate::Absorbed | Fate::BounceLimit

@@ -19,10 +19,11 @@ pub fn section(page: &Page) -> String {
         rows.push((
             "cell",
             format!(
-                "edge length {} (units of the mesh), refractive index {}, back {}",
+                "edge length {} (units of the mesh), refractive index {}, back {}, losses {}",
                 significant(cell.edge_length, 6),
                 cell.refractive_index,
-                escape(&cell.back)
+                escape(&cell.back),
+                escape(&cell.losses)
             ),
         ));
     }

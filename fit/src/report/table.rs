@@ -27,6 +27,14 @@ pub struct CellResult {
     pub refractive_index: f64,
     /// What the facets are backed with.
     pub back: String,
+    /// What of the surfaces' losses is in the table, and so not in mu.
+    #[serde(default = "none")]
+    pub losses: String,
+}
+
+/// The losses of tables that had none.
+fn none() -> String {
+    "none".into()
 }
 
 impl TableResult {
@@ -42,6 +50,7 @@ impl TableResult {
                 azimuth_zero: from.azimuth_zero,
                 refractive_index: from.refractive_index,
                 back: from.back.clone(),
+                losses: from.losses_text(),
             }),
         }
     }

@@ -98,6 +98,8 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
             angular_tolerance_deg: 0.5,
             tolerance: 0.0,
             lattice: None,
+            wavelength_nm: None,
+            metal_index: None,
             shards: None,
             symmetry: tables::Symmetry::NONE,
         },

@@ -188,6 +188,16 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
         angular_tolerance_deg: root.number(attribute::ANGULAR_TOLERANCE_DEG)?,
         tolerance: root.number(attribute::TOLERANCE)?,
         lattice,
+        wavelength_nm: root
+            .attributes
+            .contains(attribute::WAVELENGTH_NM)
+            .then(|| root.number(attribute::WAVELENGTH_NM))
+            .transpose()?,
+        metal_index: root
+            .attributes
+            .contains(attribute::METAL_INDEX)
+            .then(|| root.numbers(attribute::METAL_INDEX))
+            .transpose()?,
         shards,
         symmetry,
     })

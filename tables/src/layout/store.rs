@@ -220,6 +220,12 @@ fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
     if let Some(lattice) = &provenance.lattice {
         put_array(file, attribute::LATTICE, lattice.as_flattened(), &[2, 2])?;
     }
+    if let Some(wavelength_nm) = &provenance.wavelength_nm {
+        put(file, attribute::WAVELENGTH_NM, wavelength_nm)?;
+    }
+    if let Some(metal_index) = &provenance.metal_index {
+        put_array(file, attribute::METAL_INDEX, metal_index, &[2])?;
+    }
     if let Some(shards) = &provenance.shards {
         put_text(file, attribute::SHARDS, &shards.to_string())?;
     }

@@ -44,6 +44,8 @@ pub fn provenance() -> Provenance {
         angular_tolerance_deg: 0.5,
         tolerance: 0.0,
         lattice: Some([[1.0, 0.0], [0.5, 0.75]]),
+        wavelength_nm: None,
+        metal_index: None,
         shards: None,
         symmetry: tables::Symmetry::NONE,
     }
