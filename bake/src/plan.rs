@@ -2,6 +2,7 @@
 
 mod angles;
 mod error;
+mod losses;
 
 use crate::bodies::{self, Whole};
 use crate::light::Surface;
@@ -15,6 +16,7 @@ use tables::shards::MOST_SHARDS;
 use tables::{Axes, Symmetry};
 
 pub use error::PlanError;
+pub use losses::Losses;
 
 /// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct points.
 pub const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
@@ -86,15 +88,6 @@ impl Back {
             .into_iter()
             .find(|back| back.name() == name)
     }
-}
-
-/// What surfaces take from the light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Losses {
-    /// Nothing: mirrors reflect all, the front face lets all through.
-    None,
-    /// What Fresnel's equations say of the front face and of each facet, for unpolarised light.
-    Fresnel,
 }
 
 /// How much work to do.
@@ -280,7 +273,7 @@ impl Plan {
         if let Some(nm) = request.wavelength_nm {
             positive("--wavelength-nm", nm, 1e6, "above 0 and at most 1e6 nm")?;
         }
-        let losses = surface(request)?;
+        let losses = losses::surface(request)?;
         let most = match request.sampler {
             Sampler::Sobol => RAYS_PER_RANDOMISATION * default::RANDOMISATIONS,
             Sampler::Random => 1 << 48,
@@ -416,32 +409,6 @@ impl Plan {
             ));
         }
         warnings
-    }
-}
-
-/// What is behind the facets where their losses count.
-fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
-    let named = [
-        ("--reflectance", request.reflectance.is_some()),
-        ("--metal", request.metal.is_some()),
-    ];
-    let named: Vec<&'static str> = named
-        .into_iter()
-        .filter_map(|(option, given)| given.then_some(option))
-        .collect();
-    let both = |first, second| Err(PlanError::Both { first, second });
-    match (request.losses, request.back, &named[..]) {
-        (Losses::None, _, []) => Ok(None),
-        (Losses::None, _, [option, ..]) => Err(PlanError::NeedsLosses { option }),
-        (_, _, &[first, second]) => both(first, second),
-        (_, Back::Tir, &[option, ..]) => both(option, "--back tir"),
-        (_, Back::Tir, []) => Ok(Some(Surface::Bare)),
-        (_, Back::Mirror, _) => {
-            let reflectance = request.reflectance.unwrap_or(1.0);
-            positive("--reflectance", reflectance, 1.0, "above 0 and at most 1")?;
-            let mirror = Surface::Mirror { reflectance };
-            Ok(Some(request.metal.map_or(mirror, Surface::Metal)))
-        }
     }
 }
 

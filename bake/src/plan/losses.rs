@@ -1,0 +1,39 @@
+//! What the options say of losses.
+
+use super::{Back, PlanError, Request, positive};
+use crate::light::Surface;
+
+/// What surfaces take from the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Losses {
+    /// Nothing: mirrors reflect all, the front face lets all through.
+    None,
+    /// What Fresnel's equations say of the front face and of each facet, for unpolarised light.
+    Fresnel,
+}
+
+/// What is behind the facets where their losses count.
+pub(super) fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
+    let named = [
+        ("--reflectance", request.reflectance.is_some()),
+        ("--metal", request.metal.is_some()),
+    ];
+    let named: Vec<&'static str> = named
+        .into_iter()
+        .filter_map(|(option, given)| given.then_some(option))
+        .collect();
+    let both = |first, second| Err(PlanError::Both { first, second });
+    match (request.losses, request.back, &named[..]) {
+        (Losses::None, _, []) => Ok(None),
+        (Losses::None, _, [option, ..]) => Err(PlanError::NeedsLosses { option }),
+        (_, _, &[first, second]) => both(first, second),
+        (_, Back::Tir, &[option, ..]) => both(option, "--back tir"),
+        (_, Back::Tir, []) => Ok(Some(Surface::Bare)),
+        (_, Back::Mirror, _) => {
+            let reflectance = request.reflectance.unwrap_or(1.0);
+            positive("--reflectance", reflectance, 1.0, "above 0 and at most 1")?;
+            let mirror = Surface::Mirror { reflectance };
+            Ok(Some(request.metal.map_or(mirror, Surface::Metal)))
+        }
+    }
+}
