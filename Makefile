@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo table1 test test-full test-mpi test-mitsuba test-wheel wheel fmt lint doc bench tools python rust clean
+.PHONY: all build install demo table1 test test-full test-mpi test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -67,7 +67,7 @@ test: fmt lint doc python
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-mpi test-mitsuba test-wheel
+test-full: test test-mpi test-mitsuba test-materialx test-metrics test-wheel
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
@@ -77,13 +77,27 @@ test-mpi: rust tools
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --test ranks --locked
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what it takes); MITSUBA_PYTHON: an
-# interpreter that has mitsuba and h5py.
+# interpreter that has mitsuba and h5py; ROUNDS: how often both are timed, in turns.
 test-mitsuba: demo
 	@test -n "$(MITSUBA_FIT)" || { echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
-	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)"
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)" --rounds $(or $(ROUNDS),1)
 	@$(BIN)/fit render $(MITSUBA_SCENE) -o demo/aerial.exr
 	@$(or $(MITSUBA_PYTHON),$(PYTHON)) fit/doc/mitsuba_edge.py $(MITSUBA_SCENE) -o demo/mitsuba.exr --compare demo/aerial.exr
 MITSUBA_SCENE = --source $(CAMPAIGN)/source.exr --params demo/result.json --table demo/pair.h5 --distance 300 --incidence 20
+
+# The exported materials in the MaterialX library.
+test-materialx: demo
+	@$(venv) && $(pip) "materialx==1.39.5"
+	@"$(VENV)/bin/python" tests/in_materialx.py $(BIN)/fit demo/result.json demo/pair.h5
+
+# PSNR, SSIM, FLIP and LPIPS beside the packages that people compare with, in an environment of their own: torch is large. Then the
+# published comparison with LPIPS, by seeded weights.
+test-metrics: build
+	@test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics
+	@.tools/metrics/bin/python -m pip install --quiet --disable-pip-version-check $(METRICS)
+	@.tools/metrics/bin/python fit/tests/metrics.py $(BIN)/fit .tools/metrics/seeded.safetensors
+	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 --lpips .tools/metrics/seeded.safetensors
+METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 
 # ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor HDF5.
 
@@ -114,10 +128,11 @@ bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
 		else echo "bench: no package has a benches/ folder yet"; fi
 
-# ---- The published comparison: models fitted to photographs of a physical truth, images rendered and scored.
+# ---- The published comparison: models fitted to photographs of a physical truth, images rendered and scored. LPIPS: the weights
+# that fit/doc/lpips_weights.py writes.
 
 table1: build python
-	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1
+	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1 $(if $(LPIPS),--lpips "$(LPIPS)")
 
 # ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets results.
 

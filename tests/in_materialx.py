@@ -24,9 +24,10 @@ def exported(form):
 
 def shaders(document):
     for language in [PyMaterialXGenGlsl.GlslShaderGenerator, PyMaterialXGenOsl.OslShaderGenerator]:
-        context = PyMaterialXGenShader.GenContext(language.create())
+        generator = language.create()
+        context = PyMaterialXGenShader.GenContext(generator)
         context.registerSourceCodeSearchPath(mx.getDefaultDataSearchPath())
-        shader = context.getShaderGenerator().generate("sheet", document.getChild("retroreflective_sheet"), context)
+        shader = generator.generate("sheet", document.getChild("retroreflective_sheet"), context)
         yield language.__name__, shader.getSourceCode(PyMaterialXGenShader.PIXEL_STAGE)
 
 

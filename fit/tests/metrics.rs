@@ -137,7 +137,7 @@ fn weights_are_read_from_a_file_and_a_broken_one_is_refused() {
         std::fs::write(&path, bytes).unwrap();
         let error = Lpips::read(&path).unwrap_err().to_string();
         assert!(
-            error.contains(said) && error.contains("lpips.py"),
+            error.contains(said) && error.contains("lpips_weights.py"),
             "{error}"
         );
     }

@@ -1,7 +1,7 @@
 //! LPIPS 0.1 (Zhang et al. 2018) with AlexNet: the distance of two pictures in what five layers of a network make of them.
 //!
 //! The weights are the user's, in a safetensors file: of f32, `conv1.weight` to `conv5.weight` (outputs, inputs, rows, columns),
-//! `conv1.bias` to `conv5.bias`, and `lin1.weight` to `lin5.weight`, one weight per output of that layer. fit/doc/lpips.py
+//! `conv1.bias` to `conv5.bias`, and `lin1.weight` to `lin5.weight`, one weight per output of that layer. fit/doc/lpips_weights.py
 //! writes it from the `lpips` package.
 
 use std::path::{Path, PathBuf};
@@ -43,13 +43,13 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Not a safetensors file.
-    #[error("{}: is not a whole safetensors file; write it with fit/doc/lpips.py", file.display())]
+    #[error("{}: is not a whole safetensors file; write it with fit/doc/lpips_weights.py", file.display())]
     Format {
         /// The file.
         file: PathBuf,
     },
     /// A tensor is missing or another.
-    #[error("{}: tensor {name} is not there as {count} numbers of type F32; write the file with fit/doc/lpips.py", file.display())]
+    #[error("{}: tensor {name} is not there as {count} numbers of type F32; write the file with fit/doc/lpips_weights.py", file.display())]
     Tensor {
         /// The file.
         file: PathBuf,

@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Pixels per degree of the viewer's field, for FLIP
     #[arg(long, value_name = "N", default_value_t = 67.020_64, value_parser = cli::positive)]
     pub pixels_per_degree: f64,
-    /// Weights for LPIPS, as fit/doc/lpips.py writes them
+    /// Weights for LPIPS, as fit/doc/lpips_weights.py writes them
     #[arg(long, value_name = "WEIGHTS.safetensors")]
     pub lpips: Option<PathBuf>,
     /// What integers in both files mean, linear or srgb; sRGB for 8 bits, linear for 16 if left out
