@@ -1,0 +1,171 @@
+//! Mid-air images of pictures of every kind with the real program: light is conserved, and both forward models agree.
+
+use std::path::Path;
+
+use fit::photo::{Picture, Transfer, Writing, load_colour};
+use image::{ImageBuffer, Luma, Rgb};
+use serde_json::Value;
+use tests::estimate::json;
+use tests::files::{argument, bake_table};
+use tests::program::fit;
+
+const SIZE: [u32; 2] = [224, 192];
+
+/// Wider than the blur: the radial lobe ends 7.54 / a = 2 mm away, the shift of c below 0.5 mm; 64 pixels are 3.2 mm. Blocks of JPEG
+/// are 8 x 8, so that its margin is black too.
+const MARGIN: u32 = 64;
+
+/// Light of a pixel in 0..1, black in the margin.
+fn content(x: u32, y: u32, channel: u32) -> f64 {
+    let inside = |at: u32, size: u32| at >= MARGIN && at + MARGIN < size;
+    if !inside(x, SIZE[0]) || !inside(y, SIZE[1]) {
+        return 0.0;
+    }
+    f64::from((x * (3 + channel) + y * 7 + (x * y) % 13) % 64) / 63.0
+}
+
+/// Grey and colour, 8 and 16 bits and floats of 40 times white, as files.
+fn sources(folder: &Path) -> [&'static str; 4] {
+    let [width, height] = SIZE;
+    let code = |x, y, channel| (65_535.0 * content(x, y, channel)) as u16;
+    let grey = ImageBuffer::from_fn(width, height, |x, y| Luma([code(x, y, 0)]));
+    grey.save(folder.join("grey.png")).unwrap();
+    let colour = ImageBuffer::from_fn(width, height, |x, y| Rgb([0, 1, 2].map(|k| code(x, y, k))));
+    colour.save(folder.join("colour.png")).unwrap();
+    let photo = ImageBuffer::from_fn(width, height, |x, y| {
+        Rgb([0, 1, 2].map(|k| (code(x, y, k) / 257) as u8))
+    });
+    photo.save(folder.join("photo.jpg")).unwrap();
+    let plane = |channel: u32| -> Vec<f32> {
+        let pixels = (0..width * height).map(|i| content(i % width, i / width, channel));
+        pixels.map(|light| 40.0 * light.powi(4) as f32).collect()
+    };
+    let bright = Picture {
+        width: width as usize,
+        height: height as usize,
+        planes: vec![plane(0), plane(1), plane(2)],
+        transfer: Transfer::Linear,
+        warnings: Vec::new(),
+    };
+    std::fs::write(
+        folder.join("bright.exr"),
+        bright.encode(Writing::Exr).unwrap(),
+    )
+    .unwrap();
+    ["grey.png", "colour.png", "photo.jpg", "bright.exr"]
+}
+
+fn light(planes: &[Vec<f32>]) -> Vec<f64> {
+    let sum = |plane: &Vec<f32>| plane.iter().map(|&v| f64::from(v)).sum();
+    planes.iter().map(sum).collect()
+}
+
+#[test]
+fn light_is_conserved_and_samples_scatter_about_the_transforms() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table(here, "triangular", "10,25,40", "10");
+    let manifest = argument("tests/captures/public_axes/captures.toml");
+    let terms = ["--kernel", "eq1", "--shared", "a,mu", "-o", "sheet.json"];
+    fit(
+        here,
+        &[&["estimate", &manifest, "--table", &table][..], &terms].concat(),
+    )
+    .done();
+    let place = ["--table", &table, "--distance", "200", "--incidence", "25"];
+    let predicted = ["predict", "sheet.json", "--frequency", "0", "--json"];
+    let predicted = fit(here, &[&predicted[..], &place].concat()).done();
+    let predicted: Value = serde_json::from_str(&predicted).unwrap();
+    let luminance = predicted["predictions"][0]["luminance"].as_f64().unwrap();
+    // mu times the fraction that the cell returns, by a half mirror of one half.
+    let mu = json(&here.join("sheet.json"))["mu"]["value"]
+        .as_f64()
+        .unwrap();
+    let eta = tables::read(&here.join(&table)).unwrap();
+    let eta = eta.direction(25.0, Some(10.0)).unwrap().eta;
+    assert!(
+        (luminance / (mu * eta * 0.25) - 1.0).abs() < 1e-12,
+        "{luminance}"
+    );
+
+    let mut cases = 0;
+    for source in sources(here) {
+        let render = |to: &str, options: &[&str]| {
+            let files = [
+                "render",
+                "--source",
+                source,
+                "--params",
+                "sheet.json",
+                "-o",
+                to,
+                "--json",
+            ];
+            let report = fit(here, &[&files[..], &place, options].concat()).done();
+            let image = load_colour(&here.join(to), None).unwrap();
+            (serde_json::from_str::<Value>(&report).unwrap(), image)
+        };
+        let (report, image) = render("image.exr", &[]);
+        let energy = report["energy"][0].as_f64().unwrap();
+        assert!(
+            (energy / luminance - 1.0).abs() < 1e-12,
+            "{energy} {luminance}"
+        );
+        let given = load_colour(&here.join(source), None).unwrap();
+        assert_eq!(given.planes.len(), image.planes.len(), "{source}");
+        for (given, seen) in light(&given.planes).iter().zip(light(&image.planes)) {
+            // As stated: to the rounding of f32 in the weights' sum.
+            let off = seen / (energy * given) - 1.0;
+            println!("{source}: light {off:+.1e} off");
+            assert!(off.abs() < 1e-5, "{source}: {off}");
+            cases += 1;
+        }
+
+        let (report, sampled) = render("sampled.exr", &["--forward", "render", "--samples", "64"]);
+        let error = report["sampling_error"].as_f64().unwrap();
+        let pairs = image
+            .planes
+            .iter()
+            .flatten()
+            .zip(sampled.planes.iter().flatten());
+        let squares: f64 = pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum();
+        let count = (image.planes.len() * image.planes[0].len()) as f64;
+        let ratio = (squares / count).sqrt() / error;
+        println!("{source}: samples are {ratio:.3} of their error off");
+        // Pixels share 32,768 / 8 blocks of samples: a mean square of 4,096 errors beside one by 8 randomisations is known to
+        // sqrt(2/n + 2/7n), its root to half of that, 1.2 %; 4.5 times.
+        assert!((ratio - 1.0).abs() < 0.054, "{source}: {ratio}");
+        cases += 1;
+
+        // Light from behind is added everywhere, then exposed; the contrast is of the image alone against it.
+        let (report, lit) = render("lit.exr", &["--ambient", "0.002", "--exposure", "3"]);
+        for (own, lit) in image
+            .planes
+            .iter()
+            .flatten()
+            .zip(lit.planes.iter().flatten())
+        {
+            let expected = 3.0 * (f64::from(*own) + 0.002);
+            // Two roundings of f32.
+            assert!(
+                (f64::from(*lit) - expected).abs() <= 1.2e-7 * expected.abs(),
+                "{lit} {expected}"
+            );
+        }
+        let luminance: Vec<f64> = (0..image.planes[0].len())
+            .map(|i| image.luminance(i).into())
+            .collect();
+        let mean = luminance.iter().sum::<f64>() / luminance.len() as f64;
+        let peak = luminance.iter().copied().fold(0.0, f64::max);
+        for (key, value) in [("mean", mean), ("peak", peak)] {
+            let said = report["contrast"][key].as_f64().unwrap();
+            // Sums of f32 luminances.
+            assert!(
+                (said / (value / 0.002) - 1.0).abs() < 1e-6,
+                "{key}: {said} {value}"
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 1 + 3 * 3 + 4 + 2 * 4);
+}
