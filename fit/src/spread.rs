@@ -16,6 +16,8 @@ pub struct Grid {
     /// Length of the transform: bins of one period.
     size: usize,
     bin_mm: f64,
+    /// By frequency, what makes the transform of a step of that of a blur: sinc(pi f bin) / (2 pi f period), behind -i.
+    step: Arc<[f64]>,
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
 
@@ -23,9 +25,15 @@ impl Grid {
     /// A grid whose period is at least three profiles long, so that a blur of up to a whole profile does not come round.
     pub fn new(bins: usize, pitch_mm: f64) -> Grid {
         let size = (3 * bins).next_power_of_two().max(2048);
+        // f bin = q / size and f period = q.
+        let step = (0..size / 2 + 1).map(|q| match q {
+            0 => 0.0,
+            q => sinc(PI * q as f64 / size as f64) / (TAU * q as f64),
+        });
         Grid {
             size,
             bin_mm: BIN_PX * pitch_mm,
+            step: step.collect(),
             inverse: fourier::inverse(size),
         }
     }
@@ -46,8 +54,8 @@ impl Grid {
         let step = otf[0].re;
         let mut half: Vec<Complex64> = otf
             .iter()
-            .zip(self.frequencies_per_mm())
-            .map(|(o, f)| o * sinc(PI * f * self.bin_mm) / Complex64::new(0.0, TAU * f * period))
+            .zip(self.step.iter())
+            .map(|(o, w)| Complex64::new(o.im * w, -o.re * w))
             .collect();
         // The mean of the profile: where its centre of mass lies, which the OTF's slope at 0 tells.
         half[0] = Complex64::from(otf[1].im / TAU);
