@@ -12,18 +12,20 @@ pub(crate) mod text;
 
 use std::path::{Path, PathBuf};
 
+use crate::edge::Accepted;
 use crate::photo::{self, Channel, Decode, Photo, Settings, Transfer};
 pub use error::Error;
 use keys::{Bounds, Document, Place, Section};
 pub use spectrum::{Line, Spectrum, SpectrumError};
 
 /// Keys of [setup] that every capture may override, then those of a photograph, then those of a capture.
-const SHARED: [&str; 5] = [
+const SHARED: [&str; 6] = [
     "path_mm",
     "roi",
     "tangential_axis_deg",
     "transfer",
     "channel",
+    "accept",
 ];
 const SETUP: [&str; 4] = [
     "pixel_pitch_mm",
@@ -31,7 +33,7 @@ const SETUP: [&str; 4] = [
     "half_mirror_reflectance",
     "wavelength_nm",
 ];
-const SHOT: [&str; 5] = ["image", "exposure", "roi", "transfer", "channel"];
+const SHOT: [&str; 6] = ["image", "exposure", "roi", "transfer", "channel", "accept"];
 const CAPTURE: [&str; 5] = [
     "floating_distance_mm",
     "incidence_deg",
@@ -95,6 +97,8 @@ pub struct Shot {
     pub exposure: f64,
     /// Region that holds the edge; the whole picture, or an edge found in it, where left out.
     pub roi: Option<Roi>,
+    /// Faults of its edge that are taken as they are (the key `accept`).
+    pub accepted: Vec<Accepted>,
     /// Transfer and channel.
     pub decode: Decode,
     /// Line of the manifest that names the image.
@@ -360,6 +364,7 @@ impl Shared<'_, '_> {
             return Err(Error::ImageMissing { place, image });
         }
         let roi = read_roi(keys)?.or(read_roi(self.keys)?);
+        let accepted = read_accepted(keys)?.or(read_accepted(self.keys)?);
         let transfer = read_transfer(keys)?.or(read_transfer(self.keys)?);
         let channel = keys
             .text("channel")?
@@ -370,6 +375,7 @@ impl Shared<'_, '_> {
             image,
             exposure,
             roi,
+            accepted: accepted.unwrap_or_default(),
             decode: Decode { transfer, channel },
             place,
         })
@@ -391,6 +397,10 @@ impl Shared<'_, '_> {
             shot: self.shot(keys, exposure)?,
         })
     }
+}
+
+fn read_accepted(keys: &Section<'_>) -> Result<Option<Vec<Accepted>>, Error> {
+    keys.choices("accept", &Accepted::NAMES, Accepted::from_name)
 }
 
 fn read_transfer(keys: &Section<'_>) -> Result<Option<Transfer>, Error> {

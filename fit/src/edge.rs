@@ -3,7 +3,7 @@
 mod fault;
 pub mod shape;
 
-pub use fault::Fault;
+pub use fault::{Accepted, Fault};
 
 use crate::profile::{BIN_PX, Profile};
 use crate::window::{Pixel, Window};

@@ -4,7 +4,7 @@
 //! none: both plateaus are free in everything that follows.
 
 use crate::captures::Roi;
-use crate::edge::{self, Fault, Line, shape};
+use crate::edge::{self, Accepted, Fault, Line, shape};
 use crate::illumination::{self, Light};
 use crate::photo::Photo;
 use crate::profile::Profile;
@@ -36,11 +36,13 @@ pub struct Measurement {
 }
 
 /// Measures the edge in a region of a photograph, or, without one, the photograph's only edge: all of it is taken where
-/// it holds nothing else, or the region of the only slanted edge among other marks.
+/// it holds nothing else, or the region of the only slanted edge among other marks. What is `accepted` is no fault but a
+/// warning.
 ///
 /// # Errors
 /// A [`Fault`] for everything that would make the result wrong.
-pub fn edge(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
+pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
+    let region = |photo, roi| region(photo, roi, accepted);
     if roi.is_some() {
         return region(photo, roi);
     }
@@ -83,7 +85,7 @@ pub fn edge(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
 }
 
 /// Measures the one edge of a region, or of all of a photograph.
-fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
+fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
     let mut warnings = photo.warnings.clone();
     let region = roi.unwrap_or(Roi {
         x: 0,
@@ -99,6 +101,7 @@ fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
     } = region;
     let mut window = Window::of(photo, Some([x, y, width, height])).ok_or(Fault::TooSmall)?;
     warnings.extend(saturation::check(photo, &window)?);
+    let pixels = window.pixels().count() as f64;
     let mut off = defects::exclude_gross(&mut window);
     let mut lights: Vec<Light> = Vec::new();
     let mut line = edge::locate(&window)?;
@@ -120,7 +123,7 @@ fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
             off += taken_out;
             (line, profile) = refined(&window, line)?;
         }
-        let share = off as f64 / (width * height) as f64;
+        let share = off as f64 / pixels;
         if share > MOST_OFF {
             return Err(Fault::NotAlone { share });
         }
@@ -131,7 +134,7 @@ fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
     if off > 0 {
         warnings.push(format!(
             "{off} hot, dead or dirty pixels ({:.3} %) were left out",
-            100.0 * off as f64 / (width * height) as f64
+            100.0 * off as f64 / pixels
         ));
     }
     if !lights.is_empty() {
@@ -141,7 +144,7 @@ fn region(photo: &Photo, roi: Option<Roi>) -> Result<Measurement, Fault> {
             100.0 * illumination::unevenness(&lights, &window)
         ));
     }
-    warnings.extend(shape::check(&window, &line, &profile)?);
+    warnings.extend(shape::check(&window, &line, &profile, accepted)?);
     warnings.extend(profile.warnings(&line));
     Ok(Measurement {
         region,

@@ -281,7 +281,7 @@ fn measure(
         profile,
         warnings,
         ..
-    } = measure::edge(&photo, shot.roi).map_err(fault)?;
+    } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
     let pixels = Pixels::new(&window, &line);
     Ok((
         View::new(line, profile, pitch_mm, tangential_rad, camera),

@@ -4,6 +4,7 @@ pub mod choice;
 pub mod forward;
 pub mod picture;
 pub mod ranges;
+pub mod refused;
 pub mod summary;
 pub mod trial;
 

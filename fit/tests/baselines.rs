@@ -452,6 +452,7 @@ impl Sheet {
             image: PathBuf::from(name),
             exposure,
             roi: None,
+            accepted: Vec::new(),
             decode: Decode::default(),
             place: Place {
                 file: "simulated".into(),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use fit::captures::{self, Roi};
+use fit::edge::Accepted;
 use fit::photo::{Channel, Transfer};
 
 /// A folder with a manifest and an image for it.
@@ -32,6 +33,7 @@ fn every_key_arrives_and_captures_override_the_setup() {
         tangential_axis_deg = 90
         transfer = "linear"
         channel = "luminance"
+        accept = ["doubled"]
 
         [reference]
         image = "source.exr"
@@ -126,7 +128,12 @@ fn every_key_arrives_and_captures_override_the_setup() {
     );
     assert_eq!(two.shot.decode.transfer, Some(Transfer::Srgb));
     assert_eq!(two.shot.decode.channel, Channel::Named("view.L".to_owned()));
-    assert_eq!(two.shot.place.line, 25);
+    assert_eq!(two.shot.place.line, 26);
+    // [setup] speaks for every photograph.
+    let source = campaign.reference.as_ref().expect("it is named");
+    for shot in [source, &one.shot, &two.shot] {
+        assert_eq!(shot.accepted, [Accepted::Doubled]);
+    }
     assert_eq!(campaign.warnings, Vec::<String>::new());
     assert_eq!(one.shot.load().unwrap().width, 16);
 }

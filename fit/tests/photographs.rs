@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use fit::captures::Roi;
-use fit::edge::Fault;
+use fit::edge::{Accepted, Fault};
 use fit::measure::{Measurement, edge};
 use fit::photo::Photo;
 use fit::sfr::{Estimator, standard_error};
@@ -95,7 +95,7 @@ fn warned(measured: &Measurement, word: &str) -> bool {
 
 /// A repair may cost what it says: 4 standard errors by noise, and `bias`.
 fn repaired(name: &str, photo: &Photo, word: &str, bias: f64) {
-    let measured = edge(photo, None).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+    let measured = edge(photo, None, &[]).unwrap_or_else(|fault| panic!("{name}: {fault}"));
     let (error, noise) = error(&measured, SIGMA_PX);
     println!(
         "{name}: MTF error {error:.5}, noise {noise:.5}, {:?}",
@@ -120,7 +120,7 @@ fn a_clean_edge_of_any_direction_and_polarity_has_no_warning() {
     for quarter in [0.0, 90.0, 180.0, -90.0] {
         for tilt in [1.0, 5.0, 12.0, 31.0, 44.0, -1.5, -20.0] {
             let photo = degraded(quarter + tilt, SIGMA_PX, 7 + cases, |_, _, v| v);
-            let measured = edge(&photo, None).unwrap();
+            let measured = edge(&photo, None, &[]).unwrap();
             assert_eq!(
                 measured.warnings,
                 Vec::<String>::new(),
@@ -154,7 +154,7 @@ fn hot_and_dead_pixels_are_left_out() {
         if name == "wild" {
             photo.clip_level = None;
         }
-        let measured = edge(&photo, None).unwrap();
+        let measured = edge(&photo, None, &[]).unwrap();
         assert!(
             warned(&measured, "left out"),
             "{name}: {:?}",
@@ -210,7 +210,12 @@ fn uneven_light_is_evened_out() {
 /// A veil changes both plateaus alike: the MTF stays, without a repair.
 #[test]
 fn a_veil_needs_no_repair() {
-    let measured = edge(&degraded(8.0, SIGMA_PX, 2, |_, _, v| 0.3 + 0.5 * v), None).unwrap();
+    let measured = edge(
+        &degraded(8.0, SIGMA_PX, 2, |_, _, v| 0.3 + 0.5 * v),
+        None,
+        &[],
+    )
+    .unwrap();
     assert_eq!(measured.warnings, Vec::<String>::new());
     let (error, noise) = error(&measured, SIGMA_PX);
     assert!(error < 4.0 * noise, "{error} at a noise of {noise}");
@@ -219,7 +224,11 @@ fn a_veil_needs_no_repair() {
 /// What would make the answer wrong is refused, by its own fault, with a remedy.
 #[test]
 fn what_cannot_be_repaired_is_refused() {
-    let refused = |photo: &Photo| edge(photo, None).map(|m| m.warnings).expect_err("a fault");
+    let refused = |photo: &Photo| {
+        edge(photo, None, &[])
+            .map(|m| m.warnings)
+            .expect_err("a fault")
+    };
     let clip = |mut photo: Photo, low: f32, high: f32| {
         photo
             .luminance
@@ -333,6 +342,50 @@ fn what_cannot_be_repaired_is_refused() {
     assert_eq!(count, 10);
 }
 
+/// A doubled edge that is accepted is measured as it is, with a warning: its MTF is that of the lens times that of the two
+/// edges, |1 + share exp(-2 pi i f distance)| / (1 + share). What else is wrong with it is refused as ever.
+#[test]
+fn an_accepted_doubled_edge_is_measured() {
+    let mut cases = 0;
+    for (share, apart) in [(0.2, 6.0), (0.5, 6.0), (0.3, 11.0)] {
+        let doubled = photo(240, 200, |x, y| {
+            let s = distance(x, y, 120.3, 99.1, 6.0);
+            DARK + 0.4 * (rise(s, SIGMA_PX) + share * rise(s - apart, SIGMA_PX))
+        });
+        let doubled = noisy(doubled, 3);
+        assert!(matches!(
+            edge(&doubled, None, &[]),
+            Err(Fault::Doubled { .. })
+        ));
+        let measured = edge(&doubled, None, &[Accepted::Doubled]).expect("it is accepted");
+        assert!(warned(&measured, "doubled"), "{:?}", measured.warnings);
+        assert_eq!(measured.warnings.len(), 1, "{:?}", measured.warnings);
+        let estimator = Estimator::new(&measured.profile, 1.0, 400, 50);
+        let mtf = estimator.measure(&measured.profile);
+        let noise = standard_error(&estimator.response(&measured.profile), &measured.profile);
+        let noise = noise.iter().copied().fold(0.0, f64::max);
+        let worst = (1..=50)
+            .map(|k| {
+                let f = 0.01 * f64::from(k);
+                let phase = 2.0 * PI * f * apart;
+                let two = (1.0 + share * phase.cos()).hypot(share * phase.sin()) / (1.0 + share);
+                let known = two * (-2.0 * (PI * SIGMA_PX * f).powi(2)).exp();
+                (mtf.modulus[k as usize] - known).abs()
+            })
+            .fold(0.0, f64::max);
+        println!("share {share}, {apart} px apart: MTF error {worst:.5}, noise {noise:.5}");
+        // Beside noise, what the taper costs a curve that turns within 1/apart: the second derivative of the MTF by f,
+        // share (2 pi apart)^2, times half the variance of the taper's transform, (0.5 / 200 px)^2 or so.
+        let taper = 0.5 * share * (2.0 * PI * apart * 0.5 / 200.0).powi(2);
+        assert!(worst < 4.0 * noise + taper, "{worst} at a noise of {noise}");
+        cases += 1;
+    }
+    assert_eq!(cases, 3);
+    let wide = degraded(5.0, 60.0, 1, |_, _, v| v);
+    let fault = edge(&wide, None, &[Accepted::Doubled]).map(|m| m.warnings);
+    assert!(matches!(fault, Err(Fault::Blurred { .. })), "{fault:?}");
+}
+
 /// Lesser degrees are said: 2 % of the bright pixels clipped at the tail of their noise, a slight bow, wide tails.
 #[test]
 fn lesser_faults_are_warnings() {
@@ -340,14 +393,14 @@ fn lesser_faults_are_warnings() {
     clipped.luminance.iter_mut().for_each(|v| *v = v.min(1.0));
     repaired("clipped noise", &clipped, "clipped", 0.001);
     let bow = degraded(5.0, SIGMA_PX, 4, |_, _, v| v);
-    assert!(edge(&bow, None).is_ok_and(|m| !warned(&m, "bowed")));
+    assert!(edge(&bow, None, &[]).is_ok_and(|m| !warned(&m, "bowed")));
     let bow = photo(240, 200, |x, y| {
         let s = distance(x, y, 120.3, 99.1, 5.0) + 0.3 * ((y - 99.1) / 100.0).powi(2);
         DARK + 0.6 * rise(s, SIGMA_PX)
     });
-    assert!(edge(&bow, None).is_ok_and(|m| warned(&m, "bowed by 0.3")));
+    assert!(edge(&bow, None, &[]).is_ok_and(|m| warned(&m, "bowed by 0.3")));
     assert!(
-        edge(&degraded(5.0, 50.0, 4, |_, _, v| v), None)
+        edge(&degraded(5.0, 50.0, 4, |_, _, v| v), None, &[])
             .is_ok_and(|m| warned(&m, "does not fade out"))
     );
 }
@@ -382,12 +435,15 @@ fn a_chart_offers_its_edges() {
     let mut cases = 0;
     for tilt in [4.0, 10.0, -15.0, 30.0] {
         let photo = chart(600, 400, square(tilt));
-        let Err(Fault::Choice { rois }) = edge(&photo, None) else {
-            panic!("{tilt} deg: {:?}", edge(&photo, None).map(|m| m.warnings));
+        let Err(Fault::Choice { rois }) = edge(&photo, None, &[]) else {
+            panic!(
+                "{tilt} deg: {:?}",
+                edge(&photo, None, &[]).map(|m| m.warnings)
+            );
         };
         assert_eq!(rois.len(), 4, "{tilt} deg: {rois:?}");
         for roi in rois {
-            let measured = edge(&photo, Some(roi)).unwrap();
+            let measured = edge(&photo, Some(roi), &[]).unwrap();
             let (error, noise) = error(&measured, SIGMA_PX);
             // The estimator's own error is below 0.002 (see edge.rs).
             assert!(
@@ -396,7 +452,7 @@ fn a_chart_offers_its_edges() {
             );
             cases += 1;
         }
-        let text = edge(&photo, None).map(|_| ()).unwrap_err().to_string();
+        let text = edge(&photo, None, &[]).map(|_| ()).unwrap_err().to_string();
         assert!(
             text.contains("roi = [") && text.contains("4 edges"),
             "{text}"
@@ -409,7 +465,7 @@ fn a_chart_offers_its_edges() {
 #[test]
 fn the_only_edge_of_a_chart_is_found() {
     let photo = chart(600, 400, [8.0, 90.0, 180.0, 270.0]);
-    let measured = edge(&photo, None).unwrap();
+    let measured = edge(&photo, None, &[]).unwrap();
     let found = format!("give {}", measured.region);
     assert!(warned(&measured, &found), "{:?}", measured.warnings);
     assert!((measured.line.normal_rad.to_degrees() - 8.0).abs() < 0.01);
@@ -427,7 +483,7 @@ fn a_given_region_is_measured() {
         width: 80,
         height: 80,
     };
-    let measured = edge(&photo, Some(roi)).unwrap();
+    let measured = edge(&photo, Some(roi), &[]).unwrap();
     assert_eq!(measured.region, roi);
     assert_eq!(measured.warnings, Vec::<String>::new());
     let (error, noise) = error(&measured, SIGMA_PX);

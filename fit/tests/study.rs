@@ -12,6 +12,7 @@ use fit::select::Candidates;
 use fit::study::choice;
 use fit::study::photographs;
 use fit::study::ranges::Ranges;
+use fit::study::refused;
 use fit::study::summary::{Summary, tells};
 use fit::study::trial::{self, Trial};
 use planted::{camera, params, scene, table, truth};
@@ -48,7 +49,7 @@ fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
 #[test]
 fn edge_comes_near_the_bound_and_its_intervals_hold() {
     let all = trials(7, CAMPAIGNS);
-    let summary = Summary::new(CAMPAIGNS as usize, &all);
+    let summary = Summary::new(&all, Vec::new());
     assert!(summary.counted >= 35, "{} of {CAMPAIGNS}", summary.counted);
     let n = summary.counted as f64;
     let mut rows = 0;
@@ -95,16 +96,19 @@ fn terms_are_chosen_where_they_can_be_told() {
     let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
     let directions = ranges.directions(&table);
     let count = 40;
-    let all: Vec<choice::Trial> = (0..count)
+    let all: Vec<_> = (0..count)
         .into_par_iter()
-        .filter_map(|index| {
+        .map(|index| {
             let params = ranges.open_campaign(5, index, &directions);
-            // A ripple of waves may still pass for a second edge, which is refused.
-            choice::run(&params, index, &table).ok()
+            choice::run(&params, index, &table)
         })
         .collect();
+    // A ripple of waves may still pass for a second edge, which is refused.
+    let (all, refused) = refused::part(all);
+    println!("{}", refused::line(&refused));
     assert!(all.len() > 35, "{} of {count}", all.len());
-    let summary = choice::Summary::new(count as usize, &all);
+    let summary = choice::Summary::new(&all, refused);
+    assert_eq!(summary.campaigns as u64, count);
     let mut judged = 0;
     for row in &summary.rows {
         println!("{row:?}");
@@ -126,6 +130,43 @@ fn terms_are_chosen_where_they_can_be_told() {
         // A simpler rival cannot fit better than the truth without noise: the margin is a number.
         assert!(trial.blur.margin.is_none_or(f64::is_finite), "{trial:?}");
     }
+}
+
+/// What is refused is counted by its reason: a camera whose black lies at 0 and sees almost no light cuts off, and a blur of
+/// several windows is no edge.
+#[test]
+fn refusals_are_counted_by_their_reason() {
+    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
+    let run = |ranges: &Ranges| {
+        let directions = ranges.directions(&table);
+        refused::part((0..3).map(|index| {
+            let params = ranges.campaign(1, index, &directions);
+            trial::run(&params, index, &table)
+        }))
+    };
+    let small = Ranges {
+        photographs: [2.0, 2.0],
+        ..Ranges::default()
+    };
+    let (trials, refused) = run(&small);
+    assert_eq!(
+        (trials.len(), refused::line(&refused).as_str()),
+        (3, "0 refused")
+    );
+    let wide = Ranges {
+        a_per_mm: [0.1, 0.1],
+        ..small
+    };
+    let (trials, refused) = run(&wide);
+    println!("{}", refused::line(&refused));
+    assert_eq!((trials.len(), refused::total(&refused)), (0, 3));
+    assert!(
+        refused
+            .iter()
+            .all(|of| of.reason == "blur wider than the window"),
+        "{refused:?}"
+    );
 }
 
 /// Uneven light below what is evened out: the pixels carry it as a nuisance and keep mu, which the MTFs do not. Over 12

@@ -2,6 +2,23 @@
 
 use crate::captures::Roi;
 
+/// A refusal that a user who knows better may overrule; a warning is left of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Accepted {
+    /// A second edge: [`Fault::Doubled`].
+    Doubled,
+}
+
+impl Accepted {
+    /// The names that a manifest may use, in the order of the variants.
+    pub const NAMES: [&'static str; 1] = ["doubled"];
+
+    /// What is called `name` in a manifest.
+    pub fn from_name(name: &str) -> Option<Accepted> {
+        (name == "doubled").then_some(Accepted::Doubled)
+    }
+}
+
 /// Why no edge was found, or none that can be trusted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -94,7 +111,8 @@ pub enum Fault {
     /// A ghost beside the edge.
     #[error(
         "the edge is doubled: {:.0} % of it comes again {distance_px:.1} pixels away; remove the second reflection \
-             (a coated or wedged half mirror) or the shake of the camera", 100.0 * share
+             (a coated or wedged half mirror) or the shake of the camera, or accept it as \"doubled\" where the sheet \
+             itself makes it", 100.0 * share
     )]
     Doubled {
         /// Steepness of the second edge over that of the first.
@@ -113,6 +131,25 @@ pub enum Fault {
         /// Length of the profile, pixels.
         length_px: f64,
     },
+}
+
+impl Fault {
+    /// The kind of it, to be counted by.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Fault::NoContrast { .. } => "no contrast",
+            Fault::SeveralEdges { .. } | Fault::Choice { .. } => "several edges",
+            Fault::NoSlantedEdge { .. } => "no slanted edge",
+            Fault::TooSmall => "too small",
+            Fault::Clipped { .. } => "clipped",
+            Fault::CutOff { .. } => "cut off at 0",
+            Fault::NotAlone { .. } => "not alone",
+            Fault::Uneven { .. } => "uneven light",
+            Fault::Bowed { .. } => "bowed",
+            Fault::Doubled { .. } => "doubled",
+            Fault::Blurred { .. } => "blur wider than the window",
+        }
+    }
 }
 
 fn listed(rois: &[Roi]) -> String {

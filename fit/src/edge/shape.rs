@@ -1,6 +1,6 @@
 //! Whether what was found is one straight edge, sharp enough for its window.
 
-use super::{Fault, Line, smoothed};
+use super::{Accepted, Fault, Line, smoothed};
 use crate::profile::{BIN_PX, Profile};
 use crate::window::Window;
 
@@ -18,8 +18,14 @@ const LONGEST_RISE: f64 = 0.55;
 /// sampling frequency by 0.4 %, 1 px by a third.
 const BOW: [f64; 2] = [0.1, 1.0];
 
-/// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of these.
-pub fn check(window: &Window, line: &Line, profile: &Profile) -> Result<Vec<String>, Fault> {
+/// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of these, and of what is
+/// accepted.
+pub fn check(
+    window: &Window,
+    line: &Line,
+    profile: &Profile,
+    accepted: &[Accepted],
+) -> Result<Vec<String>, Fault> {
     let mut warnings = Vec::new();
     let smooth = smoothed(&profile.mean, 2);
     let (dark, bright) = profile.plateaus();
@@ -35,7 +41,14 @@ pub fn check(window: &Window, line: &Line, profile: &Profile) -> Result<Vec<Stri
         }
     }
     if let Some((share, distance_px)) = double(profile) {
-        return Err(Fault::Doubled { share, distance_px });
+        if !accepted.contains(&Accepted::Doubled) {
+            return Err(Fault::Doubled { share, distance_px });
+        }
+        warnings.push(format!(
+            "the edge is doubled ({:.0} % of it comes again {distance_px:.1} pixels away) and accepted as such: \
+             what is no blur of the sheet counts as one",
+            100.0 * share
+        ));
     }
     let arc_px = arc(window, line, profile)?;
     if arc_px > BOW[0] {

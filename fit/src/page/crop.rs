@@ -28,7 +28,7 @@ type Rectangle = [usize; 4];
 /// the photograph cannot be read any more.
 pub fn crop(shot: &Shot, label: &str) -> Option<String> {
     let photo = shot.load().ok()?;
-    let measured = measure::edge(&photo, shot.roi).ok();
+    let measured = measure::edge(&photo, shot.roi, &shot.accepted).ok();
     let whole = [0, 0, photo.width, photo.height];
     let roi = measured.as_ref().map(|m| m.region).or(shot.roi);
     let roi = roi.map_or(whole, |r| [r.x, r.y, r.width, r.height]);
@@ -63,7 +63,9 @@ fn around([x, y, width, height]: Rectangle, [_, _, wide, high]: Rectangle) -> Re
 
 /// Averages blocks of pixels, stretches what is left from the darkest to the brightest 1 % and encodes it as the eye sees.
 fn png(photo: &Photo, [x, y, width, height]: Rectangle) -> Option<Vec<u8>> {
-    let block = width.max(height).div_ceil(LONGEST);
+    // Blocks of 3 x 3 hold a pixel of every colour of camera raw.
+    let mosaic = photo.luminance.iter().any(|value| value.is_nan());
+    let block = (width.max(height).div_ceil(LONGEST)).max(if mosaic { 3 } else { 1 });
     let size = [width.div_ceil(block), height.div_ceil(block)];
     let saturated = photo.clip_level.unwrap_or(f32::INFINITY);
     let mut means = Vec::with_capacity(size[0] * size[1]);
@@ -73,13 +75,18 @@ fn png(photo: &Photo, [x, y, width, height]: Rectangle) -> Option<Vec<u8>> {
             let columns = x + column * block..(x + (column + 1) * block).min(x + width);
             let (mut sum, mut count, mut clipped) = (0.0f64, 0u32, false);
             for line in rows {
-                for &value in &photo.luminance[line * photo.width..][columns.clone()] {
+                let row = &photo.luminance[line * photo.width..][columns.clone()];
+                for &value in row.iter().filter(|value| !value.is_nan()) {
                     sum += f64::from(value);
                     count += 1;
                     clipped |= value >= saturated;
                 }
             }
-            means.push((sum / f64::from(count), clipped));
+            let mean = match count {
+                0 => means.last().map_or(0.0, |&(mean, _)| mean),
+                _ => sum / f64::from(count),
+            };
+            means.push((mean, clipped));
         }
     }
     let mut sorted: Vec<f64> = means.iter().map(|m| m.0).collect();

@@ -10,8 +10,10 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use tables::Table;
 
+use super::refused::{self, Refused};
 use super::trial;
 use crate::bound;
+use crate::edge::Accepted;
 use crate::estimate::{Choice, Optimum, refined};
 use crate::joint::{Joint, Used};
 use crate::kernel::Kernel;
@@ -20,6 +22,7 @@ use crate::loss::{Kind, Loss};
 use crate::report::Bound;
 use crate::scene::{self, Scene};
 use crate::select::{CLEAR, Candidates, Compared, own_mu_limit, scatter_of_mu, select};
+use crate::simulate::noise::PixelNoise;
 use crate::simulate::{self, ByIncidence, Params};
 use crate::solve::{Solution, Stop};
 
@@ -85,7 +88,7 @@ pub struct Trial {
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
 pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
-    let scene = trial::scene(params, table, simulate::photograph)?;
+    let scene = trial::scene(params, table, &[], simulate::photograph)?;
     let truth = &params.truth;
     let own = |values: &ByIncidence| matches!(values, ByIncidence::Table(_));
     let choice = Choice {
@@ -104,12 +107,16 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::E
     };
     let selection = select(&scene, Kind::Edge, &open);
     let best = &selection.best;
-    let silent = |params: &Params, index| {
-        let light = simulate::light(params, index)?;
-        Ok(light.into_iter().map(|v| v as f32).collect())
+    // A plateau without noise looks clipped: a millionth of noise parts its pixels. And where noise does not hide it, a ripple
+    // of the blur may look like a second edge.
+    let silent = |params: &Params, index: Option<usize>| {
+        let light = simulate::light(params, index)?.into_iter().enumerate();
+        let photograph = index.map_or(0, |index| index as u64 + 1);
+        let part = |pixel| 1e-6 * PixelNoise::new(0, photograph, pixel as u64).normal();
+        Ok(light.map(|(i, v)| (v + part(i)) as f32).collect())
     };
     let (margin, mu_margin) = {
-        let scene = trial::scene(params, table, silent)?;
+        let scene = trial::scene(params, table, &[Accepted::Doubled], silent)?;
         margins(params, &scene, choice, &selection.compared)
     };
     let chosen = selection.compared.iter().find(|row| {
@@ -304,8 +311,8 @@ pub struct Sided {
 pub struct Summary {
     /// Campaigns drawn.
     pub campaigns: usize,
-    /// Those in which no edge was found in some photograph.
-    pub without_edge: usize,
+    /// Those in which some photograph was refused, by the reason.
+    pub refused: Vec<Refused>,
     /// By what was planted; all of them last.
     pub rows: Vec<Row>,
     /// One-sided bounds.
@@ -313,8 +320,8 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Sums up the trials of `campaigns` campaigns.
-    pub fn new(campaigns: usize, trials: &[Trial]) -> Summary {
+    /// Sums up the trials, beside the campaigns that came to none.
+    pub fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
         let mut rows = Vec::new();
         let (mut all, mut mus) = (Row::new("all kernels".into()), Vec::new());
         for kernel in Kernel::ALL {
@@ -365,8 +372,8 @@ impl Summary {
         }
         bounds.retain(|row| row.campaigns > 0);
         Summary {
-            campaigns,
-            without_edge: campaigns - trials.len(),
+            campaigns: trials.len() + refused::total(&refused),
+            refused,
             rows,
             bounds,
         }

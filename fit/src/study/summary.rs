@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::refused::{self, Refused};
 use super::trial::{LOSSES, PARAMETERS, Trial};
 use crate::loss::Kind;
 
@@ -40,8 +41,8 @@ pub struct Row {
 pub struct Summary {
     /// Campaigns drawn.
     pub campaigns: usize,
-    /// Those in which no edge was found in some photograph.
-    pub without_edge: usize,
+    /// Those in which some photograph was refused, by the reason.
+    pub refused: Vec<Refused>,
     /// Those whose bound on c is below [`LOOSE`]; the rows are about these.
     pub counted: usize,
     /// Those of them in which the camera cut dark pixels off at 0.
@@ -51,8 +52,8 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Sums up the trials of `campaigns` campaigns.
-    pub fn new(campaigns: usize, trials: &[Trial]) -> Summary {
+    /// Sums up the trials, beside the campaigns that came to none.
+    pub fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
         let counted: Vec<&Trial> = trials.iter().filter(|t| tells(t)).collect();
         let mut rows = Vec::new();
         for (i, parameter) in PARAMETERS.into_iter().enumerate() {
@@ -61,8 +62,8 @@ impl Summary {
             }
         }
         Summary {
-            campaigns,
-            without_edge: campaigns - trials.len(),
+            campaigns: trials.len() + refused::total(&refused),
+            refused,
             counted: counted.len(),
             cut_off: counted.iter().filter(|t| t.cut_off).count(),
             rows,

@@ -8,6 +8,7 @@ use tables::Table;
 
 use crate::captures::keys::Place;
 use crate::captures::{self, Campaign, Capture, Setup};
+use crate::edge::Accepted;
 use crate::estimate::{Choice, Estimate, estimate, optimum, refined};
 use crate::joint::{Joint, Used};
 use crate::kernel::Kernel;
@@ -48,7 +49,7 @@ pub struct Trial {
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
 pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
-    let scene = scene(params, table, simulate::photograph)?;
+    let scene = scene(params, table, &[], simulate::photograph)?;
     let choice = Choice {
         kernel: Kernel::Eq1,
         shape: params.truth.lobe,
@@ -129,10 +130,12 @@ pub(super) fn noise(camera: &Camera) -> PixelNoise {
     }
 }
 
-/// Measures a campaign without a file; `photograph` gives the pixels of a capture, or of the reference.
+/// Measures a campaign without a file; `photograph` gives the pixels of a capture, or of the reference. Faults of their edges
+/// that are `accepted` are no reason to refuse them.
 pub(super) fn scene(
     params: &Params,
     table: &Table,
+    accepted: &[Accepted],
     photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::Error> + Sync,
 ) -> Result<Scene, scene::Error> {
     let name =
@@ -141,6 +144,7 @@ pub(super) fn scene(
         image: name(index),
         exposure,
         roi: None,
+        accepted: accepted.to_vec(),
         decode: Decode::default(),
         place: Place {
             file: "simulated".into(),

@@ -8,6 +8,7 @@ use tables::Outputs;
 
 use crate::captures::Roi;
 use crate::cli::{self, Failure};
+use crate::edge::Accepted;
 use crate::measure::{self, Measurement};
 use crate::photo::{self, Channel, Decode, Transfer};
 use crate::sfr::{self, Estimator, crossing};
@@ -24,9 +25,9 @@ frequencies are along the edge normal, not along the rows.
 
 Examples:
   fit mtf edge.exr --pixel-pitch 0.05
-  fit mtf photo.png --roi 200,150,320,256 --json -o mtf.json")]
+  fit mtf photo.png --roi 200,150,320,256 --accept doubled --json -o mtf.json")]
 pub struct Arguments {
-    /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB)
+    /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB); camera raw with the feature raw
     pub image: PathBuf,
     /// Region that holds one edge, pixels; if left out, the picture's only slanted edge is found
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// Colour channel: luminance, red, green, blue, or a channel's name
     #[arg(long, default_value = "luminance", value_parser = channel)]
     pub channel: Channel,
+    /// Measure an edge with this fault all the same, with a warning: doubled
+    #[arg(long, value_name = "FAULT", value_parser = accepted)]
+    pub accept: Vec<Accepted>,
     /// One JSON object instead of CSV
     #[arg(long)]
     pub json: bool,
@@ -50,6 +54,10 @@ pub struct Arguments {
 
 fn channel(text: &str) -> Result<Channel, std::convert::Infallible> {
     Ok(Channel::from_name(text))
+}
+
+fn accepted(text: &str) -> Result<Accepted, String> {
+    Accepted::from_name(text).ok_or_else(|| format!("use {}", Accepted::NAMES.join(" or ")))
 }
 
 fn transfer(text: &str) -> Result<Transfer, String> {
@@ -120,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         profile,
         warnings,
         ..
-    } = measure::edge(&photo, arguments.roi).map_err(|fault| Failure::Edge {
+    } = measure::edge(&photo, arguments.roi, &arguments.accept).map_err(|fault| Failure::Edge {
         image: arguments.image.clone(),
         fault,
     })?;

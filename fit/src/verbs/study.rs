@@ -14,10 +14,11 @@ use crate::captures;
 use crate::cli::{self, Failure};
 use crate::forward::Forward;
 use crate::loss::Kind;
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::select::select;
 use crate::study::forward::{Speed, speed};
 use crate::study::ranges::Ranges;
+use crate::study::refused::{self, Refused};
 use crate::study::summary::{LOOSE, Summary};
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 use crate::study::{Study, choice, photographs, picture, trial};
@@ -223,27 +224,26 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     let mut outputs = Outputs::beside([file, &arguments.table]);
     let csv = cli::reserve(arguments.csv.as_deref(), &mut outputs)?;
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
-    let count = arguments.campaigns as usize;
     if arguments.choice {
-        let trials = run_all(arguments, pool, |index| {
+        let (trials, refused) = run_all(arguments, pool, |index| {
             let params = ranges.open_campaign(arguments.seed, index, &directions);
-            choice::run(&params, index, &table).ok()
+            choice::run(&params, index, &table)
         });
-        let summary = choice::Summary::new(count, &trials);
+        let summary = choice::Summary::new(&trials, refused);
         return Ok(if arguments.json {
             cli::json(&summary)
         } else {
             choices(&summary)
         });
     }
-    let trials = run_all(arguments, pool, |index| {
+    let (trials, refused) = run_all(arguments, pool, |index| {
         let params = ranges.campaign(arguments.seed, index, &directions);
-        trial::run(&params, index, &table).ok()
+        trial::run(&params, index, &table)
     });
     if let Some(output) = csv {
         output.commit(spreadsheet(&trials).as_bytes())?;
     }
-    let summary = Summary::new(count, &trials);
+    let summary = Summary::new(&trials, refused);
     if let Some((path, output)) = picture {
         output.commit(&picture::drawn(&summary, path)?)?;
     }
@@ -254,31 +254,31 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     })
 }
 
-/// Every campaign, in parallel; those that come to nothing are left out.
+/// Every campaign, in parallel, and how many came to nothing, by the reason.
 fn run_all<T: Send>(
     arguments: &Arguments,
     pool: &rayon::ThreadPool,
-    run: impl Fn(u64) -> Option<T> + Sync,
-) -> Vec<T> {
+    run: impl Fn(u64) -> Result<T, scene::Error> + Sync,
+) -> (Vec<T>, Vec<Refused>) {
     let bar = bar(arguments.campaigns);
-    let trials = pool.install(|| {
+    let all: Vec<_> = pool.install(|| {
         let campaigns = (0..arguments.campaigns).into_par_iter();
         let one = |index| {
             let trial = run(index);
             bar.inc(1);
             trial
         };
-        campaigns.filter_map(one).collect()
+        campaigns.map(one).collect()
     });
     bar.finish_and_clear();
-    trials
+    refused::part(all)
 }
 
 fn choices(summary: &choice::Summary) -> String {
     let mut text = format!(
-        "{} campaigns, {} without a visible edge; told apart: what was planted should win by {} standard deviations\n",
+        "{} campaigns, {}; told apart: what was planted should win by {} standard deviations\n",
         summary.campaigns,
-        summary.without_edge,
+        refused::line(&summary.refused),
         choice::SURE
     );
     let _ = writeln!(
@@ -311,7 +311,7 @@ fn choices(summary: &choice::Summary) -> String {
             share([row.bounded, row.holds])
         );
     }
-    text
+    text + &refused::examples(&summary.refused)
 }
 
 /// The directions to photograph; the table must hold the shift of the cell that is simulated there.
@@ -356,12 +356,12 @@ fn bar(campaigns: u64) -> ProgressBar {
 
 fn table_of(summary: &Summary) -> String {
     let mut text = format!(
-        "{} campaigns: {} counted (bound on c below {:.0} %; dark pixels cut off at 0 in {}), {} without a visible edge\n",
+        "{} campaigns: {} counted (bound on c below {:.0} %; dark pixels cut off at 0 in {}), {}\n",
         summary.campaigns,
         summary.counted,
         100.0 * LOOSE,
         summary.cut_off,
-        summary.without_edge
+        refused::line(&summary.refused)
     );
     let _ = writeln!(
         text,
@@ -387,7 +387,7 @@ fn table_of(summary: &Summary) -> String {
             100.0 * c.error
         );
     }
-    text
+    text + &refused::examples(&summary.refused)
 }
 
 fn spreadsheet(trials: &[Trial]) -> String {
