@@ -1,7 +1,8 @@
 //! Photographs: any supported file to one plane of linear light.
 //!
 //! EXR (half, float, uint; linear), 16-bit PNG and TIFF (linear unless the manifest says otherwise), 8-bit PNG, TIFF
-//! and JPEG (sRGB, linearised, with a warning). The type of a file is decided by its first bytes, never by its name.
+//! and JPEG (sRGB, linearised, with a warning). The type of a file is decided by its first bytes, never by its name, but for
+//! camera raw (with the feature `raw`), much of which is TIFF inside.
 //! Row 0 is the top of the picture; `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
 mod error;
@@ -9,6 +10,8 @@ mod exposure;
 mod openexr;
 mod picture;
 mod raster;
+#[cfg_attr(not(feature = "raw"), path = "photo/no_raw.rs")]
+mod raw;
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -139,8 +142,8 @@ pub struct Photo {
     pub width: usize,
     /// Rows, pixels.
     pub height: usize,
-    /// Linear light, row-major from the top left, `width * height` finite values. Integer formats: 1 is full scale.
-    /// EXR: as stored.
+    /// Linear light, row-major from the top left, `width * height` values. Integer formats: 1 is full scale. EXR: as stored.
+    /// Finite, but for camera raw: NaN where the sensor saw another colour.
     pub luminance: Vec<f32>,
     /// Value from which a pixel counts as saturated: 1 for integer formats (a colour pixel with any saturated
     /// contributing channel is set to it), 65504 for half-float EXR. Other EXR has no limit of its own: 1 where
@@ -182,6 +185,8 @@ pub enum Format {
     Tiff,
     /// JPEG (JFIF or Exif).
     Jpeg,
+    /// Any camera's raw file.
+    Raw,
 }
 
 impl Format {
@@ -209,6 +214,7 @@ impl Format {
             Format::Png => "PNG",
             Format::Tiff => "TIFF",
             Format::Jpeg => "JPEG",
+            Format::Raw => "camera raw",
         }
     }
 
@@ -218,20 +224,31 @@ impl Format {
             Format::Png => &["png"],
             Format::Tiff => &["tif", "tiff"],
             Format::Jpeg => &["jpg", "jpeg", "jpe"],
+            Format::Raw => &CAMERA_RAW,
         }
     }
 }
 
 /// Extensions of camera raw files, many of which are TIFF inside and would yield their thumbnail.
-const CAMERA_RAW: [&str; 13] = [
-    "3fr", "arw", "cr2", "cr3", "dng", "erf", "kdc", "nef", "nrw", "orf", "pef", "raf", "rw2",
+const CAMERA_RAW: [&str; 20] = [
+    "3fr", "arw", "cr2", "cr3", "crw", "dcr", "dng", "erf", "iiq", "kdc", "mef", "mos", "mrw",
+    "nef", "nrw", "orf", "pef", "raf", "rw2", "srw",
 ];
+
+/// Whether a file is camera raw by its name, or by its first bytes a CR2.
+fn is_raw(extension: &str, first: &[u8]) -> bool {
+    CAMERA_RAW.contains(&extension) || first.get(8..10) == Some(b"CR")
+}
+
+/// Said of a picture that was turned.
+const TURNED: &str =
+    "turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture";
 
 /// Reads a photograph into linear light.
 ///
 /// # Errors
 /// One [`Error`] for each way in which the file cannot be used; non-finite pixels are an error, so a [`Photo`] never
-/// holds NaN or infinity. Sizes beyond [`MAX_PIXELS`] are refused from the header, before pixels are allocated.
+/// holds NaN or infinity, but for the NaN of camera raw. Sizes beyond [`MAX_PIXELS`] are refused from the header, before pixels are allocated.
 pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let Opened {
         format,
@@ -242,6 +259,7 @@ pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let mut photo = match format {
         Format::Exr => openexr::read(path, reader, &first, options)?,
         Format::Png | Format::Tiff | Format::Jpeg => raster::read(path, reader, format, options)?,
+        Format::Raw => return raw::read(path, options),
     };
     photo.warnings.splice(0..0, misnamed);
     check_finite(path, photo.width, &photo.luminance)?;
@@ -264,6 +282,11 @@ pub fn load_colour(path: &Path, transfer: Option<Transfer>) -> Result<Picture, E
         Format::Exr => openexr::read_colour(path, reader, &first)?,
         Format::Png | Format::Tiff | Format::Jpeg => {
             raster::read_colour(path, reader, format, transfer)?
+        }
+        Format::Raw => {
+            return Err(Error::Undeveloped {
+                file: path.to_owned(),
+            });
         }
     };
     picture.warnings.splice(0..0, misnamed);
@@ -295,21 +318,18 @@ fn open(path: &Path) -> Result<Opened, Error> {
             file: path.to_owned(),
         });
     }
-    let extension = path
-        .extension()
-        .and_then(|name| name.to_str())
-        .unwrap_or("")
-        .to_ascii_lowercase();
-    if CAMERA_RAW.contains(&extension.as_str()) || first.get(8..10) == Some(b"CR") {
-        return Err(Error::CameraRaw {
+    let extension = extension(path);
+    let format = if is_raw(&extension, &first) {
+        Format::Raw
+    } else {
+        Format::of_signature(&first).ok_or_else(|| Error::UnknownFormat {
             file: path.to_owned(),
-        });
-    }
-    let format = Format::of_signature(&first).ok_or_else(|| Error::UnknownFormat {
-        file: path.to_owned(),
-    })?;
+        })?
+    };
     file.seek(SeekFrom::Start(0)).map_err(io)?;
-    let misnamed = !extension.is_empty() && !format.extensions().contains(&extension.as_str());
+    let misnamed = format != Format::Raw
+        && !extension.is_empty()
+        && !format.extensions().contains(&extension.as_str());
     Ok(Opened {
         format,
         reader: BufReader::new(file),
@@ -322,6 +342,12 @@ fn open(path: &Path) -> Result<Opened, Error> {
             )
         }),
     })
+}
+
+/// What a file's name ends in, in small letters.
+fn extension(path: &Path) -> String {
+    let extension = path.extension().and_then(|name| name.to_str());
+    extension.unwrap_or("").to_ascii_lowercase()
 }
 
 fn check_finite(path: &Path, width: usize, plane: &[f32]) -> Result<(), Error> {

@@ -159,23 +159,29 @@ impl Window {
     }
 
     /// The window averaged over blocks of `side` x `side` pixels; what does not fill a block at the right and lower border is
-    /// left out, and blocks with a pixel that is taken out are too.
+    /// left out. Of a block the pixels that are not taken out count; one without any is taken out.
     pub fn reduced(&self, side: usize) -> Window {
         let (width, height) = (self.width / side, self.height / side);
-        let mut values = vec![0.0_f32; width * height];
+        let mut sums = vec![(0.0_f32, 0.0_f32); width * height];
         let rows = self.values.chunks_exact(self.width);
         for (y, row) in rows.take(height * side).enumerate() {
-            let sums = &mut values[y / side * width..][..width];
-            for (sum, part) in sums.iter_mut().zip(row.chunks_exact(side)) {
-                *sum += part.iter().sum::<f32>();
+            let sums = &mut sums[y / side * width..][..width];
+            for ((sum, count), part) in sums.iter_mut().zip(row.chunks_exact(side)) {
+                let whole = part.iter().sum::<f32>();
+                if whole.is_nan() {
+                    let held = part.iter().filter(|value| !value.is_nan());
+                    *count += held.clone().count() as f32;
+                    *sum += held.sum::<f32>();
+                } else {
+                    *count += side as f32;
+                    *sum += whole;
+                }
             }
         }
-        let pixels = (side * side) as f32;
-        values.iter_mut().for_each(|sum| *sum /= pixels);
         Window {
             width,
             height,
-            values,
+            values: sums.into_iter().map(|(sum, count)| sum / count).collect(),
         }
     }
 

@@ -30,13 +30,35 @@ pub enum Error {
         /// The photograph.
         file: PathBuf,
     },
-    /// A camera raw file.
+    /// A camera raw file, in a program without the feature for it.
     #[error(
-        "{file}: camera raw is not read; develop it without tone curve to a linear 16-bit TIFF or an EXR"
+        "{file}: camera raw is not read by this build of fit; build it with the feature `raw` (cargo install --path fit \
+         --features raw), or develop the photograph without tone curve to a linear 16-bit TIFF or an EXR"
     )]
     CameraRaw {
         /// The photograph.
         file: PathBuf,
+    },
+    /// Camera raw where a picture in colour is wanted.
+    #[error(
+        "{file}: is camera raw, which holds one colour a pixel; develop it without tone curve to a linear 16-bit TIFF or \
+         an EXR"
+    )]
+    Undeveloped {
+        /// The photograph.
+        file: PathBuf,
+    },
+    /// The decoder of camera raw gave up.
+    #[error(
+        "{file}: cannot be decoded as camera raw ({}); convert it to DNG, or develop it without tone curve to a linear \
+         16-bit TIFF or an EXR",
+        one_line(reason)
+    )]
+    Raw {
+        /// The photograph.
+        file: PathBuf,
+        /// What the decoder said.
+        reason: String,
     },
     /// The header claims no pixels or too many.
     #[error(

@@ -1,7 +1,7 @@
 //! The exposure of a photograph from what the camera wrote into it (Exif 2.32, section 4.6.5).
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::Path;
 
 use exif::{Context, Exif, Field, In, Tag, Value};
@@ -18,11 +18,18 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Reads them from a JPEG, TIFF or PNG.
+    /// Reads them from a JPEG, TIFF, PNG or, with the feature `raw`, camera raw.
     ///
     /// # Errors
     /// What is missing, in words: the settings by name, or that there are none at all.
     pub fn of(image: &Path) -> Result<Settings, String> {
+        let mut first = Vec::with_capacity(16);
+        let file = File::open(image).map_err(|error| error.to_string())?;
+        let read = file.take(16).read_to_end(&mut first);
+        read.map_err(|error| error.to_string())?;
+        if super::is_raw(&super::extension(image), &first) {
+            return super::raw::settings(image);
+        }
         let none = || "no Exif data".to_owned();
         let file = File::open(image).map_err(|error| error.to_string())?;
         // A damaged entry is no reason to lose the others.
@@ -31,27 +38,15 @@ impl Settings {
             .read_from_container(&mut BufReader::new(file))
             .or_else(|error| error.distill_partial_result(|_| ()))
             .map_err(|_| none())?;
-        let found = [
-            ("ExposureTime", Tag::ExposureTime),
-            ("FNumber", Tag::FNumber),
-            (
-                "PhotographicSensitivity (ISO)",
-                Tag::PhotographicSensitivity,
-            ),
-        ]
-        .map(|(name, tag)| positive(&exif, tag).ok_or(name));
-        match found {
-            [Ok(seconds), Ok(f_number), Ok(iso)] => Ok(Settings {
-                seconds,
-                f_number,
-                iso,
-            }),
-            _ if exif.fields().len() == 0 => Err(none()),
-            _ => {
-                let lacking: Vec<&str> = found.into_iter().filter_map(Result::err).collect();
-                Err(format!("no {} in its Exif data", lacking.join(", no ")))
-            }
+        if exif.fields().len() == 0 {
+            return Err(none());
         }
+        let tags = [
+            Tag::ExposureTime,
+            Tag::FNumber,
+            Tag::PhotographicSensitivity,
+        ];
+        settings(tags.map(|tag| number(&exif, tag)))
     }
 
     /// Signal per unit of light: seconds x ISO / f-number^2.
@@ -71,13 +66,31 @@ impl std::fmt::Display for Settings {
     }
 }
 
-/// The first number of a field, where it is finite and above 0.
-fn positive(exif: &Exif, tag: Tag) -> Option<f64> {
+/// Settings of seconds, f-number and ISO, where all are there, finite and above 0.
+///
+/// # Errors
+/// Which are not, in words.
+pub(super) fn settings(found: [Option<f64>; 3]) -> Result<Settings, String> {
+    let positive = found.map(|number| number.filter(|n| n.is_finite() && *n > 0.0));
+    if let [Some(seconds), Some(f_number), Some(iso)] = positive {
+        return Ok(Settings {
+            seconds,
+            f_number,
+            iso,
+        });
+    }
+    let names = ["ExposureTime", "FNumber", "PhotographicSensitivity (ISO)"];
+    let lacking = names.iter().zip(positive).filter(|(_, n)| n.is_none());
+    let lacking: Vec<&str> = lacking.map(|(name, _)| *name).collect();
+    Err(format!("no {} in its Exif data", lacking.join(", no ")))
+}
+
+/// The first number of a field.
+fn number(exif: &Exif, tag: Tag) -> Option<f64> {
     debug_assert_eq!(tag.context(), Context::Exif);
     let Field { value, .. } = exif.get_field(tag, In::PRIMARY)?;
-    let number = match value {
+    Some(match value {
         Value::Rational(numbers) => numbers.first()?.to_f64(),
         other => f64::from(other.get_uint(0)?),
-    };
-    (number.is_finite() && number > 0.0).then_some(number)
+    })
 }

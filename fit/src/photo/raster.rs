@@ -10,8 +10,8 @@ use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageRea
 use rayon::prelude::*;
 
 use super::{
-    Channel, Decode, Error, Format, MAX_PIXELS, Photo, Picture, REC709, Transfer, check_packed,
-    check_size,
+    Channel, Decode, Error, Format, MAX_PIXELS, Photo, Picture, REC709, TURNED, Transfer,
+    check_packed, check_size,
 };
 
 /// Most that a decoder may allocate: the largest picture as four 16-bit channels.
@@ -113,7 +113,7 @@ fn decode(
         match format {
             Format::Tiff => ImageFormat::Tiff,
             Format::Jpeg => ImageFormat::Jpeg,
-            Format::Png | Format::Exr => ImageFormat::Png,
+            Format::Png | Format::Exr | Format::Raw => ImageFormat::Png,
         },
     );
     // Decoders refuse a size that they could not hold before telling it; so the header is read without limits, which
@@ -140,7 +140,7 @@ fn decode(
     let mut warnings = Vec::new();
     if orientation != Orientation::NoTransforms {
         picture.apply_orientation(orientation);
-        warnings.push("turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture".into());
+        warnings.push(TURNED.into());
     }
     Ok((picture, warnings))
 }
