@@ -3,7 +3,7 @@
 //! A term that was left out is bounded only where the criterion left it out, and that happens the more often the more noise
 //! has hidden of it: among such photographs a plain bound of 95 % holds less often. So the level of its bound is conditional
 //! on the choice (Fithian, Sun and Taylor, Optimal inference after model selection, arXiv 1410.2597): the estimate, in
-//! standard deviations, is a normal number below the threshold of the criterion, see [`rise_below`].
+//! standard deviations, is a normal number below the threshold of the criterion, see `rise_below`.
 
 use std::collections::BTreeMap;
 
