@@ -17,6 +17,7 @@ ap.add_argument("--fit", default=HERE / "target/release/fit")
 ap.add_argument("--bake", default=HERE / "target/release/bake")
 ap.add_argument("--rounds", type=int, default=1)
 ap.add_argument("--samples", default="16,256")
+ap.add_argument("--randomisations", type=int, default=4)
 ap.add_argument("--json", action="store_true")
 args = ap.parse_args()
 
@@ -42,7 +43,7 @@ with tempfile.TemporaryDirectory() as folder:
         peers.append(json.loads(run(sys.executable, args.peer, "time", "--size", 512, "--spp", 256, "--tuned")))
         ours.append(json.loads(run(fit, "study", "photographs/captures.toml", "--table", "cube.h5", "--kernel", "eq1",
                                    "--lobe", "separable", "--shared", "a,mu", "--forward", "render", "--samples",
-                                   args.samples, "--json", cwd=folder)))
+                                   args.samples, "--randomisations", args.randomisations, "--json", cwd=folder)))
     peer = median([p["forward_backward_s"]["median"] for p in peers])
     noise = [median([p["grad_std"][k] / abs(p["grad_mean"][k]) for p in peers]) for k in (0, 1)]
     first = ours[0]

@@ -146,9 +146,9 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
             .zip(lit.planes.iter().flatten())
         {
             let expected = 3.0 * (f64::from(*own) + 0.002);
-            // Two roundings of f32.
+            // Three roundings of f32.
             assert!(
-                (f64::from(*lit) - expected).abs() <= 1.2e-7 * expected.abs(),
+                (f64::from(*lit) - expected).abs() <= 1.8e-7 * expected.abs(),
                 "{lit} {expected}"
             );
         }
