@@ -3,6 +3,7 @@
 use crate::report::{directions_json, directions_text};
 use serde_json::json;
 use std::fmt::Write;
+use tables::table::Exact;
 use tables::{Symmetry, Table};
 
 /// For a person.
@@ -47,6 +48,13 @@ pub fn text(table: &Table) -> String {
         "angular tolerance",
         format!("{} deg", from.angular_tolerance_deg),
     );
+    let deviation = table.exact.as_ref().map(Exact::largest_deviation_rad);
+    if let Some(largest) = deviation.filter(|largest| *largest > 0.0) {
+        line(
+            "deviation",
+            format!("up to {:.4} mrad from straight back", 1e3 * largest),
+        );
+    }
     line(
         "histogram",
         format!(
@@ -101,6 +109,7 @@ pub fn json(table: &Table) -> String {
         "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,
+        "largest_deviation_mrad": table.exact.as_ref().map(|exact| 1e3 * exact.largest_deviation_rad()),
         "bins": table.axes.bins,
         "range": table.axes.range,
         "randomisations": table.counts.as_ref().map(|counts| counts.shape()[2]),

@@ -1,6 +1,6 @@
 //! Reflection and refraction at a plane: pure functions of directions.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// The direction after a mirror reflection at a plane with unit normal `normal` (either sign). Length is kept.
 pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
@@ -16,6 +16,20 @@ pub fn reflection(normal: DVec3) -> DMat3 {
 /// Snell: sine of the angle inside a medium of refractive index `index`, from the sine outside (vacuum).
 pub fn refracted_sine(outside_sine: f64, index: f64) -> f64 {
     outside_sine / index
+}
+
+/// Where light goes that was launched along `launched` and leaves along `left`, both inside a sheet of refractive index `index`
+/// with normal +z, the launch in the plane of x and z: tangents of its angles from straight back, outside, across that
+/// direction within the plane of incidence, towards +x, and along y.
+pub fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
+    let outside = |inside: DVec3| {
+        let along = inside.truncate() * index;
+        let upright = (1.0 - along.length_squared()).max(0.0).sqrt();
+        along.extend(upright * inside.z.signum())
+    };
+    let (back, out) = (-outside(launched), outside(left));
+    let across = DVec3::new(back.z, 0.0, -back.x);
+    DVec2::new(out.dot(across), out.y) / out.dot(back)
 }
 
 /// Whether a ray inside a medium of refractive index `index` is totally reflected at a facet against vacuum;

@@ -378,7 +378,7 @@ impl Plan {
     /// The refractive index behind the front face of `cell`: the one asked for, else the file's, else none.
     pub fn index_of(&self, cell: &meshes::Cell) -> f64 {
         self.refractive_index
-            .or(cell.refractive_index)
+            .or(cell.refractive_index_at(self.wavelength_nm))
             .unwrap_or(1.0)
     }
 
@@ -395,8 +395,10 @@ impl Plan {
     /// What contradicts itself without being wrong, and what makes a bake slow that need not be, for the user.
     pub fn warnings(&self, cell: &meshes::Cell) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let (Some(asked), Some(own)) = (self.refractive_index, cell.refractive_index)
-            && asked != own
+        if let (Some(asked), Some(own)) = (
+            self.refractive_index,
+            cell.refractive_index_at(self.wavelength_nm),
+        ) && asked != own
         {
             warnings.push(format!(
                 "--refractive-index {asked} overrides the {own} that the mesh file gives"

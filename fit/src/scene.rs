@@ -144,6 +144,14 @@ impl Scene {
                 "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
             ));
         }
+        let deviation = table.exact.as_ref();
+        let deviation = deviation.map_or(0.0, |exact| exact.largest_deviation_rad());
+        if deviation > 0.0 {
+            warnings.push(format!(
+                "the table's cubes send light up to {:.3} mrad from straight back: the model has it where the table holds the very direction, --forward render has not",
+                1e3 * deviation
+            ));
+        }
         let reference = match &campaign.reference {
             None => {
                 warnings.push(

@@ -10,6 +10,7 @@ use crate::plane::ShiftPlane;
 use crate::report::{ResultFile, TableResult};
 use crate::sample::{LobeSampler, ShiftSampler};
 use crate::sampled::has_samples;
+use crate::shift::seen_from;
 use crate::spot::{Error, Place, Sampler, Sheet, Spot, TAIL};
 use crate::wave::WaveLine;
 
@@ -99,6 +100,11 @@ impl Sheet for Fitted<'_> {
         let cosine = place.incidence_deg.to_radians().cos();
         let kernel = self.result.kernel;
         let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
+        let direction = if shifts {
+            seen_from(direction, place.r_mm, blur.c_mm, cosine)
+        } else {
+            direction
+        };
         let shift = (shifts && returns)
             .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
         let shape = self.result.lobe.unwrap_or(Shape::Radial);

@@ -109,7 +109,7 @@ impl Model<'_> {
                 [Complex64::from(f64::NAN); 2]
             }
             (Kernel::Eq1 | Kernel::Angular | Kernel::Shift, _, Some(line)) => {
-                let (value, by_c) = line.otf(c_mm, frequency);
+                let (value, by_c) = line.otf(c_mm, self.r_mm, frequency);
                 [value, by_c * c_mm]
             }
             _ => [Complex64::ONE, Complex64::ZERO],

@@ -281,7 +281,7 @@ fn limits_are_ray_shift_and_diffraction() {
                 .expect("light returns");
             for f in [0.1, 0.7, 1.9, 3.3] {
                 let (c, r) = (0.25, 1e-4);
-                let geometric = rays.otf(c, f).0;
+                let geometric = rays.otf(c, r, f).0;
                 // The lag is 550e-6 x 1e-4 x 3.3 / 0.25 = 7e-7 edge lengths, the kink 2; ShiftLine interpolates to 1e-6.
                 let (found, _) = line.otf(c, r, f);
                 assert!(

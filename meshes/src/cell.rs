@@ -27,6 +27,8 @@ pub struct Cell {
     pub entrance: Entrance,
     /// Refractive index of a closed prism whose front face was taken off, as the file gives it.
     pub refractive_index: Option<f64>,
+    /// Its Abbe number V_d, as the file gives it.
+    pub abbe_number: Option<f64>,
     /// Whether the mesh was closed: it then has a front face of its own, in the entrance plane.
     pub closed: bool,
     /// Length of one edge in file units: what 1 stands for.
@@ -39,4 +41,17 @@ pub struct Cell {
     pub mesh_hash: String,
     /// What was repaired or assumed, for the user.
     pub warnings: Vec<String>,
+}
+
+impl Cell {
+    /// The file's refractive index at a vacuum wavelength: where the file gives an Abbe number by the two terms of Cauchy that
+    /// KHR_materials_dispersion prescribes, its index being that of the d line, 587.6 nm; else the same at all.
+    pub fn refractive_index_at(&self, wavelength_nm: Option<f64>) -> Option<f64> {
+        let at_d = self.refractive_index?;
+        let (Some(abbe), Some(nm)) = (self.abbe_number, wavelength_nm) else {
+            return Some(at_d);
+        };
+        let index = at_d + (at_d - 1.0) / abbe * (523_655.0 / (nm * nm) - 1.5168);
+        Some(index.max(1.0))
+    }
 }

@@ -27,7 +27,8 @@ struct Placement {
 /// Parses the bytes of a .gltf or .glb file; `folder` is where buffers in files of their own are looked for.
 ///
 /// Only the default scene is read (the first one, where none is named), all its mesh nodes merged in depth-first
-/// order. Skins, morph targets and materials other than `KHR_materials_ior` do not shape a mirror and are ignored.
+/// order. Skins, morph targets and materials other than `KHR_materials_ior` and
+/// `KHR_materials_dispersion` do not shape a mirror and are ignored.
 ///
 /// # Errors
 /// Malformed containers, documents, buffers and accessors, cycles and scenes without triangles: see [`Fault`].
@@ -249,6 +250,14 @@ fn append(
         mesh.refractive_index = mesh
             .refractive_index
             .or(primitive.material().ior().map(typed));
+        let dispersion = primitive
+            .material()
+            .extension_value("KHR_materials_dispersion")
+            .and_then(|extension| extension.get("dispersion"))
+            .and_then(Value::as_f64);
+        // 0 stands for none.
+        let abbe = dispersion.filter(|d| *d > 0.0).map(|d| 20.0 / d);
+        mesh.abbe_number = mesh.abbe_number.or(abbe);
     }
     Ok(())
 }

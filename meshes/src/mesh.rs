@@ -32,6 +32,8 @@ pub struct Mesh {
     pub edge_length: Option<f64>,
     /// Refractive index that the file gives (`KHR_materials_ior`).
     pub refractive_index: Option<f64>,
+    /// Abbe number V_d that the file gives (`KHR_materials_dispersion`, which stores 20 / V_d).
+    pub abbe_number: Option<f64>,
     /// Name of the design, from the file (`# design ...` comment, `extras.design`) or its stem.
     pub design: String,
     /// SHA-256 of the file's bytes and of every buffer that it refers to, lower-case hex.

@@ -210,6 +210,7 @@ fn placed(
         facets,
         entrance,
         refractive_index: mesh.refractive_index.filter(|_| closed),
+        abbe_number: mesh.abbe_number.filter(|_| closed),
         closed,
         edge_length: frame.edge_length,
         azimuth_zero: frame.azimuth_zero,

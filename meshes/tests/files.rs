@@ -224,3 +224,22 @@ fn the_hash_covers_external_buffers() {
     std::fs::write(&buffer, bytes).expect("a changed buffer");
     assert_ne!(before, hash());
 }
+
+/// An Abbe number (KHR_materials_dispersion holds 20 / V_d) makes the index one of the wavelength: the file's own at the d line,
+/// apart by (n - 1)/V_d between the F and C lines.
+#[test]
+fn dispersion_of_a_file() {
+    let plain = std::fs::read_to_string(folder("good/prism_with_index.gltf")).expect("reads");
+    let mut document: serde_json::Value = serde_json::from_str(&plain).expect("JSON");
+    document["materials"][0]["extensions"]["KHR_materials_dispersion"] =
+        serde_json::json!({ "dispersion": 20.0 / 57.0 });
+    let place = tempfile::tempdir().expect("a folder");
+    let file = place.path().join("prism.gltf");
+    std::fs::write(&file, document.to_string()).expect("writes");
+    let cell = load_cell(&file, &CellOptions::default()).expect("a prism");
+    let at = |nm| cell.refractive_index_at(Some(nm)).expect("an index");
+    // The extension's constants have four and six digits.
+    assert!((at(587.56) - 1.49).abs() < 1e-6);
+    assert!((at(486.13) - at(656.27) - 0.49 / 57.0).abs() < 1e-6);
+    assert_eq!(cell.refractive_index_at(None), Some(1.49));
+}

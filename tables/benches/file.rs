@@ -66,6 +66,7 @@ fn exact() -> Table {
         matrix: [[-2.0, 0.0], [0.0, -2.0]],
         offset: [0.0, 0.0],
         weight: 1.0,
+        deviation: [0.0; 2],
     };
     let mut fate = Array3::zeros((DIRECTIONS, 1, Fate::ALL.len()));
     fate.slice_mut(ndarray::s![.., .., Fate::Retroreflected as usize])

@@ -340,6 +340,12 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
         "finite numbers",
         f64::is_finite,
     )?;
+    within(
+        "path_deviation",
+        &flat.deviation,
+        "finite numbers",
+        f64::is_finite,
+    )?;
     within("path_weight", &flat.weight, "0 to 1", |x| {
         (0.0..=1.0).contains(&x)
     })?;

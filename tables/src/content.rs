@@ -106,6 +106,9 @@ impl Items<'_> {
         self.floats("path_matrix", flat.matrix.iter().copied());
         self.floats("path_offset", flat.offset.iter().copied());
         self.floats("path_weight", flat.weight.iter().copied());
+        if !flat.deviation.is_empty() {
+            self.floats("path_deviation", flat.deviation.iter().copied());
+        }
         self.integers("polygon_start", flat.start.iter().copied());
         self.floats("polygon_vertex", flat.vertex.iter().copied());
     }
@@ -185,6 +188,8 @@ pub(crate) struct Flat {
     pub offset: Vec<f64>,
     /// One number a path.
     pub weight: Vec<f64>,
+    /// Two numbers a path; none at all where every one is 0.
+    pub deviation: Vec<f64>,
     /// Path k has the vertices start[k] .. start[k + 1].
     pub start: Vec<u64>,
     /// Two numbers a vertex.
@@ -204,9 +209,13 @@ impl Flat {
                 flat.matrix.extend(path.matrix.as_flattened());
                 flat.offset.extend(path.offset);
                 flat.weight.push(path.weight);
+                flat.deviation.extend(path.deviation);
                 flat.vertex.extend(path.polygon.as_flattened());
                 flat.start.push(flat.vertex.len() as u64 / 2);
             }
+        }
+        if flat.deviation.iter().all(|&tangent| tangent == 0.0) {
+            flat.deviation.clear();
         }
         flat
     }
@@ -220,6 +229,7 @@ impl Flat {
         let (vertices, _) = self.vertex.as_chunks::<2>();
         let (matrices, _) = self.matrix.as_chunks::<4>();
         let (offsets, _) = self.offset.as_chunks::<2>();
+        let (deviations, _) = self.deviation.as_chunks::<2>();
         let mut paths = vec![Vec::new(); directions];
         let mut lowest = 0;
         for (k, &direction) in self.direction.iter().enumerate() {
@@ -250,6 +260,7 @@ impl Flat {
                 matrix: [[uu, uv], [vu, vv]],
                 offset: offsets[k],
                 weight: self.weight[k],
+                deviation: deviations.get(k).copied().unwrap_or_default(),
             });
         }
         let count = self.direction.len();

@@ -133,6 +133,7 @@ mod exact {
     pub const PATH_MATRIX: &str = "path_matrix";
     pub const PATH_OFFSET: &str = "path_offset";
     pub const PATH_WEIGHT: &str = "path_weight";
+    pub const PATH_DEVIATION: &str = "path_deviation";
     pub const POLYGON_START: &str = "polygon_start";
     pub const POLYGON_VERTEX: &str = "polygon_vertex";
 }

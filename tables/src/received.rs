@@ -192,6 +192,10 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
         matrix: items.floats("path_matrix")?,
         offset: items.floats("path_offset")?,
         weight: items.floats("path_weight")?,
+        deviation: match items.name.as_str() {
+            "path_deviation" => items.floats("path_deviation")?,
+            _ => Vec::new(),
+        },
         start: items.integers("polygon_start")?,
         vertex: items.floats("polygon_vertex")?,
     };
@@ -202,7 +206,10 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
         flat.weight.len(),
         flat.start.len(),
     ];
-    if lengths != [4 * count, 2 * count, count, count + 1] {
+    let deviations = flat.deviation.len();
+    if lengths != [4 * count, 2 * count, count, count + 1]
+        || (deviations != 0 && deviations != 2 * count)
+    {
         return Err(wrong("paths of different numbers"));
     }
     let paths = flat

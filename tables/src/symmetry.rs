@@ -64,11 +64,13 @@ pub(crate) fn mirrored(probability: Array2<f64>) -> Array2<f64> {
 pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
     let mirrored = |path: &Path| {
         let ([[uu, uv], [vu, vv]], [u, v]) = (path.matrix, path.offset);
+        let [across, along_v] = path.deviation;
         Path {
             polygon: path.polygon.iter().rev().map(|&[u, v]| [u, -v]).collect(),
             matrix: [[uu, -uv], [-vu, vv]],
             offset: [u, -v],
             weight: path.weight,
+            deviation: [across, -along_v],
         }
     };
     paths.iter().map(mirrored).collect()

@@ -139,6 +139,10 @@ pub struct Path {
     /// Share of the launched power that this path returns (1 for lossless reflections); of a sheet of many cubes, times
     /// how often its kind of cube occurs relative to the most frequent kind.
     pub weight: f64,
+    /// Where this light goes outside the sheet, as tangents of its angles from straight back: across the reversed direction of
+    /// launch within the plane of incidence, towards u, and along v. At the distance R from the sheet it is off by R times
+    /// this, whatever the cell's size. Exactly 0 of exact right angles.
+    pub deviation: [f64; 2],
 }
 
 impl Path {
@@ -160,6 +164,15 @@ pub struct Exact {
     pub entrance_area: f64,
     /// Retroreflecting paths of each direction: index = incidence * azimuths + azimuth.
     pub paths: Vec<Vec<Path>>,
+}
+
+impl Exact {
+    /// The largest angle between light that returns and straight back, rad; 0 of exact right angles.
+    pub fn largest_deviation_rad(&self) -> f64 {
+        let all = self.paths.iter().flatten();
+        all.map(|path| path.deviation[0].hypot(path.deviation[1]).atan())
+            .fold(0.0, f64::max)
+    }
 }
 
 /// Where a table comes from: all that is needed to bake it again.

@@ -227,6 +227,7 @@ mod tests {
             matrix,
             offset,
             weight,
+            deviation: [0.0; 2],
         };
         vec![
             path(&triangle, [[-2.0, 0.0], [0.0, -2.0]], [0.4, -0.3], 1.0),

@@ -50,8 +50,9 @@ def content_hash(file):
         group = file["exact"]
         floats("entrance_area", group.attrs["entrance_area"])
         integers("path_direction", group["path_direction"][()])
-        for name in ["path_matrix", "path_offset", "path_weight"]:
-            floats(name, group[name][()])
+        for name in ["path_matrix", "path_offset", "path_weight", "path_deviation"]:
+            if name in group:
+                floats(name, group[name][()])
         integers("polygon_start", group["polygon_start"][()])
         floats("polygon_vertex", group["polygon_vertex"][()])
     texts = {"generator", "design", "mesh_hash", "edge_length_unit", "back", "losses", "method", "sampler"}

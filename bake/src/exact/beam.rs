@@ -10,6 +10,7 @@ use tables::table::Fate;
 use super::candidate::Candidate;
 use super::view::{Affine, Isometry, Shadow, View};
 use crate::light::Light;
+use crate::optics;
 use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
 use crate::polygon::{self, HalfPlane, Polygon};
 
@@ -18,6 +19,10 @@ const FIRST_LOOK: f64 = 4.0;
 /// Light still under way after this distance runs along a valley of the lattice, within 0.005 deg of the sheet: it
 /// counts as `bounce_limit`.
 const LAST_LOOK: f64 = 16384.0;
+
+/// Light that leaves within this angle of straight back has no deviation but rounding, rad: some 1e-15 over the cosine of the
+/// incidence, and far below any dihedral error that a mesh can mean.
+const STRAIGHT: f64 = 1e-12;
 
 /// Retroreflected light of one facet sequence.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +33,8 @@ pub(super) struct Piece {
     pub offset: DVec2,
     /// Part of its power that comes back.
     pub weight: f64,
+    /// As in [`tables::table::Path`].
+    pub deviation: DVec2,
 }
 
 /// What became of the light of one direction.
@@ -440,6 +447,10 @@ impl Tracer<'_> {
         let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * height;
         let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
         let offset = carry(start);
+        let index = self.rules.refractive_index;
+        let deviation = optics::deviation(self.view.direction, toward, index);
+        let straight = deviation.length() < STRAIGHT;
+        let deviation = if straight { DVec2::ZERO } else { deviation };
         self.outcome
             .pieces
             .extend(parts.into_iter().map(|polygon| Piece {
@@ -447,6 +458,7 @@ impl Tracer<'_> {
                 matrix,
                 offset,
                 weight,
+                deviation,
             }));
     }
 

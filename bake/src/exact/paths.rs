@@ -17,6 +17,9 @@ const SAME_MAP: f64 = 1e-13;
 /// Weights closer than this are the same one: rounding of a few reflections, as above.
 const SAME_WEIGHT: f64 = 1e-13;
 
+/// Directions closer than this are the same one, rad: rounding, as above.
+const SAME_DIRECTION: f64 = 1e-12;
+
 /// The table's paths.
 pub(super) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
     if let Some(lattice) = view.lattice {
@@ -64,6 +67,7 @@ fn same_map(a: &Piece, b: &Piece) -> bool {
     let slack = SAME_MAP * (1.0 + a.offset.length());
     let linear = a.matrix - b.matrix;
     (a.weight - b.weight).abs() <= SAME_WEIGHT
+        && (a.deviation - b.deviation).length() <= SAME_DIRECTION
         && (a.offset - b.offset).length() <= slack
         && linear.x_axis.length() + linear.y_axis.length()
             <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
@@ -104,6 +108,7 @@ fn path(piece: Piece) -> Path {
         matrix: [[u[0], v[0]], [u[1], v[1]]],
         offset: piece.offset.to_array(),
         weight: piece.weight,
+        deviation: piece.deviation.to_array(),
     }
 }
 

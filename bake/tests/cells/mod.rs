@@ -25,6 +25,7 @@ fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
         facets,
         entrance,
         refractive_index: None,
+        abbe_number: None,
         closed: false,
         edge_length: 1.0,
         azimuth_zero: DVec3::X,

@@ -52,6 +52,7 @@ pub fn cell(
             lattice,
         },
         refractive_index: None,
+        abbe_number: None,
         closed: false,
         edge_length: 1.0,
         azimuth_zero: DVec3::X,

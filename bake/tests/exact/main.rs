@@ -8,3 +8,4 @@ mod designs;
 mod invariants;
 mod losses;
 mod sheets;
+mod spots;

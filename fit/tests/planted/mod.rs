@@ -50,6 +50,7 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
                 matrix: [[-2.0, 0.0], [0.0, -2.0]],
                 offset: q.map(|q| 2.0 * q),
                 weight: 1.0,
+                deviation: [0.0; 2],
             }
         };
         paths.push(

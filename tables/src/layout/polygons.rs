@@ -30,12 +30,21 @@ pub(super) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
     let (matrix, _) = place.flat::<f64>(exact::PATH_MATRIX, &[Some(count), Some(2), Some(2)])?;
     let (offset, _) = place.flat::<f64>(exact::PATH_OFFSET, &[Some(count), Some(2)])?;
     let (weight, _) = place.flat::<f64>(exact::PATH_WEIGHT, &[Some(count)])?;
+    let deviation = match place.has(exact::PATH_DEVIATION) {
+        true => {
+            place
+                .flat::<f64>(exact::PATH_DEVIATION, &[Some(count), Some(2)])?
+                .0
+        }
+        false => Vec::new(),
+    };
     let (vertex, _) = place.flat::<f64>(exact::POLYGON_VERTEX, &[None, Some(2)])?;
     let flat = Flat {
         direction,
         matrix,
         offset,
         weight,
+        deviation,
         start,
         vertex,
     };

@@ -152,6 +152,9 @@ fn polygons(found: &Exact, file: &File) -> Result<()> {
     shaped(&group, exact::PATH_MATRIX, &flat.matrix, &[paths, 2, 2])?;
     shaped(&group, exact::PATH_OFFSET, &flat.offset, &[paths, 2])?;
     shaped(&group, exact::PATH_WEIGHT, &flat.weight, &[paths])?;
+    if !flat.deviation.is_empty() {
+        shaped(&group, exact::PATH_DEVIATION, &flat.deviation, &[paths, 2])?;
+    }
     shaped(&group, exact::POLYGON_START, &flat.start, &[paths + 1])?;
     shaped(&group, exact::POLYGON_VERTEX, &flat.vertex, &[vertices, 2])
 }

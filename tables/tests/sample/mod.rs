@@ -147,6 +147,7 @@ pub fn exact() -> Table {
                 matrix: [[-2.0, 0.1 * numbers.unit()], [0.0, -2.0]],
                 offset: [numbers.unit(), -numbers.unit()],
                 weight: 1.0,
+                deviation: [1e-3 * numbers.unit(), -1e-3 * numbers.unit()],
             });
             eta[at] += (0.5 + 0.25 - 0.125 - 0.125 + 0.125) * size * size;
         }
