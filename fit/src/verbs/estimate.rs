@@ -31,7 +31,7 @@ use crate::view::Weights;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 What is minimised: edge, by default, comes within a few percent of the Cramer-Rao bound; mtf, the published loss, has \
-standard errors 1.7 times (c) and 2.3 times (a) the bound (`fit study`, fit/BENCHMARKS.md), its differences weighed by \
+standard errors 1.7 times (c) and 2.4 times (a) the bound (`fit study`, fit/BENCHMARKS.md), its differences weighed by \
 their noise; mse weighs all frequencies alike, as published (terms and bounds are then those of mtf), with errors of up to twice those of mtf.
 What is left open (auto) is decided by Bayes' criterion on the residuals in units of their noise; a further term must \
 lower it by more than 4. Standard errors carry pixel noise, the lens fit, the reference's step and the table's rays.
