@@ -118,6 +118,11 @@ impl ExactCell {
         Ok(prepared)
     }
 
+    /// Area of the entrance, square edge lengths; of a sheet of many cells as [`Exact::entrance_area`] says.
+    pub fn entrance_area(&self) -> f64 {
+        self.entrance_area
+    }
+
     /// Number of planar facets after joining coplanar triangles, in one body of each kind.
     pub fn facet_count(&self) -> usize {
         self.bodies.iter().map(|body| body.facets.len()).sum()
@@ -171,6 +176,19 @@ impl ExactCell {
             dropped,
         }
     }
+}
+
+/// Probability per launched ray that `paths` give each bin, `[v][u]` row-major, and that beyond the histogram.
+pub fn spread(paths: &[Path], entrance_area: f64, bins: usize, range: f64) -> (Vec<f64>, f64) {
+    let mut filled = bins::Bins::new(bins, range);
+    for path in paths {
+        let polygon: Vec<DVec2> = path.polygon.iter().map(|&p| p.into()).collect();
+        let [[uu, uv], [vu, vv]] = path.matrix;
+        let matrix = DMat2::from_cols(DVec2::new(uu, vu), DVec2::new(uv, vv));
+        let density = path.weight / entrance_area;
+        filled.add(&polygon, matrix, path.offset.into(), density);
+    }
+    (filled.mass, filled.out_of_range)
 }
 
 /// The arrays of an exact table, as [`tables::table::Table`] names them.

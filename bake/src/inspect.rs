@@ -75,6 +75,12 @@ pub fn text(table: &Table) -> String {
             format!("{rotations} rotations{mirror}: every azimuth is looked up among those below"),
         );
     }
+    if let Some(tolerance) = from.direction_tolerance {
+        line(
+            "between directions",
+            format!("the polygons are within {tolerance} (total variation of eta x histogram)"),
+        );
+    }
     line(
         "frame",
         "u along the in-plane direction of travel, v = n x u; the shift is p' - p".into(),
@@ -106,6 +112,7 @@ pub fn json(table: &Table) -> String {
         "sampler": from.sampler,
         "seed": from.seed,
         "symmetry": { "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg },
+        "direction_tolerance": from.direction_tolerance,
         "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,

@@ -9,6 +9,7 @@ pub mod bodies;
 pub mod bundle;
 pub mod bvh;
 pub mod cli;
+pub mod directions;
 pub mod exact;
 pub mod inspect;
 pub mod kernel;

@@ -1,6 +1,6 @@
 //! From raw arguments to a checked plan. Every default of `bake trace` is stated here, once.
 
-mod angles;
+mod directions;
 mod error;
 mod losses;
 
@@ -9,7 +9,7 @@ use crate::light::Surface;
 use crate::path::Rules;
 use crate::sequence::Sampler;
 use crate::symmetry;
-use angles::{angles, full_step, sector};
+use directions::{angles, direction_tolerance, full_step, sector};
 use num_complex::Complex64;
 use std::num::NonZeroUsize;
 use tables::shards::MOST_SHARDS;
@@ -138,6 +138,8 @@ pub struct Request {
     pub threads: Option<usize>,
     /// `--shard`, where given
     pub shard: Option<String>,
+    /// `--direction-tolerance`, where given
+    pub direction_tolerance: Option<f64>,
 }
 
 impl Default for Request {
@@ -161,6 +163,7 @@ impl Default for Request {
             seed: default::SEED,
             threads: None,
             shard: None,
+            direction_tolerance: None,
         }
     }
 }
@@ -174,6 +177,8 @@ pub struct Plan {
     pub full_step_deg: Option<f64>,
     /// What the azimuths stand for besides themselves.
     pub symmetry: Symmetry,
+    /// Between the directions that are chosen for it, total variation; see [`crate::directions::choose`].
+    pub direction_tolerance: Option<f64>,
     /// Refractive index asked for; the cell's own where `None`.
     pub refractive_index: Option<f64>,
     /// What facets are backed with.
@@ -337,6 +342,7 @@ impl Plan {
             },
             full_step_deg,
             symmetry: Symmetry::NONE,
+            direction_tolerance: direction_tolerance(request)?,
             refractive_index: request.refractive_index,
             back: request.back,
             losses,
@@ -512,6 +518,21 @@ mod tests {
             ),
             (
                 Request {
+                    direction_tolerance: Some(0.0),
+                    ..base()
+                },
+                "--direction-tolerance 0: give a number above 0",
+            ),
+            (
+                Request {
+                    direction_tolerance: Some(0.01),
+                    azimuth: "mean".into(),
+                    ..base()
+                },
+                "--direction-tolerance and --azimuth mean exclude",
+            ),
+            (
+                Request {
                     azimuth: "full:0".into(),
                     ..base()
                 },
@@ -665,6 +686,6 @@ mod tests {
             );
             refused += 1;
         }
-        assert_eq!(refused, 29);
+        assert_eq!(refused, 31);
     }
 }

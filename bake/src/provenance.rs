@@ -48,6 +48,7 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
             _ => None,
         },
         symmetry: plan.symmetry,
+        direction_tolerance: plan.direction_tolerance,
     }
 }
 

@@ -32,6 +32,7 @@ pub fn retrace(
         axes: part.axes.clone(),
         full_step_deg: None,
         symmetry: table.provenance.symmetry,
+        direction_tolerance: None,
         refractive_index: Some(table.provenance.refractive_index),
         back,
         losses,

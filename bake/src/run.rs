@@ -48,6 +48,27 @@ pub enum RunError {
          rays"
     )]
     ShardOfExact,
+    /// Directions are chosen by what the exact method finds.
+    #[error(
+        "--direction-tolerance: {0}, and only exact tables are interpolated to a tolerance; give --incidence and --azimuth \
+         as lists instead"
+    )]
+    DirectionsOfRays(#[source] ExactError),
+    /// The distribution jumps.
+    #[error(
+        "--direction-tolerance: with {directions} directions the table is still {reached:.2e} off at incidence {incidence_deg} deg, \
+         azimuth {azimuth_deg} deg, as where total reflection ends; leave such angles out, or give a tolerance above that"
+    )]
+    DirectionTolerance {
+        /// Incidence of the worst direction, degrees.
+        incidence_deg: f64,
+        /// Its azimuth, degrees.
+        azimuth_deg: f64,
+        /// The total variation there.
+        reached: f64,
+        /// Directions at most.
+        directions: usize,
+    },
     /// The tolerance is out of reach.
     #[error(
         "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
@@ -112,7 +133,7 @@ fn exact_cell(cell: &Cell, plan: &Plan) -> Result<Option<ExactCell>, RunError> {
 }
 
 /// The exact bake. Whatever is asked of rays (number, tolerance, sampler, seed) has no part in the table.
-fn beams(
+pub(crate) fn beams(
     cell: &Cell,
     prepared: &ExactCell,
     plan: &Plan,
@@ -150,7 +171,7 @@ fn beams(
     })
 }
 
-fn pool(plan: &Plan) -> Result<rayon::ThreadPool, RunError> {
+pub(crate) fn pool(plan: &Plan) -> Result<rayon::ThreadPool, RunError> {
     let threads = plan.threads.map_or(0, |threads| threads.get());
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

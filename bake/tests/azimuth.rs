@@ -2,9 +2,12 @@
 
 mod cells;
 
-use bake::plan::{Plan, Request};
+use bake::exact::{ExactCell, spread};
+use bake::plan::{Back, Plan, Request};
 use bake::run::bake;
+use bake::{directions, symmetry};
 use meshes::Cell;
+use meshes::design::{Design, Shape};
 use tables::Table;
 
 fn table(cell: &Cell, incidence: &str, azimuth: &str) -> Table {
@@ -102,4 +105,167 @@ fn what_has_no_symmetry_is_baked_all_around() {
         rays.direction(10.0, Some(75.0)).unwrap().eta,
         rays.retroreflected[[0, 1]]
     );
+}
+
+fn design(name: &str, change: impl FnOnce(&mut Design)) -> Cell {
+    let mut design = Design::new(Shape::from_name(name).unwrap());
+    change(&mut design);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cell.obj");
+    std::fs::write(&file, meshes::write::obj(&design.mesh().unwrap())).unwrap();
+    meshes::load_cell(&file, &meshes::CellOptions::default()).unwrap()
+}
+
+/// A direction anywhere in a turn, by the golden ratio and its square.
+fn anywhere(k: u32, steepest_deg: f64) -> (f64, f64) {
+    let part = |step: f64| (f64::from(k) * step + 0.37).fract();
+    (
+        steepest_deg * part(0.754_877_666_246_693),
+        360.0 * part(0.569_840_290_998_053),
+    )
+}
+
+/// Tables whose directions were chosen for a tolerance, at 500 directions each that the choice did not try, against the
+/// exact method.
+#[test]
+fn between_chosen_directions_polygons_keep_the_tolerance() {
+    let tolerance = 0.005;
+    let uneven = |design: &mut Design| design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
+    // Cell, index, steepest incidence, most directions: a fall back to mixing would take hundreds.
+    let cases = [
+        (design("triangular-pair", |_| ()), 1.49, 45.0, 9),
+        (design("triangular-pair", |_| ()), 1.0, 60.0, 12),
+        (design("triangular", |_| ()), 1.49, 45.0, 15),
+        (
+            design("canted", |design| design.cant_rad = 0.2),
+            1.49,
+            45.0,
+            30,
+        ),
+        (design("full-cube", |_| ()), 1.49, 45.0, 40),
+        (design("triangular-pair", uneven), 1.49, 45.0, 40),
+    ];
+    let mut tried = 0;
+    for (cell, index, steepest, most) in cases {
+        let request = Request {
+            incidence: format!("0,{steepest}"),
+            azimuth: "full".into(),
+            refractive_index: Some(index),
+            direction_tolerance: Some(tolerance),
+            ..Request::default()
+        };
+        let plan = Plan::new(&request).unwrap().fold(&cell);
+        let plan = directions::choose(&cell, plan).unwrap();
+        let table = bake(&cell, &plan, &|_| ()).unwrap();
+        let (prepared, rules) = (ExactCell::new(&cell).unwrap(), plan.rules(&cell));
+        let (mut by_polygons, mut by_mixing, mut by_eta) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for k in 0..500 {
+            let (incidence, azimuth) = anywhere(k, steepest);
+            let truth = prepared.direction(incidence, azimuth, 128, 2.0, &rules);
+            let found = table.direction(incidence, Some(azimuth)).unwrap();
+            let total = |mass: &[f64]| -> f64 {
+                let bins = mass
+                    .iter()
+                    .zip(&truth.histogram)
+                    .map(|(a, b)| (a - b).abs());
+                0.5 * bins.sum::<f64>()
+            };
+            let paths = found.paths.as_ref().expect("interpolated polygons");
+            let (mass, _) = spread(paths, prepared.entrance_area(), 128, 2.0);
+            by_polygons = by_polygons.max(total(&mass));
+            by_mixing = by_mixing.max(total(found.probability.as_slice().unwrap()));
+            by_eta = by_eta.max((found.eta - truth.eta).abs());
+            tried += 1;
+        }
+        let (incidences, azimuths) = table.axes.shape();
+        println!(
+            "{} m {index}: {incidences} x {azimuths} directions, polygons within {by_polygons:.5}, eta within {by_eta:.5}; mixed bins \
+             of the same table within {by_mixing:.3}",
+            cell.design
+        );
+        assert!(by_polygons <= tolerance, "{}: {by_polygons}", cell.design);
+        // |difference of eta| is at most twice the total variation.
+        assert!(by_eta <= 2.0 * tolerance, "{}: {by_eta}", cell.design);
+        assert!(
+            incidences * azimuths <= most,
+            "{}: {incidences} x {azimuths}",
+            cell.design
+        );
+    }
+    println!("{tried} directions");
+    assert_eq!(tried, 6 * 500);
+}
+
+/// Where total reflection ends the distribution jumps, and no grid reaches a tolerance: the error says where.
+#[test]
+fn a_jump_is_said() {
+    let cell = cells::pair();
+    let request = Request {
+        incidence: "0,45".into(),
+        azimuth: "full".into(),
+        refractive_index: Some(1.49),
+        back: Back::Tir,
+        direction_tolerance: Some(0.005),
+        bins: 16,
+        ..Request::default()
+    };
+    let plan = Plan::new(&request).unwrap().fold(&cell);
+    let error = directions::choose(&cell, plan).unwrap_err().to_string();
+    assert!(
+        error.contains("still") && error.contains("at incidence"),
+        "{error}"
+    );
+    // Below the limit of 18.9 deg there is none.
+    let request = Request {
+        incidence: "0,18".into(),
+        ..request
+    };
+    let plan = Plan::new(&request).unwrap().fold(&cell);
+    assert_eq!(plan.symmetry, symmetry::of(&cell));
+    let plan = directions::choose(&cell, plan).unwrap();
+    assert!(plan.axes.shape().0 <= 3, "{:?}", plan.axes);
+}
+
+/// What mixed bins would take for the same tolerance; run by hand, for the figures in BENCHMARKS.md.
+#[test]
+#[ignore = "figures for BENCHMARKS.md, a minute"]
+fn directions_that_mixing_takes() {
+    let cell = design("triangular-pair", |_| ());
+    let prepared = ExactCell::new(&cell).unwrap();
+    for (step, azimuth) in [
+        ("5", "full:5"),
+        ("1", "full:5"),
+        ("0.5", "full:3"),
+        ("0.25", "full:2"),
+        ("0.2", "full:1"),
+    ] {
+        let request = Request {
+            incidence: format!("0:45:{step}"),
+            azimuth: azimuth.into(),
+            refractive_index: Some(1.49),
+            ..Request::default()
+        };
+        let plan = Plan::new(&request).unwrap().fold(&cell);
+        let table = bake(&cell, &plan, &|_| ()).unwrap();
+        let rules = plan.rules(&cell);
+        let apart = (0..500).map(|k| {
+            let (incidence, azimuth) = anywhere(k, 45.0);
+            let truth = prepared.direction(incidence, azimuth, 128, 2.0, &rules);
+            let found = table
+                .direction(incidence, Some(azimuth))
+                .unwrap()
+                .probability;
+            let bins = found.iter().zip(&truth.histogram);
+            0.5 * bins.map(|(a, b)| (a - b).abs()).sum::<f64>()
+        });
+        let worst = apart.fold(0.0, f64::max);
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("t.h5");
+        tables::write(&table, &file).unwrap();
+        let bytes = std::fs::metadata(&file).unwrap().len();
+        println!(
+            "{step} {azimuth}: {:?} directions, {bytes} bytes, mixed within {worst:.4}",
+            table.axes.shape()
+        );
+    }
 }

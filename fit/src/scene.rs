@@ -323,7 +323,7 @@ fn aerial(
         capture.tangential_axis_rad(),
         camera,
     )?;
-    if direction.interpolated {
+    if direction.interpolated && table.provenance.direction_tolerance.is_none() {
         warnings.push(format!(
             "incidence {} deg is interpolated between directions of the table; bake it for full accuracy",
             capture.incidence_deg

@@ -362,7 +362,10 @@ fn pieces_add_coherently_and_lines_add_up() {
 fn what_the_waves_need_is_named() {
     let table = ideal(&[0.0, 20.0]);
     let held = direction(&table, 20.0);
-    let between = direction(&table, 10.0);
+    let bins = Direction {
+        paths: None,
+        ..held.clone()
+    };
     let tilted = Direction {
         paths: held.paths.clone().map(|mut paths| {
             paths[0].matrix[0][1] = 1e-6;
@@ -371,11 +374,21 @@ fn what_the_waves_need_is_named() {
         ..held.clone()
     };
     let green = spectrum("550");
+    // Between its directions a table of polygons has waves too: those of the direction itself.
+    let (between, own) = (direction(&table, 10.0), direction(&ideal(&[10.0]), 10.0));
+    for normal in [[1.0, 0.0], [0.6, 0.8]] {
+        let [a, b] = [&between, &own]
+            .map(|direction| WaveLine::new(direction, 0.1, normal, Some(&green)).unwrap());
+        for frequency in [0.5, 2.0, 6.0] {
+            let [a, b] = [&a, &b].map(|line| line.otf(0.2, 150.0, frequency).0);
+            assert!((a - b).abs() < 1e-7, "{frequency}: {a} {b}");
+        }
+    }
     let fault = |direction: &Direction, spectrum: Option<&Spectrum>| {
         WaveLine::new(direction, 0.1, [1.0, 0.0], spectrum).expect_err("it is refused")
     };
     assert_eq!(fault(&held, None), Fault::NoWavelength);
-    let no_polygons = fault(&between, Some(&green));
+    let no_polygons = fault(&bins, Some(&green));
     assert!(
         no_polygons
             .to_string()
@@ -384,7 +397,7 @@ fn what_the_waves_need_is_named() {
     assert_eq!(
         no_polygons,
         Fault::NoPolygons {
-            incidence_deg: 10.0
+            incidence_deg: 20.0
         }
     );
     assert_eq!(

@@ -207,6 +207,12 @@ fn values(table: &Table) -> Result<(), Invalid> {
     within("metal_index", metal, "finite numbers from 0", |x| {
         x.is_finite() && x >= 0.0
     })?;
+    within(
+        "direction_tolerance",
+        &p.direction_tolerance,
+        "0 to 1",
+        error,
+    )?;
     let lattice: &[f64] = p.lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
     within("lattice", lattice, "finite numbers", f64::is_finite)
 }

@@ -135,6 +135,7 @@ impl Items<'_> {
             metal_index,
             shards,
             symmetry,
+            direction_tolerance,
         } = provenance;
         self.text("generator", generator);
         self.text("design", design);
@@ -173,6 +174,9 @@ impl Items<'_> {
             );
             let mirror = symmetry.mirror_deg;
             self.floats("symmetry_mirror_deg", mirror.iter().copied());
+        }
+        if let Some(tolerance) = direction_tolerance {
+            self.floats("direction_tolerance", [*tolerance].into_iter());
         }
     }
 }

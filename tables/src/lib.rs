@@ -25,6 +25,7 @@
 #![deny(unsafe_code)]
 
 pub mod apart;
+mod between;
 pub mod check;
 pub mod content;
 pub mod counts;

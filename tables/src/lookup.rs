@@ -1,15 +1,17 @@
 //! One direction of a table: exactly, or interpolated between those around it.
 //!
-//! What is interpolated is eta x histogram, bilinear in the two angles (model: across a cutoff the conditional
-//! histogram jumps, eta x histogram does not). The result is a mixture of the neighbouring distributions, each
-//! in its own incidence frame; its error is that of the table's spacing, which the standard error does not
-//! include.
+//! The paths of an exact table are interpolated as polygons ([`crate::between`]), and eta is theirs. Bins are a mixture:
+//! eta x histogram, bilinear in the two angles (model: across a cutoff the conditional histogram jumps, eta x histogram
+//! does not), each of the neighbouring distributions in its own incidence frame. The error of either is that of the
+//! table's spacing, which the standard error does not include.
 
 use ndarray::Array2;
 
+use crate::between::{self, Node};
 use crate::error::Error;
+use crate::polygon::area;
 use crate::symmetry;
-use crate::table::{Path, Table};
+use crate::table::{Exact, Path, Table};
 
 /// Angles closer than this are the same direction, degrees.
 pub const SAME_DEG: f64 = 1e-9;
@@ -23,7 +25,8 @@ pub struct Direction {
     pub azimuth_deg: f64,
     /// Retroreflected fraction, `out_of_range` included; 0 is a legal answer.
     pub eta: f64,
-    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`.
+    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`; of an interpolated direction the mixture of
+    /// its neighbours, even where `paths` say more.
     pub probability: Array2<f64>,
     /// The histogram covers u, v in [-range, range], edge lengths.
     pub range: f64,
@@ -31,7 +34,7 @@ pub struct Direction {
     pub standard_error: f64,
     /// Whether the table holds the direction only by interpolation.
     pub interpolated: bool,
-    /// The paths behind the distribution, where the table is exact and holds the direction itself.
+    /// The paths behind the distribution, where the table is exact: its own, or interpolated.
     pub paths: Option<Vec<Path>>,
 }
 
@@ -141,6 +144,7 @@ impl Table {
     /// #     sampler: "random".into(), seed: 1,
     /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, wavelength_nm: None,
     /// #     metal_index: None, shards: None, symmetry: tables::Symmetry::NONE,
+    /// #     direction_tolerance: None,
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg
@@ -171,19 +175,29 @@ impl Table {
             }
             .into());
         }
+        let images = self.images();
         let across = if self.axes.is_mean() {
-            Some((Image::MEAN, Image::MEAN, 0.0))
+            Some((0, 0, 0.0))
         } else {
-            around(&self.images(), self.widest_gap_deg(), asked)
+            around(&images, self.widest_gap_deg(), asked)
         };
         match (between(&self.axes.incidence_deg, incidence_deg), across) {
-            (Some(along), Some(across)) => Ok(self.mixture(along, across, incidence_deg, asked)),
+            (Some(along), Some(across)) => Ok(Cell {
+                table: self,
+                images,
+                along,
+                across,
+            }
+            .direction(incidence_deg, asked)),
             _ => Err(self.outside(incidence_deg, asked).into()),
         }
     }
 
     /// The azimuths in [0, 360) that the table knows, ascending: its own ones and their images.
     fn images(&self) -> Vec<Image> {
+        if self.axes.is_mean() {
+            return vec![Image::MEAN];
+        }
         let symmetry = self.provenance.symmetry;
         let places = self.axes.azimuth_deg.iter().enumerate();
         let mut images: Vec<Image> = places
@@ -211,47 +225,6 @@ impl Table {
     fn widest_gap_deg(&self) -> f64 {
         let gaps = self.axes.azimuth_deg.windows(2);
         gaps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
-    }
-
-    fn mixture(
-        &self,
-        along: (usize, usize, f64),
-        across: (Image, Image, f64),
-        incidence_deg: f64,
-        azimuth_deg: f64,
-    ) -> Direction {
-        let mut eta = 0.0;
-        let mut variance = 0.0;
-        let mut probability = Array2::zeros((self.axes.bins, self.axes.bins));
-        for (i, p) in [(along.0, 1.0 - along.2), (along.1, along.2)] {
-            for (image, q) in [(across.0, 1.0 - across.2), (across.1, across.2)] {
-                let (j, share) = (image.place, p * q);
-                if share > 0.0 {
-                    eta += share * self.retroreflected[[i, j]];
-                    variance += (share * self.standard_error[[i, j]]).powi(2);
-                    probability.scaled_add(share, &image.seen(self.probability(i, j)));
-                }
-            }
-        }
-        let interpolated = along.2 > 0.0 || across.2 > 0.0;
-        let paths = self
-            .exact
-            .as_ref()
-            .filter(|_| !interpolated && !self.axes.is_mean())
-            .and_then(|exact| {
-                let held = along.0 * self.axes.azimuth_deg.len() + across.0.place;
-                exact.paths.get(held)
-            });
-        Direction {
-            incidence_deg,
-            azimuth_deg,
-            eta,
-            probability,
-            range: self.axes.range,
-            standard_error: variance.sqrt(),
-            interpolated,
-            paths: paths.map(|paths| across.0.seen_paths(paths)),
-        }
     }
 
     fn outside(&self, incidence_deg: f64, azimuth_deg: f64) -> NoDirection {
@@ -282,8 +255,125 @@ impl Table {
     }
 }
 
+/// Two places of an axis and the share of the second; twice the same place where the axis holds the value.
+type Bracket = (usize, usize, f64);
+
+/// The share of a place, 0 beyond the bracket.
+fn share((first, second, share): Bracket, place: usize) -> f64 {
+    let (a, b) = (place == first, place == second);
+    f64::from(u8::from(a)) * (1.0 - share) + f64::from(u8::from(b)) * share
+}
+
+/// The directions of a table around one that is asked for.
+struct Cell<'a> {
+    table: &'a Table,
+    images: Vec<Image>,
+    along: Bracket,
+    /// Among `images`.
+    across: Bracket,
+}
+
+impl Cell<'_> {
+    fn direction(&self, incidence_deg: f64, azimuth_deg: f64) -> Direction {
+        let table = self.table;
+        let mut eta = 0.0;
+        let mut variance = 0.0;
+        let mut probability = Array2::zeros((table.axes.bins, table.axes.bins));
+        let ends = |(first, second, t): Bracket| [(first, 1.0 - t), (second, t)];
+        for (i, p) in ends(self.along) {
+            for (k, q) in ends(self.across) {
+                let (image, share) = (&self.images[k], p * q);
+                if share > 0.0 {
+                    let j = image.place;
+                    eta += share * table.retroreflected[[i, j]];
+                    variance += (share * table.standard_error[[i, j]]).powi(2);
+                    probability.scaled_add(share, &image.seen(table.probability(i, j)));
+                }
+            }
+        }
+        let interpolated = self.along.2 > 0.0 || self.across.2 > 0.0;
+        let exact = table.exact.as_ref().filter(|_| !table.axes.is_mean());
+        let paths = exact.and_then(|exact| {
+            if interpolated {
+                let paths = self.paths_between(exact, incidence_deg, azimuth_deg)?;
+                let returned = paths.iter().map(|path| path.weight * area(&path.polygon));
+                eta = (returned.sum::<f64>() / exact.entrance_area).min(1.0);
+                Some(paths)
+            } else {
+                self.paths(exact, self.along.0, self.across.0)
+            }
+        });
+        Direction {
+            incidence_deg,
+            azimuth_deg,
+            eta,
+            probability,
+            range: table.axes.range,
+            standard_error: variance.sqrt(),
+            interpolated,
+            paths,
+        }
+    }
+
+    fn paths(&self, exact: &Exact, i: usize, k: usize) -> Option<Vec<Path>> {
+        let image = &self.images[k];
+        let held = i * self.table.axes.azimuth_deg.len() + image.place;
+        exact.paths.get(held).map(|paths| image.seen_paths(paths))
+    }
+
+    /// By the corners of the cell and the directions next to them.
+    fn paths_between(
+        &self,
+        exact: &Exact,
+        incidence_deg: f64,
+        azimuth_deg: f64,
+    ) -> Option<Vec<Path>> {
+        let index = self.table.provenance.refractive_index;
+        let tau = |incidence_deg: f64, azimuth_rad: f64| {
+            let sine = incidence_deg.to_radians().sin() / index;
+            let tangent = sine / (1.0 - sine * sine).sqrt();
+            [azimuth_rad.cos(), azimuth_rad.sin()].map(|x| tangent * x)
+        };
+        let incidences = &self.table.axes.incidence_deg;
+        let last = (self.along.1 + 1).min(incidences.len() - 1);
+        let around = self.along.0.saturating_sub(1)..=last;
+        let azimuths = self.azimuths_around();
+        let mut nodes = Vec::new();
+        for (i, &incidence_deg) in around.clone().zip(&incidences[around]) {
+            for &k in &azimuths {
+                let azimuth_rad = self.images[k].azimuth_deg.to_radians();
+                nodes.push(Node {
+                    tau: tau(incidence_deg, azimuth_rad),
+                    azimuth_rad,
+                    paths: self.paths(exact, i, k)?,
+                    share: share(self.along, i) * share(self.across, k),
+                });
+            }
+        }
+        let azimuth_rad = azimuth_deg.to_radians();
+        between::paths(&nodes, tau(incidence_deg, azimuth_rad), azimuth_rad)
+    }
+
+    /// The images at the cell's corners, and their next ones where no wide gap lies between.
+    fn azimuths_around(&self) -> Vec<usize> {
+        let count = self.images.len();
+        let widest = self.table.widest_gap_deg() + SAME_DEG;
+        let gap = |from: usize, to: usize| {
+            (self.images[to].azimuth_deg - self.images[from].azimuth_deg).rem_euclid(360.0)
+        };
+        let (first, second) = (self.across.0, self.across.1);
+        let (before, after) = ((first + count - 1) % count, (second + 1) % count);
+        let mut around = vec![first, second];
+        around.extend((gap(before, first) <= widest).then_some(before));
+        around.extend((gap(second, after) <= widest).then_some(after));
+        around.sort_unstable();
+        around.dedup();
+        around
+    }
+}
+
 /// The places of an ascending axis around `x` and the share of the second, if `x` is in it or between two of its values.
-fn between(axis: &[f64], x: f64) -> Option<(usize, usize, f64)> {
+fn between(axis: &[f64], x: f64) -> Option<Bracket> {
     if let Some(held) = axis.iter().position(|&held| (held - x).abs() <= SAME_DEG) {
         return Some((held, held, 0.0));
     }
@@ -296,18 +386,19 @@ fn between(axis: &[f64], x: f64) -> Option<(usize, usize, f64)> {
     ))
 }
 
-/// The images around an azimuth and the share of the second, where they are no further apart than `widest_deg`.
-fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<(Image, Image, f64)> {
-    let held = |image: &&Image| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
-    if let Some(&held) = images.iter().find(held) {
+/// The places of the images around an azimuth and the share of the second, where they are no further apart than
+/// `widest_deg`.
+fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<Bracket> {
+    let held = |image: &Image| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
+    if let Some(held) = images.iter().position(held) {
         return Some((held, held, 0.0));
     }
     let x = x.rem_euclid(360.0);
     let above = images.partition_point(|image| image.azimuth_deg <= x);
-    let next = images[above % images.len()];
-    let before = images[(above + images.len() - 1) % images.len()];
-    let from = |azimuth: f64| (azimuth - before.azimuth_deg).rem_euclid(360.0);
-    let gap = from(next.azimuth_deg);
+    let next = above % images.len();
+    let before = (above + images.len() - 1) % images.len();
+    let from = |azimuth: f64| (azimuth - images[before].azimuth_deg).rem_euclid(360.0);
+    let gap = from(images[next].azimuth_deg);
     (gap > 0.0 && gap <= widest_deg + SAME_DEG).then(|| (before, next, from(x) / gap))
 }
 

@@ -272,6 +272,10 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
             },
             _ => Symmetry::NONE,
         },
+        direction_tolerance: match items.name.as_str() {
+            "direction_tolerance" => Some(items.float("direction_tolerance")?),
+            _ => None,
+        },
     })
 }
 

@@ -218,6 +218,8 @@ pub struct Provenance {
     pub shards: Option<Shards>,
     /// What the azimuths stand for besides themselves.
     pub symmetry: Symmetry,
+    /// Total variation of eta x histogram that interpolated polygons are within, where the directions were chosen for it.
+    pub direction_tolerance: Option<f64>,
 }
 
 impl Provenance {

@@ -73,6 +73,8 @@ def content_hash(file):
     if "symmetry_rotations" in attrs:
         integers("symmetry_rotations", attrs["symmetry_rotations"])
         floats("symmetry_mirror_deg", attrs.get("symmetry_mirror_deg", []))
+    if "direction_tolerance" in attrs:
+        floats("direction_tolerance", attrs["direction_tolerance"])
     return digest.hexdigest()
 
 

@@ -1,6 +1,7 @@
 //! `bake trace`: its options and what is done with them.
 
 use super::{CellArgs, Failure, print, warn};
+use crate::directions;
 use crate::exact::ExactCell;
 use crate::material;
 use crate::plan::{Back, Losses, Method, Plan, PlanError, Request, default};
@@ -32,6 +33,10 @@ pub(super) struct TraceArgs {
     /// sector is baked), or mean for the average over all
     #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
     azimuth: String,
+    /// Chooses the directions between the ends of --incidence and of --azimuth, so that the polygons of the table give every
+    /// other one within this total variation of eta x histogram
+    #[arg(long, value_name = "TV", allow_negative_numbers = true)]
+    direction_tolerance: Option<f64>,
     /// Refractive index behind a flat front face: a number, pmma, polycarbonate, bk7, or pairs nm:index [default: the file's,
     /// else 1]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
@@ -129,6 +134,7 @@ impl TraceArgs {
             seed: self.seed,
             threads: self.threads,
             shard: self.shard.clone(),
+            direction_tolerance: self.direction_tolerance,
         })
     }
 
@@ -246,7 +252,7 @@ impl Ready {
                 output = Some(reserved);
             }
             bakes.push(Bake {
-                plan: plan.fold(&cell),
+                plan: directions::choose(&cell, plan.fold(&cell))?,
                 file,
                 output,
                 before,

@@ -103,6 +103,7 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
             metal_index: None,
             shards: None,
             symmetry: tables::Symmetry::NONE,
+            direction_tolerance: None,
         },
     }
 }

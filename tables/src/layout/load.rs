@@ -171,6 +171,10 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
             false => None,
         },
     };
+    let direction_tolerance = match has(attribute::DIRECTION_TOLERANCE) {
+        true => Some(root.number(attribute::DIRECTION_TOLERANCE)?),
+        false => None,
+    };
     Ok(Provenance {
         generator: root.text(attribute::GENERATOR)?,
         design: root.text(attribute::DESIGN)?,
@@ -200,5 +204,6 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
             .transpose()?,
         shards,
         symmetry,
+        direction_tolerance,
     })
 }

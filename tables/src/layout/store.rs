@@ -239,8 +239,11 @@ fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
     if provenance.symmetry != Symmetry::NONE {
         put(file, attribute::SYMMETRY_ROTATIONS, &u64::from(rotations))?;
     }
-    match mirror_deg {
-        Some(mirror) => put(file, attribute::SYMMETRY_MIRROR_DEG, &mirror),
+    if let Some(mirror) = mirror_deg {
+        put(file, attribute::SYMMETRY_MIRROR_DEG, &mirror)?;
+    }
+    match provenance.direction_tolerance {
+        Some(tolerance) => put(file, attribute::DIRECTION_TOLERANCE, &tolerance),
         None => Ok(()),
     }
 }

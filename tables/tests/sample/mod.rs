@@ -48,6 +48,7 @@ pub fn provenance() -> Provenance {
         metal_index: None,
         shards: None,
         symmetry: tables::Symmetry::NONE,
+        direction_tolerance: None,
     }
 }
 
@@ -117,6 +118,7 @@ pub fn symmetric() -> Table {
         rotations: 6,
         mirror_deg: Some(0.0),
     };
+    table.provenance.direction_tolerance = Some(0.01);
     table
 }
 

@@ -1,6 +1,6 @@
-//! Angles as a user types them.
+//! Directions as a user types them.
 
-use super::{DIRECTIONS_LIMIT, PlanError, default};
+use super::{DIRECTIONS_LIMIT, Method, PlanError, Request, default, positive};
 use tables::Symmetry;
 
 /// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
@@ -74,4 +74,27 @@ pub(super) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
     };
     let azimuths = (0..=last).map(|k| first + width * f64::from(k) / f64::from(steps));
     azimuths.collect()
+}
+
+/// The tolerance between directions; it is for exact tables of single azimuths.
+pub(super) fn direction_tolerance(request: &Request) -> Result<Option<f64>, PlanError> {
+    let option = "--direction-tolerance";
+    let Some(tolerance) = request.direction_tolerance else {
+        return Ok(None);
+    };
+    positive(
+        option,
+        tolerance,
+        1.0,
+        "above 0 and at most 1, a total variation",
+    )?;
+    let other = match (request.method, request.azimuth.trim()) {
+        (Method::Rays, _) => "--method rays",
+        (_, "mean") => "--azimuth mean",
+        _ => return Ok(Some(tolerance)),
+    };
+    Err(PlanError::Both {
+        first: option,
+        second: other,
+    })
 }
