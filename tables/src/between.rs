@@ -101,6 +101,7 @@ pub(crate) fn paths(nodes: &[Node], tau: [f64; 2], azimuth_rad: f64) -> Option<V
             matrix,
             offset: matrix.map(|row| -(row[0] * x + row[1] * y)),
             weight,
+            deviation: turned([0, 1].map(|k| mean(&|s| s.deviation[k])), -azimuth_rad),
         });
     }
     Some(paths)
@@ -141,6 +142,8 @@ struct Shape {
     fixed: [f64; 2],
     matrix: [[f64; 2]; 2],
     weight: f64,
+    /// Of the light that leaves, turned like the shifts: near the normal, where it is the same vector, to its first order.
+    deviation: [f64; 2],
 }
 
 impl Shape {
@@ -181,6 +184,7 @@ impl Shape {
             corners,
             matrix: turned_map(path.matrix, azimuth_rad),
             weight: path.weight,
+            deviation: turned(path.deviation, azimuth_rad),
         })
     }
 
@@ -437,6 +441,7 @@ mod tests {
             matrix: [[-2.0, 0.0], [0.0, -2.0]],
             offset: q.map(|x| 2.0 * x),
             weight: 1.0,
+            deviation: [0.0; 2],
         })
     }
 
