@@ -23,7 +23,8 @@ pub fn exclude_gross(window: &mut Window) -> usize {
     window.keep(|pixel| (low - 2.0 * span..=high + 2.0 * span).contains(&pixel.value))
 }
 
-/// Takes out pixels that are off the profile by more than an edge with an arc of `arc_px` explains. Returns their number.
+/// Takes out pixels that are off the profile by more than an edge with an arc of `arc_px`, or their place in a bin, explains.
+/// Returns their number.
 ///
 /// The profile is that of the medians, which a few wild pixels do not move; it is only formed where the means raise a doubt.
 pub fn exclude(window: &mut Window, line: &Line, profile: &Profile, arc_px: f64) -> usize {
@@ -32,7 +33,9 @@ pub fn exclude(window: &mut Window, line: &Line, profile: &Profile, arc_px: f64)
     let limits: Vec<f64> = (0..profile.len())
         .map(|j| {
             let noise = (profile.variance[j] * profile.count[j].max(1.0)).sqrt();
-            least + DEVIATIONS * noise + 1.5 * arc_px * profile.slope(j, 2).abs()
+            // At an angle of a simple fraction the pixels of a bin may all lie at one end of it.
+            let astray_px = 1.5 * arc_px + 0.5 * BIN_PX;
+            least + DEVIATIONS * noise + astray_px * profile.slope(j, 2).abs()
         })
         .collect();
     let bin = |s: f64| ((s / BIN_PX).round() + profile.reach as f64) as usize;

@@ -42,7 +42,7 @@ fn every_bad_file_is_refused_with_its_message() {
         .parse()
         .unwrap();
     let groups: [(&str, Refuse, usize); 3] = [
-        ("manifests", manifest_error, 29),
+        ("manifests", manifest_error, 30),
         ("images", image_error, 17),
         ("simulate", simulate_error, 4),
     ];
