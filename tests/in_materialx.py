@@ -45,7 +45,7 @@ for name, text in shaders(document):
     set_in = [line for line in text.splitlines() if "lobe_retroreflective = " in line or "lobe_roughness = " in line]
     right = any("retroreflective = true" in line or "retroreflective = 1" in line for line in set_in)
     right &= any(f"{alpha:.6f}" in line for line in set_in)
-    passed.append(check(right, f"{name}: {'; '.join(line.strip() for line in set_in)}"))
+    passed.append(check(right, f"{name}: {'; '.join(line.strip(' ,;') for line in set_in)}"))
 
 document = exported("openpbr")
 valid, said = document.validate()
