@@ -144,6 +144,15 @@ pub enum Failure {
         /// Its design.
         design: &'static str,
     },
+    /// The azimuth cannot be told by such a table.
+    #[error("--fit-azimuth: {} says nothing of other azimuths ({held}); bake them all: bake trace --azimuth full \
+             --direction-tolerance 0.005", table.display())]
+    OneAzimuth {
+        /// The table.
+        table: PathBuf,
+        /// What it holds.
+        held: &'static str,
+    },
     /// The solver found no optimum.
     #[error("{}: the fit failed (the model is not finite near its starting values); \
              check pixel_pitch_mm and the distances", manifest.display())]

@@ -92,9 +92,17 @@ impl Estimate {
         usize::from(self.c_mm.is_some()) + self.spread.len()
     }
 
-    /// Adds the scatter of the estimates by their samples, a covariance of the logarithms of all parameters in the order of the
-    /// names, to covariance and standard errors.
+    /// Adds the scatter of the estimates by their samples, as [`Estimate::add_scatter`] does, and keeps what it is.
     pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {
+        self.sampling = Some(SamplingError {
+            sampling,
+            standard_error: self.add_scatter(scatter),
+        });
+    }
+
+    /// Adds a covariance of the logarithms of all parameters, in the order of the names, to covariance and standard errors;
+    /// gives the standard deviations that it alone makes.
+    pub fn add_scatter(&mut self, scatter: &DMatrix<f64>) -> Vec<f64> {
         let values = self.c_mm.iter_mut().chain(&mut self.spread);
         let mut values: Vec<&mut Value> = values.chain(self.mu.iter_mut().flatten()).collect();
         let n = values.len();
@@ -105,10 +113,7 @@ impl Estimate {
         for (i, value) in values.iter_mut().enumerate() {
             value.standard_error = value.standard_error.hypot(own[(i, i)].sqrt());
         }
-        self.sampling = Some(SamplingError {
-            sampling,
-            standard_error: (0..n).map(|i| own[(i, i)].sqrt()).collect(),
-        });
+        (0..n).map(|i| own[(i, i)].sqrt()).collect()
     }
 
     /// Where it lies, for another loss or forward model to start from.

@@ -3,6 +3,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod azimuth;
 pub mod baseline;
 pub mod bound;
 pub mod camera;

@@ -211,6 +211,9 @@ pub struct ResultFile {
     pub surface_roughness: Option<Number>,
     /// Reflectance; null without a reference photograph.
     pub mu: Option<Parameter>,
+    /// What was added to the captures' azimuths, degrees, where the photographs were asked (`--fit-azimuth`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub azimuth_deg: Option<Number>,
     /// Of all the parameters above.
     pub covariance: Covariance,
     /// One-sided bounds of what the photographs cannot pin down.
@@ -309,6 +312,7 @@ impl ResultFile {
                 .mu
                 .as_ref()
                 .and_then(|mu| parameter("mu", mu, best.choice.per_angle_mu)),
+            azimuth_deg: None,
             covariance: covariance(best),
             candidates: selection
                 .compared

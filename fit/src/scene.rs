@@ -215,6 +215,27 @@ impl Scene {
         })
     }
 
+    /// Looks up the direction of every photograph again, at other azimuths, degrees; says whether light returns in all.
+    ///
+    /// # Errors
+    /// A direction that the table neither has nor brackets.
+    pub fn turn(&mut self, table: &Table, azimuths_deg: &[f64]) -> Result<bool, tables::Error> {
+        let mut returns = true;
+        for (shot, &azimuth_deg) in self.shots.iter_mut().zip(azimuths_deg) {
+            let direction = table.direction(shot.incidence_deg, Some(azimuth_deg))?;
+            shot.azimuth_deg = Some(azimuth_deg);
+            (shot.eta, shot.eta_standard_error) = (direction.eta, direction.standard_error);
+            if direction.eta <= 0.0 {
+                returns = false;
+                continue;
+            }
+            let (incidence, normal) = (shot.incidence_deg.to_radians(), shot.view.normal());
+            shot.shift = ShiftLine::new(&direction, incidence, normal);
+            shot.wave = WaveLine::new(&direction, incidence, normal, self.spectrum.as_ref());
+        }
+        Ok(returns)
+    }
+
     /// Replaces the retroreflected fraction of every photograph by what a kernel makes of it, so that mu is that of its model.
     pub fn returning_as(&mut self, kernel: Kernel) {
         for shot in &mut self.shots {

@@ -1,6 +1,6 @@
 //! One direction of a table: exactly, or interpolated between those around it.
 //!
-//! The paths of an exact table are interpolated as polygons ([`crate::between`]), and eta is theirs. Bins are a mixture:
+//! The paths of an exact table are interpolated as polygons (`between`), and eta is theirs. Bins are a mixture:
 //! eta x histogram, bilinear in the two angles (model: across a cutoff the conditional histogram jumps, eta x histogram
 //! does not), each of the neighbouring distributions in its own incidence frame. The error of either is that of the
 //! table's spacing, which the standard error does not include.

@@ -6,14 +6,16 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use tables::Outputs;
+use tables::{Outputs, Table};
 
+use crate::azimuth::{self, Azimuth};
 use crate::bound::{absent, bounds};
 use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
-use crate::estimate::{self, Value, refined};
+use crate::estimate::{self, Choice, Value, refined};
 use crate::forward::{self, Forward};
-use crate::kernel::Family;
+use crate::kernel::{Family, Kernel};
+use crate::lobe::Shape;
 use crate::loss::{Kind, Loss};
 use crate::page::{Evidence, Page};
 use crate::photo::Channel;
@@ -42,6 +44,8 @@ Examples:
   fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json
   fit estimate captures.toml --table pair.h5 -o result.json --report report.html
   fit estimate captures.toml --table pair.h5 --model saito -o saito.json
+  bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full --direction-tolerance 0.005
+  fit estimate captures.toml --table all.h5 --fit-azimuth
   fit estimate captures.toml --table pair.h5 --forward render --loss mse --samples 16 -o result.json")]
 pub struct Arguments {
     /// The campaign's manifest
@@ -68,6 +72,10 @@ pub struct Arguments {
     /// What is minimised; edge if left out; mtf with --forward render, which compares MTFs
     #[arg(long, value_enum)]
     pub loss: Option<Kind>,
+    /// Finds the sheet's azimuth too: one angle, added to azimuth_deg of all captures (0 where left out); needs a table of all
+    /// azimuths
+    #[arg(long, conflicts_with_all = ["forward", "model"])]
+    pub fit_azimuth: bool,
     /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
     #[arg(long, value_name = "TRUTH.json")]
     pub truth: Option<PathBuf>,
@@ -124,6 +132,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut campaign = captures::load(&arguments.captures)?;
     if let Some(spectrum) = &arguments.wavelength_nm {
         campaign.setup.spectrum = Some(spectrum.clone());
+    }
+    if arguments.fit_azimuth {
+        for capture in &mut campaign.captures {
+            capture.azimuth_deg.get_or_insert(0.0);
+        }
     }
     let shots = campaign
         .reference
@@ -226,6 +239,10 @@ fn estimate(
 ) -> Result<(ResultFile, Option<Evidence>), Failure> {
     let table = tables::read(&arguments.table)?;
     let mut scene = Scene::load(campaign, &table)?;
+    let turned = arguments
+        .fit_azimuth
+        .then(|| turned(arguments, &mut scene, &table));
+    let turned = turned.transpose()?;
     let candidates = terms::possible(candidates, &mut scene, &arguments.captures)?;
     let render = arguments.forward == Forward::Render;
     let default = if render { Kind::Mtf } else { Kind::Edge };
@@ -254,6 +271,24 @@ fn estimate(
         selection.best = estimate::estimate(&scene, &loss, best);
         selection.loss = loss;
     }
+    if let Some(found) = &turned {
+        let Selection {
+            mut best, compared, ..
+        } = selection;
+        best.add_scatter(&azimuth::scatter(
+            &mut scene,
+            &table,
+            found,
+            kind,
+            best.choice,
+        )?);
+        let near = best.solution.parameters.clone();
+        selection = Selection {
+            loss: Loss::new(kind, &scene, (best.choice, &near)),
+            best,
+            compared,
+        };
+    }
     let finite = |value: &Value| value.value.is_finite();
     let best = &selection.best;
     let all = best
@@ -269,10 +304,42 @@ fn estimate(
     }
     let source = TableResult::of(&table);
     let seconds = start.elapsed().as_secs_f64();
-    let result = ResultFile::new(&scene, &selection, bounds, source, seconds);
+    let mut result = ResultFile::new(&scene, &selection, bounds, source, seconds);
+    if let Some(found) = turned {
+        result.azimuth_deg = Some(Number {
+            value: Some(found.deg.value),
+            standard_error: Some(found.deg.standard_error),
+        });
+        let others = found.others_deg.iter();
+        result.warnings.extend(others.map(|deg| {
+            format!("the photographs are as likely at azimuth {deg:.2} deg; an edge in another direction would tell")
+        }));
+    }
     let evidence = arguments.report.as_ref();
     let evidence = evidence.map(|_| Evidence::of(&scene, &selection, &result.bounds));
     Ok((result, evidence))
+}
+
+/// The azimuth that the photographs themselves tell, the scene left there.
+fn turned(arguments: &Arguments, scene: &mut Scene, table: &Table) -> Result<Azimuth, Failure> {
+    let one = |held| Failure::OneAzimuth {
+        table: arguments.table.clone(),
+        held,
+    };
+    if table.axes.is_mean() {
+        return Err(one("it is a mean over all"));
+    }
+    if table.axes.azimuth_deg.len() < 2 {
+        return Err(one("it holds one"));
+    }
+    // What differs by angle may: the azimuth must not make up for it.
+    let choice = Choice {
+        kernel: Kernel::Eq1,
+        shape: Shape::Radial,
+        per_angle_a: scene.groups.len() > 1,
+        per_angle_mu: scene.groups.len() > 1,
+    };
+    Ok(azimuth::find(scene, table, choice)?)
 }
 
 /// The result as a table for a person.
@@ -349,6 +416,9 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
                 }
             }
         }
+    }
+    if let Some(azimuth) = result.azimuth_deg {
+        row("azimuth (°)", "azimuth_deg", None, azimuth);
     }
     for (name, bound) in &result.bounds {
         let shown = |v: f64| {
