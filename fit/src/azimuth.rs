@@ -8,6 +8,8 @@ use nalgebra::DMatrix;
 use tables::Table;
 
 use crate::estimate::{Choice, Estimate, Optimum, Value, estimate, optimum, refined};
+use crate::kernel::Kernel;
+use crate::lobe::Shape;
 use crate::loss::{Kind, Loss};
 use crate::scene::Scene;
 
@@ -86,6 +88,17 @@ impl Turned<'_> {
             }
         }
         Ok(if at_a < at_b { (a, at_a) } else { (b, at_b) })
+    }
+}
+
+/// The model to look for it with: what may differ by angle does, so that the azimuth does not make up for it.
+pub fn flexible(scene: &Scene) -> Choice {
+    let several = scene.groups.len() > 1;
+    Choice {
+        kernel: Kernel::Eq1,
+        shape: Shape::Radial,
+        per_angle_a: several,
+        per_angle_mu: several,
     }
 }
 

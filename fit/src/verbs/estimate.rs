@@ -12,10 +12,9 @@ use crate::azimuth::{self, Azimuth};
 use crate::bound::{absent, bounds};
 use crate::captures::{self, Campaign, Spectrum};
 use crate::cli::{self, Failure};
-use crate::estimate::{self, Choice, Value, refined};
+use crate::estimate::{self, Value, refined};
 use crate::forward::{self, Forward};
-use crate::kernel::{Family, Kernel};
-use crate::lobe::Shape;
+use crate::kernel::Family;
 use crate::loss::{Kind, Loss};
 use crate::page::{Evidence, Page};
 use crate::photo::Channel;
@@ -332,13 +331,7 @@ fn turned(arguments: &Arguments, scene: &mut Scene, table: &Table) -> Result<Azi
     if table.axes.azimuth_deg.len() < 2 {
         return Err(one("it holds one"));
     }
-    // What differs by angle may: the azimuth must not make up for it.
-    let choice = Choice {
-        kernel: Kernel::Eq1,
-        shape: Shape::Radial,
-        per_angle_a: scene.groups.len() > 1,
-        per_angle_mu: scene.groups.len() > 1,
-    };
+    let choice = azimuth::flexible(scene);
     Ok(azimuth::find(scene, table, choice)?)
 }
 

@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut between: Vec<String> = predictions
         .iter()
-        .filter(|p| p.interpolated)
+        .filter(|p| p.interpolated && table.provenance.direction_tolerance.is_none())
         .map(|p| p.incidence_deg.to_string())
         .collect();
     between.dedup();
