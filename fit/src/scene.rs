@@ -148,7 +148,7 @@ impl Scene {
         let deviation = deviation.map_or(0.0, |exact| exact.largest_deviation_rad());
         if deviation > 0.0 {
             warnings.push(format!(
-                "the table's cubes send light up to {:.3} mrad from straight back: the model has it where the table holds the very direction, --forward render has not",
+                "the table's cubes send light up to {:.3} mrad from straight back: the model has it where the table gives polygons, --forward render has not",
                 1e3 * deviation
             ));
         }
