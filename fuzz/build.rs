@@ -12,4 +12,5 @@ fn main() {
     let folder = std::env::var("OUT_DIR").expect("cargo sets it");
     println!("cargo::rustc-link-search=native={folder}");
     println!("cargo::rustc-link-lib=static:+whole-archive=trace");
+    println!("cargo::rustc-link-arg-bins=-Wl,--wrap=__sanitizer_cov_trace_pc");
 }
