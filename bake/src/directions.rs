@@ -6,7 +6,7 @@
 //! where paths end or lose a corner, and far apart elsewhere.
 
 use crate::exact::{self, ExactCell};
-use crate::plan::{Method, Plan};
+use crate::plan::{Method, Plan, default};
 use crate::run::{self, RunError};
 use crate::sequence::{Sampler, Stream};
 use meshes::Cell;
@@ -151,9 +151,9 @@ impl Search<'_> {
         probes
     }
 
-    /// Directions anywhere, the same ones for one seed.
+    /// Directions anywhere, always the same ones: the table does not depend on the seed.
     fn random(&self) -> Vec<Probe> {
-        let stream = Stream::new(Sampler::Random, self.plan.seed, 0.0, 0.0, 0);
+        let stream = Stream::new(Sampler::Random, default::SEED, 0.0, 0.0, 0);
         let between = |ends: &[f64], share: u32| match ends {
             [first, .., last] => {
                 let x = first + (last - first) * (f64::from(share) + 0.5) / 2f64.powi(32);
@@ -192,7 +192,8 @@ impl Search<'_> {
             .and_then(|found| found.paths);
         // Polygons that cannot be interpolated say nothing.
         let Some(paths) = paths else { return 1.0 };
-        let (bins, range) = (self.plan.axes.bins, self.plan.axes.range);
+        // Whatever the bins of the table, so that a tolerance means one thing.
+        let (bins, range) = (default::BINS, default::RANGE);
         let rules = self.plan.rules(self.cell);
         let truth = self
             .prepared

@@ -4,7 +4,7 @@
 //! Physica Polonica A 116, 585, 2009), N-BK7 by Schott's data sheet, each as a Sellmeier formula. Metals: the
 //! Lorentz-Drude models of Rakic, Djurisic, Elazar and Majewski (Applied Optics 37, 5271, 1998), fits to measured films.
 //! Silver as Johnson and Christy measured it (Physical Review B 6, 4370, 1972) absorbs less, 2 % against the model's 3 to
-//! 8 % in the visible; mirrors of the trade are nearer to the model. Whoever knows better gives N,K.
+//! 8 % from 450 nm on; mirrors of the trade are nearer to the model. Whoever knows better gives N,K.
 
 use num_complex::Complex64;
 use thiserror::Error;

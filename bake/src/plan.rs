@@ -262,8 +262,9 @@ impl Plan {
         positive(
             "--angular-tolerance",
             request.angular_tolerance_deg,
-            180.0,
-            "above 0 and at most 180 degrees",
+            // A path of two bounces is no small rotation from straight back.
+            10.0,
+            "above 0 and at most 10 degrees",
         )?;
         if let Some(value) = request
             .refractive_index
@@ -409,6 +410,13 @@ impl Plan {
             warnings.push(format!(
                 "--refractive-index {asked} overrides the {own} that the mesh file gives"
             ));
+        }
+        if self.back == Back::Tir && self.index_of(cell) <= 1.0 {
+            warnings.push(
+                "--back tir without a refractive index above 1: nothing is totally reflected, so that nothing returns; give \
+                 --refractive-index"
+                    .into(),
+            );
         }
         if let Err(reason @ (Whole::Connected | Whole::Unlike)) = bodies::kinds(cell) {
             warnings.push(format!(

@@ -47,7 +47,8 @@ pub fn of(cell: &Cell) -> Symmetry {
     let step = 180.0 / f64::from(rotations);
     let mut mirrors: Vec<f64> = mirrors_deg(&shapes)
         .into_iter()
-        .map(|mirror| rounded(mirror.rem_euclid(step)).rem_euclid(step))
+        // -0 is 0.
+        .map(|mirror| rounded(mirror.rem_euclid(step)).rem_euclid(step) + 0.0)
         .collect();
     mirrors.sort_by(f64::total_cmp);
     mirrors.dedup();

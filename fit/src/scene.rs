@@ -144,6 +144,17 @@ impl Scene {
                 "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
             ));
         }
+        if let (Some(baked), Some(source)) =
+            (table.provenance.wavelength_nm, &campaign.setup.spectrum)
+            && source
+                .lines()
+                .iter()
+                .all(|line| (line.wavelength_nm - baked).abs() > 1.0)
+        {
+            warnings.push(format!(
+                "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
+            ));
+        }
         let deviation = table.exact.as_ref();
         let deviation = deviation.map_or(0.0, |exact| exact.largest_deviation_rad());
         if deviation > 0.0 {
@@ -344,7 +355,9 @@ fn aerial(
         capture.tangential_axis_rad(),
         camera,
     )?;
-    if direction.interpolated && table.provenance.direction_tolerance.is_none() {
+    // The tolerance is one of polygons; where they do not tell, bins are mixed.
+    let within = table.provenance.direction_tolerance.is_some() && direction.paths.is_some();
+    if direction.interpolated && !within {
         warnings.push(format!(
             "incidence {} deg is interpolated between directions of the table; bake it for full accuracy",
             capture.incidence_deg

@@ -47,6 +47,15 @@ pub enum Fault {
         /// Incidence, degrees.
         incidence_deg: f64,
     },
+    /// Powers of paths that are interpolated.
+    #[error(
+        "the wave kernel needs every path of a cube where it is, but the table, which has losses, does not hold incidence \
+         {incidence_deg} deg at this azimuth; bake that very direction"
+    )]
+    LossesBetween {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+    },
     /// Cubes that are not exact.
     #[error(
         "the wave kernel needs corner cubes with exact right angles, but the table's at incidence {incidence_deg} deg \
@@ -103,6 +112,10 @@ impl WaveLine {
             .paths
             .as_deref()
             .ok_or(Fault::NoPolygons { incidence_deg })?;
+        // Interpolated, the paths of one cube are put where different directions have it.
+        if direction.interpolated && paths.iter().any(|path| path.weight != paths[0].weight) {
+            return Err(Fault::LossesBetween { incidence_deg });
+        }
         let mut cubes: Vec<([f64; 2], Vec<Chained>)> = Vec::new();
         for path in paths {
             let [[uu, uv], [vu, vv]] = path.matrix;

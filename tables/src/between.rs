@@ -44,15 +44,20 @@ const FASTEST: f64 = 4.0;
 /// limit of total reflection.
 const JUMP: f64 = 0.25;
 
-/// The paths at `tau` in the frame of `azimuth_rad`, from the nodes around it; `None` where the nodes' paths do not tell:
+/// The paths at `tau` in the frame of `azimuth_rad`, from the nodes around it in a sheet of refractive index `index`; `None` where the nodes' paths do not tell:
 /// polygons that are not convex, maps that cannot be inverted.
-pub(crate) fn paths(nodes: &[Node], tau: [f64; 2], azimuth_rad: f64) -> Option<Vec<Path>> {
+pub(crate) fn paths(
+    nodes: &[Node],
+    tau: [f64; 2],
+    azimuth_rad: f64,
+    index: f64,
+) -> Option<Vec<Path>> {
     let seen: Option<Vec<Vec<Shape>>> = nodes
         .iter()
         .map(|node| {
             node.paths
                 .iter()
-                .map(|path| Shape::new(path, node.azimuth_rad))
+                .map(|path| Shape::new(path, node, index))
                 .collect()
         })
         .collect();
@@ -101,10 +106,46 @@ pub(crate) fn paths(nodes: &[Node], tau: [f64; 2], azimuth_rad: f64) -> Option<V
             matrix,
             offset: matrix.map(|row| -(row[0] * x + row[1] * y)),
             weight,
-            deviation: turned([0, 1].map(|k| mean(&|s| s.deviation[k])), -azimuth_rad),
+            deviation: deviation(
+                turned([0, 1].map(|k| mean(&|s| s.astray[k])), -azimuth_rad),
+                tau,
+                index,
+            ),
         });
     }
     Some(paths)
+}
+
+/// Straight back outside, as its parts along the sheet and up, and 1 / cos(incidence inside).
+fn back(tau: [f64; 2], index: f64) -> (f64, f64, f64) {
+    let steep = (1.0 + dot(tau, tau)).sqrt();
+    let along = index * dot(tau, tau).sqrt() / steep;
+    (-along, (1.0 - along * along).max(0.0).sqrt(), steep)
+}
+
+/// From the tangents outside by which a path is off ([`Path::deviation`], incidence frame) to what is affine in tau.
+fn astray(deviation: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
+    if deviation == [0.0; 2] {
+        return deviation;
+    }
+    let (along, up, steep) = back(tau, index);
+    // Straight back + tangents across it, as `bake` took them apart; Snell keeps what is along the sheet times the index.
+    let [across, v] = deviation;
+    let length = (1.0 + across * across + v * v).sqrt();
+    let left = [along + across * up, v].map(|x| x / (length * index));
+    [steep * left[0] - along * steep / index, steep * left[1]]
+}
+
+/// The inverse of [`astray`].
+fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
+    if astray == [0.0; 2] {
+        return astray;
+    }
+    let (along, up, steep) = back(tau, index);
+    let [x, y] = [along + index * astray[0] / steep, index * astray[1] / steep];
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let straight = x * along + z * up;
+    [(x * up - z * along) / straight, y / straight]
 }
 
 fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
@@ -142,13 +183,14 @@ struct Shape {
     fixed: [f64; 2],
     matrix: [[f64; 2]; 2],
     weight: f64,
-    /// Of the light that leaves, turned like the shifts: near the normal, where it is the same vector, to its first order.
-    deviation: [f64; 2],
+    /// What the path's linear map inside, plus 1, makes of (tau, -1), along the sheet: affine in tau, 0 for an ideal cube.
+    astray: [f64; 2],
 }
 
 impl Shape {
     /// `None` where the polygon is not convex or the map has no fixed point.
-    fn new(path: &Path, azimuth_rad: f64) -> Option<Shape> {
+    fn new(path: &Path, node: &Node, index: f64) -> Option<Shape> {
+        let azimuth_rad = node.azimuth_rad;
         let ([[a, b], [c, d]], [u, v]) = (path.matrix, path.offset);
         let determinant = a * d - b * c;
         if determinant.abs() < 1e-3 {
@@ -184,7 +226,7 @@ impl Shape {
             corners,
             matrix: turned_map(path.matrix, azimuth_rad),
             weight: path.weight,
-            deviation: turned(path.deviation, azimuth_rad),
+            astray: turned(astray(path.deviation, node.tau, index), azimuth_rad),
         })
     }
 
@@ -499,7 +541,7 @@ mod tests {
         let nodes = nodes(&[0.0, 15.0, 28.0], 60.0, &[0.0]);
         let mut cases = 0;
         for (incidence, azimuth, eta) in KNOWN {
-            let paths = paths(&nodes, tau(incidence, azimuth), 0.0).unwrap();
+            let paths = paths(&nodes, tau(incidence, azimuth), 0.0, 1.0).unwrap();
             let found: f64 = paths.iter().map(|path| area(&path.polygon)).sum();
             // The figures are rounded to 5 digits.
             assert!(
@@ -512,7 +554,7 @@ mod tests {
         // Below 19.47 deg the fraction is (2/3)(1 - 2 tan^2); lines lose 1e-10 of their slopes.
         for step in 0..200 {
             let (incidence, azimuth) = (f64::from(step) * 0.0973, f64::from(step) * 1.9);
-            let paths = paths(&nodes, tau(incidence, azimuth), azimuth.to_radians()).unwrap();
+            let paths = paths(&nodes, tau(incidence, azimuth), azimuth.to_radians(), 1.0).unwrap();
             let found: f64 = paths.iter().map(|path| area(&path.polygon)).sum();
             let tangent = incidence.to_radians().tan();
             let eta = 2.0 / 3.0 * (1.0 - 2.0 * tangent * tangent);
@@ -544,7 +586,7 @@ mod tests {
             for node in &mut nodes {
                 node.share = if away(node) < 30.0 { 1.0 / 6.0 } else { 0.0 };
             }
-            let found = paths(&nodes, tau, 0.0).unwrap();
+            let found = paths(&nodes, tau, 0.0, 1.0).unwrap();
             let mut areas: Vec<f64> = found.iter().map(|path| area(&path.polygon)).collect();
             let expected = [0.0, half_turn].map(|turn| path(tau, turn));
             let mut expected: Vec<f64> = expected
@@ -571,20 +613,55 @@ mod tests {
     fn a_path_that_jumps_away_keeps_the_share_of_those_that_have_it() {
         let mut nodes = nodes(&[0.0, 15.0], 60.0, &[0.0]);
         nodes[1].paths.clear();
-        let paths = paths(&nodes, tau(10.0, 0.0), 0.0).unwrap();
+        let paths = paths(&nodes, tau(10.0, 0.0), 0.0, 1.0).unwrap();
         assert_eq!(paths.len(), 1);
         assert!((paths[0].weight - 11.0 / 12.0).abs() < 1e-9);
+    }
+
+    /// A path's light is off by a rotation: the same at every direction, seen from each through the front face.
+    #[test]
+    fn deviations_are_exact_between_directions() {
+        let (index, axis) = (1.49, [3e-3, -2e-3, 5e-3]);
+        // (M + 1) d for M = -(1 + axis x), a rotation by the angles of `axis` to first order: any linear map would do.
+        let off = |tau: [f64; 2]| {
+            let [x, y, z] = [tau[0], tau[1], -1.0];
+            [axis[2] * y - axis[1] * z, axis[0] * z - axis[2] * x]
+        };
+        let seen =
+            |at: [f64; 2], azimuth_rad: f64| deviation(turned(off(at), -azimuth_rad), at, index);
+        let mut nodes = nodes(&[0.0, 15.0, 28.0], 60.0, &[0.0]);
+        for node in &mut nodes {
+            for path in &mut node.paths {
+                path.deviation = seen(node.tau, node.azimuth_rad);
+            }
+        }
+        let mut cases = 0;
+        for step in 0..200 {
+            let (incidence, azimuth) = (f64::from(step) * 0.0973, f64::from(step) * 1.9);
+            let (at, azimuth_rad) = (tau(incidence, azimuth), azimuth.to_radians());
+            let paths = paths(&nodes, at, azimuth_rad, index).unwrap();
+            let truth = seen(at, azimuth_rad);
+            // Angles of 1e-2 in doubles, through a dozen operations.
+            assert!(distance(paths[0].deviation, truth) < 1e-12, "{step}");
+            let again = deviation(astray(truth, at, index), at, index);
+            assert!(distance(again, truth) < 1e-12, "{step}");
+            cases += 1;
+        }
+        assert_eq!(cases, 200);
     }
 
     #[test]
     fn what_cannot_be_interpolated_is_not() {
         let mut bent = nodes(&[0.0, 15.0], 60.0, &[0.0]);
         bent[3].paths[0].polygon.insert(1, [0.0, 0.0]);
-        assert!(paths(&bent, tau(10.0, 0.0), 0.0).is_none(), "not convex");
+        assert!(
+            paths(&bent, tau(10.0, 0.0), 0.0, 1.0).is_none(),
+            "not convex"
+        );
         let mut flat = nodes(&[0.0, 15.0], 60.0, &[0.0]);
         flat[3].paths[0].matrix = [[1.0, 2.0], [0.5, 1.0]];
         assert!(
-            paths(&flat, tau(10.0, 0.0), 0.0).is_none(),
+            paths(&flat, tau(10.0, 0.0), 0.0, 1.0).is_none(),
             "no fixed point"
         );
     }

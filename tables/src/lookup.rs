@@ -351,7 +351,7 @@ impl Cell<'_> {
             }
         }
         let azimuth_rad = azimuth_deg.to_radians();
-        between::paths(&nodes, tau(incidence_deg, azimuth_rad), azimuth_rad)
+        between::paths(&nodes, tau(incidence_deg, azimuth_rad), azimuth_rad, index)
     }
 
     /// The images at the cell's corners, and their next ones where no wide gap lies between.

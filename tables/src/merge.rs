@@ -99,7 +99,6 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         provenance.symmetry = "symmetry",
         provenance.wavelength_nm = "wavelength_nm",
         provenance.metal_index = "metal_index",
-        provenance.direction_tolerance = "direction_tolerance",
         provenance.generator = "generator",
         axes.bins = "bins",
         axes.range = "shift_range",

@@ -33,8 +33,8 @@ pub(super) struct TraceArgs {
     /// sector is baked), or mean for the average over all
     #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
     azimuth: String,
-    /// Chooses the directions between the ends of --incidence and of --azimuth, so that the polygons of the table give every
-    /// other one within this total variation of eta x histogram
+    /// Chooses the directions between the ends of --incidence and of --azimuth (steps and what else is listed are left aside), so
+    /// that the polygons of an exact table give every other one within this total variation of eta x histogram
     #[arg(long, value_name = "TV", allow_negative_numbers = true)]
     direction_tolerance: Option<f64>,
     /// Refractive index behind a flat front face: a number, pmma, polycarbonate, bk7, or pairs nm:index [default: the file's,
@@ -151,6 +151,13 @@ impl TraceArgs {
                 wavelengths: self.wavelength_nm.len(),
                 output: name.into_owned(),
             }),
+            wavelengths
+                if (1..wavelengths.len()).any(|k| wavelengths[..k].contains(&wavelengths[k])) =>
+            {
+                Err(PlanError::Twice {
+                    wavelengths: wavelengths.to_vec(),
+                })
+            }
             wavelengths => Ok(wavelengths
                 .iter()
                 .map(|nm| match named {
@@ -236,11 +243,12 @@ impl Ready {
         let mut outputs = Outputs::beside([args.mesh.as_path()]);
         if leads {
             warn(&cell.warnings);
-            warn(
-                &plans
-                    .first()
-                    .map_or(Vec::new(), |(_, plan)| plan.warnings(&cell)),
-            );
+            let mut warnings: Vec<String> = plans
+                .iter()
+                .flat_map(|(_, plan)| plan.warnings(&cell))
+                .collect();
+            warnings.dedup();
+            warn(&warnings);
             warn(&method_warning(args, &cell));
         }
         let mut bakes = Vec::new();

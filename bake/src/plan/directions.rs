@@ -47,10 +47,17 @@ pub(super) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanE
 
 /// The step of `full` or `full:STEP`, degrees; `None` where all azimuths are not asked for.
 pub(super) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
-    let wrong = |value| PlanError::Number {
-        option: "--azimuth full",
-        value,
-        range: "above 0 and at most 90, the widest step between azimuths, as in full:2",
+    let wrong = |value: f64| match value.is_nan() {
+        true => PlanError::Angle {
+            option: "--azimuth",
+            text: text.into(),
+            part: text.trim().trim_start_matches("full:").into(),
+        },
+        false => PlanError::Number {
+            option: "--azimuth full",
+            value,
+            range: "above 0 and at most 90, the widest step between azimuths, as in full:2",
+        },
     };
     match text.trim().split_once(':') {
         None if text.trim() == "full" => Ok(Some(default::FULL_STEP_DEG)),

@@ -59,6 +59,14 @@ pub enum PlanError {
         /// The greatest it may be.
         most: u64,
     },
+    /// A wavelength that is named twice.
+    #[error(
+        "--wavelength-nm {wavelengths:?}: each wavelength once, for each has a table of its own"
+    )]
+    Twice {
+        /// The wavelengths, nm.
+        wavelengths: Vec<f64>,
+    },
     /// Two options that exclude each other.
     #[error("{first} and {second} exclude each other; leave one of them out")]
     Both {

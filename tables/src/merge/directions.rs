@@ -3,7 +3,7 @@
 use ndarray::{Array2, Array3, Array4, Array5, s};
 
 use super::Mismatch;
-use crate::table::{Axes, Exact, Fate, Table};
+use crate::table::{Axes, Exact, Fate, Provenance, Table};
 
 /// The axes that hold every incidence and every azimuth of the tables, which share bins and range.
 pub fn union(tables: &[Table]) -> Axes {
@@ -79,7 +79,11 @@ pub fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
         fate_counts: None,
         rays: Array2::zeros((n, m)),
         exact: None,
-        provenance: tables[0].provenance.clone(),
+        provenance: Provenance {
+            // Nobody looked into the gaps between the tables.
+            direction_tolerance: None,
+            ..tables[0].provenance.clone()
+        },
         axes,
     };
     let mut paths = vec![Vec::new(); n * m];
