@@ -11,6 +11,7 @@ import zlib
 import h5py
 import numpy as np
 
+FOUND = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../fuzz/found")
 os.chdir(sys.argv[1])
 TABLE = "table.h5"  # baked from rays
 
@@ -253,3 +254,8 @@ text("a TOML heading of many dots", b"[" + b".".join([b"a"] * 400000) + b"]", ES
 text("many TOML headings", b"[[capture]]\n" * 80000, ESTIMATE, "")
 text("JSON nested deep", b"[" * 1000000, PREDICT, "")
 text("JSON of 100 MB", b'{"kernel":"' + b"a" * 100_000_000 + b'"}', PREDICT, "longer than")
+
+# ---- What fuzzing found: headers of 1.6 GB and of an exabyte, for which libhdf5 asks at once.
+
+for name in sorted(os.listdir(os.path.join(FOUND, "table"))):
+    case(name, ["bake", "inspect", os.path.join(FOUND, "table", name)], "damaged, copy it again")
