@@ -20,8 +20,8 @@ const AIM: f64 = 0.8;
 /// Random directions that are tried at last.
 pub const TRIED: u64 = 2000;
 
-/// Directions at most. A distribution that jumps, as where total reflection ends, asks for any number of them; the ideal cube
-/// takes 9 for a tolerance of 0.005.
+/// Directions at most. A distribution that jumps, as where total reflection ends, asks for any number of them; a pair of ideal
+/// cubes takes 6 for a tolerance of 0.005.
 const MOST_DIRECTIONS: usize = 1000;
 
 /// `plan` with the directions chosen, where it has a tolerance for them.

@@ -280,6 +280,8 @@ fn options() {
         trace("--edge-length", "1e20", "does not fit a cell 3 wide"),
         trace("--azimuth", "-360", "above -360"),
         trace("--range", "1e6", "--range 1000000"),
+        trace("--azimuth", "full:x", "\"x\" is not an angle"),
+        trace("--angular-tolerance", "20", "at most 10 degrees"),
         trace("--refractive-index", "wood", "pmma, polycarbonate, bk7"),
         trace("--refractive-index", "bk7", "depends on the wavelength"),
         trace("--metal", "tin", "--metal tin"),
@@ -484,6 +486,6 @@ fn options() {
     for (program, arguments, code, part) in cases {
         bench.refuses(&here, program, &arguments, code, &[part]);
     }
-    assert_eq!(count, 52);
+    assert_eq!(count, 60);
     bench.all_refused(count);
 }

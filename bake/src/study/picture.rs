@@ -34,6 +34,15 @@ pub fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
     format.render(&scene, file)
 }
 
+/// Both axes logarithmic, or empty where there is nothing above zero to draw.
+fn axes(plots: &[Plot]) -> Layout {
+    let holds = |plot: &Plot| matches!(plot, Plot::Line(line) if !line.data.is_empty());
+    match plots.iter().any(holds) {
+        true => Layout::auto_from_plots(plots).with_log_scale(),
+        false => Layout::new((0.0, 1.0), (0.0, 1.0)),
+    }
+}
+
 const fn colour(series: &Series) -> &'static str {
     match (series.tracer, series.sampler) {
         (Tracer::Fastest, Sampler::Random) => "#1f77b4",
@@ -87,8 +96,7 @@ fn by_rays(study: &Study) -> (Vec<Plot>, Layout) {
         let legend = format!("{}: slope {}", title(series), slope_text(series));
         plots.extend(curve(series, legend, |point| (point.rays as f64, point.l1)));
     }
-    let layout = Layout::auto_from_plots(&plots)
-        .with_log_scale()
+    let layout = axes(&plots)
         .with_tick_format(decimal())
         .with_x_tick_format(powers_of_ten())
         .with_title("error and rays")
@@ -114,8 +122,7 @@ fn by_seconds(study: &Study) -> (Vec<Plot>, Layout) {
         .map(|point| point.seconds)
         .chain(exact)
         .fold(f64::INFINITY, f64::min);
-    let mut layout = Layout::auto_from_plots(&plots)
-        .with_log_scale()
+    let mut layout = axes(&plots)
         .with_tick_format(decimal())
         .with_title("error and time")
         .with_x_label("seconds for all directions")

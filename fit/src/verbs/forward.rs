@@ -155,7 +155,7 @@ fn curves(speed: &Speed, x: impl Fn(&Row) -> f64) -> Vec<Plot> {
             let rows = speed.rows.iter().filter(|row| row.sequence == sequence);
             let points: Vec<(f64, f64)> = rows
                 .filter_map(|row| Some((x(row), 100.0 * error(row)?)))
-                .filter(|&(_, y)| y > 0.0)
+                .filter(|&(x, y)| x > 0.0 && y > 0.0 && y.is_finite())
                 .collect();
             if points.is_empty() {
                 continue;
@@ -176,8 +176,13 @@ fn curves(speed: &Speed, x: impl Fn(&Row) -> f64) -> Vec<Plot> {
 }
 
 fn panel(speed: &Speed, x: impl Fn(&Row) -> f64) -> Layout {
-    let layout = Layout::auto_from_plots(&curves(speed, x))
-        .with_log_scale()
+    let curves = curves(speed, x);
+    // Nothing above zero has no place on logarithmic axes.
+    let layout = match curves.is_empty() {
+        true => Layout::new((0.0, 1.0), (0.0, 1.0)),
+        false => Layout::auto_from_plots(&curves).with_log_scale(),
+    };
+    let layout = layout
         .with_y_label("error against the closed form (%)")
         .with_legend_position(LegendPosition::InsideTopRight);
     match speed.pixel_noise.c {
