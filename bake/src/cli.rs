@@ -35,8 +35,9 @@ struct Cli {
 enum Verb {
     /// Writes the mesh of a parametric corner-cube cell
     #[command(
-        after_help = "Example: a pair cell of 0.18 mm edges, one dihedral angle 0.1 mrad too wide\n  \
-        bake design triangular-pair -o pair.obj --edge-length 0.18 --dihedral-error-mrad 0.1,0,0"
+        after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide\n  \
+        bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
+        bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0"
     )]
     Design(DesignArgs),
     /// Traces a mesh into a ray-shift table

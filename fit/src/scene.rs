@@ -155,12 +155,11 @@ impl Scene {
                 "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
             ));
         }
-        let deviation = table.exact.as_ref();
-        let deviation = deviation.map_or(0.0, |exact| exact.largest_deviation_rad());
-        if deviation > 0.0 {
+        let off = table.exact.as_ref().filter(|exact| exact.deviates());
+        if let Some(exact) = off {
             warnings.push(format!(
-                "the table's cubes send light up to {:.3} mrad from straight back: the model has it where the table gives polygons, --forward render has not",
-                1e3 * deviation
+                "the table's cubes send light up to {:.3} mrad from straight back: the model has it where the table gives polygons",
+                1e3 * exact.largest_deviation_rad()
             ));
         }
         let reference = match &campaign.reference {

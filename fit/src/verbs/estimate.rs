@@ -236,7 +236,10 @@ fn estimate(
     campaign: &Campaign,
     start: Instant,
 ) -> Result<(ResultFile, Option<Evidence>), Failure> {
-    let table = tables::read(&arguments.table)?;
+    let table = match arguments.forward {
+        Forward::Spectral => tables::read(&arguments.table)?,
+        Forward::Render => sampled::table(&arguments.table)?,
+    };
     let mut scene = Scene::load(campaign, &table)?;
     let turned = arguments
         .fit_azimuth
