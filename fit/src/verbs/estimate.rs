@@ -236,10 +236,7 @@ fn estimate(
     campaign: &Campaign,
     start: Instant,
 ) -> Result<(ResultFile, Option<Evidence>), Failure> {
-    let table = match arguments.forward {
-        Forward::Spectral => tables::read(&arguments.table)?,
-        Forward::Render => sampled::table(&arguments.table)?,
-    };
+    let table = sampled::table(&arguments.table, arguments.forward)?;
     let mut scene = Scene::load(campaign, &table)?;
     let turned = arguments
         .fit_azimuth

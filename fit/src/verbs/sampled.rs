@@ -5,6 +5,7 @@ use std::path::Path;
 use tables::Table;
 
 use crate::cli::Failure;
+use crate::forward::Forward;
 use crate::loss::Kind;
 use crate::sample::Sequence;
 use crate::sampled::{Sampling, has_samples};
@@ -56,14 +57,14 @@ pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str)
     }
 }
 
-/// The table at `path`, for a model by samples.
+/// The table at `path`, for `forward`.
 ///
 /// # Errors
-/// As [`tables::read()`]; cubes that send light elsewhere than straight back.
-pub fn table(path: &Path) -> Result<Table, Failure> {
+/// As [`tables::read()`]; by samples, cubes that send light elsewhere than straight back.
+pub fn table(path: &Path, forward: Forward) -> Result<Table, Failure> {
     let table = tables::read(path)?;
     match &table.exact {
-        Some(exact) if exact.deviates() => Err(Failure::Deviates {
+        Some(exact) if forward == Forward::Render && exact.deviates() => Err(Failure::Deviates {
             table: path.to_owned(),
         }),
         _ => Ok(table),
