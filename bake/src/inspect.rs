@@ -41,6 +41,9 @@ pub fn text(table: &Table) -> String {
         format!(", {}, seed {}", from.sampler, from.seed)
     };
     line("method", format!("{}{sampler}", from.method));
+    if !from.options.is_empty() {
+        line("options", from.options.clone());
+    }
     if let Some(shards) = &from.shards {
         line("shards", shards.to_string());
     }
@@ -113,6 +116,7 @@ pub fn json(table: &Table) -> String {
         "seed": from.seed,
         "symmetry": { "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg },
         "direction_tolerance": from.direction_tolerance,
+        "options": from.options,
         "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,

@@ -3,6 +3,8 @@
 mod directions;
 mod error;
 mod losses;
+mod request;
+mod scene;
 
 use crate::bodies::{self, Whole};
 use crate::light::Surface;
@@ -10,13 +12,14 @@ use crate::path::Rules;
 use crate::sequence::Sampler;
 use crate::symmetry;
 use directions::{angles, direction_tolerance, full_step, sector};
-use num_complex::Complex64;
 use std::num::NonZeroUsize;
 use tables::shards::MOST_SHARDS;
 use tables::{Axes, Symmetry};
 
 pub use error::PlanError;
 pub use losses::Losses;
+pub use request::Request;
+pub use scene::{Normals, SceneOptions};
 
 /// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct points.
 pub const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
@@ -99,75 +102,6 @@ pub enum Effort {
     Tolerance(f64),
 }
 
-/// The options of `bake trace` that shape the table, as typed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// `--incidence`
-    pub incidence: String,
-    /// `--azimuth`
-    pub azimuth: String,
-    /// `--refractive-index`, where given
-    pub refractive_index: Option<f64>,
-    /// `--back`
-    pub back: Back,
-    /// `--losses`
-    pub losses: Losses,
-    /// `--reflectance`, where given
-    pub reflectance: Option<f64>,
-    /// Index of `--metal`, where given
-    pub metal: Option<Complex64>,
-    /// `--wavelength-nm`, where given
-    pub wavelength_nm: Option<f64>,
-    /// `--method`
-    pub method: Method,
-    /// `--sampler`
-    pub sampler: Sampler,
-    /// `--rays`, where given
-    pub rays: Option<u64>,
-    /// `--tolerance`, where given
-    pub tolerance: Option<f64>,
-    /// `--bins`
-    pub bins: usize,
-    /// `--range`
-    pub range: f64,
-    /// `--angular-tolerance`, degrees
-    pub angular_tolerance_deg: f64,
-    /// `--seed`
-    pub seed: u64,
-    /// `--threads`, where given
-    pub threads: Option<usize>,
-    /// `--shard`, where given
-    pub shard: Option<String>,
-    /// `--direction-tolerance`, where given
-    pub direction_tolerance: Option<f64>,
-}
-
-impl Default for Request {
-    fn default() -> Self {
-        Request {
-            incidence: default::INCIDENCE.into(),
-            azimuth: default::AZIMUTH.into(),
-            refractive_index: None,
-            back: Back::Mirror,
-            losses: Losses::None,
-            reflectance: None,
-            metal: None,
-            wavelength_nm: None,
-            method: Method::Auto,
-            sampler: Sampler::Sobol,
-            rays: None,
-            tolerance: None,
-            bins: default::BINS,
-            range: default::RANGE,
-            angular_tolerance_deg: default::ANGULAR_TOLERANCE_DEG,
-            seed: default::SEED,
-            threads: None,
-            shard: None,
-            direction_tolerance: None,
-        }
-    }
-}
-
 /// A checked bake: nothing in it can be out of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
@@ -203,6 +137,8 @@ pub struct Plan {
     pub threads: Option<NonZeroUsize>,
     /// The share of the samples to trace, all of them where `None`.
     pub shard: Option<Shard>,
+    /// What only some scenes have.
+    pub scene: SceneOptions,
 }
 
 /// An equal share of the samples of a bake.
@@ -356,6 +292,7 @@ impl Plan {
             seed: request.seed,
             threads,
             shard,
+            scene: request.scene,
         })
     }
 
@@ -470,230 +407,4 @@ fn count(option: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lists_and_ranges() {
-        assert_eq!(angles("--incidence", "0:45:5").unwrap().len(), 10);
-        assert_eq!(angles("--incidence", "0:0.3:0.1").unwrap().len(), 4);
-        assert_eq!(
-            angles("--incidence", "30, 0,15,0").unwrap(),
-            [0.0, 15.0, 30.0]
-        );
-        assert_eq!(
-            angles("--azimuth", "-0").unwrap()[0].to_bits(),
-            0f64.to_bits()
-        );
-    }
-
-    #[test]
-    fn defaults_make_a_plan() {
-        let plan = Plan::new(&Request::default()).unwrap();
-        assert_eq!(plan.axes.shape(), (10, 1));
-        assert_eq!(plan.effort, Effort::Rays(4_194_304));
-        assert_eq!(plan.randomisations, 16);
-    }
-
-    /// Each bad option with the sentence that it gets.
-    #[test]
-    fn bad_options_name_option_value_and_remedy() {
-        let base = Request::default;
-        let text = |incidence: &str| Request {
-            incidence: incidence.into(),
-            ..base()
-        };
-        let cases = [
-            (text("0:45"), "--incidence 0:45: the step does not lead"),
-            (text("0:45:-5"), "--incidence 0:45:-5: the step"),
-            (
-                text("0,x"),
-                "--incidence 0,x: \"x\" is not an angle in degrees; give a list",
-            ),
-            (text("nan"), "--incidence nan: \"nan\" is not an angle"),
-            (text(""), "\"\" is not an angle"),
-            (
-                text("90"),
-                "--incidence 90: the angle must be from 0 to below 90",
-            ),
-            (text("-1"), "--incidence -1: the angle must be"),
-            (
-                Request {
-                    azimuth: "all".into(),
-                    ..base()
-                },
-                ", full or mean",
-            ),
-            (
-                Request {
-                    direction_tolerance: Some(0.0),
-                    ..base()
-                },
-                "--direction-tolerance 0: give a number above 0",
-            ),
-            (
-                Request {
-                    direction_tolerance: Some(0.01),
-                    azimuth: "mean".into(),
-                    ..base()
-                },
-                "--direction-tolerance and --azimuth mean exclude",
-            ),
-            (
-                Request {
-                    azimuth: "full:0".into(),
-                    ..base()
-                },
-                "--azimuth full 0: give a number above 0 and at most 90, the widest step",
-            ),
-            (
-                Request {
-                    azimuth: "400".into(),
-                    ..base()
-                },
-                "--azimuth 400: the angle must be above -360",
-            ),
-            (
-                Request { bins: 0, ..base() },
-                "--bins 0: give a whole number from 1 to 4096",
-            ),
-            (
-                Request {
-                    range: 0.0,
-                    ..base()
-                },
-                "--range 0: give a number above 0",
-            ),
-            (
-                Request {
-                    range: f64::NAN,
-                    ..base()
-                },
-                "--range NaN: give a number above 0",
-            ),
-            (
-                Request {
-                    rays: Some(0),
-                    ..base()
-                },
-                "--rays 0: give a whole number",
-            ),
-            (
-                Request {
-                    rays: Some(1),
-                    tolerance: Some(0.1),
-                    ..base()
-                },
-                "--rays and --tolerance exclude",
-            ),
-            (
-                Request {
-                    tolerance: Some(-1.0),
-                    ..base()
-                },
-                "--tolerance -1: give a number above 0",
-            ),
-            (
-                Request {
-                    tolerance: Some(0.1),
-                    sampler: Sampler::Random,
-                    ..base()
-                },
-                "--tolerance needs --sampler",
-            ),
-            (
-                Request {
-                    refractive_index: Some(0.5),
-                    ..base()
-                },
-                "--refractive-index 0.5: give a number from 1",
-            ),
-            (
-                Request {
-                    angular_tolerance_deg: 0.0,
-                    ..base()
-                },
-                "--angular-tolerance 0: give a number above 0",
-            ),
-            (
-                Request {
-                    shard: Some("3/2".into()),
-                    ..base()
-                },
-                "--shard 3/2: give K/N",
-            ),
-            (
-                Request {
-                    shard: Some("2".into()),
-                    ..base()
-                },
-                "--shard 2: give K/N",
-            ),
-            (
-                Request {
-                    shard: Some("1/2".into()),
-                    tolerance: Some(0.1),
-                    ..base()
-                },
-                "--tolerance and --shard exclude",
-            ),
-            (
-                Request {
-                    threads: Some(0),
-                    ..base()
-                },
-                "--threads 0: give a whole number from 1",
-            ),
-        ];
-        let lossy = |back, reflectance, metal| Request {
-            losses: Losses::Fresnel,
-            back,
-            reflectance,
-            metal,
-            ..base()
-        };
-        let metal = Some(Complex64::new(1.0, 7.0));
-        let losses = [
-            (
-                Request {
-                    reflectance: Some(0.9),
-                    ..base()
-                },
-                "--reflectance needs --losses fresnel",
-            ),
-            (
-                Request { metal, ..base() },
-                "--metal needs --losses fresnel",
-            ),
-            (
-                lossy(Back::Mirror, Some(0.9), metal),
-                "--reflectance and --metal exclude each other",
-            ),
-            (
-                lossy(Back::Tir, None, metal),
-                "--metal and --back tir exclude each other",
-            ),
-            (
-                lossy(Back::Mirror, Some(1.1), None),
-                "--reflectance 1.1: give a number above 0 and at most 1",
-            ),
-            (
-                Request {
-                    wavelength_nm: Some(-550.0),
-                    ..base()
-                },
-                "--wavelength-nm -550: give a number above 0",
-            ),
-        ];
-        let mut refused = 0;
-        for (request, sentence) in cases.iter().chain(&losses) {
-            let error = Plan::new(request).expect_err(sentence).to_string();
-            assert!(
-                error.contains(sentence),
-                "\"{error}\" should say \"{sentence}\""
-            );
-            refused += 1;
-        }
-        assert_eq!(refused, 31);
-    }
-}
+mod tests;

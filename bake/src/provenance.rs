@@ -49,6 +49,7 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
         },
         symmetry: plan.symmetry,
         direction_tolerance: plan.direction_tolerance,
+        options: plan.scene.to_string(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! A table judged by its mesh: a random part of its directions traced again.
 
 use crate::light::Surface;
-use crate::plan::{Back, Effort, Method, Plan};
+use crate::plan::{Back, Effort, Method, Plan, SceneOptions};
 use crate::report::Comparison;
 use crate::run::{self, RunError};
 use crate::sequence::{Sampler, Stream};
@@ -20,6 +20,7 @@ pub fn retrace(
     table: &Table,
     back: Back,
     losses: Option<Surface>,
+    scene: SceneOptions,
     cell: &Cell,
     rays: u64,
     seed: u64,
@@ -45,6 +46,7 @@ pub fn retrace(
         seed,
         threads: None,
         shard: None,
+        scene,
     };
     let traced = run::rays(cell, &plan, &|_| ())?;
     Ok(Comparison::new(&part, &traced).expect("axes equal themselves"))

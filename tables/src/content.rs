@@ -136,6 +136,7 @@ impl Items<'_> {
             shards,
             symmetry,
             direction_tolerance,
+            options,
         } = provenance;
         self.text("generator", generator);
         self.text("design", design);
@@ -177,6 +178,9 @@ impl Items<'_> {
         }
         if let Some(tolerance) = direction_tolerance {
             self.floats("direction_tolerance", [*tolerance].into_iter());
+        }
+        if !options.is_empty() {
+            self.text("options", options);
         }
     }
 }

@@ -168,6 +168,7 @@ mod attribute {
     pub const SYMMETRY_ROTATIONS: &str = "symmetry_rotations";
     pub const SYMMETRY_MIRROR_DEG: &str = "symmetry_mirror_deg";
     pub const DIRECTION_TOLERANCE: &str = "direction_tolerance";
+    pub const OPTIONS: &str = "options";
     pub const UNITS: &str = "units";
     pub const LONG_NAME: &str = "long_name";
 }

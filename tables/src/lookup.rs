@@ -144,7 +144,7 @@ impl Table {
     /// #     sampler: "random".into(), seed: 1,
     /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, wavelength_nm: None,
     /// #     metal_index: None, shards: None, symmetry: tables::Symmetry::NONE,
-    /// #     direction_tolerance: None,
+    /// #     direction_tolerance: None, options: String::new(),
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg

@@ -99,6 +99,7 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         provenance.symmetry = "symmetry",
         provenance.wavelength_nm = "wavelength_nm",
         provenance.metal_index = "metal_index",
+        provenance.options = "options",
         provenance.generator = "generator",
         axes.bins = "bins",
         axes.range = "shift_range",

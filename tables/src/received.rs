@@ -276,6 +276,10 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
             "direction_tolerance" => Some(items.float("direction_tolerance")?),
             _ => None,
         },
+        options: match items.name.as_str() {
+            "options" => items.text("options")?,
+            _ => String::new(),
+        },
     })
 }
 

@@ -226,6 +226,8 @@ pub struct Provenance {
     pub symmetry: Symmetry,
     /// Total variation of eta x histogram that interpolated polygons are within, where the directions were chosen for it.
     pub direction_tolerance: Option<f64>,
+    /// What else the rays obeyed, as options of `bake trace`: `--normals file`; empty where nothing else was asked for.
+    pub options: String,
 }
 
 impl Provenance {

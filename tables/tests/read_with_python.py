@@ -75,6 +75,8 @@ def content_hash(file):
         floats("symmetry_mirror_deg", attrs.get("symmetry_mirror_deg", []))
     if "direction_tolerance" in attrs:
         floats("direction_tolerance", attrs["direction_tolerance"])
+    if "options" in attrs:
+        item("options", attrs["options"].encode())
     return digest.hexdigest()
 
 

@@ -1,7 +1,7 @@
 //! `bake verify` and `bake merge`: what is done with tables that are there.
 
 use super::{CellArgs, Failure, print, warn};
-use crate::plan::Back;
+use crate::plan::{Back, SceneOptions};
 use crate::provenance::losses_of;
 use crate::report;
 use crate::retrace::retrace;
@@ -110,14 +110,22 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
             mesh: mesh.to_owned(),
         });
     }
-    let (Some(back), Ok(losses)) = (Back::from_name(&from.back), losses_of(from)) else {
+    let known = (
+        Back::from_name(&from.back),
+        losses_of(from),
+        SceneOptions::read(&from.options),
+    );
+    let (Some(back), Ok(losses), Some(scene)) = known else {
         return Err(Failure::Unknown {
             file: args.table.clone(),
             back: from.back.clone(),
             losses: from.losses.clone(),
+            options: from.options.clone(),
         });
     };
-    Ok(retrace(table, back, losses, &cell, args.rays, args.seed)?)
+    Ok(retrace(
+        table, back, losses, scene, &cell, args.rays, args.seed,
+    )?)
 }
 
 /// Runs `bake merge`.

@@ -54,12 +54,13 @@ pub(super) enum Failure {
     #[error("{} claims a symmetry that {} does not have, so that it is wrong at other azimuths; bake it again",
         table.display(), mesh.display())]
     Symmetry { table: PathBuf, mesh: PathBuf },
-    #[error("{}: its back \"{back}\" with losses \"{losses}\" is not known to this program; update it, or leave out --mesh",
+    #[error("{}: its back \"{back}\", losses \"{losses}\" or options \"{options}\" are not known to this program; update it, or leave out --mesh",
         file.display())]
     Unknown {
         file: PathBuf,
         back: String,
         losses: String,
+        options: String,
     },
     #[error(
         "this is one of {count} processes of mpirun, which this program cannot join (built without the feature mpi, or for \

@@ -4,7 +4,7 @@ use super::{CellArgs, Failure, print, warn};
 use crate::directions;
 use crate::exact::ExactCell;
 use crate::material;
-use crate::plan::{Back, Losses, Method, Plan, PlanError, Request, default};
+use crate::plan::{Back, Losses, Method, Plan, PlanError, Request, SceneOptions, default};
 use crate::progress::Progress;
 use crate::provenance::provenance;
 use crate::ranks::{Launched, Ranks};
@@ -84,6 +84,8 @@ pub(super) struct TraceArgs {
     #[arg(long, value_name = "DEG", default_value_t = default::ANGULAR_TOLERANCE_DEG, allow_negative_numbers = true)]
     angular_tolerance: f64,
     #[command(flatten)]
+    scene: SceneOptions,
+    #[command(flatten)]
     cell: CellArgs,
     /// Seed of the samples
     #[arg(long, default_value_t = default::SEED)]
@@ -135,6 +137,7 @@ impl TraceArgs {
             threads: self.threads,
             shard: self.shard.clone(),
             direction_tolerance: self.direction_tolerance,
+            scene: self.scene,
         })
     }
 

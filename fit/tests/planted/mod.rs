@@ -104,6 +104,7 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
             shards: None,
             symmetry: tables::Symmetry::NONE,
             direction_tolerance: None,
+            options: String::new(),
         },
     }
 }

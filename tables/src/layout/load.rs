@@ -205,5 +205,9 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
         shards,
         symmetry,
         direction_tolerance,
+        options: match has(attribute::OPTIONS) {
+            true => root.text(attribute::OPTIONS)?,
+            false => String::new(),
+        },
     })
 }

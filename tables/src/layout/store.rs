@@ -242,9 +242,12 @@ fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
     if let Some(mirror) = mirror_deg {
         put(file, attribute::SYMMETRY_MIRROR_DEG, &mirror)?;
     }
-    match provenance.direction_tolerance {
-        Some(tolerance) => put(file, attribute::DIRECTION_TOLERANCE, &tolerance),
-        None => Ok(()),
+    if let Some(tolerance) = provenance.direction_tolerance {
+        put(file, attribute::DIRECTION_TOLERANCE, &tolerance)?;
+    }
+    match provenance.options.as_str() {
+        "" => Ok(()),
+        options => put_text(file, attribute::OPTIONS, options),
     }
 }
 

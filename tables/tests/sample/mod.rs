@@ -49,6 +49,7 @@ pub fn provenance() -> Provenance {
         shards: None,
         symmetry: tables::Symmetry::NONE,
         direction_tolerance: None,
+        options: String::new(),
     }
 }
 
@@ -119,6 +120,7 @@ pub fn symmetric() -> Table {
         mirror_deg: Some(0.0),
     };
     table.provenance.direction_tolerance = Some(0.01);
+    table.provenance.options = "--normals file".into();
     table
 }
 

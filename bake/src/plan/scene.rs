@@ -1,0 +1,68 @@
+//! Options that a scene names only where it has what they are for. Each costs nothing where it is left out.
+
+use clap::{Args, Parser};
+use std::fmt;
+
+/// Which normals facets reflect about.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Normals {
+    /// Their own: facets are planes.
+    #[default]
+    Facets,
+    /// Those of the mesh file, interpolated between a facet's corners: facets stand for a curved face.
+    File,
+}
+
+/// The options. A table holds those that are not at their default, as typed ([`fmt::Display`], [`SceneOptions::read`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
+pub struct SceneOptions {
+    /// Which normals facets reflect about
+    #[arg(long, value_enum, default_value_t = Normals::Facets)]
+    pub normals: Normals,
+}
+
+impl SceneOptions {
+    /// The options of `text`, as a table has them; `None` where this program does not know them.
+    pub fn read(text: &str) -> Option<SceneOptions> {
+        let words = std::iter::once("table").chain(text.split_whitespace());
+        let Alone { options } = Alone::try_parse_from(words).ok()?;
+        Some(options)
+    }
+}
+
+#[derive(Parser)]
+struct Alone {
+    #[command(flatten)]
+    options: SceneOptions,
+}
+
+impl fmt::Display for SceneOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut named = Vec::new();
+        if self.normals == Normals::File {
+            named.push("--normals file".to_owned());
+        }
+        f.write_str(&named.join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_table_says_is_read_back() {
+        let cases = [
+            SceneOptions::default(),
+            SceneOptions {
+                normals: Normals::File,
+            },
+        ];
+        for options in cases {
+            let text = options.to_string();
+            assert_eq!(SceneOptions::read(&text), Some(options), "{text}");
+        }
+        assert_eq!(SceneOptions::default().to_string(), "");
+        assert_eq!(SceneOptions::read("--of-a-later-version 3"), None);
+    }
+}
