@@ -16,12 +16,7 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-const RULES: Rules = Rules {
-    refractive_index: 1.0,
-    mirror_back: true,
-    losses: None,
-    angular_tolerance_rad: 0.0087,
-};
+const RULES: Rules = Rules::mirrors(1.0);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let bins = Bins::new(128, 2.0);

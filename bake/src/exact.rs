@@ -44,6 +44,12 @@ pub enum ExactError {
     /// An average over azimuths is an integral that no finite set of polygons gives.
     #[error("the exact mean over azimuths is a quadrature, within {MEAN_ERROR}")]
     MeanAzimuth,
+    /// Facets that are no mirrors of one normal each.
+    #[error("{option} leaves no plane mirrors, which the exact method needs")]
+    NoPlanes {
+        /// The option that asks for others.
+        option: String,
+    },
     /// The work grows faster than the number of facets.
     #[error(
         "the cell has {facets} planar facets and the exact method takes at most {limit}; give --method rays"

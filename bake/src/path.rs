@@ -2,6 +2,7 @@
 
 use crate::light::{Light, Surface};
 use crate::optics::{reflect, reflection, totally_reflected};
+use crate::plan::default;
 use crate::ray::{Direction, Ray};
 use crate::scene::{Event, Scene};
 use glam::{DMat3, DVec2, DVec3};
@@ -25,6 +26,17 @@ pub struct Rules {
 }
 
 impl Rules {
+    /// Mirrors that take nothing, behind a flat front face of that refractive index, and the usual tolerance: what rules name
+    /// beyond that is an option.
+    pub const fn mirrors(refractive_index: f64) -> Self {
+        Rules {
+            refractive_index,
+            mirror_back: true,
+            losses: None,
+            angular_tolerance_rad: default::ANGULAR_TOLERANCE_DEG.to_radians(),
+        }
+    }
+
     /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the normal.
     pub fn lets_through(&self, cosine: f64) -> bool {
         self.losses.is_none()

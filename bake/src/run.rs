@@ -1,7 +1,7 @@
 //! The bake itself: which method, its errors, the table. Prints nothing.
 
 use crate::exact::{self, ExactCell, ExactError};
-use crate::plan::{Effort, Method, Plan};
+use crate::plan::{Effort, Method, Plan, SceneOptions};
 use crate::provenance::provenance;
 use crate::ranks::{Alone, Ranks};
 use crate::saves::Saves;
@@ -86,8 +86,8 @@ pub enum RunError {
     },
 }
 
-/// Bakes `cell` as planned, by the method that the plan names; `auto` is the exact method where [`ExactCell::new`]
-/// takes the cell, else rays.
+/// Bakes `cell` as planned, by the method that the plan names; `auto` is the exact method where [`prepared`] takes
+/// the cell, else rays.
 ///
 /// # Errors
 /// As [`rays`]; [`RunError::Exact`] where the plan insists on the exact method and it does not take the cell.
@@ -122,9 +122,20 @@ pub fn bake_from(
     }
 }
 
+/// The cell as the exact method takes it under the options of a plan.
+///
+/// # Errors
+/// [`ExactError`]: why it does not.
+pub fn prepared(cell: &Cell, scene: &SceneOptions) -> Result<ExactCell, ExactError> {
+    match scene.no_planes() {
+        Some(option) => Err(ExactError::NoPlanes { option }),
+        None => ExactCell::new(cell),
+    }
+}
+
 /// The cell as the exact method takes it; `None` where rays are traced.
 fn exact_cell(cell: &Cell, plan: &Plan) -> Result<Option<ExactCell>, RunError> {
-    match (plan.method, ExactCell::new(cell)) {
+    match (plan.method, prepared(cell, &plan.scene)) {
         (Method::Rays, _) | (Method::Auto, Err(_)) => Ok(None),
         (_, Ok(_)) if plan.shard.is_some() => Err(RunError::ShardOfExact),
         (_, Ok(prepared)) => Ok(Some(prepared)),

@@ -18,10 +18,8 @@ use meshes::{Cell, Entrance};
 use std::sync::Arc;
 
 const MIRROR: Rules = Rules {
-    refractive_index: 1.0,
-    mirror_back: true,
-    losses: None,
     angular_tolerance_rad: 0.009,
+    ..Rules::mirrors(1.0)
 };
 
 /// A cube whose first edge is bent: dihedral errors of some mrad, six different maps.
@@ -42,7 +40,6 @@ fn program_equals_tracer_ray_for_ray() {
     let tir = Rules {
         refractive_index: 1.49,
         mirror_back: false,
-        losses: None,
         ..MIRROR
     };
     // Enough for a block that is traced cell by cell, and for what lies before and after it.
@@ -267,7 +264,6 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
     let tir = Rules {
         refractive_index: 1.49,
         mirror_back: false,
-        losses: None,
         ..MIRROR
     };
     let (first, rays) = ((1 << 15) - 5, 40_000u64);
@@ -443,7 +439,6 @@ fn packets_equal_single_rays_bit_for_bit() {
     let tir = Rules {
         refractive_index: 1.49,
         mirror_back: false,
-        losses: None,
         ..MIRROR
     };
     let mut compared = 0;

@@ -11,12 +11,7 @@ use glam::{DVec2, DVec3};
 use meshes::Cell;
 use tables::Fate;
 
-const MIRROR: Rules = Rules {
-    refractive_index: 1.0,
-    mirror_back: true,
-    losses: None,
-    angular_tolerance_rad: 0.0087,
-};
+const MIRROR: Rules = Rules::mirrors(1.0);
 
 /// Two numbers in (0, 1) and a third, as functions of the index.
 fn numbers(index: u64) -> [f64; 3] {

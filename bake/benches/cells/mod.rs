@@ -7,12 +7,7 @@ use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
 
 /// Mirrors behind a flat face of acrylic.
-pub const RULES: Rules = Rules {
-    refractive_index: 1.49,
-    mirror_back: true,
-    losses: None,
-    angular_tolerance_rad: 0.0087,
-};
+pub const RULES: Rules = Rules::mirrors(1.49);
 
 /// The ten directions of the default bake.
 pub const INCIDENCE_DEG: [f64; 10] = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];

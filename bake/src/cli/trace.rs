@@ -2,7 +2,6 @@
 
 use super::{CellArgs, Failure, print, warn};
 use crate::directions;
-use crate::exact::ExactCell;
 use crate::material;
 use crate::plan::{Back, Losses, Method, Plan, PlanError, Request, SceneOptions, default};
 use crate::progress::Progress;
@@ -364,7 +363,7 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
 
 /// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
 fn method_warning(args: &TraceArgs, cell: &Cell) -> Vec<String> {
-    let refusal = ExactCell::new(cell).err();
+    let refusal = run::prepared(cell, &args.scene).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
     match (args.method, refusal) {
         (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],

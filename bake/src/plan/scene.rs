@@ -22,6 +22,14 @@ pub struct SceneOptions {
 }
 
 impl SceneOptions {
+    /// The option that leaves no plane mirrors for the exact method, as typed.
+    pub fn no_planes(&self) -> Option<String> {
+        let of_rays = SceneOptions {
+            normals: self.normals,
+        };
+        Some(of_rays.to_string()).filter(|option| !option.is_empty())
+    }
+
     /// The options of `text`, as a table has them; `None` where this program does not know them.
     pub fn read(text: &str) -> Option<SceneOptions> {
         let words = std::iter::once("table").chain(text.split_whitespace());

@@ -19,12 +19,7 @@ impl Draw {
 
 /// Mirrors behind a front face of that index, the usual angular tolerance.
 pub fn rules(refractive_index: f64) -> Rules {
-    Rules {
-        refractive_index,
-        mirror_back: true,
-        losses: None,
-        angular_tolerance_rad: 0.5f64.to_radians(),
-    }
+    Rules::mirrors(refractive_index)
 }
 
 /// Three mutually perpendicular unit edges around +z; the first one's projection is +x.

@@ -334,7 +334,6 @@ fn means_over_azimuths_are_those_of_the_model() {
 fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
     let prism = Rules {
         mirror_back: false,
-        losses: None,
         ..rules(1.49)
     };
     let limit = (1.0 - 1.0 / (1.49f64 * 1.49)).sqrt();
@@ -377,7 +376,6 @@ fn total_internal_reflection_fails_where_it_should() {
         let mirror = rules(1.49);
         let prism = Rules {
             mirror_back: false,
-            losses: None,
             ..mirror
         };
         let inside = (incidence.to_radians().sin() / 1.49).asin();

@@ -57,12 +57,7 @@ fn one_ray() {
 fn the_last_samples() {
     let cube = cell(Shape::TriangularPair);
     let bins = Bins::new(32, 2.0);
-    let rules = Rules {
-        refractive_index: 1.0,
-        mirror_back: true,
-        losses: None,
-        angular_tolerance_rad: 0.0087,
-    };
+    let rules = Rules::mirrors(1.0);
     let scene = Arc::new(Scene::new(&cube, Index::Loop));
     let kernel = Kernel::new(
         &scene,

@@ -119,12 +119,7 @@ fn dihedral_errors() {
         };
         let bent = normalised(&design.mesh().expect("a design")).expect("a cell");
         let scene = Scene::new(&bent, Index::Loop);
-        let rules = Rules {
-            refractive_index: 1.0,
-            mirror_back: true,
-            losses: None,
-            angular_tolerance_rad: 0.5f64.to_radians(),
-        };
+        let rules = Rules::mirrors(1.0);
         let normal = Direction::new(0.0, 0.0, 1.0);
         let expected = 4.0 * (2.0f64 / 3.0).sqrt() * error * (1.0 - error / 2.0);
         let (mut worst, mut spots) = (0.0f64, Vec::<glam::DVec3>::new());

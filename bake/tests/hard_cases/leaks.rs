@@ -19,12 +19,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use tables::Fate;
 
-const MIRROR: Rules = Rules {
-    refractive_index: 1.0,
-    mirror_back: true,
-    losses: None,
-    angular_tolerance_rad: 0.0087,
-};
+const MIRROR: Rules = Rules::mirrors(1.0);
 
 /// Samples in one piece of work.
 const PIECE: u64 = 1 << 14;
