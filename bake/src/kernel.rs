@@ -5,7 +5,7 @@ use crate::bvh::Hierarchy;
 use crate::lanes::{self, LANES};
 use crate::launch::Launch;
 use crate::packet::{Packets, order};
-use crate::path::{Rules, trace};
+use crate::path::{Luck, Rules, trace};
 use crate::program::Program;
 use crate::ray::Direction;
 use crate::scene::Scene;
@@ -86,8 +86,8 @@ impl Kernel {
             .zip(entries)
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
         let programs: Option<Vec<Program>> = programs.collect();
-        // Photons end where their own chance says, so that each goes alone.
-        let alone = rules.losses.is_some();
+        // Photons end where their own chance says, and rough facets turn each its own way, so that each goes alone.
+        let alone = rules.losses.is_some() || rules.roughness.is_some();
         Kernel {
             programs: programs.filter(|_| !alone).unwrap_or_default(),
             instructions: InstructionSet::best(),
@@ -189,8 +189,12 @@ impl Kernel {
                 Some(_) => self.launch.chance(stream, index),
                 None => 0.5,
             };
+            let luck = Luck {
+                chance,
+                sample: (*stream, index),
+            };
             let scene = &self.scenes[scene];
-            let outcome = trace(scene, &self.rules, &direction, point, chance);
+            let outcome = trace(scene, &self.rules, &direction, point, luck);
             tally.count(&self.bins, &outcome);
         }
     }

@@ -30,6 +30,7 @@ pub mod ranks;
 pub mod ray;
 pub mod report;
 pub mod retrace;
+pub mod roughness;
 pub mod run;
 pub mod saves;
 pub mod scene;

@@ -4,7 +4,9 @@ use crate::light::{Light, Surface};
 use crate::optics::{reflect, reflection, totally_reflected};
 use crate::plan::default;
 use crate::ray::{Direction, Ray};
+use crate::roughness::Roughness;
 use crate::scene::{Event, Scene};
+use crate::sequence::{Sampler, Stream};
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 
@@ -23,6 +25,8 @@ pub struct Rules {
     pub losses: Option<Surface>,
     /// Largest angle of the rotation -M, M the path's linear map, that counts as retroreflected, rad.
     pub angular_tolerance_rad: f64,
+    /// How rough facets are; `None` where they are smooth.
+    pub roughness: Option<Roughness>,
 }
 
 impl Rules {
@@ -34,6 +38,7 @@ impl Rules {
             mirror_back: true,
             losses: None,
             angular_tolerance_rad: default::ANGULAR_TOLERANCE_DEG.to_radians(),
+            roughness: None,
         }
     }
 
@@ -145,6 +150,25 @@ impl Course {
     }
 }
 
+/// What chance decides on the way of one ray.
+#[derive(Debug, Clone, Copy)]
+pub struct Luck {
+    /// In (0, 1): how far it comes where the rules have losses. Of evenly spread chances as many come back as power does, so
+    /// that a tally of photons has whole numbers.
+    pub chance: f64,
+    /// Stream and index of the sample, which draw the normals of rough facets.
+    pub sample: (Stream, u64),
+}
+
+/// A chance alone, for smooth facets.
+impl From<f64> for Luck {
+    fn from(chance: f64) -> Self {
+        let stream = Stream::new(Sampler::Random, 0, 0.0, 0.0, 0);
+        let sample = (stream, 0);
+        Luck { chance, sample }
+    }
+}
+
 /// A photon of unpolarised light: it goes on as long as the power that a beam would have left exceeds its `chance`.
 struct Photon {
     light: Light,
@@ -170,6 +194,7 @@ struct Path {
     course: Course,
     prism: [i32; 2],
     photon: Option<Photon>,
+    sample: (Stream, u64),
 }
 
 impl Path {
@@ -185,7 +210,19 @@ impl Path {
                 ..
             } => {
                 let before = self.course.direction;
+                let facet = normal;
+                let normal = match rules.roughness {
+                    Some(roughness) if front => {
+                        let (stream, index) = &self.sample;
+                        let at = stream.at_bounce(*index, self.course.bounces);
+                        roughness.normal(facet, before, at)
+                    }
+                    _ => facet,
+                };
                 self.course = self.course.past(normal, front, rules)?;
+                if rules.roughness.is_some() && self.course.direction.dot(facet) <= 0.0 {
+                    return Err(Fate::Absorbed);
+                }
                 if let Some(photon) = &mut self.photon {
                     let (surface, index) = (photon.surface, rules.refractive_index);
                     photon.light = photon.light.reflected(before, normal, &surface, index);
@@ -211,16 +248,16 @@ impl Path {
     }
 }
 
-/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`. Where
-/// the rules have losses, `chance` in (0, 1) decides how far it comes: of evenly spread chances as many come back as power
-/// does, so that a tally of photons has whole numbers. Without losses it says nothing.
+/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`. `luck`
+/// says nothing where the rules have neither losses nor roughness.
 pub fn trace(
     scene: &Scene,
     rules: &Rules,
     direction: &Direction,
     point: DVec2,
-    chance: f64,
+    luck: impl Into<Luck>,
 ) -> Outcome {
+    let Luck { chance, sample } = luck.into();
     let mut path = Path {
         ray: scene.enter(point, direction.travel),
         course: Course::new(direction),
@@ -230,6 +267,7 @@ pub fn trace(
             surface,
             chance,
         }),
+        sample,
     };
     let entered = path.photon.as_ref().map_or(Ok(()), |photon| {
         photon.survive(photon.light.power(), Fate::Absorbed)

@@ -333,6 +333,7 @@ impl Plan {
             mirror_back: self.back == Back::Mirror,
             losses: self.losses,
             angular_tolerance_rad: self.angular_tolerance_deg.to_radians(),
+            roughness: self.scene.roughness,
         }
     }
 
@@ -354,6 +355,18 @@ impl Plan {
                  --refractive-index"
                     .into(),
             );
+        }
+        let tolerance_deg = self.angular_tolerance_deg;
+        let beyond = self
+            .scene
+            .roughness
+            .map_or(0.0, |rough| rough.part_beyond(tolerance_deg.to_radians()));
+        if beyond > 0.01 {
+            warnings.push(format!(
+                "--roughness turns about {:.0} % of what three facets send back by more than --angular-tolerance {tolerance_deg} \
+                 deg: it counts as deviated, not as retroreflected",
+                100.0 * beyond
+            ));
         }
         if let Err(reason @ (Whole::Connected | Whole::Unlike)) = bodies::kinds(cell) {
             warnings.push(format!(

@@ -109,6 +109,13 @@ impl Stream {
         }
     }
 
+    /// Two random numbers for reflection number `bounce`, below 64, of ray `index`, below 2^48, whatever the sampler: its counter
+    /// has their own bits for the number.
+    pub fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 2] {
+        let [low, high] = self.counter(index);
+        philox_one([low, high ^ ((bounce + 1) << 24)], self.keys[0])
+    }
+
     /// Two more random numbers for point `index`: the top bit of the counter is free (an index stays below 2^62).
     #[inline]
     fn second_block(&self, index: u64) -> [u32; 2] {

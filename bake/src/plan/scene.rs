@@ -1,5 +1,6 @@
 //! Options that a scene names only where it has what they are for. Each costs nothing where it is left out.
 
+use crate::roughness::Roughness;
 use clap::{Args, Parser};
 use std::fmt;
 
@@ -19,6 +20,10 @@ pub struct SceneOptions {
     /// Which normals facets reflect about
     #[arg(long, value_enum, default_value_t = Normals::Facets)]
     pub normals: Normals,
+    /// Roughness of the facets, whose normals are drawn at each reflection: alpha of Beckmann's slopes (sqrt 2 times their rms)
+    /// or ggx:ALPHA
+    #[arg(long, value_name = "ALPHA", allow_negative_numbers = true)]
+    pub roughness: Option<Roughness>,
 }
 
 impl SceneOptions {
@@ -26,6 +31,7 @@ impl SceneOptions {
     pub fn no_planes(&self) -> Option<String> {
         let of_rays = SceneOptions {
             normals: self.normals,
+            roughness: self.roughness,
         };
         Some(of_rays.to_string()).filter(|option| !option.is_empty())
     }
@@ -50,6 +56,9 @@ impl fmt::Display for SceneOptions {
         if self.normals == Normals::File {
             named.push("--normals file".to_owned());
         }
+        if let Some(roughness) = self.roughness {
+            named.push(format!("--roughness {roughness}"));
+        }
         f.write_str(&named.join(" "))
     }
 }
@@ -57,6 +66,7 @@ impl fmt::Display for SceneOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::roughness::Slopes;
 
     #[test]
     fn what_a_table_says_is_read_back() {
@@ -64,6 +74,15 @@ mod tests {
             SceneOptions::default(),
             SceneOptions {
                 normals: Normals::File,
+                ..SceneOptions::default()
+            },
+            SceneOptions {
+                roughness: Roughness::new(Slopes::Beckmann, 0.001).ok(),
+                ..SceneOptions::default()
+            },
+            SceneOptions {
+                roughness: Roughness::new(Slopes::Ggx, 1.0 / 3.0).ok(),
+                ..SceneOptions::default()
             },
         ];
         for options in cases {
