@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kuva::prelude::*;
 
-use crate::predict::{Axis, Prediction};
+use crate::predict::{Around, Axis, Prediction};
 use crate::report::ResultFile;
 
 /// Why a picture cannot be drawn.
@@ -209,6 +209,8 @@ pub enum Variable {
     Azimuth,
     /// Floating distance
     Distance,
+    /// Direction of contrast, all around, as polar curves
+    Direction,
 }
 
 impl Variable {
@@ -218,6 +220,7 @@ impl Variable {
             Variable::Incidence => Some(p.incidence_deg),
             Variable::Azimuth => p.azimuth_deg,
             Variable::Distance => Some(p.distance_mm),
+            Variable::Direction => None,
         }
     }
 
@@ -228,6 +231,7 @@ impl Variable {
             Variable::Incidence => format!("incidence {value}°"),
             Variable::Azimuth => format!("azimuth {value}°"),
             Variable::Distance => format!("{value} mm"),
+            Variable::Direction => return None,
         })
     }
 }
@@ -290,6 +294,7 @@ pub fn against(
             Variable::Incidence => "incidence (°)",
             Variable::Azimuth => "azimuth (°)",
             Variable::Distance => "floating distance (mm)",
+            Variable::Direction => "direction (°)",
         };
         let layout = Layout::auto_from_plots(&plots)
             .with_title(name)
@@ -302,6 +307,49 @@ pub fn against(
         layouts.push(layout);
     }
     draw(panels, layouts, "MTF of the mid-air image", path)
+}
+
+/// Predicted MTF at each frequency over the direction of contrast: a polar panel per place, 0° (tangential) to the right, 90°
+/// (sagittal) up. A circle is a blur that is alike in all directions.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn around(all: &[Around], frequency_per_mm: &[f64], path: &Path) -> Result<Vec<u8>, Error> {
+    let last = frequency_per_mm.len().max(2) - 1;
+    let panel = |place: &Around| {
+        let polar = PolarPlot::new()
+            .with_theta_start(90.0)
+            .with_clockwise(false)
+            .with_r_max(1.0)
+            .with_r_grid_lines(2)
+            .with_legend(true);
+        let curves = place.mtf.iter().zip(frequency_per_mm).enumerate();
+        let polar = curves.fold(polar, |polar, (k, (mtf, frequency))| {
+            let name = format!("{frequency} /mm");
+            let (r, theta) = (mtf.iter().copied(), place.direction_deg.iter().copied());
+            polar
+                .with_series_labeled(r, theta, name, PolarMode::Line)
+                .with_color(ramp(k as f64 / last as f64))
+        });
+        vec![Plot::Polar(polar)]
+    };
+    let panels: Vec<Vec<Plot>> = all.iter().map(panel).collect();
+    let layout = |(plots, place): (&Vec<Plot>, &Around)| {
+        let azimuth = place
+            .azimuth_deg
+            .map_or(String::new(), |a| format!(", azimuth {a}°"));
+        let (distance, incidence) = (place.distance_mm, place.incidence_deg);
+        let returns = if place.mtf.is_empty() {
+            ": nothing returns"
+        } else {
+            ""
+        };
+        let title = format!("{distance} mm, incidence {incidence}°{azimuth}{returns}");
+        Layout::auto_from_plots(plots).with_title(title)
+    };
+    let layouts = panels.iter().zip(all).map(layout).collect();
+    let title = "MTF by direction of contrast: 0° tangential, 90° sagittal";
+    draw(panels, layouts, title, path)
 }
 
 /// A colour from blue (0) to red (1).

@@ -1,7 +1,7 @@
 //! What a fitted sheet would show: MTF curves and luminance at other distances and directions.
 
 use serde::Serialize;
-use tables::Table;
+use tables::{Direction, Table};
 
 use crate::baseline::Baseline;
 use crate::kernel::Kernel;
@@ -69,6 +69,78 @@ pub struct Places {
     pub frequency_per_mm: Vec<f64>,
 }
 
+/// The MTF at one place over the direction of contrast in the image.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Around {
+    /// Floating distance (optical path), mm.
+    pub distance_mm: f64,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees; null for a mean table.
+    pub azimuth_deg: Option<f64>,
+    /// Directions of contrast, degrees: 0 is tangential, 90 sagittal; opposite ones are alike.
+    pub direction_deg: Vec<f64>,
+    /// `[frequency][direction]`; empty where nothing returns.
+    pub mtf: Vec<Vec<f64>>,
+}
+
+/// What is seen of the sheet along one direction of incidence.
+struct Seen<'a> {
+    result: &'a ResultFile,
+    table: &'a Table,
+    sheet: &'a Fitted<'a>,
+    incidence_deg: f64,
+    direction: Direction,
+    frequency_per_mm: &'a [f64],
+}
+
+impl<'a> Seen<'a> {
+    fn new(
+        sheet: &'a Fitted<'a>,
+        (result, table): (&'a ResultFile, &'a Table),
+        places: &'a Places,
+        incidence_deg: f64,
+    ) -> Result<Self, Error> {
+        Ok(Seen {
+            result,
+            table,
+            sheet,
+            incidence_deg,
+            direction: table.direction(incidence_deg, places.azimuth_deg)?,
+            frequency_per_mm: &places.frequency_per_mm,
+        })
+    }
+
+    /// The MTF at each distance of contrast along `normal`; none where nothing returns.
+    fn mtf(&self, normal: [f64; 2], distance_mm: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        let (result, direction) = (self.result, &self.direction);
+        let incidence = self.incidence_deg.to_radians();
+        if self.sheet.returned(self.incidence_deg, direction.eta) <= 0.0 {
+            return Ok(vec![Vec::new(); distance_mm.len()]);
+        }
+        let blur = self.sheet.blur(self.incidence_deg)?;
+        let shift = ShiftLine::new(direction, incidence, normal);
+        let waves = (result.kernel == Kernel::Wave && shift.is_some())
+            .then(|| WaveLine::new(direction, incidence, normal, result.wavelength_nm.as_ref()))
+            .transpose()?;
+        let index = self.table.provenance.refractive_index;
+        let at = |&r_mm: &f64| {
+            let model = Model {
+                kernel: result.kernel,
+                shape: result.lobe.unwrap_or(Shape::Radial),
+                shift: shift.as_ref(),
+                wave: waves.as_ref(),
+                baseline: Baseline::new(result.kernel, incidence, index, normal),
+                r_mm,
+                normal,
+            };
+            let mtf = |&f: &f64| model.otf(blur, f)[0].norm();
+            self.frequency_per_mm.iter().map(mtf).collect()
+        };
+        Ok(distance_mm.iter().map(at).collect())
+    }
+}
+
 /// Predicts MTF and luminance at every distance and incidence, along both axes. Parameters fitted per angle are
 /// interpolated linearly in the incidence and held constant beyond the fitted angles.
 ///
@@ -82,53 +154,63 @@ pub fn predict(
     let sheet = Fitted::new(result, table)?;
     let mut predictions = Vec::new();
     for &incidence_deg in &places.incidence_deg {
-        let direction = table.direction(incidence_deg, places.azimuth_deg)?;
-        let blur = sheet.blur(incidence_deg)?;
-        for &distance_mm in &places.distance_mm {
-            for axis in [Axis::Tangential, Axis::Sagittal] {
-                let normal = axis.normal();
-                let shift = ShiftLine::new(&direction, incidence_deg.to_radians(), normal);
-                let waves = (result.kernel == Kernel::Wave && shift.is_some())
-                    .then(|| {
-                        let spectrum = result.wavelength_nm.as_ref();
-                        WaveLine::new(&direction, incidence_deg.to_radians(), normal, spectrum)
-                    })
-                    .transpose()?;
-                let index = table.provenance.refractive_index;
-                let incidence = incidence_deg.to_radians();
-                let model = Model {
-                    kernel: result.kernel,
-                    shape: result.lobe.unwrap_or(Shape::Radial),
-                    shift: shift.as_ref(),
-                    wave: waves.as_ref(),
-                    baseline: Baseline::new(result.kernel, incidence, index, normal),
-                    r_mm: distance_mm,
-                    normal,
-                };
-                let mtf_at = |f: f64| model.otf(blur, f)[0].norm();
-                let returns = sheet.returned(incidence_deg, direction.eta) > 0.0;
-                let mtf: Vec<f64> = if returns {
-                    places.frequency_per_mm.iter().map(|&f| mtf_at(f)).collect()
-                } else {
-                    Vec::new()
-                };
+        let seen = Seen::new(&sheet, (result, table), places, incidence_deg)?;
+        let axes = [Axis::Tangential, Axis::Sagittal];
+        let [tangential, sagittal] = axes.map(|axis| seen.mtf(axis.normal(), &places.distance_mm));
+        let curves = tangential?.into_iter().zip(sagittal?);
+        let eta = seen.direction.eta;
+        for (&distance_mm, curves) in places.distance_mm.iter().zip(curves) {
+            for (axis, mtf) in axes.into_iter().zip(<[_; 2]>::from(curves)) {
                 predictions.push(Prediction {
                     distance_mm,
                     incidence_deg,
                     azimuth_deg: places.azimuth_deg,
                     axis,
-                    eta: direction.eta,
-                    interpolated: direction.interpolated,
-                    luminance: sheet.luminance(incidence_deg, direction.eta),
-                    mtf50_per_mm: if returns {
-                        crate::sfr::crossing(&places.frequency_per_mm, &mtf, 0.5)
-                    } else {
-                        None
-                    },
+                    eta,
+                    interpolated: seen.direction.interpolated,
+                    luminance: sheet.luminance(incidence_deg, eta),
+                    mtf50_per_mm: (!mtf.is_empty())
+                        .then(|| crate::sfr::crossing(&places.frequency_per_mm, &mtf, 0.5))
+                        .flatten(),
                     mtf,
                 });
             }
         }
     }
     Ok(predictions)
+}
+
+/// Directions of contrast between tangential and back, for [`around`].
+const DIRECTIONS: usize = 36;
+
+/// Predicts the MTF over all directions of contrast, every 5 degrees, at every distance and incidence: its anisotropy.
+///
+/// # Errors
+/// As [`predict`].
+pub fn around(result: &ResultFile, table: &Table, places: &Places) -> Result<Vec<Around>, Error> {
+    let sheet = Fitted::new(result, table)?;
+    let step = 180.0 / DIRECTIONS as f64;
+    let mut all = Vec::new();
+    for &incidence_deg in &places.incidence_deg {
+        let seen = Seen::new(&sheet, (result, table), places, incidence_deg)?;
+        let along = (0..DIRECTIONS).map(|k| {
+            let (sagittal, tangential) = (k as f64 * step).to_radians().sin_cos();
+            seen.mtf([tangential, sagittal], &places.distance_mm)
+        });
+        let along = along.collect::<Result<Vec<_>, _>>()?;
+        for (place, &distance_mm) in places.distance_mm.iter().enumerate() {
+            // The modulus of a real image's spectrum is even: the other half turn repeats the first.
+            let circle = |k: usize| (0..=2 * DIRECTIONS).map(move |d| (d % DIRECTIONS, k));
+            let curve = |k| circle(k).map(|(d, k)| along[d][place][k]).collect();
+            let frequencies = along[0][place].len();
+            all.push(Around {
+                distance_mm,
+                incidence_deg,
+                azimuth_deg: places.azimuth_deg,
+                direction_deg: (0..=2 * DIRECTIONS).map(|d| d as f64 * step).collect(),
+                mtf: (0..frequencies).map(curve).collect(),
+            });
+        }
+    }
+    Ok(all)
 }

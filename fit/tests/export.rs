@@ -5,7 +5,7 @@ use fit::export::{Form, Nearest, nearest};
 use fit::kernel::Kernel;
 use fit::lobe::Shape;
 use fit::plot::{self, Variable};
-use fit::predict::{Places, predict};
+use fit::predict::{Places, around, predict};
 use fit::report::{ResultFile, TableResult};
 use serde_json::{Value, json};
 use tables::Table;
@@ -181,4 +181,59 @@ fn curves_against_a_variable_are_named_by_what_else_varies() {
         assert_eq!(text.matches(&format!(">{name}<")).count(), 2, "{name}");
     }
     assert!(!by_incidence.contains("azimuth 20"), "it does not vary");
+}
+
+/// Along the axes, what is predicted all around is what is predicted there; opposite directions are alike; the picture has a
+/// curve for each frequency in a panel for each place.
+#[test]
+fn all_around_is_the_axes_and_between() {
+    let table = table();
+    let own = result(
+        &table,
+        json!({ "kernel": "eq1", "lobe": "radial", "c_mm": { "value": 0.3, "standard_error": 0.0 },
+            "a_per_mm": { "value": 9.0, "standard_error": 0.0 } }),
+    );
+    let places = Places {
+        distance_mm: vec![150.0, 300.0],
+        incidence_deg: vec![10.0, 30.0],
+        azimuth_deg: Some(20.0),
+        frequency_per_mm: vec![0.5, 1.0, 2.0],
+    };
+    let axes = predict(&own, &table, &places).expect("light returns");
+    let all = around(&own, &table, &places).expect("light returns");
+    let mut cases = 0;
+    for (place, axes) in all.iter().zip(axes.chunks(2)) {
+        assert_eq!(
+            (place.distance_mm, place.incidence_deg),
+            (axes[0].distance_mm, axes[0].incidence_deg)
+        );
+        assert_eq!(place.direction_deg.len(), 73);
+        for (k, curve) in place.mtf.iter().enumerate() {
+            for (direction, axis) in [(0, 0), (18, 1), (36, 0), (54, 1), (72, 0)] {
+                assert_eq!(
+                    place.direction_deg[direction],
+                    90.0 * f64::from(direction as u8 / 18)
+                );
+                // The cosine of 90 degrees is 6e-17, not 0; nothing else differs.
+                let off = (curve[direction] - axes[axis].mtf[k]).abs();
+                assert!(off < 1e-12, "{off:e}");
+                cases += 1;
+            }
+            let (low, high) = curve
+                .iter()
+                .fold((1.0f64, 0.0f64), |(l, h), &m| (l.min(m), h.max(m)));
+            assert!(
+                high - low > 1e-3,
+                "the shift is not alike in all directions"
+            );
+        }
+    }
+    assert_eq!(cases, 4 * 3 * 5);
+    let file = std::path::Path::new("polar.svg");
+    let picture = plot::around(&all, &places.frequency_per_mm, file).expect("it is drawn");
+    let picture = String::from_utf8(picture).expect("SVG is text");
+    for name in [">0.5 /mm<", ">1 /mm<", ">2 /mm<"] {
+        assert_eq!(picture.matches(name).count(), 4, "{name}");
+    }
+    assert!(picture.contains("300 mm, incidence 30°, azimuth 20°"));
 }

@@ -380,6 +380,20 @@ fn options() {
         estimate("--kernel", "eq2", "--kernel"),
         estimate("--lobe", "round", "--lobe"),
         estimate("--per-angle", "c", "--per-angle"),
+        (
+            "fit",
+            vec![
+                "estimate",
+                &manifest,
+                "--table",
+                &table,
+                "--fit-azimuth",
+                "-o",
+                "OUT",
+            ],
+            1,
+            "bake trace --azimuth full",
+        ),
         estimate("--threads", "0", "--threads"),
         (
             "fit",

@@ -34,6 +34,7 @@ pub fn symbol(key: &str) -> (&'static str, &'static str, &'static str) {
         "c_mm" => ("c", "corner size", "mm"),
         "a_times_r" => ("a\u{a0}R", "diffraction spread times distance", ""),
         "roughness" => ("\u{3b1}", "roughness", ""),
+        "azimuth_deg" => ("\u{3c6}", "azimuth of the sheet", "\u{b0}"),
         "surface_roughness" => ("\u{3b1}\u{2080}", "roughness of the front", ""),
         "mu" => ("\u{b5}", "reflectance", ""),
         _ => ("a", "diffraction spread", "1/mm"),
@@ -99,6 +100,7 @@ pub fn section(page: &Page) -> String {
     let a = result.a_per_mm.clone().or_else(|| absent("a_per_mm"));
     let front = result.surface_roughness.map(Parameter::Shared);
     let front = front.or_else(|| absent("surface_roughness"));
+    let azimuth = result.azimuth_deg.map(Parameter::Shared);
     let all: Vec<Shown> = [
         ("c_mm", c.as_ref()),
         ("a_per_mm", a.as_ref()),
@@ -106,6 +108,7 @@ pub fn section(page: &Page) -> String {
         ("roughness", result.roughness.as_ref()),
         ("surface_roughness", front.as_ref()),
         ("mu", result.mu.as_ref()),
+        ("azimuth_deg", azimuth.as_ref()),
     ]
     .into_iter()
     .filter_map(|(key, parameter)| Some(shown(page, key, parameter?)))

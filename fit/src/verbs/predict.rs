@@ -9,7 +9,7 @@ use tables::Outputs;
 use crate::cli::{self, Failure};
 use crate::kernel::{Family, Kernel};
 use crate::plot::{self, Variable};
-use crate::predict::{Axis, Places, Prediction, predict};
+use crate::predict::{Around, Axis, Places, Prediction, around, predict};
 use crate::verbs::estimate::{check_model, read_channel};
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
@@ -23,7 +23,9 @@ Examples:
   fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 --azimuth 30
   fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot mtf.svg --json
   fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 --frequency 0.5,1,2 --against incidence \
-    --plot against.svg -o against.csv")]
+    --plot against.svg -o against.csv
+  fit predict result.json --table pair.h5 --distance 150 --incidence 20 --frequency 0.5,1,2 --against direction \
+    --plot polar.svg --json -o polar.json")]
 pub struct Arguments {
     /// What `fit estimate -o` wrote
     pub result: PathBuf,
@@ -51,7 +53,8 @@ pub struct Arguments {
     /// One JSON object instead of CSV
     #[arg(long)]
     pub json: bool,
-    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves
+    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves; direction draws a polar picture for
+    /// every place, and adds its curves to the JSON ("around")
     #[arg(long, value_enum, requires = "plot")]
     pub against: Option<Variable>,
     /// The MTF curves as a picture, .svg or .png
@@ -70,6 +73,8 @@ struct Report<'a> {
     kernel: Kernel,
     frequency_per_mm: &'a [f64],
     predictions: &'a [Prediction],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    around: Vec<Around>,
 }
 
 /// Runs the verb.
@@ -97,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         azimuth_deg: cli::only_azimuth(&table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
-    let mut predictions = Vec::new();
+    let (mut predictions, mut polar) = (Vec::new(), Vec::new());
     let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
     let azimuths: Vec<Option<f64>> = azimuths.collect();
     let own = [places.azimuth_deg];
@@ -108,6 +113,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } {
         places.azimuth_deg = azimuth_deg;
         predictions.extend(predict(&result, &table, &places)?);
+        if arguments.against == Some(Variable::Direction) {
+            polar.extend(around(&result, &table, &places)?);
+        }
     }
     if arguments.azimuth.is_some() && table.axes.is_mean() {
         cli::warn("the table is a mean over azimuths: --azimuth has no effect");
@@ -127,6 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some((path, output)) = picture {
         let frequencies = &places.frequency_per_mm;
         output.commit(&match arguments.against {
+            Some(Variable::Direction) => plot::around(&polar, frequencies, path)?,
             Some(variable) => plot::against(&predictions, frequencies, variable, path)?,
             None => plot::predicted(&predictions, frequencies, path)?,
         })?;
@@ -136,6 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             kernel: result.kernel,
             frequency_per_mm: &places.frequency_per_mm,
             predictions: &predictions,
+            around: polar,
         })
     } else {
         csv(&predictions, &places.frequency_per_mm)
