@@ -501,6 +501,6 @@ fn options() {
     for (program, arguments, code, part) in cases {
         bench.refuses(&here, program, &arguments, code, &[part]);
     }
-    assert_eq!(count, 60);
+    assert_eq!(count, 61);
     bench.all_refused(count);
 }
