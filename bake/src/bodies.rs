@@ -56,6 +56,9 @@ pub enum Whole {
     /// It is one.
     #[error("the cell has few facets")]
     Small,
+    /// Its facets stand for curved faces.
+    #[error("its faces are curved")]
+    Curved,
     /// Its neighbours are what the lattice says.
     #[error("the cell is periodic")]
     Periodic,
@@ -82,6 +85,9 @@ type Vertex = usize;
 /// # Errors
 /// [`Whole`]: why it is not taken apart.
 pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
+    if cell.normals.is_some() {
+        return Err(Whole::Curved);
+    }
     if cell.entrance.lattice.is_some() {
         return Err(Whole::Periodic);
     }

@@ -7,6 +7,7 @@ mod trace;
 
 use failure::Failure;
 
+use crate::plan::Normals;
 use crate::ranks::{self, Launched};
 use crate::{inspect, plot, report};
 use clap::{Args, Parser, Subcommand};
@@ -35,20 +36,23 @@ struct Cli {
 enum Verb {
     /// Writes the mesh of a parametric corner-cube cell
     #[command(
-        after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide\n  \
+        after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide; one whose faces bulge by 1e-4 of \
+        an edge\n  \
         bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
-        bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0"
+        bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0\n  \
+        bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20"
     )]
     Design(DesignArgs),
     /// Traces a mesh into a ray-shift table
     #[command(after_help = "\
 Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; with aluminium backs and all losses, a table a colour; \
-with rough facets
+with rough facets; curved faces by the file's normals
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10
   bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full --direction-tolerance 0.005
   bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
-  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 --roughness 0.001")]
+  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 --roughness 0.001
+  bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000")]
     Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
     #[command(
@@ -111,6 +115,12 @@ struct DesignArgs {
     /// Angle between the sheet's normal and the cube's axis, degrees (design canted)
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     cant_deg: Option<f64>,
+    /// How far the middle of each face bulges towards the light, edge lengths; its normals are written too
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sag: Option<f64>,
+    /// Facets along each edge of a face [default: 1; with --sag 40]
+    #[arg(long, value_name = "N")]
+    segments: Option<u32>,
 }
 
 /// What a user says about a cell instead of the mesh file.
@@ -239,6 +249,12 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
     if let Some(cant_deg) = args.cant_deg {
         design.cant_rad = cant_deg.to_radians();
     }
+    if let Some(sag) = args.sag {
+        (design.sag, design.segments) = (sag, 40);
+    }
+    if let Some(segments) = args.segments {
+        design.segments = segments;
+    }
     let mesh = design.mesh().map_err(Failure::Design)?;
     let bytes = match extension(output).as_str() {
         "obj" => meshes::write::obj(&mesh).into_bytes(),
@@ -249,8 +265,8 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
 }
 
 impl CellArgs {
-    /// The cell of `mesh`.
-    fn load(&self, mesh: &Path) -> Result<Cell, Failure> {
+    /// The cell of `mesh`, whose facets have the normals named.
+    fn load(&self, mesh: &Path, normals: Normals) -> Result<Cell, Failure> {
         let lattice = self
             .lattice
             .as_deref()
@@ -265,6 +281,7 @@ impl CellArgs {
             lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
             azimuth_zero: azimuth_zero.map(DVec3::from_array),
             edge_length: self.edge_length,
+            file_normals: normals == Normals::File,
         };
         Ok(meshes::load_cell(mesh, &options)?)
     }

@@ -94,8 +94,13 @@ impl ExactCell {
     /// facets.
     ///
     /// # Errors
-    /// [`ExactError::TooManyFacets`].
+    /// [`ExactError::TooManyFacets`], [`ExactError::NoPlanes`].
     pub fn new(cell: &Cell) -> Result<Self, ExactError> {
+        if cell.normals.is_some() {
+            return Err(ExactError::NoPlanes {
+                option: "--normals file".into(),
+            });
+        }
         let bodies: Vec<Body> = match bodies::kinds(cell) {
             Ok(kinds) => {
                 let most = kinds.iter().map(|kind| kind.places.len()).max();

@@ -86,8 +86,10 @@ impl Kernel {
             .zip(entries)
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
         let programs: Option<Vec<Program>> = programs.collect();
-        // Photons end where their own chance says, and rough facets turn each its own way, so that each goes alone.
-        let alone = rules.losses.is_some() || rules.roughness.is_some();
+        // Photons end where their own chance says, rough facets turn each its own way, and on curved faces rays part: each goes
+        // alone.
+        let curved = scenes.iter().any(|scene| scene.is_curved());
+        let alone = rules.losses.is_some() || rules.roughness.is_some() || curved;
         Kernel {
             programs: programs.filter(|_| !alone).unwrap_or_default(),
             instructions: InstructionSet::best(),

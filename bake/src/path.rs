@@ -205,22 +205,24 @@ impl Path {
             Event::Hit {
                 arrival,
                 normal,
+                front_normal,
                 front,
                 prism,
                 ..
             } => {
                 let before = self.course.direction;
-                let facet = normal;
                 let normal = match rules.roughness {
-                    Some(roughness) if front => {
+                    // Light from behind the curved face that a facet stands for ends below.
+                    Some(roughness) if front && before.dot(normal) < 0.0 => {
                         let (stream, index) = &self.sample;
                         let at = stream.at_bounce(*index, self.course.bounces);
-                        roughness.normal(facet, before, at)
+                        roughness.normal(normal, before, at)
                     }
-                    _ => facet,
+                    _ => normal,
                 };
                 self.course = self.course.past(normal, front, rules)?;
-                if rules.roughness.is_some() && self.course.direction.dot(facet) <= 0.0 {
+                // Off rough facets, and off those that stand for a curved face, light may be sent behind its facet.
+                if self.course.direction.dot(front_normal) <= 0.0 {
                     return Err(Fate::Absorbed);
                 }
                 if let Some(photon) = &mut self.photon {

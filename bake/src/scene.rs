@@ -6,9 +6,9 @@
 
 use crate::bvh::Hierarchy;
 use crate::ray::Ray;
-use crate::triangle::Facet;
+use crate::triangle::{self, Facet};
 use glam::{DMat2, DVec2, DVec3};
-use meshes::{Cell, Entrance};
+use meshes::{Cell, Entrance, Normals};
 
 /// From this number of facets on, the hierarchy is faster than a loop over all, and a cell is worth taking apart. Ray
 /// by ray, measured by `examples/speed.rs`, million rays/s on 1 thread: 6 facets 2.9 against 5.0, 24 facets 2.6 against
@@ -23,6 +23,8 @@ const PRISM_LIMIT: u32 = 1_000_000;
 pub struct Scene {
     /// Facets; of a periodic cell every copy that overlaps the prism of the lattice parallelogram.
     facets: Vec<Facet>,
+    /// Those at their corners, where facets stand for curved faces.
+    normals: Option<Normals>,
     hierarchy: Option<Hierarchy>,
     walls: Option<Walls>,
     /// Height of the entrance plane over the apex, edge lengths.
@@ -101,8 +103,10 @@ pub enum Event {
         distance: f64,
         /// The hit in the prism of the first cell, with the error bound of its position; direction as before.
         arrival: Ray,
-        /// Unit normal of the facet's front.
+        /// Unit normal about which light is reflected, within 90 degrees of `front_normal`.
         normal: DVec3,
+        /// Unit normal of the facet's front: the same unless the facet stands for a curved face.
+        front_normal: DVec3,
         /// Whether it is met from the front.
         front: bool,
         /// Prism of the hit, relative to that of the ray's origin, in lattice vectors.
@@ -117,11 +121,20 @@ pub enum Event {
 impl Scene {
     /// The scene of a cell.
     pub fn new(cell: &Cell, index: Index) -> Self {
-        Scene::of(&cell.facets, &cell.entrance, index)
+        Scene::with(&cell.facets, cell.normals.as_ref(), &cell.entrance, index)
     }
 
-    /// The scene of `facets` under `entrance`. Facets of zero area are left out: no ray can meet them.
+    /// The scene of planar `facets` under `entrance`. Facets of zero area are left out: no ray can meet them.
     pub fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
+        Scene::with(facets, None, entrance, index)
+    }
+
+    fn with(
+        facets: &[[DVec3; 3]],
+        normals: Option<&Normals>,
+        entrance: &Entrance,
+        index: Index,
+    ) -> Self {
         let own: Vec<Facet> = facets
             .iter()
             .filter_map(|&corners| Facet::new(corners))
@@ -131,10 +144,24 @@ impl Scene {
             lattice_from_plane: DMat2::from_cols(lattice[0], lattice[1]).inverse(),
             corner: entrance.polygon.first().copied().unwrap_or(DVec2::ZERO),
         });
+        // Of facets with an area, in turn.
+        let mut corners = normals.map(|normals| {
+            let drawn = facets.iter().zip(&normals.corners);
+            let drawn = drawn.filter(|(facet, _)| triangle::normal(*facet).is_some());
+            drawn.map(|(_, &corners)| corners).collect::<Vec<_>>()
+        });
         let facets = match &walls {
             None => own,
-            Some(walls) => walls.copies(&own),
+            Some(walls) => {
+                let (facets, copied): (Vec<_>, Vec<_>) = walls.copies(&own).into_iter().unzip();
+                corners = corners.map(|own| copied.iter().map(|&facet| own[facet]).collect());
+                facets
+            }
         };
+        let normals = normals.zip(corners).map(|(normals, corners)| Normals {
+            vectors: normals.vectors.clone(),
+            corners,
+        });
         let hierarchy = match index {
             Index::Auto => facets.len() >= SMALL,
             Index::Loop => false,
@@ -148,6 +175,7 @@ impl Scene {
         let high = corners().chain(rim()).fold(DVec3::NEG_INFINITY, DVec3::max);
         Scene {
             facets,
+            normals,
             hierarchy,
             walls,
             height,
@@ -159,6 +187,11 @@ impl Scene {
     /// Facets tested, copies included.
     pub fn facets(&self) -> &[Facet] {
         &self.facets
+    }
+
+    /// Whether facets stand for curved faces: rays that meet the same facet then part.
+    pub fn is_curved(&self) -> bool {
+        self.normals.is_some()
     }
 
     /// Whether hits are found by the hierarchy.
@@ -286,8 +319,20 @@ impl Scene {
         nearest: &Nearest,
         prism: [i32; 2],
     ) -> Event {
-        let facet = &self.facets[facet];
+        let number = facet;
+        let facet = &self.facets[number];
         let origin = local.origin + local.direction * nearest.distance;
+        let curved = |normals: &Normals| {
+            let mut mix = DVec3::ZERO;
+            for (weight, index) in facet
+                .weights(origin)
+                .into_iter()
+                .zip(normals.corners[number])
+            {
+                mix += normals.vectors[index as usize] * weight;
+            }
+            mix.normalize()
+        };
         let slack = facet.slack_after(ray.direction, nearest.distance, self.reach);
         Event::Hit {
             distance: nearest.distance,
@@ -295,7 +340,8 @@ impl Scene {
                 slack,
                 ..Ray::new(origin, ray.direction, self.reach)
             },
-            normal: facet.normal,
+            normal: self.normals.as_ref().map_or(facet.normal, curved),
+            front_normal: facet.normal,
             front: nearest.front,
             prism,
         }
@@ -307,10 +353,10 @@ impl Walls {
         self.lattice[0] * f64::from(prism[0]) + self.lattice[1] * f64::from(prism[1])
     }
 
-    /// Every copy of `own` that overlaps the prism of the parallelogram, walls included.
-    fn copies(&self, own: &[Facet]) -> Vec<Facet> {
+    /// Every copy of `own` that overlaps the prism of the parallelogram, walls included, and of which it is one.
+    fn copies(&self, own: &[Facet]) -> Vec<(Facet, usize)> {
         let mut copies = Vec::new();
-        for facet in own {
+        for (number, facet) in own.iter().enumerate() {
             let flat = facet
                 .corners
                 .map(|corner| self.lattice_from_plane * (corner.truncate() - self.corner));
@@ -324,7 +370,8 @@ impl Walls {
                     let corners =
                         flat.map(|corner| corner + DVec2::new(f64::from(i), f64::from(j)));
                     if overlaps_unit_square(corners) {
-                        copies.push(facet.moved(self.displacement([i, j]).extend(0.0)));
+                        let copy = facet.moved(self.displacement([i, j]).extend(0.0));
+                        copies.push((copy, number));
                     }
                 }
             }

@@ -23,8 +23,12 @@ const MOST_FACETS: usize = 512;
 /// Mirrors are planes of round angles in nearly all designs: within this of a quarter degree they are there, degrees.
 const ROUND_DEG: f64 = 1e-4;
 
-/// The symmetry of `cell`; [`Symmetry::NONE`] where there is none, and where the cell has too many facets to look.
+/// The symmetry of `cell`; [`Symmetry::NONE`] where there is none, where the cell has too many facets to look, and where they
+/// stand for curved faces.
 pub fn of(cell: &Cell) -> Symmetry {
+    if cell.normals.is_some() {
+        return Symmetry::NONE;
+    }
     let shapes = shapes(cell);
     let facets: usize = shapes.iter().map(|shape| shape.facets.len()).sum();
     if facets == 0 || facets > MOST_FACETS {

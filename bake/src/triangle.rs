@@ -125,6 +125,17 @@ impl Facet {
         })
     }
 
+    /// Weights of the corners at `point` of the facet: not negative, adding up to 1. `point` is brought back to the facet where
+    /// rounding has it beside.
+    pub fn weights(&self, point: DVec3) -> [f64; 3] {
+        let [a, b, c] = self.corners;
+        let (along, beside, way) = (b - a, c - a, point - a);
+        let doubled = along.cross(beside).dot(self.normal);
+        let second = (way.cross(beside).dot(self.normal) / doubled).clamp(0.0, 1.0);
+        let third = (along.cross(way).dot(self.normal) / doubled).clamp(0.0, 1.0 - second);
+        [1.0 - second - third, second, third]
+    }
+
     /// Error bound of the point `distance` along a ray in `direction` as a point of this facet's plane, edge lengths:
     /// rounding of the height over the plane, divided by the cosine, shifts the point along the ray.
     pub fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {

@@ -5,6 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::normals::Normals;
+
 /// Where rays enter: a polygon or one lattice parallelogram of the plane z = `height`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entrance {
@@ -23,6 +25,8 @@ pub struct Cell {
     /// Mirror facets as triangles in the cell frame, counter-clockwise seen from the light; a front face is not among
     /// them. For a periodic cell: one period, facets may overhang the parallelogram.
     pub facets: Vec<[DVec3; 3]>,
+    /// Normals of the curved faces that the facets stand for, where they were asked for; else facets are planes.
+    pub normals: Option<Normals>,
     /// Where rays enter.
     pub entrance: Entrance,
     /// Refractive index of a closed prism whose front face was taken off, as the file gives it.

@@ -4,6 +4,8 @@
 //! light towards +x +y +z, and the vertices in the order apex, then the ends of its three edges. With the edge length
 //! of 3 that is the default, every coordinate of the ideal cells is an integer: exact in text and in f32.
 
+mod curved;
+
 use glam::{DMat3, DVec3};
 
 use crate::error::Fault;
@@ -102,6 +104,11 @@ pub struct Design {
     /// [`Shape::Canted`]: angle of the sheet's normal against the cube's axis, rad, towards edge 1 where positive;
     /// between -0.602 (-34.5 degrees) and 0.907 (52 degrees); 0.15 by default. Others: 0.
     pub cant_rad: f64,
+    /// How far the middle of each face bulges towards the light, edge lengths; at most 0.05 either way, 0 for planes. Not for
+    /// the full cube.
+    pub sag: f64,
+    /// Facets along each edge of a face, whose number is the square of this; from 1 to 1000.
+    pub segments: u32,
 }
 
 impl Design {
@@ -114,6 +121,8 @@ impl Design {
             dihedral_error_rad: [0.0; 3],
             truncation: 0.0,
             cant_rad,
+            sag: 0.0,
+            segments: 1,
         }
     }
 
@@ -132,6 +141,9 @@ impl Design {
             Shape::FullCube => full_cube(legs, 2.0 * self.truncation),
             Shape::Canted => pair(self.canted(legs).map(|leg| leg * (1.0 - self.truncation))),
         };
+        if self.sag != 0.0 || self.segments > 1 {
+            mesh = curved::faces(&mesh, self.sag * self.edge_length, self.segments);
+        }
         mesh.design = self.shape.name().to_owned();
         mesh.edge_length = (self.truncation > 0.0).then_some(self.edge_length);
         mesh.hash = sha256([write::obj(&mesh).as_bytes()]);
@@ -166,6 +178,14 @@ impl Design {
                 0.99
             },
         )?;
+        inside("sag in edge lengths", self.sag, -0.05, 0.05)?;
+        inside("number of segments", f64::from(self.segments), 1.0, 1000.0)?;
+        if self.sag != 0.0 && self.shape == Shape::FullCube {
+            return Err(Fault::DesignOptionUnused {
+                design: self.shape.name(),
+                option: "a sag",
+            });
+        }
         if self.shape == Shape::Canted {
             // Beyond, the sheet's normal comes near a facet (at -35.26 degrees) or an edge (at 54.74).
             return inside("cant in degrees", self.cant_rad.to_degrees(), -34.5, 52.0);

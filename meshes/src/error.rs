@@ -227,6 +227,25 @@ pub enum Fault {
     )]
     OneSided { face: u32 },
 
+    // ---- normals
+    #[error(
+        "has no normals to interpolate (OBJ vn, glTF NORMAL); export it with smooth normals, or leave out --normals file"
+    )]
+    NoNormals,
+    #[error("face {face} has normals at some of its corners only; give all of them one, or none")]
+    NormalMissing { face: u32 },
+    #[error(
+        "face {face} refers to a normal that is not among the {normals} of the file; correct the index"
+    )]
+    NormalOutOfRange { face: u32, normals: usize },
+    #[error("face {face} has a normal that is zero or not finite; export the normals again")]
+    NormalNoDirection { face: u32 },
+    #[error(
+        "face {face} has a normal {degrees:.1} degrees off its front, on the other side than those of face {known}; compute the normals \
+         again from the faces"
+    )]
+    NormalBehind { face: u32, degrees: f64, known: u32 },
+
     // ---- the cell
     #[error(
         "no apex was found (no inner vertex where three perpendicular facets meet, seen from the light): the cell \

@@ -4,6 +4,7 @@
 //! f32), quaternions renormalised, and the winding turned over where a transform mirrors. Positions are kept relative
 //! to the origin of the first node that has a mesh: exact local vertices under a node translation of 10^6 stay exact.
 
+use std::num::NonZeroU32;
 use std::path::Path;
 
 use ::gltf::mesh::Mode;
@@ -228,6 +229,9 @@ fn append(
             .map_err(|mode| Fault::NotTriangles { mesh: index, mode })?;
         within(Counted::Triangles, mesh.triangles.len(), triangles.len())?;
         let first = mesh.positions.len() as u32;
+        let normals = normals(&primitive, here, buffers);
+        let first_normal = mesh.normals.len() as u32 + 1;
+        let before = mesh.triangles.len();
         for [a, b, c] in triangles {
             let face = mesh.triangles.len() as u32 + 1;
             if let Some(&vertex) = [a, b, c].iter().find(|&&v| v as usize >= local.len()) {
@@ -239,6 +243,15 @@ fn append(
             }
             let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             mesh.triangles.push(corners.map(|v| first + v));
+        }
+        if let Some(normals) = normals {
+            mesh.corner_normals.resize(before, [None; 3]);
+            let number = |vertex: u32| NonZeroU32::new(vertex - first + first_normal);
+            mesh.corner_normals
+                .extend(mesh.triangles[before..].iter().map(|t| t.map(number)));
+            mesh.normals.extend(normals);
+        } else if !mesh.corner_normals.is_empty() {
+            mesh.corner_normals.resize(mesh.triangles.len(), [None; 3]);
         }
         mesh.positions.extend(
             local
@@ -260,6 +273,21 @@ fn append(
         mesh.abbe_number = mesh.abbe_number.or(abbe);
     }
     Ok(())
+}
+
+/// The normals of a primitive's vertices in the scene; `None` where it has none that are plain floats, as many as vertices.
+fn normals(
+    primitive: &::gltf::Primitive<'_>,
+    here: Placement,
+    buffers: &Buffers,
+) -> Option<Vec<DVec3>> {
+    let vertices = primitive.get(&::gltf::Semantic::Positions)?.count();
+    let accessor = primitive.get(&::gltf::Semantic::Normals)?;
+    let normals = buffers.positions(&accessor).ok()?;
+    // A plane's normal goes with the inverse transpose.
+    let turn = here.linear.inverse().transpose();
+    let turned = |n: &[f32; 3]| turn * DVec3::from_array(n.map(f64::from));
+    (normals.len() == vertices).then(|| normals.iter().map(turned).collect())
 }
 
 /// Checks a count before anything of its size is allocated.

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
+use std::num::NonZeroU32;
 use std::path::Path;
 
 use glam::DVec3;
@@ -26,6 +27,10 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Number (from 1) of the file's face that each triangle was cut from; empty where every face is a triangle.
     pub faces: Vec<u32>,
+    /// Normals that the file gives, of any length.
+    pub normals: Vec<DVec3>,
+    /// Numbers (from 1) of the normals at each triangle's corners; empty where the file gives none.
+    pub corner_normals: Vec<[Option<NonZeroU32>; 3]>,
     /// Lattice vectors of a periodic cell, file units.
     pub lattice: Option<[DVec3; 2]>,
     /// Edge length that the file states (`# edge_length` comment, `extras.edge_length`), file units: truncated cells.

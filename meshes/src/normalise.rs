@@ -11,6 +11,7 @@ use crate::entrance;
 use crate::error::{Error, Fault};
 use crate::frame::Frame;
 use crate::mesh::{Mesh, load};
+use crate::normals;
 use crate::prism;
 use crate::surface::Surface;
 
@@ -26,6 +27,8 @@ pub struct CellOptions {
     pub azimuth_zero: Option<DVec3>,
     /// Length of an edge (a leg from the apex), file units.
     pub edge_length: Option<f64>,
+    /// Whether facets stand for a curved face that has the file's normals ([`crate::normals`]); else they are planes.
+    pub file_normals: bool,
 }
 
 /// Loads a mesh file and normalises it: [`load`], then [`normalise`].
@@ -206,8 +209,15 @@ fn placed(
         Some(lattice) => entrance::periodic(&frame, lattice, &facets, &mut warnings)?,
         None => entrance::rim(surface, &points, rounding)?,
     };
+    let normals = if options.file_normals {
+        Some(normals::of_file(surface, &frame, &mut warnings)?)
+    } else {
+        warnings.extend(normals::left_out(surface));
+        None
+    };
     Ok(Cell {
         facets,
+        normals,
         entrance,
         refractive_index: mesh.refractive_index.filter(|_| closed),
         abbe_number: mesh.abbe_number.filter(|_| closed),

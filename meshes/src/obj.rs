@@ -2,9 +2,11 @@
 //!
 //! `tobj` numbers vertices by their first use and forgets the file's order, cannot continue lines, and fans every
 //! polygon. So it is given only the `v` and `f` lines, continued lines joined, after one polygon that names all
-//! vertices in order; polygons are cut into triangles in [`crate::polygon`].
+//! vertices in order; polygons are cut into triangles in [`crate::polygon`]. Normals are read here: `tobj` would refuse files
+//! for those that nobody asks for.
 
 use std::borrow::Cow;
+use std::num::NonZeroU32;
 
 use glam::DVec3;
 
@@ -42,8 +44,40 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     } else {
         model.face_arities
     };
-    triangulate(&mut mesh, &model.indices, &arities)?;
+    let normals = normals(&text, &mut mesh.normals);
+    triangulate(&mut mesh, &model.indices, &arities, &normals)?;
     Ok(mesh)
+}
+
+/// Reads the normals, and gives the number of that at each corner of each face, faces after each other; nothing where there
+/// are none. Those that are no three numbers are not finite, numbers of none are the greatest of all.
+fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
+    let mut numbers = Vec::new();
+    if !text.lines().any(|line| keyword(line) == "vn") {
+        return numbers;
+    }
+    for (_, content) in logical_lines(text) {
+        match keyword(&content) {
+            "vn" => {
+                let mut words = content.split_whitespace().skip(1).map(str::parse);
+                let mut next = || words.next().and_then(Result::ok).unwrap_or(f64::NAN);
+                vectors.push(DVec3::new(next(), next(), next()));
+            }
+            "f" => numbers.extend(content.split_whitespace().skip(1).map(|corner| {
+                let word = corner.split('/').nth(2).filter(|word| !word.is_empty())?;
+                let number = match word.parse::<i64>() {
+                    // Negative ones count back from the last above.
+                    Ok(index) if index < 0 => index + vectors.len() as i64 + 1,
+                    Ok(index) => index,
+                    Err(_) => 0,
+                };
+                let number = u32::try_from(number).ok().and_then(NonZeroU32::new);
+                Some(number.unwrap_or(NonZeroU32::MAX))
+            })),
+            _ => {}
+        }
+    }
+    numbers
 }
 
 /// Counts vertices and faces, and reads the comments that concern us.
@@ -121,9 +155,15 @@ fn read(mut source: impl std::io::BufRead) -> Result<Option<tobj::Mesh>, tobj::L
     Ok(models.into_iter().next().map(|model| model.mesh))
 }
 
-/// Cuts the polygons, past the one that names all vertices, into the mesh's triangles.
-fn triangulate(mesh: &mut Mesh, indices: &[u32], arities: &[u32]) -> Result<(), Fault> {
-    let mut start = mesh.positions.len();
+/// Cuts the polygons, past the one that names all vertices, into the mesh's triangles. `normals`: at their corners, if any.
+fn triangulate(
+    mesh: &mut Mesh,
+    indices: &[u32],
+    arities: &[u32],
+    normals: &[Option<NonZeroU32>],
+) -> Result<(), Fault> {
+    let named = mesh.positions.len();
+    let mut start = named;
     let mut all_triangles = true;
     for (face, &arity) in (1u32..).zip(&arities[1..]) {
         let corners = &indices[start..start + arity as usize];
@@ -137,7 +177,17 @@ fn triangulate(mesh: &mut Mesh, indices: &[u32], arities: &[u32]) -> Result<(), 
             });
         }
         all_triangles &= corners.len() == 3;
+        let before = mesh.triangles.len();
         polygon::cut(&mesh.positions, corners, face, &mut mesh.triangles)?;
+        if !normals.is_empty() {
+            let first = start - corners.len() - named;
+            let at = |vertex: u32| {
+                let corner = corners.iter().position(|&corner| corner == vertex);
+                normals.get(first + corner?).copied().flatten()
+            };
+            let new = mesh.triangles[before..].iter().map(|t| t.map(at));
+            mesh.corner_normals.extend(new);
+        }
         mesh.faces.resize(mesh.triangles.len(), face);
     }
     if all_triangles {

@@ -31,6 +31,9 @@ pub fn flipped(mesh: &Mesh) -> Mesh {
     mesh.triangles
         .iter_mut()
         .for_each(|triangle| triangle.swap(1, 2));
+    mesh.corner_normals
+        .iter_mut()
+        .for_each(|numbers| numbers.swap(1, 2));
     mesh
 }
 
@@ -117,9 +120,12 @@ pub fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Faul
         .map(|[a, b, c]| [a, c, b])
         .collect();
     let faces = kept.iter().map(|&t| mesh.face_number(t)).collect();
+    let normals = kept.iter().filter_map(|&t| mesh.corner_normals.get(t));
+    let corner_normals = normals.map(|&[a, b, c]| [a, c, b]).collect();
     Ok(Mesh {
         triangles,
         faces,
+        corner_normals,
         ..mesh.clone()
     })
 }

@@ -1,5 +1,7 @@
 //! Writing meshes: OBJ in full f64 digits, GLB in f32.
 
+use std::borrow::Cow;
+use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
@@ -32,7 +34,7 @@ fn joined(vectors: &[DVec3], separator: &str) -> String {
 }
 
 /// The mesh as OBJ text: `# design`, `# lattice` and `# edge_length` comments where the mesh has them, then `v` and `f`
-/// lines. Every coordinate reads back as the same f64.
+/// lines, and `vn` lines where it has normals. Every coordinate reads back as the same f64.
 pub fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
@@ -54,22 +56,62 @@ pub fn obj(mesh: &Mesh) -> String {
     for &p in &mesh.positions {
         line(format!("v {}", joined(&[p + mesh.origin], " ")));
     }
-    for [a, b, c] in &mesh.triangles {
-        line(format!(
-            "f {} {} {}",
-            u64::from(*a) + 1,
-            u64::from(*b) + 1,
-            u64::from(*c) + 1
-        ));
+    for &n in &mesh.normals {
+        line(format!("vn {}", joined(&[n], " ")));
+    }
+    for (triangle, vertices) in mesh.triangles.iter().enumerate() {
+        let numbers = mesh.corner_normals.get(triangle).unwrap_or(&[None; 3]);
+        let [a, b, c] = [0, 1, 2].map(|corner| {
+            let vertex = u64::from(vertices[corner]) + 1;
+            numbers[corner].map_or(vertex.to_string(), |normal| format!("{vertex}//{normal}"))
+        });
+        line(format!("f {a} {b} {c}"));
     }
     text
 }
 
+/// The mesh with a vertex for each normal at it, and those normals; the mesh itself and none where not every corner has one.
+fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
+    let corners = mesh.triangles.iter().zip(&mesh.corner_normals);
+    let given = corners.flat_map(|(vertices, numbers)| vertices.iter().copied().zip(*numbers));
+    let pairs: Vec<(u32, DVec3)> = given
+        .filter_map(|(vertex, number)| {
+            let normal = mesh.normals.get(number?.get() as usize - 1)?;
+            Some((vertex, *normal))
+        })
+        .collect();
+    if mesh.triangles.is_empty() || pairs.len() != 3 * mesh.triangles.len() {
+        return (Cow::Borrowed(mesh), Vec::new());
+    }
+    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    let mut known = HashMap::new();
+    let vertices: Vec<u32> = pairs
+        .into_iter()
+        .map(|(vertex, normal)| {
+            let key = (vertex, normal.to_array().map(f64::to_bits));
+            *known.entry(key).or_insert_with(|| {
+                positions.push(mesh.positions[vertex as usize]);
+                normals.push(normal);
+                positions.len() as u32 - 1
+            })
+        })
+        .collect();
+    let triangles = vertices.as_chunks::<3>().0.to_vec();
+    let split = Mesh {
+        positions,
+        triangles,
+        ..mesh.clone()
+    };
+    (Cow::Owned(split), normals)
+}
+
 /// The mesh as a GLB file: one primitive, f32 positions, u32 indices, `extras` of the document for design, lattice and
-/// edge length (f64), and `KHR_materials_ior` where there is a refractive index.
+/// edge length (f64), and `KHR_materials_ior` where there is a refractive index. Normals are written where every corner has
+/// one, each vertex as often as it has others.
 ///
 /// f32 keeps 6e-8 of a coordinate: dihedral errors below 1e-7 rad need OBJ.
 pub fn glb(mesh: &Mesh) -> Vec<u8> {
+    let (mesh, normals) = with_normals(mesh);
     let positions: Vec<[f32; 3]> = mesh
         .positions
         .iter()
@@ -91,6 +133,9 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
             .flatten()
             .flat_map(|v| v.to_le_bytes()),
     );
+    let triangles_end = binary.len();
+    let normals: Vec<[f32; 3]> = normals.iter().map(|n| n.as_vec3().to_array()).collect();
+    binary.extend(normals.iter().flatten().flat_map(|x| x.to_le_bytes()));
     let mut extras = serde_json::Map::new();
     extras.insert("design".into(), mesh.design.as_str().into());
     if let Some([a, b]) = mesh.lattice {
@@ -109,7 +154,7 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
         "buffers": [{ "byteLength": binary.len() }],
         "bufferViews": [
             { "buffer": 0, "byteOffset": 0, "byteLength": split, "target": 34962 },
-            { "buffer": 0, "byteOffset": split, "byteLength": binary.len() - split, "target": 34963 },
+            { "buffer": 0, "byteOffset": split, "byteLength": triangles_end - split, "target": 34963 },
         ],
         "accessors": [
             {
@@ -119,6 +164,20 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
             { "bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * mesh.triangles.len() },
         ],
     });
+    if !normals.is_empty() {
+        document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2.into();
+        if let Some(views) = document["bufferViews"].as_array_mut() {
+            let length = binary.len() - triangles_end;
+            views.push(json!({
+                "buffer": 0, "byteOffset": triangles_end, "byteLength": length, "target": 34962
+            }));
+        }
+        if let Some(accessors) = document["accessors"].as_array_mut() {
+            accessors.push(json!({
+                "bufferView": 2, "componentType": 5126, "type": "VEC3", "count": normals.len()
+            }));
+        }
+    }
     if let Some(index) = mesh.refractive_index {
         document["extensionsUsed"] = json!(["KHR_materials_ior"]);
         document["materials"] =

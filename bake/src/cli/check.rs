@@ -88,28 +88,6 @@ pub(super) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
 /// The comparison with rays through `mesh`, placed as the table says unless the options say otherwise.
 fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Comparison, Failure> {
     let from = &table.provenance;
-    let cell = CellArgs {
-        edge_length: args.cell.edge_length.or(Some(from.edge_length)),
-        azimuth_zero: args.cell.azimuth_zero.clone().or_else(|| {
-            let [x, y, z] = from.azimuth_zero;
-            Some(format!("{x},{y},{z}"))
-        }),
-        lattice: args.cell.lattice.clone(),
-    }
-    .load(mesh)?;
-    warn(&cell.warnings);
-    if cell.mesh_hash != from.mesh_hash {
-        warn(&[format!(
-            "{} is not the file that the table was baked from (its hash differs); the rays judge it all the same",
-            mesh.display()
-        )]);
-    }
-    if from.symmetry != Symmetry::NONE && from.symmetry != symmetry::of(&cell) {
-        return Err(Failure::Symmetry {
-            table: args.table.clone(),
-            mesh: mesh.to_owned(),
-        });
-    }
     let known = (
         Back::from_name(&from.back),
         losses_of(from),
@@ -123,6 +101,28 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
             options: from.options.clone(),
         });
     };
+    let cell = CellArgs {
+        edge_length: args.cell.edge_length.or(Some(from.edge_length)),
+        azimuth_zero: args.cell.azimuth_zero.clone().or_else(|| {
+            let [x, y, z] = from.azimuth_zero;
+            Some(format!("{x},{y},{z}"))
+        }),
+        lattice: args.cell.lattice.clone(),
+    }
+    .load(mesh, scene.normals)?;
+    warn(&cell.warnings);
+    if cell.mesh_hash != from.mesh_hash {
+        warn(&[format!(
+            "{} is not the file that the table was baked from (its hash differs); the rays judge it all the same",
+            mesh.display()
+        )]);
+    }
+    if from.symmetry != Symmetry::NONE && from.symmetry != symmetry::of(&cell) {
+        return Err(Failure::Symmetry {
+            table: args.table.clone(),
+            mesh: mesh.to_owned(),
+        });
+    }
     Ok(retrace(
         table, back, losses, scene, &cell, args.rays, args.seed,
     )?)

@@ -23,6 +23,7 @@ pub fn faces(apex: DVec3, ends: [DVec3; 3]) -> Vec<[DVec3; 3]> {
 fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
     Cell {
         facets,
+        normals: None,
         entrance,
         refractive_index: None,
         abbe_number: None,

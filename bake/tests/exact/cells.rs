@@ -41,6 +41,7 @@ pub fn cell(
 ) -> Cell {
     Cell {
         facets,
+        normals: None,
         entrance: Entrance {
             height,
             polygon,
