@@ -1,7 +1,8 @@
-"""Reads a ray-shift table (FORMAT.md, version 1) with h5py and numpy alone. Usage: read_table.py TABLE.h5"""
+"""Reads a ray-shift table (FORMAT.md, versions 1 and 2) with h5py and numpy alone. Usage: read_table.py TABLE.h5"""
 import sys
 
 import h5py
+import numpy as np
 
 
 def read_table(name):
@@ -10,8 +11,8 @@ def read_table(name):
         table = {key: value for key, value in file.attrs.items()}
         if table.get("format") != "retroreflective ray-shift table":
             raise ValueError(f"{name}: not a ray-shift table")
-        if not 1 <= table["version"] <= 1:
-            raise ValueError(f"{name}: format version {table['version']}, this reader knows 1")
+        if not 1 <= table["version"] <= 2:
+            raise ValueError(f"{name}: format version {table['version']}, this reader knows 1 and 2")
         table.update({key: data[()] for key, data in file.items() if isinstance(data, h5py.Dataset)})
         table["fate_name"] = file["fate_name"].asstr()[()].tolist()
         if "exact" in file:
@@ -23,7 +24,19 @@ def read_table(name):
                  "polygon": group["polygon_vertex"][start[k]:start[k + 1]],
                  "matrix": group["path_matrix"][k], "offset": group["path_offset"][k]}
                 for k, d in enumerate(group["path_direction"])]
+        if "deviation" in file:
+            group = file["deviation"]
+            table["deviation"] = {key: data[()] for key, data in group.items()} | dict(group.attrs)
         return table
+
+
+def deviation_image(table, i, j):
+    """Rays of a direction by deviation [along v, across], and the middles of the bins (tangents)."""
+    group = table["deviation"]
+    bins, k = int(group["bins"]), i * len(table["azimuth_deg"]) + j
+    own = slice(int(group["entry_start"][k]), int(group["entry_start"][k + 1]))
+    image = np.bincount((group["entry_place"][own] % bins**2).astype(int), group["entry_rays"][own], bins**2)
+    return image.reshape(bins, bins), ((np.arange(bins) + 0.5) * 2 / bins - 1) * group["range"]
 
 
 def at_azimuth(table, azimuth_deg):

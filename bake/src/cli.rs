@@ -46,13 +46,14 @@ enum Verb {
     /// Traces a mesh into a ray-shift table
     #[command(after_help = "\
 Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; with aluminium backs and all losses, a table a colour; \
-with rough facets; curved faces by the file's normals
+with rough facets; curved faces by the file's normals; the exit directions of a cell that is not ideal, within 1 mrad
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10
   bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full --direction-tolerance 0.005
   bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
   bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 --roughness 0.001
-  bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000")]
+  bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
+  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 --deviations 1")]
     Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
     #[command(

@@ -3,6 +3,7 @@
 use crate::report::{directions_json, directions_text};
 use serde_json::json;
 use std::fmt::Write;
+use tables::deviation::Grid;
 use tables::table::Exact;
 use tables::{Symmetry, Table};
 
@@ -58,6 +59,23 @@ pub fn text(table: &Table) -> String {
             format!("up to {:.4} mrad from straight back", 1e3 * largest),
         );
     }
+    if let Some(found) = &table.deviations {
+        let Grid { cells, bins, .. } = found.grid;
+        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
+        let (rms, largest) = spreads.fold((0.0, 0.0), |(rms, largest): (f64, f64), spread| {
+            (rms.max(spread.rms_rad), largest.max(spread.largest_rad))
+        });
+        line(
+            "deviation",
+            format!(
+                "up to {:.4} mrad from straight back, rms up to {:.4}: {bins} x {bins} bins of {:.4} mrad, with the shift in \
+                 {cells} x {cells} cells",
+                1e3 * largest,
+                1e3 * rms,
+                1e3 * found.grid.bin_width(),
+            ),
+        );
+    }
     line(
         "histogram",
         format!(
@@ -95,6 +113,16 @@ pub fn text(table: &Table) -> String {
     text
 }
 
+/// How far light goes from straight back, where the table says so.
+fn largest_deviation_rad(table: &Table) -> Option<f64> {
+    let of_beams = || table.exact.as_ref().map(Exact::largest_deviation_rad);
+    let of_rays = table.deviations.as_ref().map(|found| {
+        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
+        spreads.map(|spread| spread.largest_rad).fold(0.0, f64::max)
+    });
+    of_rays.or_else(of_beams)
+}
+
 /// For a script.
 pub fn json(table: &Table) -> String {
     let from = &table.provenance;
@@ -120,7 +148,7 @@ pub fn json(table: &Table) -> String {
         "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,
-        "largest_deviation_mrad": table.exact.as_ref().map(|exact| 1e3 * exact.largest_deviation_rad()),
+        "largest_deviation_mrad": largest_deviation_rad(table).map(|angle| 1e3 * angle),
         "bins": table.axes.bins,
         "range": table.axes.range,
         "randomisations": table.counts.as_ref().map(|counts| counts.shape()[2]),

@@ -16,6 +16,8 @@ use crate::tally::{Bins, Tally};
 use glam::DVec2;
 use std::ops::Range;
 use std::sync::Arc;
+use tables::Fate;
+use tables::deviation::Grid;
 
 /// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
 const RUN: u64 = 1 << 18;
@@ -41,6 +43,8 @@ pub struct Kernel {
     instructions: InstructionSet,
     /// Whether scenes with a hierarchy are traced in packets.
     packets: bool,
+    /// How exit directions are recorded.
+    exits: Option<Grid>,
 }
 
 impl Kernel {
@@ -95,6 +99,7 @@ impl Kernel {
             instructions: InstructionSet::best(),
             // With an azimuth of its own for each, rays part at once.
             packets: direction.is_some() && !alone,
+            exits: None,
             scenes: scenes.clone(),
             launch: launch.clone(),
             rules: *rules,
@@ -110,6 +115,19 @@ impl Kernel {
             programs: Vec::new(),
             packets: false,
             ..self
+        }
+    }
+
+    /// The same tracer, which also records exit directions where there is a grid for them: without programs, which know shifts
+    /// only.
+    pub fn recording(self, exits: Option<Grid>) -> Self {
+        match exits {
+            None => self,
+            Some(_) => Kernel {
+                programs: Vec::new(),
+                exits,
+                ..self
+            },
         }
     }
 
@@ -165,6 +183,7 @@ impl Kernel {
                 rules: &self.rules,
                 direction,
                 bins: &self.bins,
+                exits: self.exits.as_ref(),
                 instructions: self.instructions,
                 stages: Vec::new(),
                 bundle: Bundle::new(),
@@ -198,6 +217,10 @@ impl Kernel {
             let scene = &self.scenes[scene];
             let outcome = trace(scene, &self.rules, &direction, point, luck);
             tally.count(&self.bins, &outcome);
+            if let (Some(grid), Fate::Retroreflected) = (&self.exits, outcome.fate) {
+                let deviation = direction.deviation(outcome.travel, self.rules.refractive_index);
+                tally.count_exit(&self.bins, grid, outcome.shift, deviation);
+            }
         }
     }
 }

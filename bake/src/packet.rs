@@ -15,6 +15,7 @@ use crate::tally::{Bins, Tally};
 use crate::triangle::Facet;
 use glam::{DVec2, DVec3};
 use tables::Fate;
+use tables::deviation::Grid;
 
 /// Rays of one course: where they are, and what they meet next.
 #[derive(Debug, Default)]
@@ -127,6 +128,8 @@ pub struct Packets<'a> {
     pub direction: &'a Direction,
     /// Bins of the tally.
     pub bins: &'a Bins,
+    /// How exit directions are recorded, where they are.
+    pub exits: Option<&'a Grid>,
     /// What bundles are traced with.
     pub instructions: InstructionSet,
     /// Packets under way, by reflections.
@@ -211,10 +214,15 @@ impl Packets<'_> {
             tally.fates[fate as usize] += members.len() as u64;
             return;
         }
+        let index = self.rules.refractive_index;
+        let deviation = self.direction.deviation(course.direction, index);
         for which in members {
             let exit = course.exit(self.scene, packet.position(which));
             let shift = self.direction.to_frame(exit - packet.point[which]);
             tally.count_shift(self.bins, shift);
+            if let Some(grid) = self.exits {
+                tally.count_exit(self.bins, grid, shift, deviation);
+            }
         }
     }
 }

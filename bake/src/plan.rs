@@ -1,5 +1,6 @@
 //! From raw arguments to a checked plan. Every default of `bake trace` is stated here, once.
 
+mod deviations;
 mod directions;
 mod error;
 mod losses;
@@ -16,6 +17,7 @@ use std::num::NonZeroUsize;
 use tables::shards::MOST_SHARDS;
 use tables::{Axes, Symmetry};
 
+pub use deviations::Record;
 pub use error::PlanError;
 pub use losses::Losses;
 pub use request::Request;

@@ -1,6 +1,6 @@
 //! Rays, and the directions that they are launched in.
 
-use crate::optics::refracted_sine;
+use crate::optics::{self, refracted_sine};
 use glam::{DVec2, DVec3};
 
 /// A straight piece of a path, in the cell frame.
@@ -68,6 +68,13 @@ impl Direction {
     /// A vector of the entrance plane in the incidence frame (u, v).
     pub fn to_frame(&self, vector: DVec2) -> DVec2 {
         DVec2::new(vector.dot(self.u), vector.dot(self.v()))
+    }
+
+    /// The deviation, as [`tables::Path::deviation`] has it, of light that leaves along `travel` inside a sheet of refractive
+    /// index `index`.
+    pub fn deviation(&self, travel: DVec3, index: f64) -> DVec2 {
+        let turned = |x: DVec3| self.to_frame(x.truncate()).extend(x.z);
+        optics::deviation(turned(self.travel), turned(travel), index)
     }
 }
 

@@ -45,6 +45,26 @@ impl Trace<'_> {
         text
     }
 
+    /// What the user should know of the table.
+    pub fn warnings(&self) -> Vec<String> {
+        let Some(found) = &self.table.deviations else {
+            return Vec::new();
+        };
+        let directions = 0..found.entries.len();
+        let most = directions
+            .map(|k| found.spread(k).outermost)
+            .fold(0.0, f64::max);
+        let warning = || {
+            format!(
+                "up to {:.2} % of the light of a direction goes to the outermost bins of deviations, or beyond them; give a \
+                 --deviations above {} mrad",
+                100.0 * most,
+                1e3 * found.grid.range
+            )
+        };
+        Vec::from_iter((most > 0.0).then(warning))
+    }
+
     /// For a script.
     pub fn json(&self) -> Value {
         let rays: u64 = self.table.rays.sum();
@@ -90,6 +110,7 @@ pub fn directions_text(table: &Table) -> String {
 
 /// The same for a script.
 pub fn directions_json(table: &Table) -> Value {
+    let (deviations, azimuths) = (table.deviations.as_ref(), table.axes.azimuth_deg.len());
     let direction = |((i, a), &eta): ((usize, usize), &f64)| {
         let fates: serde_json::Map<String, Value> = Fate::ALL
             .iter()
@@ -102,6 +123,10 @@ pub fn directions_json(table: &Table) -> Value {
             "retroreflected": eta,
             "standard_error": table.standard_error[[i, a]],
             "rays": table.rays[[i, a]],
+            "deviation": deviations.map(|found| {
+                let spread = found.spread(i * azimuths + a);
+                json!({ "rms_mrad": 1e3 * spread.rms_rad, "largest_mrad": 1e3 * spread.largest_rad })
+            }),
             "fates": fates,
         })
     };

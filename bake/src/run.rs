@@ -69,6 +69,15 @@ pub enum RunError {
         /// Directions at most.
         directions: usize,
     },
+    /// Exit directions of too many rays.
+    #[error(
+        "the exit directions of {directions} directions of incidence take more than 1 GiB; give fewer --incidence, --azimuth or \
+         --rays, a wider --deviations MRAD for coarser bins, or --deviations off"
+    )]
+    Exits {
+        /// Directions of the table.
+        directions: usize,
+    },
     /// The tolerance is out of reach.
     #[error(
         "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
@@ -169,6 +178,7 @@ pub(crate) fn beams(
         fate_counts: None,
         rays: Array2::zeros(plan.axes.shape()),
         exact: Some(baked.exact),
+        deviations: None,
         provenance: Provenance {
             seed: 0,
             tolerance: if plan.is_azimuth_mean() {
@@ -227,6 +237,7 @@ fn traced<'a>(
         sheet: Sheet::new(cell, Index::Auto),
         rules: plan.rules(cell),
         bins: Bins::new(plan.axes.bins, plan.axes.range),
+        exits: plan.deviations(cell),
         bundles: Bundle::all(plan),
         progress,
         pool: pool(plan)?,

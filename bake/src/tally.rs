@@ -4,6 +4,7 @@ use crate::lanes::LANES;
 use crate::path::Outcome;
 use glam::DVec2;
 use ndarray::s;
+use tables::deviation::{Entry, Grid, added};
 use tables::{Fate, Table};
 
 /// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
@@ -55,6 +56,8 @@ pub struct Tally {
     pub histogram: Vec<u32>,
     /// Rays by fate, in the order of [`Fate::ALL`].
     pub fates: [u64; Fate::ALL.len()],
+    /// Places of rays in the histogram of deviations; none where there is no such histogram.
+    pub exits: Vec<u64>,
 }
 
 impl Tally {
@@ -63,6 +66,7 @@ impl Tally {
         Tally {
             histogram: vec![0; bins.len() + LANES],
             fates: [0; Fate::ALL.len()],
+            exits: Vec::new(),
         }
     }
 
@@ -70,6 +74,7 @@ impl Tally {
     pub fn clear(&mut self) {
         self.histogram.fill(0);
         self.fates.fill(0);
+        self.exits.clear();
     }
 
     /// Counts one ray.
@@ -92,6 +97,16 @@ impl Tally {
         };
         self.fates[fate as usize] += 1;
     }
+
+    /// Notes where a ray goes that is retroreflected: off by `deviation`, shifted by `shift`.
+    pub fn count_exit(&mut self, bins: &Bins, grid: &Grid, shift: DVec2, deviation: DVec2) {
+        if let Some(bin) = bins.find(shift) {
+            let pool = bins.count / grid.cells;
+            let cell = [bin / bins.count, bin % bins.count].map(|k| k / pool);
+            let at = [grid.bin(deviation.y), grid.bin(deviation.x)];
+            self.exits.push(grid.place(cell, at));
+        }
+    }
 }
 
 /// Sums of one direction, by randomisation.
@@ -103,6 +118,8 @@ pub struct Sums {
     pub fates: Vec<[u64; Fate::ALL.len()]>,
     /// Rays launched by randomisation.
     pub launched: Vec<u64>,
+    /// Rays by shift and deviation, of all randomisations.
+    pub deviations: Vec<Entry>,
 }
 
 impl Sums {
@@ -112,6 +129,7 @@ impl Sums {
             counts: vec![0; bins.len() * randomisations],
             fates: vec![[0; Fate::ALL.len()]; randomisations],
             launched: vec![0; randomisations],
+            deviations: Vec::new(),
         }
     }
 
@@ -130,7 +148,9 @@ impl Sums {
                 .into_iter()
                 .map(|row| std::array::from_fn(|fate| row[fate]))
                 .collect();
+            let deviations = table.deviations.as_ref();
             Sums {
+                deviations: deviations.map_or(Vec::new(), |found| found.entries[direction].clone()),
                 counts: counts.iter().copied().collect(),
                 launched: fates.iter().map(|fates| fates.iter().sum()).collect(),
                 fates,
@@ -150,6 +170,13 @@ impl Sums {
             *sum += count;
         }
         self.launched[randomisation] += tally.fates.iter().sum::<u64>();
+    }
+
+    /// Adds rays by shift and deviation.
+    pub fn add_exits(&mut self, exits: &[Entry]) {
+        if !exits.is_empty() {
+            self.deviations = added(&self.deviations, exits);
+        }
     }
 
     /// Rays launched in all.

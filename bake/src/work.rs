@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
+use tables::deviation::{Deviations, Entry, Grid, added, counted};
 use tables::{Fate, Shards, Table};
 
 /// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
@@ -28,6 +29,9 @@ const LONG_STEP: u64 = 1 << 18;
 
 /// Programs in memory at a time, about 3 kB each: the directions of a sheet of many kinds are traced in turn.
 const PROGRAMS: usize = 1 << 14;
+
+/// Memory for exit directions at most, bytes: half of what a table may take.
+const MOST_EXITS: u64 = 1 << 30;
 
 /// The only share of a bake that is not split.
 const WHOLE: Shard = Shard { number: 1, of: 1 };
@@ -87,6 +91,8 @@ pub(crate) struct Work<'a> {
     pub sheet: Sheet,
     pub rules: Rules,
     pub bins: Bins,
+    /// How exit directions are recorded, where they are.
+    pub exits: Option<Grid>,
     pub bundles: Vec<Bundle>,
     pub progress: &'a (dyn Fn(u64) + Sync),
     pub pool: rayon::ThreadPool,
@@ -103,7 +109,11 @@ impl Work<'_> {
                 tally.clear();
                 let stream = &run.bundle.streams[run.randomisation];
                 run.kernel.trace(stream, run.samples.clone(), tally);
-                run.bundle.sums().add(run.randomisation, tally);
+                let exits = counted(&mut tally.exits);
+                let mut sums = run.bundle.sums();
+                sums.add(run.randomisation, tally);
+                sums.add_exits(&exits);
+                drop(sums);
                 (self.progress)(run.rays());
             },
         );
@@ -127,6 +137,7 @@ impl Work<'_> {
             incidence_deg,
             azimuth_deg,
         );
+        let kernel = kernel.recording(self.exits);
         match self.tracer {
             Tracer::Fastest => kernel,
             Tracer::OneByOne => kernel.one_by_one(),
@@ -163,7 +174,26 @@ impl Work<'_> {
         }
         let sampler = self.plan.sampler.name().into();
         let provenance = provenance(self.cell, self.plan, "rays".into(), sampler);
-        Table::from_counts(axes, counts, fates, provenance)
+        let entries = |bundle: &Bundle| bundle.sums().deviations.clone();
+        Table {
+            deviations: self.exits.map(|grid| Deviations {
+                grid,
+                entries: self.bundles.iter().map(entries).collect(),
+            }),
+            ..Table::from_counts(axes, counts, fates, provenance)
+        }
+    }
+
+    /// Whether the exit directions so far fit their memory.
+    fn fits(&self) -> Result<(), RunError> {
+        let entries = |bundle: &Bundle| bundle.sums().deviations.len() as u64;
+        let bytes = self.bundles.iter().map(entries).sum::<u64>() * size_of::<Entry>() as u64;
+        match bytes <= MOST_EXITS {
+            true => Ok(()),
+            false => Err(RunError::Exits {
+                directions: self.bundles.len(),
+            }),
+        }
     }
 }
 
@@ -180,7 +210,10 @@ impl Rounds<'_, '_> {
     pub fn go_on(&mut self) -> Result<(), RunError> {
         if let Some(saved) = self.saves.as_mut().and_then(|saves| saves.start.take()) {
             let fresh = self.work.table();
-            let shape = |table: &Table| table.counts.as_ref().map(|counts| counts.dim());
+            let shape = |table: &Table| {
+                let grid = table.deviations.as_ref().map(|found| found.grid);
+                (table.counts.as_ref().map(|counts| counts.dim()), grid)
+            };
             let same = saved.provenance == fresh.provenance
                 && saved.axes == fresh.axes
                 && shape(&saved) == shape(&fresh);
@@ -215,8 +248,7 @@ impl Rounds<'_, '_> {
             return Err(RunError::Saved);
         }
         let every: Vec<usize> = (0..self.work.bundles.len()).collect();
-        self.run(&every, &share);
-        Ok(())
+        self.run(&every, &share)
     }
 
     /// Doubles the rays of each direction until its estimated error is below `tolerance`.
@@ -235,7 +267,7 @@ impl Rounds<'_, '_> {
                     rays: sums.rays(),
                 });
             }
-            self.run(&open, &|_| 0..samples);
+            self.run(&open, &|_| 0..samples)?;
             // A direction of a bake that goes on may be past this round, which then did not close it.
             let Work { bundles, pool, .. } = &self.work;
             let stays = |&direction: &usize| {
@@ -260,7 +292,11 @@ impl Rounds<'_, '_> {
     ///
     /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short enough to be saved in
     /// time.
-    fn run(&mut self, directions: &[usize], share: &dyn Fn(usize) -> Range<u64>) {
+    fn run(
+        &mut self,
+        directions: &[usize],
+        share: &dyn Fn(usize) -> Range<u64>,
+    ) -> Result<(), RunError> {
         let Rounds { work, ranks, saves } = self;
         // Sorting by piece wants many samples.
         let first = if lanes::sorts(&work.sheet.launch) {
@@ -297,6 +333,7 @@ impl Rounds<'_, '_> {
                 }
                 let begun = Instant::now();
                 work.pool.install(|| work.trace(&runs, number, count));
+                work.fits()?;
                 let Some(saves) = saves else { continue };
                 let quick = begun.elapsed() < saves.every / 8;
                 let mut told = [u64::from(quick), u64::from(saves.are_due())];
@@ -313,6 +350,7 @@ impl Rounds<'_, '_> {
             }
         }
         gather(&work.bundles, directions, *ranks);
+        work.fits()
     }
 }
 
@@ -322,6 +360,38 @@ fn gather(bundles: &[Bundle], directions: &[usize], ranks: &dyn Ranks) {
         let mut sums = bundles[direction].sums();
         ranks.gather(&mut sums.counts);
         ranks.gather(sums.fates.as_flattened_mut());
+        gather_exits(&mut sums.deviations, ranks);
+    }
+}
+
+/// Adds up in rank 0 what the ranks have traced, which are lists of different lengths; elsewhere they are empty afterwards.
+fn gather_exits(entries: &mut Vec<Entry>, ranks: &dyn Ranks) {
+    if ranks.count() == 1 {
+        return;
+    }
+    let mut lengths = vec![0; ranks.count()];
+    lengths[ranks.number()] = entries.len() as u64;
+    ranks.gather(&mut lengths);
+    ranks.follow(&mut lengths);
+    let before: u64 = lengths[..ranks.number()].iter().sum();
+    let mut all = vec![0; 2 * lengths.iter().sum::<u64>() as usize];
+    let own = all[2 * before as usize..].chunks_exact_mut(2);
+    for (pair, entry) in own.zip(entries.drain(..)) {
+        pair.copy_from_slice(&[entry.place, entry.rays]);
+    }
+    ranks.gather(&mut all);
+    if ranks.leads() {
+        let mut rest = &all[..];
+        for length in lengths {
+            let (list, more) = rest.split_at(2 * length as usize);
+            let entry = |pair: &[u64]| Entry {
+                place: pair[0],
+                rays: pair[1],
+            };
+            let list: Vec<Entry> = list.chunks_exact(2).map(entry).collect();
+            *entries = added(entries, &list);
+            rest = more;
+        }
     }
 }
 

@@ -15,6 +15,11 @@ fn one_two_and_three_threads_write_the_same_bytes() {
         (cells::triangular(), Sampler::Random, "0"),
         (cells::full_cube(), Sampler::Sobol, "0"),
         (cells::triangular(), Sampler::Sobol, "mean"),
+        (
+            cells::uneven_pair([5e-4, 0.0, -3e-4]),
+            Sampler::Sobol,
+            "10,70",
+        ),
     ] {
         let bytes: Vec<Vec<u8>> = [1, 2, 3]
             .map(|threads| {
@@ -37,7 +42,7 @@ fn one_two_and_three_threads_write_the_same_bytes() {
         assert!(bytes[0] == bytes[1] && bytes[0] == bytes[2]);
         compared += 1;
     }
-    assert_eq!(compared, 4);
+    assert_eq!(compared, 5);
 }
 
 /// A bake to a tolerance stops where its estimate says, and the true error is about that.

@@ -134,6 +134,10 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
     let cases = [
         (cells::pair(), request("0:40:20", "10,70")),
         (
+            cells::uneven_pair([5e-4, 0.0, -3e-4]),
+            request("0:40:20", "10,70"),
+        ),
+        (
             cells::triangular(),
             Request {
                 sampler: Sampler::Random,
@@ -163,7 +167,7 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
             compared += 1;
         }
     }
-    assert_eq!(compared, 12);
+    assert_eq!(compared, 16);
 }
 
 #[test]

@@ -84,6 +84,7 @@ fn exact() -> Table {
         fate,
         fate_counts: None,
         rays: Array2::zeros((DIRECTIONS, 1)),
+        deviations: None,
         exact: Some(Exact {
             entrance_area: 1.0,
             paths: vec![vec![path]; DIRECTIONS],

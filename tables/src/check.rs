@@ -4,9 +4,10 @@
 //! about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows 1e-9, which is also what the
 //! areas of polygons with coordinates of some edge lengths keep with room to spare.
 
-use ndarray::{Array2, Array4, Array5, Axis};
+use ndarray::{Array2, Array4, Array5, Axis, s};
 
 use crate::content::Flat;
+use crate::deviation::{Deviations, Entry, Grid};
 use crate::invalid::Invalid;
 use crate::symmetry::MOST_ROTATIONS;
 use crate::table::{Axes, Exact, Fate, Table};
@@ -29,7 +30,10 @@ pub fn check(table: &Table) -> Result<(), Invalid> {
     if let Some(exact) = &table.exact {
         polygons(table, exact)?;
     }
-    Ok(())
+    match &table.deviations {
+        Some(found) => deviations(table, found),
+        None => Ok(()),
+    }
 }
 
 /// Checks the axes alone, before anything of their size is allocated.
@@ -312,6 +316,72 @@ fn sums(table: &Table) -> Result<(), Invalid> {
         }
         if eta == 0.0 && sum != 0.0 {
             return Err(Invalid::HistogramOfNothing { direction });
+        }
+    }
+    Ok(())
+}
+
+fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
+    let (incidences, azimuths) = table.axes.shape();
+    let Some(counts) = &table.counts else {
+        return Err(Invalid::HalfCounts {
+            present: "deviation",
+            missing: "counts",
+        });
+    };
+    if found.entries.len() != incidences * azimuths {
+        return Err(Invalid::Shape {
+            array: "deviation entries",
+            expected: vec![incidences * azimuths],
+            found: vec![found.entries.len()],
+        });
+    }
+    let Grid { cells, bins, range } = found.grid;
+    let of_bins = table.axes.bins;
+    within(
+        "deviation cells",
+        [&(cells as f64)],
+        "the divisors of the bins",
+        |_| (1..=Grid::MOST).contains(&cells) && of_bins.is_multiple_of(cells),
+    )?;
+    within("deviation bins", [&(bins as f64)], "1 to 4096", |_| {
+        (1..=Grid::MOST).contains(&bins)
+    })?;
+    within("deviation range", [&range], "above 0 to 1e6", |x| {
+        x > 0.0 && x <= 1e6
+    })?;
+    let (pool, places) = (of_bins / cells, found.grid.places());
+    for (direction, entries) in found.entries.iter().enumerate() {
+        let mut by_cell = Array2::<u128>::zeros((cells, cells));
+        let mut lowest = 0;
+        for (entry, &Entry { place, rays }) in entries.iter().enumerate() {
+            if place < lowest || place >= places || rays == 0 {
+                return Err(Invalid::DeviationEntry {
+                    direction,
+                    entry,
+                    place,
+                    rays,
+                    places,
+                });
+            }
+            lowest = place + 1;
+            by_cell[found.grid.at(place).0] += u128::from(rays);
+        }
+        let (i, j) = (direction / azimuths, direction % azimuths);
+        let mut counted = Array2::<u128>::zeros((cells, cells));
+        for ((_, v, u), &rays) in counts.slice(s![i, j, .., .., ..]).indexed_iter() {
+            counted[[v / pool, u / pool]] += u128::from(rays);
+        }
+        let differ = by_cell
+            .indexed_iter()
+            .find(|&(at, rays)| counted[at] != *rays);
+        if let Some((cell, &deviations)) = differ {
+            return Err(Invalid::DeviationSum {
+                direction,
+                cell,
+                deviations,
+                counts: counted[cell],
+            });
         }
     }
     Ok(())

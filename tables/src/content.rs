@@ -6,6 +6,8 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::deviation::Deviations;
+use crate::layout::FlatDeviations;
 use crate::symmetry::Symmetry;
 use crate::table::{Exact, Path, Provenance, Table};
 
@@ -44,6 +46,9 @@ impl Table {
         }
         if let Some(exact) = &self.exact {
             items.exact(exact);
+        }
+        if let Some(deviations) = &self.deviations {
+            items.deviations(deviations);
         }
         items.provenance(&self.provenance);
     }
@@ -111,6 +116,16 @@ impl Items<'_> {
         }
         self.integers("polygon_start", flat.start.iter().copied());
         self.floats("polygon_vertex", flat.vertex.iter().copied());
+    }
+
+    fn deviations(&mut self, found: &Deviations) {
+        let flat = FlatDeviations::new(found);
+        let grid = [found.grid.cells, found.grid.bins].map(|n| n as u64);
+        self.integers("deviation_grid", grid.into_iter());
+        self.floats("deviation_range", [found.grid.range].into_iter());
+        self.integers("entry_start", flat.start.iter().copied());
+        self.integers("entry_place", flat.place.iter().copied());
+        self.integers("entry_rays", flat.rays.iter().copied());
     }
 
     fn provenance(&mut self, provenance: &Provenance) {

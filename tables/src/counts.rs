@@ -86,6 +86,7 @@ impl Table {
             fate_counts: Some(fate_counts),
             rays,
             exact: None,
+            deviations: None,
             provenance,
         }
     }

@@ -120,6 +120,37 @@ pub enum Invalid {
         /// Sum over fates and randomisations.
         rays: u128,
     },
+    /// Rays by deviation that the histogram does not have, or has more of.
+    #[error(
+        "the deviations of direction {direction} have {deviations} rays in the cell (v, u) = {cell:?}, counts has {counts}"
+    )]
+    DeviationSum {
+        /// Index of the direction, incidence * azimuths + azimuth.
+        direction: usize,
+        /// The cell of shifts.
+        cell: (usize, usize),
+        /// Rays of all its deviations.
+        deviations: u128,
+        /// Rays of its bins.
+        counts: u128,
+    },
+    /// An entry out of place, or without rays.
+    #[error(
+        "entry {entry} of the deviations of direction {direction} has the place {place} and {rays} rays; places ascend below \
+         {places}, and rays are at least 1"
+    )]
+    DeviationEntry {
+        /// Index of the direction, incidence * azimuths + azimuth.
+        direction: usize,
+        /// Index of the entry within the direction.
+        entry: usize,
+        /// Its place.
+        place: u64,
+        /// Its rays.
+        rays: u64,
+        /// Places in all.
+        places: u64,
+    },
     /// Only one of `counts` and `fate_counts` is there.
     #[error("{present} is there without {missing}")]
     HalfCounts {

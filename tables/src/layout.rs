@@ -3,6 +3,7 @@
 //! `FORMAT.md` describes the same for writers of other readers; a change here is a change there, and of
 //! [`VERSION`] where an old reader would misread the file.
 
+mod deviations;
 mod load;
 mod place;
 mod polygons;
@@ -10,11 +11,15 @@ mod store;
 
 use std::ffi::CStr;
 
+pub(crate) use deviations::Flat as FlatDeviations;
 pub(crate) use load::load;
 pub(crate) use store::{create, store};
 
-/// Newest version of the format, the one that is written.
-pub const VERSION: u64 = 1;
+/// Newest version of the format. A table is written in the first version that says all of it.
+pub const VERSION: u64 = 2;
+
+/// The first version that has [`deviation::GROUP`].
+const VERSION_OF_DEVIATIONS: u64 = 2;
 
 /// Value of the root attribute `format`.
 pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
@@ -136,6 +141,17 @@ mod exact {
     pub const PATH_DEVIATION: &str = "path_deviation";
     pub const POLYGON_START: &str = "polygon_start";
     pub const POLYGON_VERTEX: &str = "polygon_vertex";
+}
+
+/// The group of exit directions of a table of rays, its attributes and its flat datasets.
+mod deviation {
+    pub const GROUP: &str = "deviation";
+    pub const CELLS: &str = "cells";
+    pub const BINS: &str = "bins";
+    pub const RANGE: &str = "range";
+    pub const START: &str = "entry_start";
+    pub const PLACE: &str = "entry_place";
+    pub const RAYS: &str = "entry_rays";
 }
 
 /// Root attributes.

@@ -29,6 +29,7 @@ mod between;
 pub mod check;
 pub mod content;
 pub mod counts;
+pub mod deviation;
 pub mod error;
 mod heap;
 pub mod invalid;
@@ -51,6 +52,7 @@ mod waves;
 pub mod write;
 
 pub use counts::l1;
+pub use deviation::Deviations;
 pub use error::Error;
 pub use invalid::Invalid;
 pub use layout::VERSION;

@@ -16,6 +16,7 @@ use std::collections::BTreeSet;
 
 use ndarray::{Axis, Zip, concatenate};
 
+use crate::deviation::{self, Deviations};
 use crate::error::Error;
 use crate::shards::Shards;
 use crate::table::{Axes, Table};
@@ -104,6 +105,15 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
         axes.bins = "bins",
         axes.range = "shift_range",
     );
+    let grid = |table: &Table| table.deviations.as_ref().map(|found| found.grid);
+    if grid(first) != grid(table) {
+        return Err(Mismatch::Field {
+            field: "deviation",
+            index,
+            expected: format!("{:?}", grid(first)),
+            found: format!("{:?}", grid(table)),
+        });
+    }
     let kind = |table: &Table| match (&table.counts, table.axes.is_mean()) {
         (Some(_), false) => "single directions, counts of rays",
         (Some(_), true) => "a mean, counts of rays",
@@ -252,7 +262,18 @@ fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     if let (Some(fates), Some(more)) = (&mut sum.fate_counts, &table.fate_counts) {
         Zip::from(fates).and(more).for_each(|n, more| *n += more);
     }
+    if let (Some(found), Some(more)) = (&mut sum.deviations, &table.deviations) {
+        *found = more_deviations(found, more);
+    }
     Ok(())
+}
+
+fn more_deviations(a: &Deviations, b: &Deviations) -> Deviations {
+    let pairs = a.entries.iter().zip(&b.entries);
+    Deviations {
+        grid: a.grid,
+        entries: pairs.map(|(a, b)| deviation::added(a, b)).collect(),
+    }
 }
 
 /// Whole tables of seeds that follow one another, along the randomisation axis.
@@ -294,13 +315,17 @@ fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
     else {
         unreachable!("equal axes give equal shapes but for the randomisations");
     };
-    Ok(Table::from_counts(
-        ranges[0].axes.clone(),
-        // `concatenate` leaves a layout of its own.
-        counts.as_standard_layout().into_owned(),
-        fates.as_standard_layout().into_owned(),
-        ranges[0].provenance.clone(),
-    ))
+    let deviations = ranges.iter().filter_map(|table| table.deviations.clone());
+    Ok(Table {
+        deviations: deviations.reduce(|sum, more| more_deviations(&sum, &more)),
+        ..Table::from_counts(
+            ranges[0].axes.clone(),
+            // `concatenate` leaves a layout of its own.
+            counts.as_standard_layout().into_owned(),
+            fates.as_standard_layout().into_owned(),
+            ranges[0].provenance.clone(),
+        )
+    })
 }
 
 fn randomisations(table: &Table) -> usize {
@@ -310,9 +335,10 @@ fn randomisations(table: &Table) -> usize {
 /// The table that follows from the counts, which were changed.
 fn rebuilt(table: Table) -> Table {
     match (table.counts, table.fate_counts) {
-        (Some(counts), Some(fates)) => {
-            Table::from_counts(table.axes, counts, fates, table.provenance)
-        }
+        (Some(counts), Some(fates)) => Table {
+            deviations: table.deviations,
+            ..Table::from_counts(table.axes, counts, fates, table.provenance)
+        },
         (counts, fate_counts) => Table {
             counts,
             fate_counts,

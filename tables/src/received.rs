@@ -9,7 +9,8 @@ use ndarray::{Array, Array2, Dimension, ShapeError};
 
 use crate::check;
 use crate::content::Flat;
-use crate::layout::MOST_BYTES;
+use crate::deviation::{Deviations, Grid};
+use crate::layout::{FlatDeviations, MOST_BYTES};
 use crate::symmetry::Symmetry;
 use crate::table::{Axes, Exact, Fate, Provenance, Table};
 
@@ -153,8 +154,10 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
     let table = match counted {
         Some((counts, fates)) => {
             let exact = exact(&mut items, i * j)?;
+            let deviations = deviations(&mut items, i * j)?;
             let mut table = Table::from_counts(axes, counts, fates, provenance(&mut items)?);
             table.exact = exact;
+            table.deviations = deviations;
             table
         }
         None => Table {
@@ -167,6 +170,7 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
             rays: Array2::zeros((i, j)),
             axes,
             exact: exact(&mut items, i * j)?,
+            deviations: None,
             provenance: provenance(&mut items)?,
         },
     };
@@ -219,6 +223,34 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
         entrance_area,
         paths,
     }))
+}
+
+fn deviations(
+    items: &mut Items<impl BufRead>,
+    directions: usize,
+) -> io::Result<Option<Deviations>> {
+    if items.name != "deviation_grid" {
+        return Ok(None);
+    }
+    let [cells, bins] = items.integers("deviation_grid")?[..] else {
+        return Err(wrong("a grid of other than two numbers"));
+    };
+    let grid = Grid {
+        cells: cells as usize,
+        bins: bins as usize,
+        range: items.float("deviation_range")?,
+    };
+    let flat = FlatDeviations {
+        start: items.integers("entry_start")?,
+        place: items.integers("entry_place")?,
+        rays: items.integers("entry_rays")?,
+    };
+    if flat.start.len() != directions + 1 || flat.place.len() != flat.rays.len() {
+        return Err(wrong("entries of different numbers"));
+    }
+    let entries = flat.entries();
+    let entries = entries.map_err(|k| wrong(&format!("entry_start does not fit at {k}")))?;
+    Ok(Some(Deviations { grid, entries }))
 }
 
 fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {

@@ -5,6 +5,7 @@
 
 use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
+use crate::deviation::Deviations;
 use crate::shards::Shards;
 use crate::symmetry::Symmetry;
 
@@ -270,6 +271,8 @@ pub struct Table {
     pub rays: Array2<u64>,
     /// Polygons and maps of an exact table.
     pub exact: Option<Exact>,
+    /// Rays by shift and by the direction that they leave in, where the cell is not ideal; `None` of an exact table.
+    pub deviations: Option<Deviations>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
@@ -282,12 +285,8 @@ impl Table {
     pub fn part(&self, incidences: &[usize], azimuths: &[usize]) -> Table {
         let pick = |angles: &[f64], which: &[usize]| which.iter().map(|&k| angles[k]).collect();
         let columns = self.axes.azimuth_deg.len();
-        let paths = |exact: &Exact| {
-            let places = incidences
-                .iter()
-                .flat_map(|i| azimuths.iter().map(move |j| i * columns + j));
-            places.map(|place| exact.paths[place].clone()).collect()
-        };
+        let row = |i: &usize| -> Vec<usize> { azimuths.iter().map(|j| i * columns + j).collect() };
+        let places: Vec<usize> = incidences.iter().flat_map(row).collect();
         macro_rules! part {
             ($array:expr) => {
                 $array.select(Axis(0), incidences).select(Axis(1), azimuths)
@@ -308,7 +307,11 @@ impl Table {
             rays: part!(self.rays),
             exact: self.exact.as_ref().map(|exact| Exact {
                 entrance_area: exact.entrance_area,
-                paths: paths(exact),
+                paths: places.iter().map(|&k| exact.paths[k].clone()).collect(),
+            }),
+            deviations: self.deviations.as_ref().map(|found| Deviations {
+                grid: found.grid,
+                entries: places.iter().map(|&k| found.entries[k].clone()).collect(),
             }),
             provenance: self.provenance.clone(),
         }

@@ -16,6 +16,7 @@ fn main() {
     let kinds = [
         ("rays", sample::rays(2, 7)),
         ("mean", sample::mean()),
+        ("deviations", sample::deviations(7)),
         ("exact", sample::exact()),
     ];
     for (kind, table) in &kinds {

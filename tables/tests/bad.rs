@@ -162,8 +162,8 @@ fn every_bad_table_is_refused_with_its_message() {
     );
     case(
         "a later version",
-        spoilt(&|f| attribute(f, "version", &2_u64)),
-        "is of format version 2, this program reads 1 to 1",
+        spoilt(&|f| attribute(f, "version", &3_u64)),
+        "is of format version 3, this program reads 1 to 2",
     );
     case(
         "version 0",
@@ -506,6 +506,72 @@ fn bad_polygons_are_refused() {
 }
 
 /// Another program may rewrite the texts at a fixed length or the numbers big-endian: the content is the same.
+#[test]
+fn bad_deviations_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("table.h5");
+    let spoilt = |spoil: &dyn Fn(&hdf5::Group)| {
+        write(&sample::deviations(7), &file).unwrap();
+        let opened = hdf5::File::open_rw(&file).unwrap();
+        spoil(&opened.group("deviation").unwrap());
+        opened.close().unwrap();
+        refusal(&file)
+    };
+    let set = |name: &'static str, index: usize, value: u64| {
+        move |group: &hdf5::Group| {
+            let dataset = group.dataset(name).unwrap();
+            let mut values = dataset.read_1d::<u64>().unwrap();
+            values[index] = value;
+            dataset.write(&values).unwrap();
+        }
+    };
+    let grid = |name: &'static str, value: u64| {
+        move |group: &hdf5::Group| group.attr(name).unwrap().write_scalar(&value).unwrap()
+    };
+    let range = |value: f64| {
+        move |group: &hdf5::Group| group.attr("range").unwrap().write_scalar(&value).unwrap()
+    };
+    type Spoil<'a> = &'a dyn Fn(&hdf5::Group);
+    let cases: [(Spoil, &str); 11] = [
+        (
+            &set("entry_place", 0, 400),
+            "entry 0 of the deviations of direction 0 has the place 400",
+        ),
+        (
+            &set("entry_place", 1, 0),
+            "entry 1 of the deviations of direction 0 has the place 0",
+        ),
+        (&set("entry_rays", 3, 0), "and 0 rays"),
+        (
+            &set("entry_rays", 0, u64::MAX),
+            "rays in the cell (v, u) = (0, 0)",
+        ),
+        (
+            &set("entry_start", 0, 1),
+            "deviation/entry_start is 1 at index 0",
+        ),
+        (&set("entry_start", 1, u64::MAX), "deviation/entry_start"),
+        (&set("entry_start", 6, 7), "deviation/entry_start"),
+        (&grid("cells", 3), "deviation cells is 3"),
+        (&grid("cells", 0), "deviation cells is 0"),
+        (&grid("bins", u64::MAX), "deviation bins"),
+        (&range(f64::NAN), "deviation range is NaN"),
+    ];
+    let mut tried = 0;
+    for (spoil, expected) in cases {
+        let message = spoilt(spoil);
+        assert!(
+            message.contains(expected),
+            "{message}\nshould say\n{expected}"
+        );
+        tried += 1;
+    }
+    assert_eq!(tried, 11);
+    write(&sample::deviations(7), &file).unwrap();
+    let message = spoilt(&|group| group.unlink("entry_rays").unwrap());
+    assert!(message.contains("deviation/entry_rays"), "{message}");
+}
+
 #[test]
 fn a_table_that_another_program_rewrote_is_read() {
     let bench = Bench::new();

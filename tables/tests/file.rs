@@ -28,6 +28,7 @@ fn kinds() -> Vec<(&'static str, Table)> {
         ("rays, one randomisation", plain),
         ("rays, 16 randomisations", sample::rays(16, 8)),
         ("mean over azimuths", sample::mean()),
+        ("rays with deviations", sample::deviations(8)),
         ("exact with polygons", sample::exact()),
         ("exact with a symmetry", sample::symmetric()),
         ("exact without polygons", without_polygons),
@@ -53,7 +54,7 @@ fn every_kind_of_table_comes_back_bit_for_bit() {
         );
         tried += 1;
     }
-    assert_eq!(tried, 7);
+    assert_eq!(tried, 8);
 }
 
 #[test]

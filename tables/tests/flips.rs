@@ -14,7 +14,8 @@ fn payload(path: &Path) -> Vec<Range<usize>> {
     let file = hdf5::File::open(path).unwrap();
     let groups = [file.as_group().unwrap()]
         .into_iter()
-        .chain(file.group("exact"));
+        .chain(file.group("exact"))
+        .chain(file.group("deviation"));
     let mut ranges = Vec::new();
     for dataset in groups.flat_map(|group| group.datasets().unwrap()) {
         dataset
@@ -51,7 +52,11 @@ fn every_flipped_bit_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("table.h5");
     let mut numbers = Numbers(1);
-    for (kind, table) in [("rays", sample::rays(2, 7)), ("exact", sample::exact())] {
+    for (kind, table) in [
+        ("rays", sample::rays(2, 7)),
+        ("deviations", sample::deviations(7)),
+        ("exact", sample::exact()),
+    ] {
         write(&table, &path).unwrap();
         let sealed = fs::read(&path).unwrap();
         let unsealed = &sealed[..sealed.len() - 40];

@@ -50,6 +50,42 @@ proptest! {
     }
 }
 
+/// Deviations go with their directions, and add up over seeds.
+#[test]
+fn deviations_are_merged() {
+    let whole = sample::deviations(7);
+    let parts = [whole.part(&[2], &[0, 1]), whole.part(&[0, 1], &[0, 1])];
+    assert_eq!(merge(&parts).unwrap(), whole);
+    let next = sample::deviations(9);
+    let sum = merge(&[next.clone(), whole.clone()]).unwrap();
+    let [sums, a, b] = [&sum, &whole, &next].map(|table| table.deviations.clone().unwrap());
+    let rays = |found: &tables::Deviations, place: u64| {
+        let entries = found.entries[1].iter();
+        let here = entries.filter(|entry| entry.place == place);
+        here.map(|entry| entry.rays).sum::<u64>()
+    };
+    for place in 0..sums.grid.places() {
+        assert_eq!(rays(&sums, place), rays(&a, place) + rays(&b, place));
+    }
+    assert_eq!(sums.grid.places(), 400);
+    let mut other = next.clone();
+    other.deviations.as_mut().unwrap().grid.range = 3e-3;
+    let without = sample::rays(2, 9);
+    for table in [other, without] {
+        let error = mismatch(&[whole.clone(), table]);
+        assert!(
+            matches!(
+                error,
+                Mismatch::Field {
+                    field: "deviation",
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn seeds_that_follow_one_another_are_more_randomisations() {
     // Seeds 7 and 8, then 9: one bake of three randomisations from seed 7.

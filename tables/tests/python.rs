@@ -22,6 +22,7 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         ("rays", sample::rays(4, 7)),
         ("mean", sample::mean()),
         ("shards", some_shards()),
+        ("deviations", sample::deviations(7)),
         ("exact", sample::exact()),
         ("symmetric", sample::symmetric()),
     ] {
@@ -53,5 +54,5 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         assert!(out.starts_with("checks passed: "), "{kind}: {out}");
         tried += 1;
     }
-    assert_eq!(tried, 5);
+    assert_eq!(tried, 6);
 }

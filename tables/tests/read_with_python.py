@@ -55,6 +55,12 @@ def content_hash(file):
                 floats(name, group[name][()])
         integers("polygon_start", group["polygon_start"][()])
         floats("polygon_vertex", group["polygon_vertex"][()])
+    if "deviation" in file:
+        group = file["deviation"]
+        integers("deviation_grid", [group.attrs["cells"], group.attrs["bins"]])
+        floats("deviation_range", group.attrs["range"])
+        for name in ["entry_start", "entry_place", "entry_rays"]:
+            integers(name, group[name][()])
     texts = {"generator", "design", "mesh_hash", "edge_length_unit", "back", "losses", "method", "sampler"}
     for name in ["generator", "design", "mesh_hash", "edge_length", "edge_length_unit", "azimuth_zero",
                  "refractive_index", "back", "losses", "reflectance", "method", "sampler", "seed",
@@ -108,7 +114,7 @@ def main():
         for scale in ["incidence_deg", "azimuth_deg", "shift_u", "shift_v"]:
             check(isinstance(file[scale].attrs["units"], str) and file[scale].attrs["long_name"], f"{scale} units")
         check(file.attrs["format"] == "retroreflective ray-shift table", "format")
-        check(file.attrs["version"] == 1, "version")
+        check(file.attrs["version"] == (2 if kind == "deviations" else 1), "version")
         check("d = -n cos(incidence) + t sin(incidence)" in file.attrs["frame"], "frame")
         check(file.attrs["content_hash"] == content, "content hash attribute")
         check(content_hash(file) == content, "content hash computed in Python")
@@ -148,6 +154,18 @@ def main():
     table = module.read_table(name)
     check(table["histogram"][1, 0, 3, 4] == float(probability), "read_table histogram")
     check(table["fate_name"][0] == "retroreflected" and len(table["fate_name"]) == 10, "read_table fates")
+    if kind == "deviations":
+        group = table["deviation"]
+        cells, bins = int(group["cells"]), int(group["bins"])
+        pool = b // cells
+        for direction in np.ndindex(i, j):
+            k = direction[0] * j + direction[1]
+            own = slice(*group["entry_start"][k:k + 2].astype(int))
+            by_cell = np.bincount((group["entry_place"][own] // bins**2).astype(int), group["entry_rays"][own], cells**2)
+            counts = table["counts"][direction].sum(0).reshape(cells, pool, cells, pool).sum((1, 3))
+            check((by_cell.reshape(cells, cells) == counts).all(), "entries sum to counts")
+            image, middles = module.deviation_image(table, *direction)
+            check(image.sum() == counts.sum() and middles[bins // 2] == 0, "image of the spots")
     if kind == "symmetric":
         held = table["histogram"][1, 1]
         for azimuth, expected in [(30, held), (90, held), (-30, held), (330, held), (0, table["histogram"][1, 0])]:

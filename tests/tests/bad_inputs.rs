@@ -286,6 +286,7 @@ fn options() {
         trace("--refractive-index", "bk7", "depends on the wavelength"),
         trace("--metal", "tin", "--metal tin"),
         trace("--reflectance", "0.9", "needs --losses fresnel"),
+        trace("--deviations", "wide", "auto, off, or a range in mrad"),
         trace("--wavelength-nm", "0", "--wavelength-nm 0"),
         trace("--roughness", "ggx:2", "ALPHA above 0 and at most 1"),
         trace("--wavelength-nm", "450,650", "write {nm}"),

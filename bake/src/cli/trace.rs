@@ -313,6 +313,7 @@ impl Bake {
             file: &self.file,
             seconds,
         };
+        warn(&report.warnings());
         if !args.json {
             print(&report.text())?;
         }

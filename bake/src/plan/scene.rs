@@ -1,5 +1,6 @@
 //! Options that a scene names only where it has what they are for. Each costs nothing where it is left out.
 
+use super::Record;
 use crate::roughness::Roughness;
 use clap::{Args, Parser};
 use std::fmt;
@@ -24,14 +25,18 @@ pub struct SceneOptions {
     /// or ggx:ALPHA
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true)]
     pub roughness: Option<Roughness>,
+    /// Records where the light of rays goes, jointly with its shift: auto where the cell is not ideal, off, or bins over plus and
+    /// minus so many mrad
+    #[arg(long, value_name = "MRAD", default_value_t = Record::Auto)]
+    pub deviations: Record,
 }
 
 impl SceneOptions {
     /// The option that leaves no plane mirrors for the exact method, as typed.
     pub fn no_planes(&self) -> Option<String> {
         let of_rays = SceneOptions {
-            normals: self.normals,
-            roughness: self.roughness,
+            deviations: Record::Auto,
+            ..*self
         };
         Some(of_rays.to_string()).filter(|option| !option.is_empty())
     }
@@ -59,6 +64,9 @@ impl fmt::Display for SceneOptions {
         if let Some(roughness) = self.roughness {
             named.push(format!("--roughness {roughness}"));
         }
+        if self.deviations != Record::Auto {
+            named.push(format!("--deviations {}", self.deviations));
+        }
         f.write_str(&named.join(" "))
     }
 }
@@ -82,6 +90,15 @@ mod tests {
             },
             SceneOptions {
                 roughness: Roughness::new(Slopes::Ggx, 1.0 / 3.0).ok(),
+                ..SceneOptions::default()
+            },
+            SceneOptions {
+                deviations: Record::Off,
+                ..SceneOptions::default()
+            },
+            SceneOptions {
+                normals: Normals::File,
+                deviations: Record::Within(2.5),
                 ..SceneOptions::default()
             },
         ];

@@ -51,6 +51,19 @@ pub fn triangular() -> Cell {
     )
 }
 
+/// The pair with unequal errors of its right angles, rad.
+pub fn uneven_pair(dihedral_error_rad: [f64; 3]) -> Cell {
+    let design = meshes::design::Design {
+        dihedral_error_rad,
+        ..meshes::design::Design::new(meshes::design::Shape::TriangularPair)
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("uneven-pair.obj");
+    let mesh = design.mesh().expect("a design");
+    std::fs::write(&file, meshes::write::obj(&mesh)).expect("writes");
+    meshes::load_cell(&file, &meshes::CellOptions::default()).expect("a cell")
+}
+
 /// A cube and its copy turned by 180 deg, sharing the rim edge opposite the first edge.
 pub fn pair() -> Cell {
     let ends = edges(0.0);

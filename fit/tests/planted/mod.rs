@@ -78,6 +78,7 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
         fate_counts: None,
         rays: Array2::zeros((n, 1)),
         // A shift polygon has four times the area of its entrance polygon.
+        deviations: None,
         exact: Some(Exact {
             entrance_area: 4.0 * cubes * 0.75_f64.sqrt(),
             paths,

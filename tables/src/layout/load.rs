@@ -8,7 +8,7 @@ use hdf5::File;
 use ndarray::{Array2, Array4, Array5, Dimension};
 
 use super::place::{Place, near};
-use super::{Variable, attribute, polygons};
+use super::{Variable, attribute, deviations, polygons};
 use crate::check;
 use crate::error::Error;
 use crate::ledger::Ledger;
@@ -71,6 +71,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
         fate_counts: None,
         rays,
         exact: polygons::load(&root, i * j)?,
+        deviations: None,
         provenance,
     };
     if root.has(super::COUNTS.name) || root.has(super::FATE_COUNTS.name) {
@@ -79,6 +80,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
         let fate_counts: Array4<u64> = root.array(&super::FATE_COUNTS, &[i, j, r, f])?;
         check::counts(&counts, &fate_counts, &stored.rays).map_err(invalid)?;
         stored = derived(stored, counts, fate_counts, path)?;
+        stored.deviations = deviations::load(&root, i * j)?;
     }
     check::check(&stored).map_err(invalid)?;
     Ok((stored, root.text(attribute::CONTENT_HASH)?))

@@ -7,7 +7,7 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type, Location, Result};
 use ndarray::{Array1, ArrayView, ArrayView1, ArrayViewD, Dimension};
 
-use super::{Scale, Variable, attribute, exact};
+use super::{Scale, Variable, attribute, deviations, exact};
 use crate::content::Flat;
 use crate::scales::{attach_scale, set_scale};
 use crate::symmetry::Symmetry;
@@ -67,6 +67,9 @@ pub(crate) fn store(table: &Table, file: &File) -> Result<()> {
     if let (Some(counts), Some(fate_counts)) = (&table.counts, &table.fate_counts) {
         writer.variable(&super::COUNTS, counts.view().into_dyn())?;
         writer.variable(&super::FATE_COUNTS, fate_counts.view().into_dyn())?;
+    }
+    if let Some(found) = &table.deviations {
+        deviations::store(found, file)?;
     }
     match &table.exact {
         Some(found) => polygons(found, file),
@@ -159,7 +162,7 @@ fn polygons(found: &Exact, file: &File) -> Result<()> {
     shaped(&group, exact::POLYGON_VERTEX, &flat.vertex, &[vertices, 2])
 }
 
-fn shaped<T: H5Type + Clone>(
+pub(super) fn shaped<T: H5Type + Clone>(
     group: &Group,
     name: &str,
     values: &[T],
@@ -172,7 +175,11 @@ fn shaped<T: H5Type + Clone>(
 
 fn attributes(table: &Table, file: &File) -> Result<()> {
     put_text(file, attribute::FORMAT, super::FORMAT)?;
-    put(file, attribute::VERSION, &super::VERSION)?;
+    let version = match table.deviations {
+        Some(_) => super::VERSION_OF_DEVIATIONS,
+        None => 1,
+    };
+    put(file, attribute::VERSION, &version)?;
     put_text(file, attribute::FRAME, super::FRAME)?;
     let azimuths = if table.axes.is_mean() {
         "mean over all azimuths of retroreflected x histogram in the incidence frame"
@@ -251,7 +258,7 @@ fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
     }
 }
 
-fn put<T: H5Type + Clone>(at: &Location, name: &str, value: &T) -> Result<()> {
+pub(super) fn put<T: H5Type + Clone>(at: &Location, name: &str, value: &T) -> Result<()> {
     at.new_attr::<T>().create(name)?.write_scalar(value)
 }
 

@@ -3,6 +3,7 @@
 use ndarray::{Array2, Array3, Array4, Array5, s};
 
 use super::Mismatch;
+use crate::deviation::Deviations;
 use crate::table::{Axes, Exact, Fate, Provenance, Table};
 
 /// The axes that hold every incidence and every azimuth of the tables, which share bins and range.
@@ -56,15 +57,24 @@ pub fn spread(table: &Table, axes: &Axes) -> Table {
         Array5::zeros((n, m, r, b, b)),
         Array4::zeros((n, m, r, Fate::ALL.len())),
     );
+    let grid = table.deviations.as_ref().map(|found| found.grid);
+    let mut deviations = grid.map(|grid| Deviations::new(grid, n * m));
     for (i, j) in all(axes) {
         if let Some((own_i, own_j)) = place(table, axes, (i, j)) {
             let from = counts.slice(s![own_i, own_j, .., .., ..]);
             wide.0.slice_mut(s![i, j, .., .., ..]).assign(&from);
             let from = fates.slice(s![own_i, own_j, .., ..]);
             wide.1.slice_mut(s![i, j, .., ..]).assign(&from);
+            if let (Some(wide), Some(own)) = (&mut deviations, &table.deviations) {
+                let place = own_i * table.axes.azimuth_deg.len() + own_j;
+                wide.entries[i * m + j].clone_from(&own.entries[place]);
+            }
         }
     }
-    Table::from_counts(axes.clone(), wide.0, wide.1, table.provenance.clone())
+    Table {
+        deviations,
+        ..Table::from_counts(axes.clone(), wide.0, wide.1, table.provenance.clone())
+    }
 }
 
 /// Exact tables of different directions as one.
@@ -79,6 +89,7 @@ pub fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
         fate_counts: None,
         rays: Array2::zeros((n, m)),
         exact: None,
+        deviations: None,
         provenance: Provenance {
             // Nobody looked into the gaps between the tables.
             direction_tolerance: None,

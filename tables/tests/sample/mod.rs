@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
 use ndarray::{Array2, Array3, Array4, Array5};
+use tables::deviation::{Deviations, Grid, counted};
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
 /// A generator of reproducible numbers (splitmix64).
@@ -90,6 +91,33 @@ pub fn rays(randomisations: usize, seed: u64) -> Table {
     Table::from_counts(axes, counts, fates, provenance)
 }
 
+/// Rays with their deviations, in 4 x 4 cells and 5 x 5 bins.
+pub fn deviations(seed: u64) -> Table {
+    let mut table = rays(2, seed);
+    let grid = Grid {
+        cells: 4,
+        bins: 5,
+        range: 2e-3,
+    };
+    let mut numbers = Numbers(seed + 1);
+    let counts = table.counts.as_ref().unwrap();
+    let (_, azimuths) = table.axes.shape();
+    let mut found = Deviations::new(grid, table.retroreflected.len());
+    for (direction, entries) in found.entries.iter_mut().enumerate() {
+        let mut places = Vec::new();
+        let here = ndarray::s![direction / azimuths, direction % azimuths, .., .., ..];
+        for ((_, v, u), &rays) in counts.slice(here).indexed_iter() {
+            for _ in 0..rays {
+                let bin = [(); 2].map(|()| numbers.below(5) as usize);
+                places.push(grid.place([v / 2, u / 2], bin));
+            }
+        }
+        *entries = counted(&mut places);
+    }
+    table.deviations = Some(found);
+    table
+}
+
 /// The mean over azimuths.
 pub fn mean() -> Table {
     let source = rays(2, 11);
@@ -172,6 +200,7 @@ pub fn exact() -> Table {
         fate,
         fate_counts: None,
         rays: Array2::zeros((i, j)),
+        deviations: None,
         exact: Some(Exact {
             entrance_area: 1.0,
             paths,

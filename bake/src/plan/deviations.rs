@@ -1,0 +1,192 @@
+//! Whether a table of rays says where the light goes, and how finely.
+//!
+//! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh and the options alone, never
+//! by rays, so that shards and ranks agree.
+
+use super::Plan;
+use crate::bodies;
+use glam::DVec3;
+use meshes::Cell;
+use std::fmt;
+use std::str::FromStr;
+use tables::deviation::Grid;
+
+/// Facets nearer than this to a right angle are at one, rad: coordinates of six digits are no better. The light of such a
+/// cube is within 2e-5 rad of straight back, 5 um at a distance of 300 mm.
+const RIGHT: f64 = 5e-6;
+
+/// Planes of one body above which it stands for a curved one.
+const MOST_PLANES: usize = 64;
+
+/// Bins along each axis where light goes in a few directions: only those are stored, so that they may be fine. Odd, so that
+/// straight back is in the middle of one.
+const BINS_OF_SPOTS: usize = 4095;
+
+/// The same where it goes everywhere, and cells of shifts at most.
+const BINS_OF_LOBES: usize = 127;
+const CELLS_OF_LOBES: usize = 16;
+
+/// What `--deviations` asks for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Record {
+    /// A histogram of exit directions where the cell is not ideal, as wide as the cell and the angular tolerance ask for.
+    #[default]
+    Auto,
+    /// None.
+    Off,
+    /// One of this range, mrad, whatever the cell.
+    Within(f64),
+}
+
+impl FromStr for Record {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Record, String> {
+        let number = || text.parse().ok().filter(|x| (1e-3..=1e3).contains(x));
+        match text {
+            "auto" => Ok(Record::Auto),
+            "off" => Ok(Record::Off),
+            _ => number()
+                .map(Record::Within)
+                .ok_or_else(|| "give auto, off, or a range in mrad from 0.001 to 1000".into()),
+        }
+    }
+}
+
+impl fmt::Display for Record {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Record::Auto => f.write_str("auto"),
+            Record::Off => f.write_str("off"),
+            Record::Within(mrad) => write!(f, "{mrad}"),
+        }
+    }
+}
+
+/// Where the light of a cell goes that counts as retroreflected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Exits {
+    /// Straight back.
+    Straight,
+    /// In some directions, turned by at most this angle inside, rad.
+    Spots(f64),
+    /// Anywhere within the angular tolerance.
+    Lobe,
+}
+
+impl Plan {
+    /// How the exit directions of rays through `cell` are recorded; `None` where they are not.
+    pub fn deviations(&self, cell: &Cell) -> Option<Grid> {
+        let exits = self.exits(cell);
+        let turn = match (self.scene.deviations, exits) {
+            (Record::Off, _) | (Record::Auto, Exits::Straight) => return None,
+            (_, Exits::Spots(turn)) => turn,
+            _ => self.angular_tolerance_deg.to_radians(),
+        };
+        // Snell's law widens a small angle by the index, and within the plane of incidence by up to twice that to 60 degrees.
+        let range = match self.scene.deviations {
+            Record::Within(mrad) => 1e-3 * mrad,
+            _ => 2.0 * self.index_of(cell) * turn,
+        };
+        let bins = self.axes.bins;
+        let (cells, bins) = match exits {
+            Exits::Lobe => (pools(bins), BINS_OF_LOBES),
+            Exits::Straight | Exits::Spots(_) => (bins, BINS_OF_SPOTS),
+        };
+        Some(Grid { cells, bins, range })
+    }
+
+    /// What sends light elsewhere than straight back, in one place.
+    fn exits(&self, cell: &Cell) -> Exits {
+        let tolerance = self.angular_tolerance_deg.to_radians();
+        if self.scene.no_planes().is_some() {
+            return Exits::Lobe;
+        }
+        let error = match bodies::kinds(cell) {
+            Ok(kinds) => {
+                let mut errors = kinds
+                    .iter()
+                    .map(|kind| angle_error(&kind.facets, tolerance));
+                errors.try_fold(0.0, |largest: f64, error| {
+                    error.map(|error| largest.max(error))
+                })
+            }
+            Err(_) => angle_error(&cell.facets, tolerance),
+        };
+        match error {
+            None => Exits::Lobe,
+            Some(error) if error <= RIGHT => Exits::Straight,
+            // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most, first order.
+            Some(error) => Exits::Spots(tolerance.min(2.0 * 3f64.sqrt() * error)),
+        }
+    }
+}
+
+/// The largest error of the right angles of a body, rad: how far two planes that could be faces of a corner, within the
+/// tolerance, are from one. `None` of a body of more than [`MOST_PLANES`] planes.
+fn angle_error(facets: &[[DVec3; 3]], tolerance: f64) -> Option<f64> {
+    let mut normals: Vec<DVec3> = Vec::new();
+    for [a, b, c] in facets {
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        // Triangles of one plane.
+        if normals.iter().all(|own| (own - normal).length() > 1e-9) {
+            normals.push(normal);
+        }
+        if normals.len() > MOST_PLANES {
+            return None;
+        }
+    }
+    let pairs = (0..normals.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let errors = pairs.map(|(i, j)| normals[i].dot(normals[j]).abs().asin());
+    Some(
+        errors
+            .filter(|&error| error <= tolerance)
+            .fold(0.0, f64::max),
+    )
+}
+
+/// The greatest divisor of `bins` that is at most [`CELLS_OF_LOBES`].
+fn pools(bins: usize) -> usize {
+    let divides = |n: &usize| bins.is_multiple_of(*n);
+    (1..=CELLS_OF_LOBES).rev().find(divides).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_is_read_back() {
+        for record in [Record::Auto, Record::Off, Record::Within(2.5)] {
+            assert_eq!(record.to_string().parse(), Ok(record));
+        }
+        for bad in ["", "on", "0", "-1", "nan", "inf", "5000"] {
+            assert!(bad.parse::<Record>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn pools_divide_the_bins() {
+        assert_eq!([1, 7, 34, 96, 128].map(pools), [1, 7, 2, 16, 16]);
+    }
+
+    /// Two facets at 90 degrees and 0.3 mrad, and a third at right angles to both.
+    #[test]
+    fn errors_of_right_angles() {
+        let error = 3e-4_f64;
+        let b = DVec3::new(-error.sin(), error.cos(), 0.0);
+        let facets = [
+            [DVec3::ZERO, DVec3::X, b],
+            [DVec3::ZERO, b, DVec3::Z],
+            [DVec3::ZERO, DVec3::Z, DVec3::X],
+        ];
+        let found = angle_error(&facets, 0.01).expect("three planes");
+        // The sine's argument is rounded to an ulp of 1.
+        assert!((found - error).abs() < 1e-15, "{found}");
+        assert_eq!(
+            angle_error(&facets, 1e-4),
+            Some(0.0),
+            "no corner's face within that"
+        );
+    }
+}
