@@ -1,6 +1,7 @@
 //! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
 
 mod check;
+mod element;
 mod failure;
 mod study;
 mod trace;
@@ -13,7 +14,7 @@ use crate::{inspect, plot, report};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions};
+use meshes::{Cell, CellOptions, Mesh};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -37,23 +38,26 @@ enum Verb {
     /// Writes the mesh of a parametric corner-cube cell
     #[command(
         after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide; one whose faces bulge by 1e-4 of \
-        an edge\n  \
+        an edge; a plate of slit mirrors\n  \
         bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
         bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0\n  \
-        bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20"
+        bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20\n  \
+        bake design plate -o plate.obj --edge-length 0.5 --depth 3"
     )]
     Design(DesignArgs),
     /// Traces a mesh into a ray-shift table
     #[command(after_help = "\
 Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; with aluminium backs and all losses, a table a colour; \
-with rough facets; curved faces by the file's normals; the exit directions of a cell that is not ideal, within 1 mrad
+with rough facets; curved faces by the file's normals; the exit directions of a cell that is not ideal, within 1 mrad; \
+a plate of slit mirrors
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10
   bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full --direction-tolerance 0.005
   bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
   bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 --roughness 0.001
   bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
-  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 --deviations 1")]
+  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 --deviations 1
+  bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45")]
     Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
     #[command(
@@ -99,7 +103,7 @@ struct DesignArgs {
     /// Lists the designs
     #[arg(long)]
     list: bool,
-    /// Length of an edge from the apex, file units
+    /// Length of an edge from the apex (of an element in a lattice: its pitch), file units
     #[arg(long, value_name = "LENGTH")]
     edge_length: Option<f64>,
     /// Errors of the dihedral angles at edges 1, 2, 3, mrad; positive is wider than 90 degrees
@@ -122,6 +126,8 @@ struct DesignArgs {
     /// Facets along each edge of a face [default: 1; with --sag 40]
     #[arg(long, value_name = "N")]
     segments: Option<u32>,
+    #[command(flatten)]
+    element: element::ElementArgs,
 }
 
 /// What a user says about a cell instead of the mesh file.
@@ -215,12 +221,15 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
     if args.list {
         let lines =
             meshes::design::list().map(|(name, description)| format!("{name:16} {description}\n"));
-        return print(&lines.concat());
+        return print(&lines.collect::<String>());
     }
     // clap asks for both unless --list is there.
     let (Some(name), Some(output)) = (&args.name, &args.output) else {
         return Ok(());
     };
+    if let Some(mesh) = element::mesh(name, args)? {
+        return write(&mesh, output);
+    }
     let mut design = Design::new(Shape::from_name(name).map_err(Failure::Design)?);
     if let Some(length) = args.edge_length {
         design.edge_length = length;
@@ -256,11 +265,14 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
     if let Some(segments) = args.segments {
         design.segments = segments;
     }
-    let mesh = design.mesh().map_err(Failure::Design)?;
+    write(&design.mesh().map_err(Failure::Design)?, output)
+}
+
+fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
     let bytes = match extension(output).as_str() {
-        "obj" => meshes::write::obj(&mesh).into_bytes(),
-        "glb" => meshes::write::glb(&mesh),
-        _ => return Err(Failure::MeshExtension(output.clone())),
+        "obj" => meshes::write::obj(mesh).into_bytes(),
+        "glb" => meshes::write::glb(mesh),
+        _ => return Err(Failure::MeshExtension(output.to_owned())),
     };
     Ok(Outputs::beside([]).reserve(output)?.commit(&bytes)?)
 }

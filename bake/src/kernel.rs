@@ -2,6 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::bvh::Hierarchy;
+use crate::element::Element;
 use crate::lanes::{self, LANES};
 use crate::launch::Launch;
 use crate::packet::{Packets, order};
@@ -91,9 +92,11 @@ impl Kernel {
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
         let programs: Option<Vec<Program>> = programs.collect();
         // Photons end where their own chance says, rough facets turn each its own way, and on curved faces rays part: each goes
-        // alone.
-        let curved = scenes.iter().any(|scene| scene.is_curved());
-        let alone = rules.losses.is_some() || rules.roughness.is_some() || curved;
+        // alone. Programs and packets end on the entrance plane.
+        let alone = rules.losses.is_some()
+            || rules.roughness.is_some()
+            || rules.element != Element::Retroreflector
+            || scenes.iter().any(|scene| scene.is_curved());
         Kernel {
             programs: programs.filter(|_| !alone).unwrap_or_default(),
             instructions: InstructionSet::best(),
@@ -218,7 +221,8 @@ impl Kernel {
             let outcome = trace(scene, &self.rules, &direction, point, luck);
             tally.count(&self.bins, &outcome);
             if let (Some(grid), Fate::Retroreflected) = (&self.exits, outcome.fate) {
-                let deviation = direction.deviation(outcome.travel, self.rules.refractive_index);
+                let back = self.rules.element.straight_back(outcome.travel);
+                let deviation = direction.deviation(back, self.rules.refractive_index);
                 tally.count_exit(&self.bins, grid, outcome.shift, deviation);
             }
         }

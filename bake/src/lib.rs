@@ -10,6 +10,7 @@ pub mod bundle;
 pub mod bvh;
 pub mod cli;
 pub mod directions;
+pub mod element;
 pub mod exact;
 pub mod inspect;
 pub mod kernel;

@@ -217,7 +217,7 @@ impl Packets<'_> {
         let index = self.rules.refractive_index;
         let deviation = self.direction.deviation(course.direction, index);
         for which in members {
-            let exit = course.exit(self.scene, packet.position(which));
+            let exit = course.at_height(self.scene.height(), packet.position(which));
             let shift = self.direction.to_frame(exit - packet.point[which]);
             tally.count_shift(self.bins, shift);
             if let Some(grid) = self.exits {

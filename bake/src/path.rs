@@ -1,5 +1,6 @@
 //! One ray from the entrance to its fate: the tracer that everything faster is checked against.
 
+use crate::element::Element;
 use crate::light::{Light, Surface};
 use crate::optics::{reflect, reflection, totally_reflected};
 use crate::plan::default;
@@ -23,10 +24,13 @@ pub struct Rules {
     pub mirror_back: bool,
     /// What is behind the facets, where Fresnel's losses count; then `mirror_back` says nothing.
     pub losses: Option<Surface>,
-    /// Largest angle of the rotation -M, M the path's linear map, that counts as retroreflected, rad.
+    /// Largest angle of the rotation between a path's linear map and that of [`Rules::element`] which counts as
+    /// retroreflected, rad.
     pub angular_tolerance_rad: f64,
     /// How rough facets are; `None` where they are smooth.
     pub roughness: Option<Roughness>,
+    /// What counts as retroreflected.
+    pub element: Element,
 }
 
 impl Rules {
@@ -39,6 +43,7 @@ impl Rules {
             losses: None,
             angular_tolerance_rad: default::ANGULAR_TOLERANCE_DEG.to_radians(),
             roughness: None,
+            element: Element::Retroreflector,
         }
     }
 
@@ -55,19 +60,19 @@ impl Rules {
 pub struct Outcome {
     /// Its fate; a table calls it out_of_range instead where the shift lies outside the histogram.
     pub fate: Fate,
-    /// Shift p' - p on the entrance plane in the incidence frame (u, v), edge lengths; zero unless retroreflected.
+    /// Shift p' - p on the plane of [`Element::plane`] in the incidence frame (u, v), edge lengths; zero unless retroreflected.
     pub shift: DVec2,
     /// Reflections.
     pub bounces: u32,
-    /// Direction of travel at the end, cell frame: upward for a ray that has left the cell.
+    /// Direction of travel at the end, cell frame.
     pub travel: DVec3,
 }
 
-/// Whether the linear map `map` of a path is -I within the rotation angle `tolerance_rad`.
+/// Whether the linear maps `map` and `ideal` are one within the rotation angle `tolerance_rad`.
 ///
 /// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map is never near.
-pub fn is_retroreflecting(map: DMat3, tolerance_rad: f64) -> bool {
-    let defect = map + DMat3::IDENTITY;
+fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
+    let defect = map - ideal;
     let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
     let sine = libm::sin(tolerance_rad / 2.0);
     squared <= 8.0 * sine * sine
@@ -76,15 +81,16 @@ pub fn is_retroreflecting(map: DMat3, tolerance_rad: f64) -> bool {
 /// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched along `travel`.
 ///
 /// All angles are those inside the cell. Light that a front face would reflect back inside counts as leaving.
-pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, tolerance_rad: f64) -> Fate {
+pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
     if bounces == 0 {
-        return Fate::Missed;
+        return rules.element.unmet();
     }
-    if is_retroreflecting(map, tolerance_rad) {
+    let (ideal, tolerance_rad) = (rules.element.imaging(), rules.angular_tolerance_rad);
+    if is_near(map, ideal, tolerance_rad) {
         return Fate::Retroreflected;
     }
-    // |a + b| = 2 sin(w/2) for unit vectors at an angle w from antiparallel.
-    if (map * travel + travel).length() <= 2.0 * libm::sin(tolerance_rad / 2.0) {
+    // |a - b| = 2 sin(w/2) for unit vectors at an angle w.
+    if (map * travel - ideal * travel).length() <= 2.0 * libm::sin(tolerance_rad / 2.0) {
         return Fate::AntiparallelOther;
     }
     match bounces {
@@ -138,15 +144,14 @@ impl Course {
 
     /// The fate of rays, launched along `direction`, that leave the cell.
     pub fn left(&self, direction: &Direction, rules: &Rules) -> Fate {
-        let tolerance = rules.angular_tolerance_rad;
-        fate_of_leaving(self.map, direction.travel, self.bounces, tolerance)
+        fate_of_leaving(self.map, direction.travel, self.bounces, rules)
     }
 
-    /// Where rays that are at `origin` cross the entrance plane of `scene`.
+    /// Where rays that are at `origin` cross the plane at `height`: where they have been or come to.
     #[inline]
-    pub fn exit(&self, scene: &Scene, origin: DVec3) -> DVec2 {
-        let up = self.direction;
-        (origin + up * ((scene.height() - origin.z) / up.z)).truncate()
+    pub fn at_height(&self, height: f64, origin: DVec3) -> DVec2 {
+        let along = self.direction;
+        (origin + along * ((height - origin.z) / along.z)).truncate()
     }
 }
 
@@ -285,8 +290,10 @@ pub fn trace(
     };
     let mut shift = DVec2::ZERO;
     if fate == Fate::Retroreflected {
-        let exit = path.course.exit(scene, path.ray.origin) + scene.displacement(path.prism);
-        shift = direction.to_frame(exit - point);
+        let plane = rules.element.plane(scene.height(), scene.bottom());
+        let exit = path.course.at_height(plane, path.ray.origin) + scene.displacement(path.prism);
+        let lead = direction.travel.truncate() * ((plane - scene.height()) / direction.travel.z);
+        shift = direction.to_frame(exit - (point + lead));
     }
     Outcome {
         fate,

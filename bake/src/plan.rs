@@ -336,6 +336,7 @@ impl Plan {
             losses: self.losses,
             angular_tolerance_rad: self.angular_tolerance_deg.to_radians(),
             roughness: self.scene.roughness,
+            element: self.scene.element,
         }
     }
 

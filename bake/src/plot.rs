@@ -126,8 +126,8 @@ fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
     let width = axes.bin_width() * pool as f64;
     let mut density = vec![vec![0.0; cells]; cells];
     for ((v, u), probability) in table.probability(i, a).indexed_iter() {
-        // Row 0 of a heat map is drawn on top.
-        density[cells - 1 - v / pool][u / pool] += probability / (width * width);
+        // Row 0 of a heat map with a range is drawn at its lower end.
+        density[v / pool][u / pool] += probability / (width * width);
     }
     let end = cells as f64 * width - axes.range;
     let map = Heatmap::new()

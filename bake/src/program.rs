@@ -306,8 +306,8 @@ impl Builder<'_> {
         if left.is_empty() {
             return Some(());
         }
-        let tolerance = self.rules.angular_tolerance_rad;
-        let fate = fate_of_leaving(line.map, self.direction.travel, bounces as u32, tolerance);
+        let travel = self.direction.travel;
+        let fate = fate_of_leaving(line.map, travel, bounces as u32, self.rules);
         let end = if fate == Fate::Retroreflected {
             End::Shift(self.map(line))
         } else {

@@ -209,6 +209,11 @@ impl Scene {
         self.height
     }
 
+    /// Height of the lowest corner, edge lengths.
+    pub fn bottom(&self) -> f64 {
+        self.bottom
+    }
+
     /// Greatest distance of an origin in the cell from any corner, edge lengths.
     pub fn reach(&self) -> f64 {
         self.reach

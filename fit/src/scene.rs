@@ -155,6 +155,13 @@ impl Scene {
                 "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
             ));
         }
+        if table.provenance.element() == "plate" {
+            warnings.push(
+                "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating distances count from its \
+                 middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no half mirror"
+                    .into(),
+            );
+        }
         let off = table.exact.as_ref().filter(|exact| exact.deviates());
         if let Some(exact) = off {
             warnings.push(format!(

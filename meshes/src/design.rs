@@ -5,14 +5,16 @@
 //! of 3 that is the default, every coordinate of the ideal cells is an integer: exact in text and in f32.
 
 mod curved;
+pub mod plate;
 
 use glam::{DMat3, DVec3};
 
 use crate::error::Fault;
 use crate::mesh::{Mesh, sha256};
 use crate::write;
+pub use plate::Plate;
 
-/// Kinds of cell.
+/// Kinds of corner-cube cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// One cube corner, triangular aperture through the ends of its edges.
@@ -70,14 +72,30 @@ impl Shape {
             .find(|shape| shape.name() == name)
             .ok_or_else(|| Fault::UnknownDesign {
                 name: name.to_owned(),
-                known: Self::ALL.map(Self::name).join(", "),
+                known: list().map(|(name, _)| name).collect::<Vec<_>>().join(", "),
             })
     }
 }
 
-/// Names and descriptions of all designs.
-pub fn list() -> [(&'static str, &'static str); 4] {
-    Shape::ALL.map(|shape| (shape.name(), shape.description()))
+/// Names and descriptions of all designs, elements that are no corner cubes last.
+pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let cubes = Shape::ALL.map(|shape| (shape.name(), shape.description()));
+    cubes.into_iter().chain([(Plate::NAME, Plate::DESCRIPTION)])
+}
+
+/// An option of a design is a number from `least` to `most`.
+fn inside(option: &'static str, value: f64, least: f64, most: f64) -> Result<(), Fault> {
+    // NaN is outside too.
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(Fault::DesignOption {
+            option,
+            value,
+            least,
+            most,
+        })
+    }
 }
 
 /// A parametric cell: a shape and its deviations from the ideal.
@@ -151,19 +169,6 @@ impl Design {
     }
 
     fn check(&self) -> Result<(), Fault> {
-        let inside = |option, value: f64, least: f64, most: f64| {
-            // NaN is outside too.
-            if (least..=most).contains(&value) {
-                Ok(())
-            } else {
-                Err(Fault::DesignOption {
-                    option,
-                    value,
-                    least,
-                    most,
-                })
-            }
-        };
         inside("edge length", self.edge_length, 1e-30, 1e30)?;
         for error in self.dihedral_error_rad {
             inside("dihedral error in mrad", 1e3 * error, -100.0, 100.0)?;
@@ -182,7 +187,7 @@ impl Design {
         inside("number of segments", f64::from(self.segments), 1.0, 1000.0)?;
         if self.sag != 0.0 && self.shape == Shape::FullCube {
             return Err(Fault::DesignOptionUnused {
-                design: self.shape.name(),
+                design: self.shape.name().to_owned(),
                 option: "a sag",
             });
         }
@@ -192,7 +197,7 @@ impl Design {
         }
         if self.cant_rad != 0.0 {
             return Err(Fault::DesignOptionUnused {
-                design: self.shape.name(),
+                design: self.shape.name().to_owned(),
                 option: "a cant",
             });
         }

@@ -321,7 +321,7 @@ pub enum Fault {
     },
     #[error("design {design} does not take {option}; leave that option out")]
     DesignOptionUnused {
-        design: &'static str,
+        design: String,
         option: &'static str,
     },
 }

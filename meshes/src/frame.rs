@@ -21,6 +21,8 @@ pub struct Frame {
     pub edge_length: f64,
     /// Direction of the first edge, unit length.
     pub azimuth_zero: DVec3,
+    /// Whether there is an apex: the cell is of corner cubes.
+    pub has_apex: bool,
 }
 
 impl Frame {
@@ -66,8 +68,10 @@ impl Frame {
         let azimuth_zero = options
             .azimuth_zero
             .or(legs.map(|legs| legs[0].along))
+            // Of what is no corner cube, and says its unit.
+            .or(lattice.map(|[a, _]| a))
             .ok_or(Fault::NoApex)?;
-        let origin = match apex {
+        let origin = match &apex {
             Some(apex) => apex.vertex,
             None => lowest(surface, normal),
         };
@@ -90,6 +94,7 @@ impl Frame {
             axes,
             edge_length,
             azimuth_zero,
+            has_apex: apex.is_some(),
         })
     }
 }

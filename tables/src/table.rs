@@ -232,6 +232,13 @@ pub struct Provenance {
 }
 
 impl Provenance {
+    /// What the mesh does with light, as `--element` of `bake trace` names it.
+    pub fn element(&self) -> &str {
+        let mut words = self.options.split_whitespace();
+        let named = words.find(|word| *word == "--element");
+        named.and_then(|_| words.next()).unwrap_or("retroreflector")
+    }
+
     /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets are made of.
     pub fn losses_text(&self) -> String {
         match self.metal_index {

@@ -289,6 +289,7 @@ fn options() {
         trace("--deviations", "wide", "auto, off, or a range in mrad"),
         trace("--wavelength-nm", "0", "--wavelength-nm 0"),
         trace("--roughness", "ggx:2", "ALPHA above 0 and at most 1"),
+        trace("--element", "bead", "retroreflector, plate"),
         trace("--wavelength-nm", "450,650", "write {nm}"),
         (
             "bake",
@@ -307,6 +308,18 @@ fn options() {
             vec!["design", "canted", "--cant-deg", "80", "-o", "x.obj"],
             2,
             "cant in degrees of 80 is outside -34.5 to 52",
+        ),
+        (
+            "bake",
+            vec!["design", "plate", "--depth", "-3", "-o", "x.obj"],
+            2,
+            "depth of -3 is outside 0.001 to 1000",
+        ),
+        (
+            "bake",
+            vec!["design", "triangular", "--depth", "3", "-o", "x.obj"],
+            2,
+            "triangular does not take a depth",
         ),
         (
             "bake",

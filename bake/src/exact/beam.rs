@@ -61,6 +61,12 @@ impl Course {
     fn power(&self) -> f64 {
         self.light.map_or(1.0, |light| light.power())
     }
+
+    /// What of it leaves the sheet along `toward`, through a face of it.
+    fn power_outside(&self, toward: DVec3, index: f64) -> f64 {
+        self.light
+            .map_or(1.0, |light| light.power_outside(toward, index))
+    }
 }
 
 struct Beam {
@@ -169,7 +175,15 @@ impl Tracer<'_> {
                 }
             }
         }
-        self.settle((view.entrance_area - lit) * power, Fate::Missed);
+        let unlit = view.entrance_area - lit;
+        match self.rules.element.unmet() {
+            Fate::Missed => self.settle(unlit * power, Fate::Missed),
+            through => {
+                let outside = course.power_outside(view.direction, index);
+                self.settle(unlit * (power - outside), Fate::Absorbed);
+                self.settle(unlit * outside, through);
+            }
+        }
     }
 
     /// The parts of a facet that light reaches: less what stands before it.
@@ -412,18 +426,11 @@ impl Tracer<'_> {
         let Course {
             isometry,
             reflections,
-            light,
+            ..
         } = beam.course;
-        let outside = light.map_or(1.0, |light| {
-            light.power_outside(toward, rules.refractive_index)
-        });
+        let outside = beam.course.power_outside(toward, rules.refractive_index);
         self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
-        match fate_of_leaving(
-            isometry.linear,
-            self.view.direction,
-            reflections,
-            rules.angular_tolerance_rad,
-        ) {
+        match fate_of_leaving(isometry.linear, self.view.direction, reflections, rules) {
             Fate::Retroreflected => {
                 self.outcome.dropped += (rest - total_area(&parts)) * outside;
                 self.return_light(&isometry, toward, parts, outside);
@@ -439,16 +446,24 @@ impl Tracer<'_> {
         parts: Vec<Polygon>,
         weight: f64,
     ) {
-        let height = self.view.height;
+        let View {
+            height,
+            floor,
+            direction,
+            ..
+        } = *self.view;
+        let element = self.rules.element;
+        let plane = element.plane(height, floor);
         // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
-        // entrance plane.
+        // plane of the shift, as the entry point is along `direction`.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
         let (u, v) = (carry(isometry.linear.x_axis), carry(isometry.linear.y_axis));
-        let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * height;
+        let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * plane;
+        let lead = (height - plane) / direction.z * direction.truncate();
         let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
-        let offset = carry(start);
+        let offset = carry(start) + lead;
         let index = self.rules.refractive_index;
-        let deviation = optics::deviation(self.view.direction, toward, index);
+        let deviation = optics::deviation(direction, element.straight_back(toward), index);
         let straight = deviation.length() < STRAIGHT;
         let deviation = if straight { DVec2::ZERO } else { deviation };
         self.outcome

@@ -1,6 +1,7 @@
 //! Options that a scene names only where it has what they are for. Each costs nothing where it is left out.
 
 use super::Record;
+use crate::element::Element;
 use crate::roughness::Roughness;
 use clap::{Args, Parser};
 use std::fmt;
@@ -29,6 +30,9 @@ pub struct SceneOptions {
     /// minus so many mrad
     #[arg(long, value_name = "MRAD", default_value_t = Record::Auto)]
     pub deviations: Record,
+    /// What the mesh is to do with light
+    #[arg(long, value_enum, default_value_t = Element::Retroreflector)]
+    pub element: Element,
 }
 
 impl SceneOptions {
@@ -36,6 +40,7 @@ impl SceneOptions {
     pub fn no_planes(&self) -> Option<String> {
         let of_rays = SceneOptions {
             deviations: Record::Auto,
+            element: Element::default(),
             ..*self
         };
         Some(of_rays.to_string()).filter(|option| !option.is_empty())
@@ -66,6 +71,9 @@ impl fmt::Display for SceneOptions {
         }
         if self.deviations != Record::Auto {
             named.push(format!("--deviations {}", self.deviations));
+        }
+        if self.element != Element::default() {
+            named.push(format!("--element {}", self.element.name()));
         }
         f.write_str(&named.join(" "))
     }
@@ -99,6 +107,10 @@ mod tests {
             SceneOptions {
                 normals: Normals::File,
                 deviations: Record::Within(2.5),
+                ..SceneOptions::default()
+            },
+            SceneOptions {
+                element: Element::Plate,
                 ..SceneOptions::default()
             },
         ];

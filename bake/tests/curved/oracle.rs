@@ -147,7 +147,7 @@ impl Oracle {
             bounces += 1;
             left = number;
         }
-        let fate = fate_of_leaving(map, light.travel, bounces, rules.angular_tolerance_rad);
+        let fate = fate_of_leaving(map, light.travel, bounces, rules);
         let exit = origin + direction * ((self.height - origin.z) / direction.z);
         Outcome {
             fate,

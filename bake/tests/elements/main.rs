@@ -1,0 +1,3 @@
+//! Elements that are no corner cubes, against their closed forms.
+
+mod plate;
