@@ -33,7 +33,7 @@ pub fn choose(cell: &Cell, plan: Plan) -> Result<Plan, RunError> {
     let Some(tolerance) = plan.direction_tolerance else {
         return Ok(plan);
     };
-    let prepared = run::prepared(cell, &plan.scene).map_err(RunError::DirectionsOfRays)?;
+    let prepared = run::prepared(cell, &plan).map_err(RunError::DirectionsOfRays)?;
     let ends = |angles: &[f64]| match angles {
         [first, .., last] => vec![*first, *last],
         other => other.to_vec(),

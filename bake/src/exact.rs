@@ -44,6 +44,12 @@ pub enum ExactError {
     /// An average over azimuths is an integral that no finite set of polygons gives.
     #[error("the exact mean over azimuths is a quadrature, within {MEAN_ERROR}")]
     MeanAzimuth,
+    /// A mean has no paths to say where their light goes.
+    #[error(
+        "the cell sends light off straight back, and an exact mean over azimuths would not say where; rays do (or leave it out: \
+         --deviations off)"
+    )]
+    MeanDeviates,
     /// Facets that are no mirrors of one normal each.
     #[error("{option} leaves no plane mirrors, which the exact method needs")]
     NoPlanes {

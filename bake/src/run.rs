@@ -1,7 +1,7 @@
 //! The bake itself: which method, its errors, the table. Prints nothing.
 
 use crate::exact::{self, ExactCell, ExactError};
-use crate::plan::{Effort, Method, Plan, SceneOptions};
+use crate::plan::{Effort, Method, Plan};
 use crate::provenance::provenance;
 use crate::ranks::{Alone, Ranks};
 use crate::saves::Saves;
@@ -135,16 +135,19 @@ pub fn bake_from(
 ///
 /// # Errors
 /// [`ExactError`]: why it does not.
-pub fn prepared(cell: &Cell, scene: &SceneOptions) -> Result<ExactCell, ExactError> {
-    match scene.no_planes() {
+pub fn prepared(cell: &Cell, plan: &Plan) -> Result<ExactCell, ExactError> {
+    match plan.scene.no_planes() {
         Some(option) => Err(ExactError::NoPlanes { option }),
+        None if plan.is_azimuth_mean() && plan.deviations(cell).is_some() => {
+            Err(ExactError::MeanDeviates)
+        }
         None => ExactCell::new(cell),
     }
 }
 
 /// The cell as the exact method takes it; `None` where rays are traced.
 fn exact_cell(cell: &Cell, plan: &Plan) -> Result<Option<ExactCell>, RunError> {
-    match (plan.method, prepared(cell, &plan.scene)) {
+    match (plan.method, prepared(cell, plan)) {
         (Method::Rays, _) | (Method::Auto, Err(_)) => Ok(None),
         (_, Ok(_)) if plan.shard.is_some() => Err(RunError::ShardOfExact),
         (_, Ok(prepared)) => Ok(Some(prepared)),

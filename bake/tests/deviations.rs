@@ -303,3 +303,37 @@ fn ideal_cells_record_nothing() {
     );
     assert_eq!((asked.range, asked.cells), (2e-3, 128));
 }
+
+/// An exact mean over azimuths would forget where the light goes: rays are traced, or the exact method says why not.
+#[test]
+fn means_of_cells_that_are_not_ideal_are_of_rays() {
+    let mean = |method, record, cell: &Cell| {
+        let request = Request {
+            incidence: "0,20".into(),
+            azimuth: "mean".into(),
+            method,
+            rays: Some(1 << 12),
+            scene: of(record),
+            ..Request::default()
+        };
+        bake(
+            cell,
+            &Plan::new(&request).expect("a valid request"),
+            &|_| (),
+        )
+    };
+    let (wide, ideal) = (cells::uneven_pair([1e-4, 0.0, 0.0]), cells::pair());
+    let auto = mean(Method::Auto, Record::Auto, &wide).expect("rays");
+    assert_eq!(auto.provenance.method, "rays");
+    let found = auto.deviations.as_ref().expect("recorded");
+    assert!(found.entries.iter().all(|entries| !entries.is_empty()));
+    let refused = mean(Method::Exact, Record::Auto, &wide).expect_err("it has no directions");
+    assert!(
+        refused.to_string().contains("--deviations off"),
+        "{refused}"
+    );
+    for (record, cell) in [(Record::Off, &wide), (Record::Auto, &ideal)] {
+        let exact = mean(Method::Auto, record, cell).expect("a mean");
+        assert_eq!(exact.provenance.method, "exact");
+    }
+}

@@ -18,7 +18,7 @@ pub(crate) use store::{create, store};
 /// Newest version of the format. A table is written in the first version that says all of it.
 pub const VERSION: u64 = 2;
 
-/// The first version that has [`deviation::GROUP`].
+/// The first version that has [`deviation::GROUP`] and [`attribute::OPTIONS`].
 const VERSION_OF_DEVIATIONS: u64 = 2;
 
 /// Value of the root attribute `format`.

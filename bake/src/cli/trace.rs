@@ -251,7 +251,7 @@ impl Ready {
                 .collect();
             warnings.dedup();
             warn(&warnings);
-            warn(&method_warning(args, &cell));
+            warn(&method_warning(args, &cell, &plans[0].1));
         }
         let mut bakes = Vec::new();
         for (file, plan) in plans {
@@ -363,8 +363,8 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
 }
 
 /// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
-fn method_warning(args: &TraceArgs, cell: &Cell) -> Vec<String> {
-    let refusal = run::prepared(cell, &args.scene).err();
+fn method_warning(args: &TraceArgs, cell: &Cell, plan: &Plan) -> Vec<String> {
+    let refusal = run::prepared(cell, plan).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
     match (args.method, refusal) {
         (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],

@@ -175,9 +175,9 @@ pub(super) fn shaped<T: H5Type + Clone>(
 
 fn attributes(table: &Table, file: &File) -> Result<()> {
     put_text(file, attribute::FORMAT, super::FORMAT)?;
-    let version = match table.deviations {
-        Some(_) => super::VERSION_OF_DEVIATIONS,
-        None => 1,
+    let version = match (&table.deviations, table.provenance.options.as_str()) {
+        (None, "") => 1,
+        _ => super::VERSION_OF_DEVIATIONS,
     };
     put(file, attribute::VERSION, &version)?;
     put_text(file, attribute::FRAME, super::FRAME)?;
