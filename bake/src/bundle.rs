@@ -223,7 +223,7 @@ fn take(lanes: &mut Reals, values: &[f64]) {
 
 /// 1 over a component of a direction.
 #[inline(always)]
-fn inverse(component: f64) -> f64 {
+pub fn inverse(component: f64) -> f64 {
     if component.abs() < LEVEL {
         HUGE.copysign(component)
     } else {

@@ -1,27 +1,26 @@
-//! Nearest hit among many facets: a bounding volume hierarchy, two-wide for single rays, eight-wide for bundles. The
-//! only file that names the BVH crate.
+//! Nearest hit among many facets: a bounding volume hierarchy with eight boxes to a node. The only file that names the BVH
+//! crate.
 //!
-//! The crate works in f32. Here it only chooses the candidates: its boxes are padded by more than the error of an f32
+//! The crate builds the tree, in f32. The tree only chooses the candidates: its boxes are padded by more than the error of an f32
 //! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets
-//! finds, bit for bit (tested). Its wide variant has an absolute epsilon near surfaces and is not used.
+//! finds, bit for bit (tested). The crate's own wide variant has an absolute epsilon near surfaces and is not used.
 
-use crate::bundle::{Boxes, Bundle};
+use crate::bundle::{Boxes, Bundle, inverse};
 use crate::packet::Way;
 use crate::ray::Ray;
 use crate::scene::Nearest;
 use crate::triangle::Facet;
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3A, Vec4};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
-use obvhs::ray::{Ray as RayF32, RayHit};
 use std::time::Duration;
 
 /// A hierarchy over a list of facets.
 pub struct Hierarchy {
-    tree: Bvh2,
-    /// The same for bundles, wider.
     nodes: Vec<Node>,
+    /// Nodes that wait at most while a ray goes down.
+    waiting: usize,
     centre: DVec3,
     /// Radius of a ball about `centre` that holds every facet, edge lengths.
     radius: f64,
@@ -61,9 +60,10 @@ impl Hierarchy {
             },
             &mut build_time,
         );
+        let (nodes, waiting) = widened(&tree);
         Hierarchy {
-            nodes: widened(&tree),
-            tree,
+            nodes,
+            waiting,
             centre,
             radius,
             padding,
@@ -72,24 +72,62 @@ impl Hierarchy {
 
     /// The nearest of `facets` (those it was built over) along `ray`, up to `limit` edge lengths.
     pub fn nearest(&self, facets: &[Facet], ray: &Ray, limit: f64) -> Nearest {
+        let mut few = [(0.0, 0); FEW];
+        if self.waiting <= FEW {
+            self.descend(facets, ray, limit, &mut few)
+        } else {
+            self.descend(facets, ray, limit, &mut vec![(0.0, 0); self.waiting])
+        }
+    }
+
+    /// As [`Hierarchy::nearest`]; `waiting` has room for the nodes that wait: how far they are at least, and which.
+    fn descend(
+        &self,
+        facets: &[Facet],
+        ray: &Ray,
+        limit: f64,
+        waiting: &mut [(f32, u32)],
+    ) -> Nearest {
         // A ray from afar starts, for the f32 boxes, where it comes near: f32 digits are for the cell, not for the way.
         let origin = ray.origin - self.centre;
         let skipped = (-origin.dot(ray.direction) - 2.0 * self.radius).max(0.0);
-        let start = origin + ray.direction * skipped;
-        let far = |distance: f64| ((distance - skipped) * (1.0 + 1e-6) + self.padding) as f32;
+        let slabs = Slabs::new(origin + ray.direction * skipped, ray.direction);
+        let far = |distance: f64| {
+            let far = ((distance - skipped) * (1.0 + 1e-6) + self.padding) as f32;
+            far.min(f32::MAX)
+        };
         let mut nearest = Nearest::within(limit);
-        let single_ray = RayF32::new(
-            single(start),
-            single(ray.direction),
-            0.0,
-            far(limit).min(f32::MAX),
-        );
-        self.tree
-            .ray_traverse(single_ray, &mut RayHit::none(), |_, slot| {
-                let facet = self.tree.primitive_indices[slot] as usize;
+        let mut to = far(limit);
+        let mut count = 1;
+        waiting[0] = (0.0, 0);
+        while count > 0 {
+            count -= 1;
+            let (from, at) = waiting[count];
+            if from > to {
+                continue;
+            }
+            if at & LEAF != 0 {
+                let facet = (at & !LEAF) as usize;
                 nearest.offer(facet, &facets[facet], ray);
-                far(nearest.distance)
-            });
+                to = far(nearest.distance);
+                continue;
+            }
+            let node = &self.nodes[at as usize];
+            let (entered, mut met) = slabs.reach(&node.boxes, to);
+            let bottom = count;
+            while met != 0 {
+                let child = met.trailing_zeros() as usize;
+                met &= met - 1;
+                // The nearest last: it is looked at first.
+                let mut place = count;
+                while place > bottom && waiting[place - 1].0 < entered[child] {
+                    waiting[place] = waiting[place - 1];
+                    place -= 1;
+                }
+                waiting[place] = (entered[child], node.children[child]);
+                count += 1;
+            }
+        }
         nearest
     }
 
@@ -146,16 +184,61 @@ struct Node {
     children: [u32; 8],
 }
 
+/// Nodes that wait on the way of a single ray, of all but the deepest trees; a million facets take some 80.
+const FEW: usize = 128;
+
+/// A ray as boxes see it: its origin and 1 over its direction.
+struct Slabs {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+}
+
+impl Slabs {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        let direction = direction.to_array();
+        Slabs {
+            origin: single(origin).to_array(),
+            inverse: direction.map(|component| inverse(component) as f32),
+        }
+    }
+
+    /// For each of eight boxes the distance at which the ray enters it, and in bits which it does within `to`.
+    #[inline(always)]
+    fn reach(&self, boxes: &Boxes, to: f32) -> ([f32; 8], u32) {
+        let (mut entered, mut met) = ([0.0; 8], 0);
+        for half in [0, 4] {
+            let four = |lanes: &[f32; 8]| Vec4::from_slice(&lanes[half..half + 4]);
+            let (mut from, mut until) = (Vec4::ZERO, Vec4::splat(to));
+            for axis in 0..3 {
+                let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+                let (low, high) = (four(&boxes.low[axis]), four(&boxes.high[axis]));
+                let (near, far) = if inverse < 0.0 {
+                    (high, low)
+                } else {
+                    (low, high)
+                };
+                from = from.max((near - origin) * inverse);
+                until = until.min((far - origin) * inverse);
+            }
+            met |= from.cmple(until).bitmask() << half;
+            from.write_to_slice(&mut entered[half..]);
+        }
+        (entered, met)
+    }
+}
+
 /// Marks a child that is a facet.
 const LEAF: u32 = 1 << 31;
 
-/// `tree`, whose leaves hold one facet each, with eight children to a node.
-fn widened(tree: &Bvh2) -> Vec<Node> {
+/// `tree`, whose leaves hold one facet each, with eight children to a node, and how many wait at most on the way down.
+fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
     let mut nodes = Vec::new();
-    // Node of `tree`, and its place among `nodes`.
-    let mut open = vec![(0usize, 0usize)];
+    let mut deepest = 0;
+    // Node of `tree`, its place among `nodes`, and how many are above it.
+    let mut open = vec![(0usize, 0usize, 0usize)];
     nodes.push(Node::EMPTY);
-    while let Some((root, place)) = open.pop() {
+    while let Some((root, place, depth)) = open.pop() {
+        deepest = deepest.max(depth);
         let mut children = vec![root];
         // Opens the largest child as long as there is room.
         while children.len() < 8 {
@@ -178,13 +261,14 @@ fn widened(tree: &Bvh2) -> Vec<Node> {
             nodes[place].children[i] = if node.is_leaf() {
                 LEAF | tree.primitive_indices[node.first_index as usize]
             } else {
-                open.push((child, nodes.len()));
+                open.push((child, nodes.len(), depth + 1));
                 nodes.push(Node::EMPTY);
                 nodes.len() as u32 - 1
             };
         }
     }
-    nodes
+    // Each level leaves seven behind when it takes the eighth.
+    (nodes, 7 * deepest + 8)
 }
 
 impl Node {

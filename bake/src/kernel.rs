@@ -27,7 +27,7 @@ const RUN: u64 = 1 << 18;
 const RUN_OF_SORTED: u64 = 1 << 20;
 
 /// Rays that are sorted into packets at a time: 80 bytes each.
-const NEIGHBOURS: usize = 1 << 18;
+const NEIGHBOURS: usize = 1 << 20;
 
 /// What all rays of one direction share.
 pub struct Kernel {
@@ -149,7 +149,8 @@ impl Kernel {
 
     /// Rays that are best traced in one piece.
     pub fn run(&self) -> u64 {
-        let sorted = self.programs.is_empty() && self.packets || lanes::sorts(&self.launch);
+        let down_hierarchies = self.scenes.iter().any(|scene| scene.has_hierarchy());
+        let sorted = self.programs.is_empty() && down_hierarchies || lanes::sorts(&self.launch);
         if sorted { RUN_OF_SORTED } else { RUN }
     }
 
@@ -179,7 +180,7 @@ impl Kernel {
                 .map(|index| self.launch.entry(stream, index));
             let points = entries.filter(|entry| entry.0 == number);
             let points: Vec<DVec2> = points.map(|entry| entry.1).collect();
-            let points = side_by_side(&self.launch, &points);
+            let points = side_by_side(&self.launch, &points, |point| *point);
             let mut packets = Packets {
                 scene,
                 hierarchy,
@@ -206,8 +207,26 @@ impl Kernel {
 
     /// The same by [`trace`], ray by ray.
     pub fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
-        for index in samples {
-            let (scene, point) = self.launch.entry(stream, index);
+        let entries = samples.map(|index| (index, self.launch.entry(stream, index)));
+        if !self.scenes.iter().any(|scene| scene.has_hierarchy()) {
+            return self.trace_entries(stream, entries, tally);
+        }
+        // What neighbours meet is still at hand.
+        let entries: Vec<(u64, (usize, DVec2))> = entries.collect();
+        for some in entries.chunks(NEIGHBOURS) {
+            let some = side_by_side(&self.launch, some, |entry| entry.1.1);
+            self.trace_entries(stream, some.into_iter(), tally);
+        }
+    }
+
+    /// Traces the samples numbered, which enter a scene at a point.
+    fn trace_entries(
+        &self,
+        stream: &Stream,
+        entries: impl Iterator<Item = (u64, (usize, DVec2))>,
+        tally: &mut Tally,
+    ) {
+        for (index, (scene, point)) in entries {
             let direction = self.direction_of(stream, index);
             let chance = match self.rules.losses {
                 Some(_) => self.launch.chance(stream, index),
@@ -229,19 +248,19 @@ impl Kernel {
     }
 }
 
-/// The points in the order of the tiles of the entrance that they lie in, each with about as many as a bundle takes.
-fn side_by_side(launch: &Launch, points: &[DVec2]) -> Vec<DVec2> {
+/// Rays in the order of the tiles of the entrance that their points lie in, each with about as many as a bundle takes.
+fn side_by_side<T: Copy>(launch: &Launch, rays: &[T], point: impl Fn(&T) -> DVec2) -> Vec<T> {
     let [low, high] = launch.box_of_entrance();
     let size = high - low;
     // Square tiles; no more than the longer side can be counted in.
-    let tiles = (points.len() / LANES).max(1) as f64;
+    let tiles = (rays.len() / LANES).max(1) as f64;
     let side = (size.x * size.y / tiles)
         .sqrt()
         .max(size.max_element() / 65_536.0);
     let last = (size / side).floor();
     let columns = last.x as usize + 1;
-    order(points, columns * (last.y as usize + 1), |&point| {
-        let tile = ((point - low) / side).clamp(DVec2::ZERO, last);
+    order(rays, columns * (last.y as usize + 1), |ray| {
+        let tile = ((point(ray) - low) / side).clamp(DVec2::ZERO, last);
         tile.y as usize * columns + tile.x as usize
     })
 }

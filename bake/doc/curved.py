@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""Rays per second on a mesh of curved faces: bake against Embree (embreex), in turns, in one run.
+
+    bake design triangular-pair -o curved.obj --sag 1e-4 --segments 408
+    pip install embreex numpy
+    python curved.py curved.obj --bake path/to/bake
+
+Both trace the same mesh from the same entrance, mirror at interpolated normals and stop outside. Embree gets its rays as arrays, one
+call per reflection (f32; a start 1e-6 before the facet instead of an error bound), in the order of the tiles of the entrance, as bake
+puts them, so that neighbours find the same part of the tree in the cache. `Embree` counts its calls alone; `with numpy` also what
+Python needs to mirror the rays. Of bake, the seconds of a bake of few rays are taken off: mesh, hierarchy and table.
+"""
+
+import argparse
+import json
+import os
+import resource
+import statistics
+import subprocess
+import time
+
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+import numpy as np
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
+
+FEW = 1000
+
+
+def read(path):
+    """Corners [facet, 3, axis] and their normals; the facets of an OBJ file as `bake design` writes it."""
+    v, n, f = [], [], []
+    for line in open(path):
+        kind, _, rest = line.partition(" ")
+        if kind == "v":
+            v.append(rest.split())
+        elif kind == "vn":
+            n.append(rest.split())
+        elif kind == "f":
+            f.append([word.split("//") for word in rest.split()])
+    f = np.array(f, dtype=np.int64) - 1
+    return np.array(v, float)[f[:, :, 0]], np.array(n, float)[f[:, :, 1]]
+
+
+class Sheet:
+    """A pair cell: apex at the origin, light towards (1, 1, 1)."""
+
+    def __init__(self, path, incidence):
+        self.corners, self.normals = read(path)
+        size = np.abs(self.corners).max()
+        edge = size / np.round(size / self.corners[:, :, :].max())
+        self.corners /= edge
+        n = np.ones(3) / np.sqrt(3)
+        self.up, self.height = n, (self.corners @ n).max()
+        # The rim is the rhombus between ends of edges; its plane and the first edge are those of bake.
+        flat = self.corners.reshape(-1, 3)
+        rim = flat[flat @ n > self.height - 1e-9]
+        u = np.array([1.0, 0, 0]) - n * n[0]
+        self.u = u / np.linalg.norm(u)
+        self.v = np.cross(n, self.u)
+        points = np.stack([rim @ self.u, rim @ self.v], 1)
+        corners = points[[points[:, 0].argmin(), points[:, 1].argmin(), points[:, 0].argmax(), points[:, 1].argmax()]]
+        self.corner, self.sides = self.rhombus(corners)
+        angle = np.radians(incidence)
+        self.travel = -n * np.cos(angle) + self.u * np.sin(angle)
+        start = time.perf_counter()
+        self.scene = rtcore_scene.EmbreeScene()
+        TriangleMesh(self.scene, self.corners.astype(np.float32))
+        self.trace(np.random.default_rng(0), 16)
+        self.build_seconds = time.perf_counter() - start
+
+    @staticmethod
+    def rhombus(c):
+        """A corner and the sides from it."""
+        around = c[np.argsort(np.arctan2(*(c - c.mean(0)).T[::-1]))]
+        return around[0], np.stack([around[1] - around[0], around[3] - around[0]])
+
+    def entries(self, rng, count):
+        """Points of the entrance, by tiles of 64."""
+        square = rng.random((count, 2))
+        tiles = max(1, int(np.sqrt(count / 64)))
+        cell = np.minimum((square * tiles).astype(int), tiles - 1)
+        square = square[np.argsort(cell[:, 1] * tiles + cell[:, 0], kind="stable")]
+        flat = self.corner + square @ self.sides
+        return flat[:, :1] * self.u + flat[:, 1:] * self.v + self.height * self.up
+
+    def trace(self, rng, count):
+        """Seconds within Embree, all seconds, and the part of the rays that three reflections send back within half a degree."""
+        o = self.entries(rng, count)
+        begin = time.perf_counter()
+        d = np.broadcast_to(self.travel, o.shape).copy()
+        bounces, out = np.zeros(count, int), d.copy()
+        rays, inside = np.arange(count), 0.0
+        for _ in range(64):
+            start = time.perf_counter()
+            hit = self.scene.run(o.astype(np.float32), d.astype(np.float32), output=True)
+            inside += time.perf_counter() - start
+            out[rays] = d
+            met = hit["primID"] >= 0
+            rays, o, d = rays[met], o[met], d[met]
+            if not len(rays):
+                break
+            facet = hit["primID"][met]
+            b, c = hit["u"][met].astype(float), hit["v"][met].astype(float)
+            weights = np.stack([1 - b - c, b, c], 1)
+            normal = np.einsum("ij,ijk->ik", weights, self.normals[facet])
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            o = np.einsum("ij,ijk->ik", weights, self.corners[facet])
+            d = d - 2 * (d * normal).sum(1)[:, None] * normal
+            o += 1e-6 * d
+            bounces[rays] += 1
+        back = (bounces == 3) & (np.linalg.norm(out + self.travel, axis=1) < np.radians(0.5))
+        return inside, time.perf_counter() - begin, back.mean()
+
+
+def bake(args, rays, threads):
+    """Seconds of the bake alone, eta, and the peak of memory in MB."""
+    command = [args.bake, "trace", args.mesh, "-o", args.table, "--normals", "file", "--incidence", str(args.incidence), "--json",
+               "--sampler", "random", "--threads", str(threads), "--rays", str(rays)]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    said, _ = done.communicate()
+    report = json.loads(said)
+    return report["seconds"], report["directions"][0]["retroreflected"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("mesh")
+    parser.add_argument("--bake", default="bake")
+    parser.add_argument("--table", default="curved-py.h5")
+    parser.add_argument("--incidence", type=float, default=20.0)
+    parser.add_argument("--rays", type=int, default=1 << 20)
+    parser.add_argument("--rounds", type=int, default=5)
+    args = parser.parse_args()
+    load = lambda: f"load {os.getloadavg()[0]:.1f}"
+    start = time.perf_counter()
+    sheet = Sheet(args.mesh, args.incidence)
+    print(f"{len(sheet.corners)} facets; Embree: tree in {sheet.build_seconds:.1f} s, {load()}")
+    peak = lambda who: resource.getrusage(who).ru_maxrss / 1024
+    rows = []
+    for turn in range(args.rounds):
+        inside, all_seconds, eta = sheet.trace(np.random.default_rng(turn), args.rays)
+        one_few, _ = bake(args, FEW, 1)
+        one, our_eta = bake(args, args.rays, 1)
+        two_few, _ = bake(args, FEW, 2)
+        two, _ = bake(args, args.rays, 2)
+        more = args.rays - FEW
+        rows.append([args.rays / inside, args.rays / all_seconds, more / (one - one_few), more / (two - two_few), one_few])
+        print("round", turn, [f"{x / 1e6:.3f}" for x in rows[-1][:4]], f"M rays/s; eta {eta:.5f}, {our_eta:.5f}; {load()}", flush=True)
+    names = ["Embree, 1 thread", "with numpy", "bake, 1 thread", "bake, 2 threads"]
+    for name, column in zip(names, zip(*rows)):
+        print(f"{name}: {statistics.median(column) / 1e6:.3f} M rays/s [{min(column) / 1e6:.3f}-{max(column) / 1e6:.3f}]")
+    print(f"bake: hierarchy and {FEW} rays in {statistics.median(r[4] for r in rows):.1f} s; peak {peak(resource.RUSAGE_CHILDREN):.0f} MB "
+          f"(mesh read, loaded and traced)")
+    print(f"all: {time.perf_counter() - start:.0f} s")
+
+
+if __name__ == "__main__":
+    main()
