@@ -8,13 +8,13 @@
 Both trace the same mesh from the same entrance, mirror at interpolated normals and stop outside. Embree gets its rays as arrays, one
 call per reflection (f32; a start 1e-6 before the facet instead of an error bound), in the order of the tiles of the entrance, as bake
 puts them, so that neighbours find the same part of the tree in the cache. `Embree` counts its calls alone; `with numpy` also what
-Python needs to mirror the rays. Of bake, the seconds of a bake of few rays are taken off: mesh, hierarchy and table.
+Python needs to mirror the rays. Of bake, the seconds of a bake of few rays are taken off: mesh, hierarchy and table. Seconds are those
+of the processor, for machines that others use too; with two threads those of the clock.
 """
 
 import argparse
 import json
 import os
-import resource
 import statistics
 import subprocess
 import time
@@ -28,7 +28,7 @@ FEW = 1000
 
 
 def read(path):
-    """Corners [facet, 3, axis] and their normals; the facets of an OBJ file as `bake design` writes it."""
+    """Corners [facet, 3, axis] and their normals, in units of the first edge; the OBJ file as `bake design` writes it."""
     v, n, f = [], [], []
     for line in open(path):
         kind, _, rest = line.partition(" ")
@@ -39,7 +39,8 @@ def read(path):
         elif kind == "f":
             f.append([word.split("//") for word in rest.split()])
     f = np.array(f, dtype=np.int64) - 1
-    return np.array(v, float)[f[:, :, 0]], np.array(n, float)[f[:, :, 1]]
+    v = np.array(v, float)
+    return (v / np.linalg.norm(v[1] - v[0]))[f[:, :, 0]], np.array(n, float)[f[:, :, 1]]
 
 
 class Sheet:
@@ -47,9 +48,6 @@ class Sheet:
 
     def __init__(self, path, incidence):
         self.corners, self.normals = read(path)
-        size = np.abs(self.corners).max()
-        edge = size / np.round(size / self.corners[:, :, :].max())
-        self.corners /= edge
         n = np.ones(3) / np.sqrt(3)
         self.up, self.height = n, (self.corners @ n).max()
         # The rim is the rhombus between ends of edges; its plane and the first edge are those of bake.
@@ -63,11 +61,11 @@ class Sheet:
         self.corner, self.sides = self.rhombus(corners)
         angle = np.radians(incidence)
         self.travel = -n * np.cos(angle) + self.u * np.sin(angle)
-        start = time.perf_counter()
+        start = time.process_time()
         self.scene = rtcore_scene.EmbreeScene()
         TriangleMesh(self.scene, self.corners.astype(np.float32))
         self.trace(np.random.default_rng(0), 16)
-        self.build_seconds = time.perf_counter() - start
+        self.build_seconds = time.process_time() - start
 
     @staticmethod
     def rhombus(c):
@@ -87,14 +85,14 @@ class Sheet:
     def trace(self, rng, count):
         """Seconds within Embree, all seconds, and the part of the rays that three reflections send back within half a degree."""
         o = self.entries(rng, count)
-        begin = time.perf_counter()
+        begin = time.process_time()
         d = np.broadcast_to(self.travel, o.shape).copy()
         bounces, out = np.zeros(count, int), d.copy()
         rays, inside = np.arange(count), 0.0
         for _ in range(64):
-            start = time.perf_counter()
+            start = time.process_time()
             hit = self.scene.run(o.astype(np.float32), d.astype(np.float32), output=True)
-            inside += time.perf_counter() - start
+            inside += time.process_time() - start
             out[rays] = d
             met = hit["primID"] >= 0
             rays, o, d = rays[met], o[met], d[met]
@@ -110,17 +108,17 @@ class Sheet:
             o += 1e-6 * d
             bounces[rays] += 1
         back = (bounces == 3) & (np.linalg.norm(out + self.travel, axis=1) < np.radians(0.5))
-        return inside, time.perf_counter() - begin, back.mean()
+        return inside, time.process_time() - begin, back.mean()
 
 
 def bake(args, rays, threads):
-    """Seconds of the bake alone, eta, and the peak of memory in MB."""
-    command = [args.bake, "trace", args.mesh, "-o", args.table, "--normals", "file", "--incidence", str(args.incidence), "--json",
-               "--sampler", "random", "--threads", str(threads), "--rays", str(rays)]
-    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    said, _ = done.communicate()
-    report = json.loads(said)
-    return report["seconds"], report["directions"][0]["retroreflected"]
+    """Seconds of the processor and of the bake by the clock, eta, and the peak of memory in MB."""
+    command = ["/usr/bin/time", "-f", "%U %S %M", args.bake, "trace", args.mesh, "-o", args.table, "--normals", "file", "--json",
+               "--incidence", str(args.incidence), "--sampler", "random", "--threads", str(threads), "--rays", str(rays)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    user, system, peak = done.stderr.split()[-3:]
+    report = json.loads(done.stdout)
+    return float(user) + float(system), report["seconds"], report["directions"][0]["retroreflected"], int(peak) / 1024
 
 
 def main():
@@ -136,22 +134,21 @@ def main():
     start = time.perf_counter()
     sheet = Sheet(args.mesh, args.incidence)
     print(f"{len(sheet.corners)} facets; Embree: tree in {sheet.build_seconds:.1f} s, {load()}")
-    peak = lambda who: resource.getrusage(who).ru_maxrss / 1024
-    rows = []
+    rows, more = [], args.rays - FEW
     for turn in range(args.rounds):
-        inside, all_seconds, eta = sheet.trace(np.random.default_rng(turn), args.rays)
-        one_few, _ = bake(args, FEW, 1)
-        one, our_eta = bake(args, args.rays, 1)
-        two_few, _ = bake(args, FEW, 2)
-        two, _ = bake(args, args.rays, 2)
-        more = args.rays - FEW
-        rows.append([args.rays / inside, args.rays / all_seconds, more / (one - one_few), more / (two - two_few), one_few])
-        print("round", turn, [f"{x / 1e6:.3f}" for x in rows[-1][:4]], f"M rays/s; eta {eta:.5f}, {our_eta:.5f}; {load()}", flush=True)
-    names = ["Embree, 1 thread", "with numpy", "bake, 1 thread", "bake, 2 threads"]
-    for name, column in zip(names, zip(*rows)):
+        inside, whole, eta = sheet.trace(np.random.default_rng(turn), args.rays)
+        few, one = bake(args, FEW, 1), bake(args, args.rays, 1)
+        few_by_two, two = bake(args, FEW, 2), bake(args, args.rays, 2)
+        rows.append([args.rays / inside, args.rays / whole, more / (one[0] - few[0]), more / (two[1] - few_by_two[1]), few[0], one[3]])
+        print("round", turn, [f"{x / 1e6:.3f}" for x in rows[-1][:4]], f"M rays/s; eta {eta:.5f}, {one[2]:.5f}; {load()}", flush=True)
+    columns = list(zip(*rows))
+    names = ["Embree, 1 thread", "with numpy", "bake, 1 thread", "bake, 2 threads, by the clock"]
+    for name, column in zip(names, columns):
         print(f"{name}: {statistics.median(column) / 1e6:.3f} M rays/s [{min(column) / 1e6:.3f}-{max(column) / 1e6:.3f}]")
-    print(f"bake: hierarchy and {FEW} rays in {statistics.median(r[4] for r in rows):.1f} s; peak {peak(resource.RUSAGE_CHILDREN):.0f} MB "
-          f"(mesh read, loaded and traced)")
+    ratio = [ours / embree for ours, embree in zip(columns[2], columns[0])]
+    print(f"bake / Embree, 1 thread: {statistics.median(ratio):.2f} [{min(ratio):.2f}-{max(ratio):.2f}]")
+    print(f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy and trace {FEW} rays; "
+          f"peak {max(columns[5]):.0f} MB")
     print(f"all: {time.perf_counter() - start:.0f} s")
 
 

@@ -27,7 +27,7 @@ const RUN: u64 = 1 << 18;
 const RUN_OF_SORTED: u64 = 1 << 20;
 
 /// Rays that are sorted into packets at a time: 80 bytes each.
-const NEIGHBOURS: usize = 1 << 20;
+const NEIGHBOURS: usize = 1 << 18;
 
 /// What all rays of one direction share.
 pub struct Kernel {
@@ -149,9 +149,13 @@ impl Kernel {
 
     /// Rays that are best traced in one piece.
     pub fn run(&self) -> u64 {
-        let down_hierarchies = self.scenes.iter().any(|scene| scene.has_hierarchy());
-        let sorted = self.programs.is_empty() && down_hierarchies || lanes::sorts(&self.launch);
+        let sorted = self.programs.is_empty() && (self.packets || self.is_large())
+            || lanes::sorts(&self.launch);
         if sorted { RUN_OF_SORTED } else { RUN }
+    }
+
+    fn is_large(&self) -> bool {
+        self.scenes.iter().any(|scene| scene.is_large())
     }
 
     /// Traces `samples` of `stream` into `tally`.
@@ -208,12 +212,12 @@ impl Kernel {
     /// The same by [`trace`], ray by ray.
     pub fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         let entries = samples.map(|index| (index, self.launch.entry(stream, index)));
-        if !self.scenes.iter().any(|scene| scene.has_hierarchy()) {
+        if !self.is_large() {
             return self.trace_entries(stream, entries, tally);
         }
         // What neighbours meet is still at hand.
         let entries: Vec<(u64, (usize, DVec2))> = entries.collect();
-        for some in entries.chunks(NEIGHBOURS) {
+        for some in entries.chunks(RUN_OF_SORTED as usize) {
             let some = side_by_side(&self.launch, some, |entry| entry.1.1);
             self.trace_entries(stream, some.into_iter(), tally);
         }

@@ -291,7 +291,8 @@ impl Rounds<'_, '_> {
     /// done: the sums of a randomisation always hold the first samples of its share.
     ///
     /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short enough to be saved in
-    /// time.
+    /// time. Through a large scene rays are the faster the more of them go side by side: there whole runs are traced, some at
+    /// a time, one direction after the other.
     fn run(
         &mut self,
         directions: &[usize],
@@ -305,7 +306,19 @@ impl Rounds<'_, '_> {
             FIRST_ROUND
         };
         let (number, count) = (ranks.number(), ranks.count());
-        let mut step = saves.as_ref().map_or(u64::MAX, |_| first);
+        let large = work.sheet.scenes.iter().any(|scene| scene.is_large());
+        let mut step = match saves {
+            Some(_) if !large => first,
+            _ => u64::MAX,
+        };
+        // One for each thread of all ranks, as rank 0 has them.
+        let mut threads = [work.pool.current_num_threads() as u64];
+        ranks.follow(&mut threads);
+        let mut most = if large {
+            threads[0] as usize * count
+        } else {
+            usize::MAX
+        };
         for some in directions.chunks((PROGRAMS / work.sheet.scenes.len()).max(1)) {
             let kernel = |&direction: &usize| (&work.bundles[direction], work.kernel(direction));
             let kernels: Vec<(&Bundle, Kernel)> =
@@ -331,6 +344,7 @@ impl Rounds<'_, '_> {
                 if runs.is_empty() {
                     break;
                 }
+                runs.truncate(most);
                 let begun = Instant::now();
                 work.pool.install(|| work.trace(&runs, number, count));
                 work.fits()?;
@@ -340,6 +354,7 @@ impl Rounds<'_, '_> {
                 ranks.follow(&mut told);
                 if told[0] == 1 {
                     step = step.saturating_mul(2);
+                    most = most.saturating_mul(2);
                 }
                 if told[1] == 1 {
                     saves.save(|| {

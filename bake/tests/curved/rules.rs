@@ -3,6 +3,7 @@
 use crate::{RULES, cell, design};
 use bake::bodies::{self, Whole};
 use bake::exact::{ExactCell, ExactError};
+use bake::kernel::Kernel;
 use bake::launch::Launch;
 use bake::path::{Outcome, trace};
 use bake::plan::{Method, Plan, Request, SceneOptions};
@@ -11,10 +12,12 @@ use bake::run::{self, RunError, Tracer};
 use bake::scene::{Event, Index, Scene};
 use bake::sequence::{Sampler, Stream};
 use bake::symmetry;
+use bake::tally::{Bins, Tally};
 use glam::{DVec2, DVec3};
 use meshes::design::Shape;
 use meshes::{Cell, Entrance};
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use tables::{Fate, Symmetry};
 
 const RAYS: u64 = 20_000;
@@ -247,6 +250,27 @@ fn tables_do_not_depend_on_threads_or_the_way_of_tracing() {
     let one = bake(1, Tracer::Fastest);
     assert_eq!(one, bake(3, Tracer::Fastest));
     assert_eq!(one, bake(2, Tracer::OneByOne));
+}
+
+/// A scene that is too large for caches is traced in another order: the same counts.
+#[test]
+fn large_scenes_are_traced_in_any_order() {
+    let cell = cell(&design(Shape::TriangularPair, 1e-4, 53), true);
+    let scene = Arc::new(Scene::new(&cell, Index::Auto));
+    assert!(scene.is_large());
+    let (launch, bins) = (Launch::new(&cell.entrance), Bins::new(64, 2.0));
+    let stream = Stream::new(Sampler::Sobol, 1, 20.0, 30.0, 0);
+    let kernel = Kernel::new(&scene, &launch, &RULES, &bins, 20.0, 30.0);
+    let (mut sorted, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+    kernel.trace(&stream, 0..RAYS, &mut sorted);
+    let light = Direction::new(20f64.to_radians(), 30f64.to_radians(), 1.0);
+    for index in 0..RAYS {
+        let point = launch.entry(&stream, index).1;
+        plain.count(&bins, &trace(&scene, &RULES, &light, point, 0.5));
+    }
+    assert_eq!(sorted.fates.iter().sum::<u64>(), RAYS);
+    assert_eq!(sorted.fates, plain.fates);
+    assert!(sorted.histogram == plain.histogram);
 }
 
 #[test]
