@@ -59,6 +59,9 @@ pub enum Whole {
     /// Its facets stand for curved faces.
     #[error("its faces are curved")]
     Curved,
+    /// Light goes through facets.
+    #[error("light goes through faces of glass")]
+    Glass,
     /// Its neighbours are what the lattice says.
     #[error("the cell is periodic")]
     Periodic,
@@ -87,6 +90,9 @@ type Vertex = usize;
 pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.normals.is_some() {
         return Err(Whole::Curved);
+    }
+    if !cell.glass.is_empty() {
+        return Err(Whole::Glass);
     }
     if cell.entrance.lattice.is_some() {
         return Err(Whole::Periodic);

@@ -8,13 +8,13 @@ mod trace;
 
 use failure::Failure;
 
-use crate::plan::Normals;
+use crate::plan::{Normals, SceneOptions};
 use crate::ranks::{self, Launched};
 use crate::{inspect, plot, report};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
-use meshes::{Cell, CellOptions, Mesh};
+use meshes::{Cell, CellOptions, Fault, Mesh};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -38,18 +38,19 @@ enum Verb {
     /// Writes the mesh of a parametric corner-cube cell
     #[command(
         after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide; one whose faces bulge by 1e-4 of \
-        an edge; a plate of slit mirrors\n  \
+        an edge; a plate of slit mirrors; glass beads on a mirror\n  \
         bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
         bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0\n  \
         bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20\n  \
-        bake design plate -o plate.obj --edge-length 0.5 --depth 3"
+        bake design plate -o plate.obj --edge-length 0.5 --depth 3\n  \
+        bake design bead -o bead.obj --edge-length 0.06 --segments 24"
     )]
     Design(DesignArgs),
     /// Traces a mesh into a ray-shift table
     #[command(after_help = "\
 Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; with aluminium backs and all losses, a table a colour; \
 with rough facets; curved faces by the file's normals; the exit directions of a cell that is not ideal, within 1 mrad; \
-a plate of slit mirrors
+a plate of slit mirrors; glass beads
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10
   bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full --direction-tolerance 0.005
@@ -57,7 +58,8 @@ a plate of slit mirrors
   bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 --roughness 0.001
   bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
   bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 --deviations 1
-  bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45")]
+  bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45
+  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file --angular-tolerance 2 --incidence 0,30 --rays 65536")]
     Trace(Box<trace::TraceArgs>),
     /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
     #[command(
@@ -271,6 +273,7 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
 fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
     let bytes = match extension(output).as_str() {
         "obj" => meshes::write::obj(mesh).into_bytes(),
+        "glb" if !mesh.glass.is_empty() => return Err(Failure::Design(Fault::GlassInGlb)),
         "glb" => meshes::write::glb(mesh),
         _ => return Err(Failure::MeshExtension(output.to_owned())),
     };
@@ -278,8 +281,8 @@ fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
 }
 
 impl CellArgs {
-    /// The cell of `mesh`, whose facets have the normals named.
-    fn load(&self, mesh: &Path, normals: Normals) -> Result<Cell, Failure> {
+    /// The cell of `mesh` as a bake with these options takes it.
+    fn load(&self, mesh: &Path, scene: &SceneOptions) -> Result<Cell, Failure> {
         let lattice = self
             .lattice
             .as_deref()
@@ -294,7 +297,8 @@ impl CellArgs {
             lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
             azimuth_zero: azimuth_zero.map(DVec3::from_array),
             edge_length: self.edge_length,
-            file_normals: normals == Normals::File,
+            file_normals: scene.normals == Normals::File,
+            glass: scene.glass_index.is_some(),
         };
         Ok(meshes::load_cell(mesh, &options)?)
     }

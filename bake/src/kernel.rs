@@ -96,6 +96,7 @@ impl Kernel {
         let alone = rules.losses.is_some()
             || rules.roughness.is_some()
             || rules.element != Element::Retroreflector
+            || rules.glass_index.is_some()
             || scenes.iter().any(|scene| scene.is_curved());
         Kernel {
             programs: programs.filter(|_| !alone).unwrap_or_default(),

@@ -18,6 +18,17 @@ pub fn refracted_sine(outside_sine: f64, index: f64) -> f64 {
     outside_sine / index
 }
 
+/// The direction after refraction at a plane with unit normal `normal` (either sign) from a medium of refractive index `from` into one of
+/// index `to`; `None` where reflection is total.
+pub fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Option<DVec3> {
+    let (cosine, ratio) = (direction.dot(normal), from / to);
+    let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    (squared > 0.0).then(|| {
+        let onward = squared.sqrt().copysign(cosine);
+        direction * ratio + normal * (onward - ratio * cosine)
+    })
+}
+
 /// Where light goes that was launched along `launched` and leaves along `left`, both inside a sheet of refractive index `index`
 /// with normal +z, the launch in the plane of x and z: tangents of its angles from straight back, outside, across that
 /// direction within the plane of incidence, towards +x, and along y.
@@ -58,6 +69,33 @@ mod tests {
             cases += 1;
         }
         assert_eq!(cases, 50);
+    }
+
+    /// Snell's law, the plane of incidence and the way back; total from the critical angle on. A dozen roundings.
+    #[test]
+    fn refraction_obeys_snell() {
+        let (mut through, mut total) = (0, 0);
+        for i in 0..200 {
+            let t = f64::from(i);
+            let n = DVec3::new(t.sin(), (1.7 * t).cos(), 0.3 + (2.3 * t).sin()).normalize();
+            let d = DVec3::new((0.4 * t).cos(), (3.1 * t).sin(), -0.7).normalize();
+            let (from, to) = if i % 2 == 0 { (1.0, 1.93) } else { (1.93, 1.0) };
+            let sine = d.cross(n) * (from / to);
+            match refract(d, n, from, to) {
+                None => {
+                    assert!(sine.length() >= 1.0 && i % 2 == 1);
+                    total += 1;
+                }
+                Some(r) => {
+                    assert!((r.cross(n) - sine).length() < 16.0 * f64::EPSILON);
+                    assert!((r.length() - 1.0).abs() < 16.0 * f64::EPSILON);
+                    assert!(r.dot(n) * d.dot(n) > 0.0, "goes on to the other side");
+                    through += 1;
+                }
+            }
+        }
+        println!("{through} refracted, {total} totally reflected");
+        assert!(through > 100 && total > 30);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::element::Element;
 use crate::light::{Light, Surface};
-use crate::optics::{reflect, reflection, totally_reflected};
+use crate::optics::{reflect, reflection, refract, totally_reflected};
 use crate::plan::default;
 use crate::ray::{Direction, Ray};
 use crate::roughness::Roughness;
@@ -14,6 +14,10 @@ use tables::Fate;
 /// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones take up to about
 /// ten.
 pub const BOUNCE_LIMIT: u32 = 64;
+
+/// How far from a surface of glass light goes on, in errors of its position: a facet may reach over so many prisms of a
+/// lattice.
+const CLEAR: f64 = 64.0;
 
 /// What facets do to light, and what counts as retroreflected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +35,9 @@ pub struct Rules {
     pub roughness: Option<Roughness>,
     /// What counts as retroreflected.
     pub element: Element,
+    /// Refractive index of bodies of glass; `None` where all facets are mirrors. A path through glass has no linear map: its
+    /// direction alone counts.
+    pub glass_index: Option<f64>,
 }
 
 impl Rules {
@@ -44,6 +51,7 @@ impl Rules {
             angular_tolerance_rad: default::ANGULAR_TOLERANCE_DEG.to_radians(),
             roughness: None,
             element: Element::Retroreflector,
+            glass_index: None,
         }
     }
 
@@ -108,6 +116,8 @@ pub struct Course {
     /// Linear map of the reflections so far.
     map: DMat3,
     bounces: u32,
+    /// Times that it has gone through a surface of glass.
+    crossings: u32,
 }
 
 impl Course {
@@ -117,6 +127,7 @@ impl Course {
             direction: direction.travel,
             map: DMat3::IDENTITY,
             bounces: 0,
+            crossings: 0,
         }
     }
 
@@ -139,11 +150,59 @@ impl Course {
             direction: reflect(self.direction, normal),
             map: reflection(normal) * self.map,
             bounces: self.bounces + 1,
+            ..*self
         })
+    }
+
+    /// What follows a facet of a sheet with bodies of glass of index `glass`, or a mirror there, which reflects on both sides.
+    ///
+    /// # Errors
+    /// [`Fate::BounceLimit`].
+    fn past_glass(&self, hit: &Hit, glass: f64, rules: &Rules) -> Result<Self, Fate> {
+        if self.bounces + self.crossings == BOUNCE_LIMIT {
+            return Err(Fate::BounceLimit);
+        }
+        let outside = rules.refractive_index;
+        let (from, to) = if hit.front {
+            (outside, glass)
+        } else {
+            (glass, outside)
+        };
+        let onward = hit
+            .glass
+            .then(|| refract(self.direction, hit.normal, from, to));
+        Ok(match onward.flatten() {
+            Some(direction) => Course {
+                direction,
+                crossings: self.crossings + 1,
+                ..*self
+            },
+            None => Course {
+                direction: reflect(self.direction, hit.normal),
+                bounces: self.bounces + 1,
+                ..*self
+            },
+        })
+    }
+
+    /// The fate of rays, launched along `travel`, that leave a sheet with bodies of glass.
+    fn left_glass(&self, travel: DVec3, rules: &Rules) -> Fate {
+        let off = (self.direction - rules.element.imaging() * travel).length();
+        match self.bounces {
+            0 if self.crossings == 0 => rules.element.unmet(),
+            _ if off <= 2.0 * libm::sin(rules.angular_tolerance_rad / 2.0) => Fate::Retroreflected,
+            _ if self.direction.z < 0.0 => Fate::Transmitted,
+            1 => Fate::LeftAfter1,
+            2 => Fate::LeftAfter2,
+            _ => Fate::Deviated,
+        }
     }
 
     /// The fate of rays, launched along `direction`, that leave the cell.
     pub fn left(&self, direction: &Direction, rules: &Rules) -> Fate {
+        if rules.glass_index.is_some() {
+            return self.left_glass(direction.travel, rules);
+        }
         fate_of_leaving(self.map, direction.travel, self.bounces, rules)
     }
 
@@ -192,6 +251,13 @@ impl Photon {
     }
 }
 
+/// A facet as light meets it.
+struct Hit {
+    normal: DVec3,
+    front: bool,
+    glass: bool,
+}
+
 /// A ray under way.
 struct Path {
     /// Its present piece.
@@ -213,9 +279,35 @@ impl Path {
                 front_normal,
                 front,
                 prism,
+                glass,
                 ..
             } => {
                 let before = self.course.direction;
+                if let Some(index) = rules.glass_index {
+                    let hit = Hit {
+                        normal,
+                        front,
+                        glass,
+                    };
+                    let onward = self.course.past_glass(&hit, index, rules)?;
+                    // An interpolated normal may turn light to the wrong side of its facet.
+                    let side = onward.direction.dot(front_normal);
+                    let crosses = onward.crossings > self.course.crossings;
+                    if crosses != (side * before.dot(front_normal) > 0.0) {
+                        return Err(Fate::Absorbed);
+                    }
+                    // Behind a facet, within its error, it would meet it again, in the next prism too, where the error counts
+                    // for more: it goes on from beyond that.
+                    let clear = front_normal * (CLEAR * arrival.slack).copysign(side);
+                    self.course = onward;
+                    self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
+                    self.ray = Ray {
+                        origin: arrival.origin + clear,
+                        direction: onward.direction,
+                        ..arrival
+                    };
+                    return Ok(());
+                }
                 let normal = match rules.roughness {
                     // Light from behind the curved face that a facet stands for ends below.
                     Some(roughness) if front && before.dot(normal) < 0.0 => {

@@ -3,6 +3,7 @@
 mod deviations;
 mod directions;
 mod error;
+mod glass;
 mod losses;
 mod request;
 mod scene;
@@ -218,6 +219,7 @@ impl Plan {
             positive("--wavelength-nm", nm, 1e6, "above 0 and at most 1e6 nm")?;
         }
         let losses = losses::surface(request)?;
+        glass::check(request)?;
         let most = match request.sampler {
             Sampler::Sobol => RAYS_PER_RANDOMISATION * default::RANDOMISATIONS,
             Sampler::Random => 1 << 48,
@@ -337,6 +339,7 @@ impl Plan {
             angular_tolerance_rad: self.angular_tolerance_deg.to_radians(),
             roughness: self.scene.roughness,
             element: self.scene.element,
+            glass_index: self.scene.glass_index,
         }
     }
 

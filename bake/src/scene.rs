@@ -29,6 +29,8 @@ pub struct Scene {
     facets: Vec<Facet>,
     /// Those at their corners, where facets stand for curved faces.
     normals: Option<Normals>,
+    /// Whether light goes through each; empty where all are mirrors.
+    glass: Vec<bool>,
     hierarchy: Option<Hierarchy>,
     walls: Option<Walls>,
     /// Height of the entrance plane over the apex, edge lengths.
@@ -111,6 +113,8 @@ pub enum Event {
         normal: DVec3,
         /// Unit normal of the facet's front: the same unless the facet stands for a curved face.
         front_normal: DVec3,
+        /// Whether light goes through the facet; else it is a mirror.
+        glass: bool,
         /// Whether it is met from the front.
         front: bool,
         /// Prism of the hit, relative to that of the ray's origin, in lattice vectors.
@@ -125,23 +129,29 @@ pub enum Event {
 impl Scene {
     /// The scene of a cell.
     pub fn new(cell: &Cell, index: Index) -> Self {
-        Scene::with(&cell.facets, cell.normals.as_ref(), &cell.entrance, index)
+        let normals = cell.normals.as_ref();
+        Scene::with(&cell.facets, normals, &cell.glass, &cell.entrance, index)
     }
 
     /// The scene of planar `facets` under `entrance`. Facets of zero area are left out: no ray can meet them.
     pub fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
-        Scene::with(facets, None, entrance, index)
+        Scene::with(facets, None, &[], entrance, index)
     }
 
     fn with(
         facets: &[[DVec3; 3]],
         normals: Option<&Normals>,
+        glass: &[bool],
         entrance: &Entrance,
         index: Index,
     ) -> Self {
         let own: Vec<Facet> = facets
             .iter()
             .filter_map(|&corners| Facet::new(corners))
+            .map(|facet| match glass {
+                [] => facet,
+                _ => facet.two_sided(),
+            })
             .collect();
         let walls = entrance.lattice.map(|lattice| Walls {
             lattice,
@@ -154,11 +164,17 @@ impl Scene {
             let drawn = drawn.filter(|(facet, _)| triangle::normal(*facet).is_some());
             drawn.map(|(_, &corners)| corners).collect::<Vec<_>>()
         });
+        let with_area = facets.iter().zip(glass);
+        let with_area = with_area.filter(|(facet, _)| triangle::normal(*facet).is_some());
+        let mut glass: Vec<bool> = with_area.map(|(_, &glass)| glass).collect();
         let facets = match &walls {
             None => own,
             Some(walls) => {
                 let (facets, copied): (Vec<_>, Vec<_>) = walls.copies(&own).into_iter().unzip();
                 corners = corners.map(|own| copied.iter().map(|&facet| own[facet]).collect());
+                if !glass.is_empty() {
+                    glass = copied.iter().map(|&facet| glass[facet]).collect();
+                }
                 facets
             }
         };
@@ -180,6 +196,7 @@ impl Scene {
         Scene {
             facets,
             normals,
+            glass,
             hierarchy,
             walls,
             height,
@@ -356,6 +373,7 @@ impl Scene {
             },
             normal: self.normals.as_ref().map_or(facet.normal, curved),
             front_normal: facet.normal,
+            glass: self.glass.get(number).copied().unwrap_or(false),
             front: nearest.front,
             prism,
         }

@@ -26,7 +26,7 @@ const ROUND_DEG: f64 = 1e-4;
 /// The symmetry of `cell`; [`Symmetry::NONE`] where there is none, where the cell has too many facets to look, and where they
 /// stand for curved faces.
 pub fn of(cell: &Cell) -> Symmetry {
-    if cell.normals.is_some() {
+    if cell.normals.is_some() || !cell.glass.is_empty() {
         return Symmetry::NONE;
     }
     let shapes = shapes(cell);

@@ -22,6 +22,8 @@ pub struct Facet {
     pub normal: DVec3,
     /// Lengths of the edges 0-1, 1-2, 2-0.
     lengths: [f64; 3],
+    /// Whether it counts from behind as it does from the front: a surface of glass.
+    two_sided: bool,
 }
 
 /// Where a ray meets a facet.
@@ -48,6 +50,8 @@ pub struct Aspect {
     pub cosine: f64,
     /// 1 where the rays come from the front, -1 from the back.
     pub side: f64,
+    /// 1 where a ray within its error of an edge meets the facet, -1 where it passes.
+    edge: f64,
 }
 
 impl Aspect {
@@ -59,10 +63,10 @@ impl Aspect {
             return None;
         }
         // A ray within its error of an edge meets the facet from the front and passes it from the back: one that
-        // grazes a ridge or a rim goes on, it is not caught by the back of the facet beyond.
+        // grazes a ridge or a rim goes on, it is not caught by the back of the facet beyond. Within glass none may pass.
         let on = |edge: usize| {
             (ray.origin - self.corners[edge]).dot(self.inward[edge])
-                >= -(self.side * (ray.slack * self.lengths[edge] + ray.grain))
+                >= -(self.edge * (ray.slack * self.lengths[edge] + ray.grain))
         };
         let distance = -height / self.cosine;
         (on(0) && on(1) && on(2)).then_some(if distance > 0.0 { distance } else { 0.0 })
@@ -78,7 +82,16 @@ impl Facet {
             corners,
             normal,
             lengths: [(b - a).length(), (c - b).length(), (a - c).length()],
+            two_sided: false,
         })
+    }
+
+    /// The facet as a surface of glass, which rays meet from either side.
+    pub fn two_sided(self) -> Self {
+        Facet {
+            two_sided: true,
+            ..self
+        }
     }
 
     /// The facet moved by `offset`.
@@ -109,6 +122,7 @@ impl Facet {
             normal: self.normal,
             cosine,
             side,
+            edge: if self.two_sided { 1.0 } else { side },
         })
     }
 

@@ -30,7 +30,7 @@ fn good(folder: &Path, arguments: &[&str]) -> String {
 fn from_design_to_picture() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    assert_eq!(good(here, &["design", "--list"]).lines().count(), 5);
+    assert_eq!(good(here, &["design", "--list"]).lines().count(), 6);
     good(here, &["design", "triangular-pair", "-o", "pair.obj"]);
     good(here, &["design", "triangular-pair", "-o", "pair.glb"]);
     let trace = [

@@ -162,6 +162,13 @@ impl Scene {
                     .into(),
             );
         }
+        if table.provenance.has_glass() {
+            warnings.push(
+                "the table is of bodies of glass, whose light returns in a cone as wide as its angular tolerance: c is the pitch, \
+                 and a is what blur the recorded directions leave over, not a cube's aperture"
+                    .into(),
+            );
+        }
         let off = table.exact.as_ref().filter(|exact| exact.deviates());
         if let Some(exact) = off {
             warnings.push(format!(

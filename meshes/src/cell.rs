@@ -27,6 +27,8 @@ pub struct Cell {
     pub facets: Vec<[DVec3; 3]>,
     /// Normals of the curved faces that the facets stand for, where they were asked for; else facets are planes.
     pub normals: Option<Normals>,
+    /// Whether light goes through each facet, where that was asked for; else empty, and all are mirrors.
+    pub glass: Vec<bool>,
     /// Where rays enter.
     pub entrance: Entrance,
     /// Refractive index of a closed prism whose front face was taken off, as the file gives it.

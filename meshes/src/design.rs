@@ -4,6 +4,7 @@
 //! light towards +x +y +z, and the vertices in the order apex, then the ends of its three edges. With the edge length
 //! of 3 that is the default, every coordinate of the ideal cells is an integer: exact in text and in f32.
 
+mod bead;
 mod curved;
 pub mod plate;
 
@@ -12,6 +13,7 @@ use glam::{DMat3, DVec3};
 use crate::error::Fault;
 use crate::mesh::{Mesh, sha256};
 use crate::write;
+pub use bead::Bead;
 pub use plate::Plate;
 
 /// Kinds of corner-cube cell.
@@ -80,7 +82,10 @@ impl Shape {
 /// Names and descriptions of all designs, elements that are no corner cubes last.
 pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     let cubes = Shape::ALL.map(|shape| (shape.name(), shape.description()));
-    cubes.into_iter().chain([(Plate::NAME, Plate::DESCRIPTION)])
+    cubes.into_iter().chain([
+        (Plate::NAME, Plate::DESCRIPTION),
+        (Bead::NAME, Bead::DESCRIPTION),
+    ])
 }
 
 /// An option of a design is a number from `least` to `most`.

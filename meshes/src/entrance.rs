@@ -38,7 +38,8 @@ pub fn periodic(
         covered += area;
         moment += (p + q + r) / 3.0 * area;
     }
-    let middle = if covered > 0.0 {
+    // A closed surface covers nothing but rounding.
+    let middle = if covered > 1e-9 * a.perp_dot(b) {
         moment / covered
     } else {
         DVec2::ZERO

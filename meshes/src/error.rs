@@ -227,6 +227,17 @@ pub enum Fault {
     )]
     OneSided { face: u32 },
 
+    // ---- materials
+    #[error(
+        "has no face of the material \"glass\" (OBJ usemtl, glTF material name) for --glass-index; name it so where light goes \
+         through, or leave out --glass-index"
+    )]
+    NoGlass,
+    #[error(
+        "the design has faces of two materials, which are written as .obj only; name the mesh so"
+    )]
+    GlassInGlb,
+
     // ---- normals
     #[error(
         "has no normals to interpolate (OBJ vn, glTF NORMAL); export it with smooth normals, or leave out --normals file"

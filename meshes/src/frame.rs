@@ -126,6 +126,9 @@ fn normal(surface: &Surface<'_>, lattice: Option<[DVec3; 2]>) -> Result<DVec3, F
     if !(a.is_finite() && b.is_finite() && sine > 1e-6) {
         return Err(Fault::LatticeDegenerate);
     }
+    // A closed surface faces nowhere: light comes from where the lattice's vectors turn counter-clockwise.
+    let closed = facing.length() <= 1e-9 * cross.length();
+    let facing = if closed { DVec3::ZERO } else { facing };
     let normal = cross.normalize() * if cross.dot(facing) < 0.0 { -1.0 } else { 1.0 };
     let tilt = normal.angle_between(facing.normalize_or(normal));
     if tilt > LATTICE_TILT {

@@ -16,7 +16,7 @@ use serde_json::Value;
 use crate::buffer::Buffers;
 use crate::error::{Counted, Fault};
 use crate::glb;
-use crate::mesh::{MAX_ELEMENTS, Mesh, sha256};
+use crate::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
 
 /// A node's frame in the scene.
 #[derive(Clone, Copy)]
@@ -55,6 +55,9 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     };
     extras(&document, &mut mesh)?;
     merge_scene(&document, &buffers, &mut mesh)?;
+    if !mesh.glass.contains(&true) {
+        mesh.glass = Vec::new();
+    }
     if mesh.triangles.is_empty() {
         return Err(Fault::Empty);
     }
@@ -229,6 +232,7 @@ fn append(
             .map_err(|mode| Fault::NotTriangles { mesh: index, mode })?;
         within(Counted::Triangles, mesh.triangles.len(), triangles.len())?;
         let first = mesh.positions.len() as u32;
+        let glass = primitive.material().name() == Some(GLASS);
         let normals = normals(&primitive, here, buffers);
         let first_normal = mesh.normals.len() as u32 + 1;
         let before = mesh.triangles.len();
@@ -243,6 +247,7 @@ fn append(
             }
             let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             mesh.triangles.push(corners.map(|v| first + v));
+            mesh.glass.push(glass);
         }
         if let Some(normals) = normals {
             mesh.corner_normals.resize(before, [None; 3]);

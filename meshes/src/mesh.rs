@@ -10,6 +10,8 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Counted, Error, Fault};
 
+/// Name of the material whose faces light goes through, where that is asked for.
+pub const GLASS: &str = "glass";
 /// Largest file or buffer that is read, bytes.
 pub const MAX_BYTES: u64 = 1 << 29;
 /// Largest number of vertices and of triangles that is accepted: past it, memory rather than geometry decides.
@@ -31,6 +33,8 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Numbers (from 1) of the normals at each triangle's corners; empty where the file gives none.
     pub corner_normals: Vec<[Option<NonZeroU32>; 3]>,
+    /// Whether each face of the file is of the material `glass`; empty where none is.
+    pub glass: Vec<bool>,
     /// Lattice vectors of a periodic cell, file units.
     pub lattice: Option<[DVec3; 2]>,
     /// Edge length that the file states (`# edge_length` comment, `extras.edge_length`), file units: truncated cells.
@@ -53,6 +57,12 @@ impl Mesh {
             .get(triangle)
             .copied()
             .unwrap_or(triangle as u32 + 1)
+    }
+
+    /// Whether triangle `triangle` is of the material `glass`.
+    pub fn is_glass(&self, triangle: usize) -> bool {
+        let face = self.face_number(triangle) as usize - 1;
+        self.glass.get(face).copied().unwrap_or(false)
     }
 
     /// Corners of triangle `triangle`, relative to `origin`, file units.

@@ -29,6 +29,9 @@ pub struct CellOptions {
     pub edge_length: Option<f64>,
     /// Whether facets stand for a curved face that has the file's normals ([`crate::normals`]); else they are planes.
     pub file_normals: bool,
+    /// Whether faces of the material `glass` are surfaces of bodies that light goes through, wound outward. The mesh is then
+    /// taken as it is, closed or not; else all facets are mirrors.
+    pub glass: bool,
 }
 
 /// Loads a mesh file and normalises it: [`load`], then [`normalise`].
@@ -61,6 +64,12 @@ fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Fault> {
     let surface = Surface::new(mesh);
     check::surface(&surface)?;
     let mut warnings = Vec::new();
+    if options.glass {
+        if mesh.glass.is_empty() {
+            return Err(Fault::NoGlass);
+        }
+        return placed(&surface, false, options, warnings);
+    }
     let closed = is_closed(&surface)?;
     let turned = if closed {
         Some(opened(&surface, &mut warnings)?)
@@ -218,6 +227,12 @@ fn placed(
     Ok(Cell {
         facets,
         normals,
+        glass: match options.glass {
+            true => (0..mesh.triangles.len())
+                .map(|t| mesh.is_glass(t))
+                .collect(),
+            false => Vec::new(),
+        },
         entrance,
         refractive_index: mesh.refractive_index.filter(|_| closed),
         abbe_number: mesh.abbe_number.filter(|_| closed),

@@ -11,7 +11,7 @@ use std::num::NonZeroU32;
 use glam::DVec3;
 
 use crate::error::{Counted, Fault};
-use crate::mesh::{MAX_ELEMENTS, Mesh, sha256};
+use crate::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
 use crate::polygon;
 
 /// Parses an OBJ file.
@@ -83,6 +83,7 @@ fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
 /// Counts vertices and faces, and reads the comments that concern us.
 fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
     let (mut vertices, mut faces) = (0, 0);
+    let mut glass = false;
     for (line, content) in logical_lines(text) {
         match keyword(&content) {
             "v" => vertices += 1,
@@ -92,7 +93,9 @@ fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
                     return Err(Fault::FewCorners { line, corners });
                 }
                 faces += 1;
+                mesh.glass.push(glass);
             }
+            "usemtl" => glass = content.split_whitespace().nth(1) == Some(GLASS),
             word if word.starts_with('#') => comment(mesh, line, &content)?,
             _ => {}
         }
@@ -105,6 +108,9 @@ fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
                 limit: MAX_ELEMENTS as u64,
             });
         }
+    }
+    if !mesh.glass.contains(&true) {
+        mesh.glass = Vec::new();
     }
     if faces == 0 {
         Err(Fault::Empty)

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::error::{Error, Fault};
 use crate::glb;
-use crate::mesh::Mesh;
+use crate::mesh::{GLASS, Mesh};
 
 /// A number in the fewest digits that read back as the same f64.
 fn digits(value: f64) -> String {
@@ -34,7 +34,7 @@ fn joined(vectors: &[DVec3], separator: &str) -> String {
 }
 
 /// The mesh as OBJ text: `# design`, `# lattice` and `# edge_length` comments where the mesh has them, then `v` and `f`
-/// lines, and `vn` lines where it has normals. Every coordinate reads back as the same f64.
+/// lines, `vn` lines where it has normals and `usemtl` lines where some faces are of glass. Every coordinate reads back as the same f64.
 pub fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
@@ -59,7 +59,20 @@ pub fn obj(mesh: &Mesh) -> String {
     for &n in &mesh.normals {
         line(format!("vn {}", joined(&[n], " ")));
     }
+    let mut glass = None;
     for (triangle, vertices) in mesh.triangles.iter().enumerate() {
+        let material = (!mesh.glass.is_empty()).then(|| mesh.is_glass(triangle));
+        if material != glass {
+            glass = material;
+            line(format!(
+                "usemtl {}",
+                if material == Some(true) {
+                    GLASS
+                } else {
+                    "mirror"
+                }
+            ));
+        }
         let numbers = mesh.corner_normals.get(triangle).unwrap_or(&[None; 3]);
         let [a, b, c] = [0, 1, 2].map(|corner| {
             let vertex = u64::from(vertices[corner]) + 1;

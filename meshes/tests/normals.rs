@@ -11,6 +11,7 @@ const NORMALS: CellOptions = CellOptions {
     azimuth_zero: None,
     edge_length: None,
     file_normals: true,
+    glass: false,
 };
 
 fn curved(shape: Shape) -> Mesh {

@@ -239,6 +239,12 @@ impl Provenance {
         named.and_then(|_| words.next()).unwrap_or("retroreflector")
     }
 
+    /// Whether light went through bodies of glass (`--glass-index` of `bake trace`).
+    pub fn has_glass(&self) -> bool {
+        let mut words = self.options.split_whitespace();
+        words.any(|word| word == "--glass-index")
+    }
+
     /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets are made of.
     pub fn losses_text(&self) -> String {
         match self.metal_index {

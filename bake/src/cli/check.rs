@@ -109,7 +109,7 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
         }),
         lattice: args.cell.lattice.clone(),
     }
-    .load(mesh, scene.normals)?;
+    .load(mesh, &scene)?;
     warn(&cell.warnings);
     if cell.mesh_hash != from.mesh_hash {
         warn(&[format!(

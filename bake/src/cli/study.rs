@@ -1,7 +1,7 @@
 //! `bake study`: its options and what is done with them.
 
 use super::{CellArgs, Failure, print, reserve_picture, warn};
-use crate::plan::{Back, Normals, Request, default};
+use crate::plan::{Back, Request, SceneOptions, default};
 use crate::progress::Progress;
 use crate::study::{self, Checked, picture, report};
 use clap::Args;
@@ -89,7 +89,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         .as_deref()
         .map(|file| outputs.reserve(file))
         .transpose()?;
-    let cell = args.cell.load(&args.mesh, Normals::Facets)?;
+    let cell = args.cell.load(&args.mesh, &SceneOptions::default())?;
     warn(&cell.warnings);
     let progress = Progress::of_study();
     let study = study.run(&cell, &|name, done, all| progress.step(name, done, all))?;

@@ -241,7 +241,7 @@ impl Ready {
             .into_iter()
             .map(|(file, nm)| Ok((file, Plan::new(&args.request(nm)?)?)))
             .collect::<Result<Vec<_>, PlanError>>()?;
-        let cell = args.cell.load(&args.mesh, args.scene.normals)?;
+        let cell = args.cell.load(&args.mesh, &args.scene)?;
         let mut outputs = Outputs::beside([args.mesh.as_path()]);
         if leads {
             warn(&cell.warnings);

@@ -33,6 +33,10 @@ pub struct SceneOptions {
     /// What the mesh is to do with light
     #[arg(long, value_enum, default_value_t = Element::Retroreflector)]
     pub element: Element,
+    /// Refractive index of bodies of glass: light goes through faces of the material named glass, wound outward, and every other
+    /// face is a mirror on both sides. Retroreflected is then what leaves straight back within --angular-tolerance
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub glass_index: Option<f64>,
 }
 
 impl SceneOptions {
@@ -75,6 +79,9 @@ impl fmt::Display for SceneOptions {
         if self.element != Element::default() {
             named.push(format!("--element {}", self.element.name()));
         }
+        if let Some(index) = self.glass_index {
+            named.push(format!("--glass-index {index}"));
+        }
         f.write_str(&named.join(" "))
     }
 }
@@ -111,6 +118,10 @@ mod tests {
             },
             SceneOptions {
                 element: Element::Plate,
+                ..SceneOptions::default()
+            },
+            SceneOptions {
+                glass_index: Some(1.93),
                 ..SceneOptions::default()
             },
         ];

@@ -24,6 +24,7 @@ fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
     Cell {
         facets,
         normals: None,
+        glass: Vec::new(),
         entrance,
         refractive_index: None,
         abbe_number: None,

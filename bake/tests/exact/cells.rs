@@ -42,6 +42,7 @@ pub fn cell(
     Cell {
         facets,
         normals: None,
+        glass: Vec::new(),
         entrance: Entrance {
             height,
             polygon,

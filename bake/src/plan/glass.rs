@@ -1,0 +1,30 @@
+//! What goes together with bodies of glass.
+
+use super::{Back, Losses, PlanError, Request};
+
+/// Checks `--glass-index`, where it is given.
+pub(super) fn check(request: &Request) -> Result<(), PlanError> {
+    let Some(value) = request.scene.glass_index else {
+        return Ok(());
+    };
+    let option = "--glass-index";
+    if !(1.0..=10.0).contains(&value) {
+        return Err(PlanError::Number {
+            option,
+            value,
+            range: "from 1 to 10",
+        });
+    }
+    let others = [
+        ("--losses fresnel", request.losses == Losses::Fresnel),
+        ("--back tir", request.back == Back::Tir),
+        ("--roughness", request.scene.roughness.is_some()),
+    ];
+    match others.into_iter().find(|(_, given)| *given) {
+        Some((second, _)) => Err(PlanError::Both {
+            first: option,
+            second,
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,80 @@
+//! A glass bead on a mirror: a sphere whose lower half is silvered, in a hexagonal lattice.
+
+use std::collections::HashMap;
+use std::num::NonZeroU32;
+
+use glam::{DVec2, DVec3};
+
+use super::inside;
+use crate::error::Fault;
+use crate::mesh::{Mesh, sha256};
+use crate::write;
+
+/// One bead of a sheet, the light towards +z: an octahedron whose faces are cut into facets and brought onto the sphere. Facets above
+/// the equator are of the material `glass`, those below are mirrors; corners have the sphere's normals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bead {
+    /// Distance from bead to bead, file units.
+    pub pitch: f64,
+    /// Diameter of a bead, pitches; from 1e-3 to 1, where beads touch.
+    pub diameter: f64,
+    /// Facets along each edge of the octahedron; from 1 to 1000.
+    pub segments: u32,
+}
+
+impl Bead {
+    /// Name on the command line and in files.
+    pub const NAME: &'static str = "bead";
+    /// One line for a list.
+    pub const DESCRIPTION: &'static str = "a glass bead, its lower half a mirror, periodic: trace it with --glass-index and --normals file";
+
+    /// The mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
+    ///
+    /// # Errors
+    /// [`Fault::DesignOption`].
+    pub fn mesh(&self) -> Result<Mesh, Fault> {
+        inside("edge length", self.pitch, 1e-30, 1e30)?;
+        inside("diameter", self.diameter, 1e-3, 1.0)?;
+        inside("number of segments", f64::from(self.segments), 1.0, 1000.0)?;
+        let step = DVec2::from_angle(std::f64::consts::FRAC_PI_3) * self.pitch;
+        let mut mesh = Mesh {
+            lattice: Some([DVec3::X * self.pitch, step.extend(0.0)]),
+            edge_length: Some(self.pitch),
+            design: Self::NAME.to_owned(),
+            ..Mesh::default()
+        };
+        let radius = self.diameter * self.pitch / 2.0;
+        let n = self.segments as i32;
+        // Points of the octahedron |i| + |j| + |k| = n, which faces share.
+        let mut vertices = HashMap::new();
+        let mut vertex = |steps: [i32; 3], mesh: &mut Mesh| {
+            *vertices.entry(steps).or_insert_with(|| {
+                let normal = DVec3::from_array(steps.map(f64::from)).normalize();
+                mesh.normals.push(normal);
+                mesh.positions.push(normal * radius);
+                mesh.positions.len() as u32 - 1
+            })
+        };
+        for octant in 0..8 {
+            let [x, y, z] = [1, 2, 4].map(|bit| if octant & bit == 0 { 1 } else { -1 });
+            let mut facet = |corners: [[i32; 3]; 3]| {
+                let [a, b, c] = corners.map(|[i, j, k]| vertex([x * i, y * j, z * k], &mut mesh));
+                // A reflection turns the winding round.
+                let corners = if x * y * z > 0 { [a, b, c] } else { [a, c, b] };
+                mesh.triangles.push(corners);
+                mesh.glass.push(z > 0);
+                mesh.corner_normals
+                    .push(corners.map(|v| NonZeroU32::new(v + 1)));
+            };
+            for (j, k) in (0..n).flat_map(|k| (0..n - k).map(move |j| (j, k))) {
+                let i = n - 1 - j - k;
+                facet([[i + 1, j, k], [i, j + 1, k], [i, j, k + 1]]);
+                if i > 0 {
+                    facet([[i - 1, j + 1, k + 1], [i, j, k + 1], [i, j + 1, k]]);
+                }
+            }
+        }
+        mesh.hash = sha256([write::obj(&mesh).as_bytes()]);
+        Ok(mesh)
+    }
+}
