@@ -38,10 +38,11 @@ enum Verb {
     /// Writes the mesh of a parametric corner-cube cell
     #[command(
         after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide; one whose faces bulge by 1e-4 of \
-        an edge; a plate of slit mirrors; glass beads on a mirror\n  \
+        an edge; one with rounded edges and land between the cubes; a plate of slit mirrors; glass beads on a mirror\n  \
         bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
         bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0\n  \
         bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20\n  \
+        bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002 --gap 0.004\n  \
         bake design plate -o plate.obj --edge-length 0.5 --depth 3\n  \
         bake design bead -o bead.obj --edge-length 0.06 --segments 24"
     )]
@@ -128,6 +129,18 @@ struct DesignArgs {
     /// Facets along each edge of a face [default: 1; with --sag 40]
     #[arg(long, value_name = "N")]
     segments: Option<u32>,
+    /// Radius that the edges from the apex are rounded with, file units
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    edge_radius: Option<f64>,
+    /// Planar strips that a rounded edge is made of [default: 8]
+    #[arg(long, value_name = "N")]
+    strips: Option<u32>,
+    /// Part of each edge that a flat facet at the apex cuts off
+    #[arg(long, value_name = "PART", allow_negative_numbers = true)]
+    apex_flat: Option<f64>,
+    /// Width of the flat land between neighbouring cubes, file units (between full cubes the gap is open)
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    gap: Option<f64>,
     #[command(flatten)]
     element: element::ElementArgs,
 }
@@ -267,6 +280,10 @@ fn design(args: &DesignArgs) -> Result<(), Failure> {
     if let Some(segments) = args.segments {
         design.segments = segments;
     }
+    design.edge_radius = args.edge_radius.unwrap_or(design.edge_radius);
+    design.strips = args.strips.unwrap_or(design.strips);
+    design.apex_flat = args.apex_flat.unwrap_or(design.apex_flat);
+    design.gap = args.gap.unwrap_or(design.gap);
     write(&design.mesh().map_err(Failure::Design)?, output)
 }
 

@@ -10,8 +10,7 @@
 //! part of its power comes back, and the rest goes to the fates that took it.
 //!
 //! Accuracy: areas and shifts to a few ulp of the longest path in the cell, 1e-15 / cos(incidence) edge lengths.
-//! Facets mirror on the side that is wound counter-clockwise and let light through from behind (a checked cell shows
-//! its back to no beam).
+//! Facets mirror on the side that is wound counter-clockwise; light ends at their backs, which only a lattice with gaps shows.
 
 mod beam;
 mod bins;

@@ -5,11 +5,14 @@
 //! of 3 that is the default, every coordinate of the ideal cells is an integer: exact in text and in f32.
 
 mod bead;
+mod corner;
 mod curved;
 pub mod plate;
+mod tile;
 
 use glam::{DMat3, DVec3};
 
+use self::corner::Corner;
 use crate::error::Fault;
 use crate::mesh::{Mesh, sha256};
 use crate::write;
@@ -132,6 +135,16 @@ pub struct Design {
     pub sag: f64,
     /// Facets along each edge of a face, whose number is the square of this; from 1 to 1000.
     pub segments: u32,
+    /// Radius of the cylinders that fill the three edges from the apex, and of the sphere that fills the apex, file units; up to a
+    /// fifth of the shortest edge. 0, a sharp edge, for [`Shape::FullCube`].
+    pub edge_radius: f64,
+    /// Planar strips that a cylinder is made of, 1 to 24; the sphere is made of their square of triangles.
+    pub strips: u32,
+    /// Part of each edge from the apex that a flat facet cuts off; from 0 to 0.5. 0 with rounded edges and for [`Shape::FullCube`].
+    pub apex_flat: f64,
+    /// Width of the land between neighbouring cubes, file units, up to ten edge lengths: a flat mirror in the plane of the rim, between
+    /// full cubes nothing.
+    pub gap: f64,
 }
 
 impl Design {
@@ -146,6 +159,10 @@ impl Design {
             cant_rad,
             sag: 0.0,
             segments: 1,
+            edge_radius: 0.0,
+            strips: 8,
+            apex_flat: 0.0,
+            gap: 0.0,
         }
     }
 
@@ -159,18 +176,38 @@ impl Design {
         self.check()?;
         let legs = legs(self.dihedral_error_rad).map(|leg| leg * self.edge_length);
         let mut mesh = match self.shape {
-            Shape::Triangular => corner(legs.map(|leg| leg * (1.0 - self.truncation))),
-            Shape::TriangularPair => pair(legs.map(|leg| leg * (1.0 - self.truncation))),
-            Shape::FullCube => full_cube(legs, 2.0 * self.truncation),
-            Shape::Canted => pair(self.canted(legs).map(|leg| leg * (1.0 - self.truncation))),
+            Shape::FullCube => full_cube(legs, 2.0 * self.truncation, self.gap),
+            Shape::Canted => self.of_corners(self.canted(legs))?,
+            Shape::Triangular | Shape::TriangularPair => self.of_corners(legs)?,
         };
         if self.sag != 0.0 || self.segments > 1 {
             mesh = curved::faces(&mesh, self.sag * self.edge_length, self.segments);
         }
         mesh.design = self.shape.name().to_owned();
-        mesh.edge_length = (self.truncation > 0.0).then_some(self.edge_length);
+        let has_apex = self.edge_radius == 0.0 && self.apex_flat == 0.0;
+        mesh.edge_length = (self.truncation > 0.0 || !has_apex).then_some(self.edge_length);
+        mesh.azimuth_zero = (!has_apex).then_some(legs[0]);
         mesh.hash = sha256([write::obj(&mesh).as_bytes()]);
         Ok(mesh)
+    }
+
+    /// The cell of one or two cube corners between the edges `legs` before truncation.
+    fn of_corners(&self, legs: [DVec3; 3]) -> Result<Mesh, Fault> {
+        let legs = legs.map(|leg| leg * (1.0 - self.truncation));
+        let shortest = legs.map(DVec3::length).into_iter().fold(f64::MAX, f64::min);
+        inside("edge radius", self.edge_radius, 0.0, 0.2 * shortest)?;
+        let corner = if self.edge_radius > 0.0 {
+            Corner::rounded(legs, self.edge_radius, self.strips)
+        } else if self.apex_flat > 0.0 {
+            Corner::blunt(legs, self.apex_flat)
+        } else {
+            Corner::sharp(legs)
+        };
+        let (corner, ends) = corner.with_land(legs, 0.5 * self.gap);
+        Ok(match self.shape {
+            Shape::Triangular => corner.mesh(),
+            _ => corner.pair(ends, rim_normal(legs)),
+        })
     }
 
     fn check(&self) -> Result<(), Fault> {
@@ -190,21 +227,28 @@ impl Design {
         )?;
         inside("sag in edge lengths", self.sag, -0.05, 0.05)?;
         inside("number of segments", f64::from(self.segments), 1.0, 1000.0)?;
-        if self.sag != 0.0 && self.shape == Shape::FullCube {
-            return Err(Fault::DesignOptionUnused {
-                design: self.shape.name().to_owned(),
-                option: "a sag",
-            });
+        inside("number of strips", f64::from(self.strips), 1.0, 24.0)?;
+        inside("flat apex", self.apex_flat, 0.0, 0.5)?;
+        inside("gap", self.gap, 0.0, 10.0 * self.edge_length)?;
+        let unused = |option| {
+            let design = self.shape.name().to_owned();
+            Err(Fault::DesignOptionUnused { design, option })
+        };
+        match (self.edge_radius != 0.0, self.apex_flat != 0.0) {
+            (true, true) => return unused("both an edge radius and a flat apex"),
+            (true, _) if self.shape == Shape::FullCube => return unused("an edge radius"),
+            (_, true) if self.shape == Shape::FullCube => return unused("a flat apex"),
+            _ if self.sag == 0.0 => {}
+            _ if self.shape == Shape::FullCube => return unused("a sag"),
+            (false, false) if self.gap == 0.0 => {}
+            _ => return unused("a sag together with an edge radius, a flat apex or a gap"),
         }
         if self.shape == Shape::Canted {
             // Beyond, the sheet's normal comes near a facet (at -35.26 degrees) or an edge (at 54.74).
             return inside("cant in degrees", self.cant_rad.to_degrees(), -34.5, 52.0);
         }
         if self.cant_rad != 0.0 {
-            return Err(Fault::DesignOptionUnused {
-                design: self.shape.name().to_owned(),
-                option: "a cant",
-            });
+            return unused("a cant");
         }
         Ok(())
     }
@@ -253,42 +297,13 @@ fn rim_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-fn corner([a, b, c]: [DVec3; 3]) -> Mesh {
-    let positions = vec![DVec3::ZERO, a, b, c];
-    Mesh {
-        positions,
-        triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]],
-        ..Mesh::default()
-    }
-}
-
-/// The copy is turned about the normal through the middle of the aperture edge that the two share, from end 1 to 2.
-fn pair(legs: [DVec3; 3]) -> Mesh {
-    let [a, b, c] = legs;
-    let n = rim_normal(legs);
-    let turned = |p: DVec3| n * (2.0 * n.dot(p) / n.length_squared()) - p;
-    let (middle, turned_middle) = ((a + b) * 0.5, turned((a + b) * 0.5));
-    let copy = |p: DVec3| middle + (turned(p) - turned_middle);
-    let positions = vec![DVec3::ZERO, a, b, c, copy(DVec3::ZERO), copy(c)];
-    // The copy's ends 1 and 2 are the ends 2 and 1.
-    let triangles = vec![
-        [0, 1, 2],
-        [0, 2, 3],
-        [0, 3, 1],
-        [4, 2, 1],
-        [4, 1, 5],
-        [4, 5, 2],
-    ];
-    Mesh {
-        positions,
-        triangles,
-        ..Mesh::default()
-    }
-}
-
 /// `cut`: part of each upper edge that is cut off at the top corners.
-fn full_cube([a, b, c]: [DVec3; 3], cut: f64) -> Mesh {
-    let lattice = Some([a - b, b - c]);
+fn full_cube([a, b, c]: [DVec3; 3], cut: f64, gap: f64) -> Mesh {
+    let wider = |period: DVec3| match gap {
+        0.0 => period,
+        _ => period * (1.0 + gap / period.length()),
+    };
+    let lattice = Some([a - b, b - c].map(wider));
     if cut == 0.0 {
         let positions = vec![DVec3::ZERO, a, b, c, a + b, b + c, c + a];
         let triangles = vec![

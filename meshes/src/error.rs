@@ -120,6 +120,10 @@ pub enum Fault {
     )]
     EdgeLengthComment { line: usize, text: String },
     #[error(
+        "line {line} is not a direction ('{text}'); write '# azimuth_zero x,y,z' with three finite numbers"
+    )]
+    AzimuthZeroComment { line: usize, text: String },
+    #[error(
         "face {face} is not flat (a corner is {relative:.1e} of its size off its plane); split it into triangles"
     )]
     PolygonNotFlat { face: u32, relative: f64 },

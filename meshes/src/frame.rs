@@ -67,6 +67,7 @@ impl Frame {
             .ok_or(Fault::NoApex)?;
         let azimuth_zero = options
             .azimuth_zero
+            .or(mesh.azimuth_zero)
             .or(legs.map(|legs| legs[0].along))
             // Of what is no corner cube, and says its unit.
             .or(lattice.map(|[a, _]| a))

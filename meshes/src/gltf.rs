@@ -336,7 +336,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, &'static str>
     })
 }
 
-/// Reads `lattice`, `design` and `edge_length` from the extras of the document, its asset or its scene, first found.
+/// Reads `lattice`, `design`, `edge_length` and `azimuth_zero` from the extras of the document, its asset or its scene, first found.
 fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
     let root = document.as_json();
     let scene = document
@@ -353,13 +353,7 @@ fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
         };
         if let (None, Some(lattice)) = (mesh.lattice, entries.get("lattice")) {
             let wanted = "six finite numbers ax, ay, az, bx, by, bz in file units";
-            let numbers: Option<Vec<f64>> = lattice
-                .as_array()
-                .map(|a| a.iter().filter_map(Value::as_f64).collect());
-            let Some([ax, ay, az, bx, by, bz]) = numbers
-                .as_deref()
-                .and_then(|n| <[f64; 6]>::try_from(n).ok())
-            else {
+            let Some([ax, ay, az, bx, by, bz]) = numbers(lattice) else {
                 return Err(Fault::Extras {
                     key: "lattice",
                     wanted,
@@ -375,6 +369,14 @@ fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
             };
             mesh.edge_length = Some(length.ok_or(wrong)?);
         }
+        if let (None, Some(direction)) = (mesh.azimuth_zero, entries.get("azimuth_zero")) {
+            let wrong = Fault::Extras {
+                key: "azimuth_zero",
+                wanted: "three finite numbers x, y, z in the file's frame",
+            };
+            let direction = numbers(direction).ok_or(wrong)?;
+            mesh.azimuth_zero = Some(DVec3::from_array(direction));
+        }
         if let (true, Some(design)) = (mesh.design.is_empty(), entries.get("design")) {
             let wrong = Fault::Extras {
                 key: "design",
@@ -384,4 +386,10 @@ fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+/// A list of `N` numbers.
+fn numbers<const N: usize>(list: &Value) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = list.as_array()?.iter().map(Value::as_f64).collect();
+    numbers?.try_into().ok()
 }

@@ -39,6 +39,9 @@ pub struct Mesh {
     pub lattice: Option<[DVec3; 2]>,
     /// Edge length that the file states (`# edge_length` comment, `extras.edge_length`), file units: truncated cells.
     pub edge_length: Option<f64>,
+    /// Direction of azimuth 0 that the file states (`# azimuth_zero` comment, `extras.azimuth_zero`), file frame, any length: cells
+    /// without an apex.
+    pub azimuth_zero: Option<DVec3>,
     /// Refractive index that the file gives (`KHR_materials_ior`).
     pub refractive_index: Option<f64>,
     /// Abbe number V_d that the file gives (`KHR_materials_dispersion`, which stores 20 / V_d).

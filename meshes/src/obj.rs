@@ -222,7 +222,8 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz` and `# edge_length L`; other comments say nothing to us.
+/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L` and `# azimuth_zero x,y,z`; other comments say nothing
+/// to us.
 fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
     let content = content.trim_start_matches('#').trim();
     let (key, value) = content
@@ -231,25 +232,18 @@ fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
     match key {
         "design" => mesh.design = value.trim().to_owned(),
         "lattice" => {
-            let wrong = || Fault::LatticeComment {
+            let [ax, ay, az, bx, by, bz] = numbers(value).ok_or_else(|| Fault::LatticeComment {
                 line,
                 text: content.to_owned(),
-            };
-            let words = value
-                .split([',', ' ', '\t'])
-                .filter(|word| !word.is_empty());
-            let numbers: Vec<f64> = words
-                .map(str::parse)
-                .collect::<Result<_, _>>()
-                .map_err(|_| wrong())?;
-            let [ax, ay, az, bx, by, bz] = numbers[..] else {
-                return Err(wrong());
-            };
-            let lattice = [DVec3::new(ax, ay, az), DVec3::new(bx, by, bz)];
-            if !lattice.iter().all(|v| v.is_finite()) {
-                return Err(wrong());
-            }
-            mesh.lattice = Some(lattice);
+            })?;
+            mesh.lattice = Some([DVec3::new(ax, ay, az), DVec3::new(bx, by, bz)]);
+        }
+        "azimuth_zero" => {
+            let direction = numbers(value).ok_or_else(|| Fault::AzimuthZeroComment {
+                line,
+                text: content.to_owned(),
+            })?;
+            mesh.azimuth_zero = Some(DVec3::from_array(direction));
         }
         "edge_length" => match value.trim().parse::<f64>() {
             Ok(length) if length.is_finite() && length > 0.0 => mesh.edge_length = Some(length),
@@ -263,6 +257,14 @@ fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
         _ => {}
     }
     Ok(())
+}
+
+/// `N` finite numbers, between commas or blanks.
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let words = text.split([',', ' ', '\t']).filter(|word| !word.is_empty());
+    let number = |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite());
+    let numbers: Option<Vec<f64>> = words.map(number).collect();
+    numbers?.try_into().ok()
 }
 
 /// Finds the line that made `tobj` refuse: it reports none.

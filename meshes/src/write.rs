@@ -33,8 +33,9 @@ fn joined(vectors: &[DVec3], separator: &str) -> String {
     words.join(separator)
 }
 
-/// The mesh as OBJ text: `# design`, `# lattice` and `# edge_length` comments where the mesh has them, then `v` and `f`
-/// lines, `vn` lines where it has normals and `usemtl` lines where some faces are of glass. Every coordinate reads back as the same f64.
+/// The mesh as OBJ text: `# design`, `# lattice`, `# edge_length` and `# azimuth_zero` comments where the mesh has them, then
+/// `v` and `f` lines, `vn` lines where it has normals and `usemtl` lines where some faces are of glass. Every coordinate reads
+/// back as the same f64.
 pub fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
@@ -52,6 +53,9 @@ pub fn obj(mesh: &Mesh) -> String {
     }
     if let Some(length) = mesh.edge_length {
         line(format!("# edge_length {}", digits(length)));
+    }
+    if let Some(direction) = mesh.azimuth_zero {
+        line(format!("# azimuth_zero {}", joined(&[direction], ",")));
     }
     for &p in &mesh.positions {
         line(format!("v {}", joined(&[p + mesh.origin], " ")));
@@ -118,8 +122,8 @@ fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     (Cow::Owned(split), normals)
 }
 
-/// The mesh as a GLB file: one primitive, f32 positions, u32 indices, `extras` of the document for design, lattice and
-/// edge length (f64), and `KHR_materials_ior` where there is a refractive index. Normals are written where every corner has
+/// The mesh as a GLB file: one primitive, f32 positions, u32 indices, `extras` of the document for design, lattice,
+/// edge length and azimuth zero (f64), and `KHR_materials_ior` where there is a refractive index. Normals are written where every corner has
 /// one, each vertex as often as it has others.
 ///
 /// f32 keeps 6e-8 of a coordinate: dihedral errors below 1e-7 rad need OBJ.
@@ -156,6 +160,9 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
     }
     if let Some(length) = mesh.edge_length {
         extras.insert("edge_length".into(), length.into());
+    }
+    if let Some(direction) = mesh.azimuth_zero {
+        extras.insert("azimuth_zero".into(), json!(direction.to_array()));
     }
     let mut document = json!({
         "asset": { "version": "2.0", "generator": "bake design" },

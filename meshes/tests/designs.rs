@@ -229,3 +229,118 @@ fn the_design_files_are_what_the_code_writes() {
     );
     assert_eq!(cases, 6);
 }
+
+/// Worn cells and those with land pass the same door as files do, in OBJ and in GLB: one planar rim, no warning, the edge length and the
+/// first edge of the sharp cell.
+#[test]
+fn worn_cells_and_land_are_cells() {
+    let mut cases = 0;
+    for shape in [Shape::Triangular, Shape::TriangularPair, Shape::Canted] {
+        let bent = [1e-3, 0.0, -2e-3];
+        for (dihedral_error_rad, truncation) in [([0.0; 3], 0.0), (bent, 0.0), (bent, 0.2)] {
+            let sharp = cell(Design {
+                dihedral_error_rad,
+                truncation,
+                ..Design::new(shape)
+            });
+            for (edge_radius, strips, apex_flat, gap) in [
+                (0.1, 1, 0.0, 0.0),
+                (0.1, 8, 0.0, 0.0),
+                (0.2, 3, 0.0, 0.4),
+                (0.0, 8, 0.3, 0.0),
+                (0.0, 8, 0.3, 0.1),
+                (0.0, 8, 0.0, 0.2),
+            ] {
+                let mesh = Design {
+                    dihedral_error_rad,
+                    truncation,
+                    edge_radius,
+                    strips,
+                    apex_flat,
+                    gap,
+                    ..Design::new(shape)
+                }
+                .mesh()
+                .expect("a legal design");
+                let cubes = if shape == Shape::Triangular { 1 } else { 2 };
+                let facets = match (edge_radius > 0.0, apex_flat > 0.0) {
+                    (true, _) => 3 + 6 * strips + strips * strips,
+                    (_, true) => 7,
+                    _ => 3,
+                };
+                let arcs = if edge_radius > 0.0 { 3 * strips } else { 0 };
+                let land = if gap > 0.0 { 6 + arcs } else { 0 };
+                // Where the arcs of a pair differ, a side is split at their ends.
+                let expected = cubes * (facets + land) as usize;
+                assert!((expected..=expected + 4).contains(&mesh.triangles.len()));
+                let folder = tempfile::tempdir().expect("a temporary folder");
+                // Single precision rounds the rim by 1e-7 of its extent, more than it rounds the rest.
+                for (extension, rounding) in [("obj", 1e-13), ("glb", 3e-6)] {
+                    let file = folder.path().join(format!("cell.{extension}"));
+                    write::save(&mesh, &file).expect("a writable folder");
+                    let found = load_cell(&file, &CellOptions::default()).expect("a cell");
+                    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+                    assert!((found.edge_length / sharp.edge_length - 1.0).abs() < rounding);
+                    assert!(found.azimuth_zero.distance(sharp.azimuth_zero) < rounding);
+                    // Each corner loses up to R^2 / 2 across the edge, over the cosine of its angle from the sheet's normal.
+                    let (wide, own) = (area(&found), area(&sharp));
+                    let cosine = sharp.entrance.height / (1.0 - truncation);
+                    let off = 1.5 * cubes as f64 * (edge_radius / 3.0_f64).powi(2) / cosine;
+                    // Bends of 2 mrad change angles by less than 1 %.
+                    let off = 1.01 * off + own * rounding;
+                    match gap > 0.0 {
+                        true => assert!(wide > own),
+                        false => assert!(wide <= own * (1.0 + rounding) && wide > own - off),
+                    }
+                }
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 3 * 3 * 6);
+}
+
+#[test]
+fn worn_designs_are_refused_outside_their_range() {
+    let refuse = |shape, change: fn(&mut Design), part: &str| {
+        let mut design = Design::new(shape);
+        change(&mut design);
+        let fault = design.mesh().expect_err("out of range").to_string();
+        assert!(fault.contains(part), "{fault}");
+    };
+    refuse(
+        Shape::Triangular,
+        |d| d.edge_radius = 0.61,
+        "edge radius of 0.61 is outside 0 to 0.6",
+    );
+    refuse(
+        Shape::Triangular,
+        |d| d.edge_radius = f64::NAN,
+        "edge radius",
+    );
+    refuse(Shape::Triangular, |d| d.strips = 0, "number of strips of 0");
+    refuse(
+        Shape::TriangularPair,
+        |d| d.apex_flat = 0.6,
+        "flat apex of 0.6",
+    );
+    refuse(Shape::Canted, |d| d.gap = -0.1, "gap of -0.1");
+    refuse(
+        Shape::FullCube,
+        |d| d.edge_radius = 0.1,
+        "full-cube does not take an edge radius",
+    );
+    refuse(
+        Shape::FullCube,
+        |d| d.apex_flat = 0.1,
+        "full-cube does not take a flat apex",
+    );
+    let curved = |d: &mut Design| (d.sag, d.gap) = (1e-3, 0.1);
+    refuse(Shape::Canted, curved, "a sag together with");
+    let both = |d: &mut Design| (d.edge_radius, d.apex_flat) = (0.1, 0.1);
+    refuse(
+        Shape::Triangular,
+        both,
+        "both an edge radius and a flat apex",
+    );
+}

@@ -325,6 +325,12 @@ fn options() {
         ),
         (
             "bake",
+            vec!["design", "triangular", "--edge-radius", "1", "-o", "x.obj"],
+            2,
+            "edge radius of 1 is outside 0 to 0.6",
+        ),
+        (
+            "bake",
             vec![
                 "design",
                 "triangular",

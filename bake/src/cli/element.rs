@@ -33,6 +33,10 @@ pub(super) fn mesh(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failur
         ("a truncation", args.truncation.is_some()),
         ("a cant", args.cant_deg.is_some()),
         ("a sag", args.sag.is_some()),
+        ("an edge radius", args.edge_radius.is_some()),
+        ("strips", args.strips.is_some()),
+        ("a flat apex", args.apex_flat.is_some()),
+        ("a gap", args.gap.is_some()),
     ];
     let of_facets = [("segments", args.segments.is_some())];
     let refuse = |others: &[&[(&'static str, bool)]]| {

@@ -396,6 +396,9 @@ impl Tracer<'_> {
         let facet = &self.view.facets[shadow.facet];
         let travel = course.isometry.linear * self.view.direction;
         let area = polygon::area(&polygon);
+        if facet.dark {
+            return self.settle(area * course.power(), Fate::Absorbed);
+        }
         if course.reflections == BOUNCE_LIMIT {
             return self.settle(area * course.power(), Fate::BounceLimit);
         }

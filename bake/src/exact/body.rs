@@ -7,6 +7,9 @@ use super::facet::{self, Facet};
 use super::rim;
 use crate::polygon::{self, Polygon};
 
+/// Facets that leave more than this part of a period open show their backs to the light that comes through.
+const OPEN: f64 = 1e-9;
+
 /// Planar facets and the openings that light enters by.
 #[derive(Debug, Clone)]
 pub(super) struct Body {
@@ -26,7 +29,7 @@ pub(super) struct Body {
 impl Body {
     /// Joins coplanar `triangles` and finds the openings.
     pub fn new(triangles: &[[DVec3; 3]], entrance: &Entrance, weight: f64) -> Self {
-        let facets = facet::join(triangles);
+        let mut facets = facet::join(triangles);
         let entrance_area = polygon::area(&entrance.polygon);
         let pits = entrance
             .lattice
@@ -36,6 +39,11 @@ impl Body {
         } else {
             entrance.lattice
         };
+        let covered: f64 = facets.iter().map(|facet| facet.area_from_above()).sum();
+        if lattice.is_some() && covered < (1.0 - OPEN) * entrance_area {
+            let backs: Vec<Facet> = facets.iter().map(Facet::back).collect();
+            facets.extend(backs);
+        }
         let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
         Body {
             facets,

@@ -27,7 +27,7 @@ impl Candidate {
         if shadow.high.cmple(low).any() || shadow.low.cmpge(high).any() {
             return None;
         }
-        let behind = start.map(|start| start.at_most(&shadow.depth, 0.0));
+        let behind = start.map(|start| start.at_most(&shadow.depth, shadow.slack));
         let seen = polygon::clip(polygon, polygon::edges(&shadow.outline).chain(behind));
         if polygon::area(&seen) <= least {
             return None;
@@ -56,7 +56,7 @@ impl Candidate {
     pub fn hiding(&self, depth: &Affine, start: Option<&Affine>, tie: f64) -> Vec<HalfPlane> {
         polygon::edges(&self.shadow.outline)
             .chain([self.shadow.depth.at_most(depth, tie)])
-            .chain(start.map(|start| start.at_most(&self.shadow.depth, 0.0)))
+            .chain(start.map(|start| start.at_most(&self.shadow.depth, self.shadow.slack)))
             .collect()
     }
 }

@@ -5,8 +5,9 @@
 
 use std::collections::HashMap;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
+use crate::polygon;
 use crate::ray::Direction;
 use crate::triangle;
 
@@ -23,6 +24,8 @@ pub(crate) struct Facet {
     pub normal: DVec3,
     /// The plane is normal.x = offset.
     pub offset: f64,
+    /// Whether it is the back of a mirror, where light ends.
+    pub dark: bool,
 }
 
 impl Facet {
@@ -34,7 +37,24 @@ impl Facet {
             normal,
             offset: normal.dot(centre),
             corners,
+            dark: false,
         })
+    }
+
+    /// What light meets that comes from behind.
+    pub fn back(&self) -> Facet {
+        Facet {
+            corners: self.corners.iter().rev().copied().collect(),
+            normal: -self.normal,
+            offset: -self.offset,
+            dark: true,
+        }
+    }
+
+    /// Area of its projection along n, square edge lengths.
+    pub fn area_from_above(&self) -> f64 {
+        let flat: Vec<DVec2> = self.corners.iter().map(|x| x.truncate()).collect();
+        polygon::area(&flat)
     }
 
     /// The facet in the frame of the light: x = u, y = v, z = n.
@@ -44,6 +64,7 @@ impl Facet {
             corners: self.corners.iter().map(|&x| turn(x)).collect(),
             normal: turn(self.normal),
             offset: self.offset,
+            dark: self.dark,
         }
     }
 

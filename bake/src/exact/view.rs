@@ -15,6 +15,9 @@ use crate::ray::Direction;
 /// Facets seen at less than this (sine of the angle to the beam) are edge-on: they catch nothing.
 const EDGE_ON: f64 = 1e-14;
 
+/// Light that has left a facet's front by less than this is not behind it, edge lengths: far above rounding.
+const OFF: f64 = 1e-12;
+
 /// An affine function of the entry point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Affine {
@@ -74,6 +77,9 @@ pub(super) struct Shadow {
     pub high: DVec2,
     /// Distance travelled to it, by entry point.
     pub depth: Affine,
+    /// How far behind its start a beam may seem to meet it: less than 0 for the back of a facet, which light that leaves the
+    /// facet's front does not meet.
+    pub slack: f64,
 }
 
 /// What a lattice translation does to a shadow.
@@ -103,6 +109,7 @@ impl Shadow {
                 value: self.depth.value + step.depth,
                 ..self.depth
             },
+            slack: self.slack,
         }
     }
 }
@@ -202,6 +209,7 @@ impl View {
             low,
             high,
             depth,
+            slack: if mirror.dark { -OFF } else { 0.0 },
         })
     }
 

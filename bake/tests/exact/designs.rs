@@ -45,6 +45,37 @@ fn designs() -> Vec<(&'static str, Design)> {
             },
         ),
         (
+            "single, flat apex",
+            Design {
+                apex_flat: 0.25,
+                ..Design::new(Shape::Triangular)
+            },
+        ),
+        (
+            "pair, rounded, with land",
+            Design {
+                edge_radius: 0.3,
+                strips: 2,
+                gap: 0.3,
+                ..Design::new(Shape::TriangularPair)
+            },
+        ),
+        (
+            "canted, rounded and bent",
+            Design {
+                edge_radius: 0.15,
+                strips: 3,
+                ..bent(Shape::Canted, [0.0, 2e-3, 1e-3])
+            },
+        ),
+        (
+            "full cubes apart",
+            Design {
+                gap: 0.4,
+                ..Design::new(Shape::FullCube)
+            },
+        ),
+        (
             "single, bent beyond the tolerance",
             bent(Shape::Triangular, [1e-2, 1e-2, 1e-2]),
         ),
@@ -131,8 +162,8 @@ fn exact_and_rays_agree_within_counting_error() {
                     )
                 });
                 let (sum, freedom) = chi_square(bins.chain(fates));
-                // Wilson and Hilferty: the cube root of chi-square over freedom is close to normal; 108 cases stay
-                // within 4.5 sigma but for once in 1400 seeds.
+                // Wilson and Hilferty: the cube root of chi-square over freedom is close to normal; 156 cases stay
+                // within 4.5 sigma but for once in 900 seeds.
                 let spread = 2.0 / (9.0 * freedom.max(1.0));
                 let sigmas = ((sum / freedom.max(1.0)).cbrt() - (1.0 - spread)) / spread.sqrt();
                 assert!(
@@ -143,7 +174,7 @@ fn exact_and_rays_agree_within_counting_error() {
             }
         }
     }
-    assert_eq!(cases, 9 * 2 * 6);
+    assert_eq!(cases, 13 * 2 * 6);
 }
 
 #[test]
@@ -169,13 +200,13 @@ fn areas_of_designs_are_conserved() {
                 "{name} ({i}, {a}): {:e}",
                 sum - 1.0
             );
-            assert!(
-                table.fate[[i, a, Fate::Missed as usize]] < 1e-12,
-                "{name} ({i}, {a})"
-            );
+            // Only the gaps between full cubes are open.
+            let missed = table.fate[[i, a, Fate::Missed as usize]];
+            let open = design.shape == Shape::FullCube && design.gap > 0.0;
+            assert!(open || missed < 1e-12, "{name} ({i}, {a})");
             assert!((0.0..=1.0 + 1e-12).contains(eta));
             cases += 1;
         }
     }
-    assert_eq!(cases, 9 * 18 * 12);
+    assert_eq!(cases, 13 * 18 * 12);
 }

@@ -2,9 +2,11 @@
 //!
 //! Run with `cargo test -p bake --test exact`.
 
+mod arrays;
 mod cells;
 mod closed_form;
 mod designs;
+mod imperfect;
 mod invariants;
 mod losses;
 mod sheets;
