@@ -43,16 +43,6 @@ pub enum Failure {
     /// The manifest.
     #[error(transparent)]
     Captures(#[from] captures::Error),
-    /// Cubes that are not exact, by samples.
-    #[error(
-        "{}: its cubes send light off straight back, which --forward render does not model; use --forward spectral, or bake \
-         cubes without dihedral errors",
-        table.display()
-    )]
-    Deviates {
-        /// The table.
-        table: std::path::PathBuf,
-    },
     /// A photograph.
     #[error(transparent)]
     Photo(#[from] photo::Error),

@@ -209,6 +209,7 @@ mod tests {
             standard_error: 0.0,
             interpolated: true,
             paths: None,
+            exits: None,
         }
     }
 

@@ -13,4 +13,4 @@ pub mod shift;
 pub use lobe::LobeSampler;
 pub use quantile::Quantile;
 pub use sequence::{Points, Sequence};
-pub use shift::ShiftSampler;
+pub use shift::{Departure, ShiftSampler};

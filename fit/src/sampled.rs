@@ -1,8 +1,9 @@
 //! One photograph's model by samples: the loop that Sugawara and Koizumi published (SIGGRAPH Asia 2025 Posters).
 //!
 //! Every pixel p of the photograph gathers the source's edge at places to which shift and lobe carry its light,
-//! I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a), with d_p the pixel's distance from the edge, S_s a ray shift
-//! (foreshortened, edge lengths), L_s an offset by the lobe of a = 1, and E the edge as the camera sees it ([`Texture`]).
+//! I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a - R n.D_s), with d_p the pixel's distance from the edge, S_s a ray shift
+//! (foreshortened, edge lengths), L_s an offset by the lobe of a = 1, D_s the deviation that the ray has with its shift, and
+//! E the edge as the camera sees it ([`Texture`]).
 //! Derivatives are pathwise: dI/d ln c = -c mean E' n.S, dI/d ln a = mean E' n.L / a.
 //!
 //! n.S and n.L do not depend on a and c, so they are worked out once ([`Tile`]); an evaluation is two products, a look-up
@@ -25,7 +26,7 @@ use crate::edge::Line;
 use crate::kernel::{Blur, Kernel};
 use crate::lobe::Shape;
 use crate::profile::{BIN_PX, Profile};
-use crate::sample::{LobeSampler, Points, Sequence, ShiftSampler};
+use crate::sample::{Departure, LobeSampler, Points, Sequence, ShiftSampler};
 use crate::view::{Curve, Model};
 use crate::window::Raster;
 use texture::{CELLS_PER_PX, Texture};
@@ -55,6 +56,8 @@ pub struct Tile {
     shift: Vec<f32>,
     /// n.L: offset by a lobe of a = 1; 0 under `shift`.
     lobe: Vec<f32>,
+    /// n.D: tangent of the angle from straight back; none where all light goes straight back.
+    deviation: Vec<f32>,
 }
 
 impl Tile {
@@ -77,17 +80,21 @@ impl Tile {
         let lobe = shape.map(LobeSampler::new);
         let pair = |index: usize| {
             let [u, v, s, t] = points.at(index as u32);
-            let along = shift.map_or(0.0, |(sampler, incidence)| {
-                let [du, dv] = sampler.at([u, v]);
-                normal[0] * incidence.cos() * du + normal[1] * dv
+            let (along, off) = shift.map_or((0.0, 0.0), |(sampler, incidence)| {
+                let Departure { shift, deviation } = sampler.at([u, v]);
+                let dot = |x: f64, y: f64| normal[0] * x + normal[1] * y;
+                let along = dot(incidence.cos() * shift[0], shift[1]);
+                (along, dot(deviation[0], deviation[1]))
             });
             let spread = lobe.map_or(0.0, |sampler| {
                 let [x, y] = sampler.at([s, t]);
                 normal[0] * x + normal[1] * y
             });
-            (along as f32, spread as f32)
+            ((along as f32, spread as f32), off as f32)
         };
-        let (shift, lobe) = (0..patterns * sampling.samples)
+        let deviates = shift.is_some_and(|(sampler, _)| sampler.deviates());
+        let ((shift, lobe), deviation): ((Vec<f32>, Vec<f32>), Vec<f32>) = (0..patterns
+            * sampling.samples)
             .into_par_iter()
             .map(pair)
             .unzip();
@@ -95,14 +102,22 @@ impl Tile {
             sampling,
             shift,
             lobe,
+            deviation: if deviates { deviation } else { Vec::new() },
         }
     }
 
-    /// Shifts and lobe offsets of pattern `index`, which may lie beyond the last.
-    fn pattern(&self, index: usize) -> (&[f32], &[f32]) {
+    /// Shifts, lobe offsets and deviations, if any, of pattern `index`, which may lie beyond the last.
+    fn pattern(&self, index: usize) -> [&[f32]; 3] {
         let size = self.sampling.samples;
         let first = index % (self.shift.len() / size) * size;
-        (&self.shift[first..][..size], &self.lobe[first..][..size])
+        let of = |all: &'_ [f32]| -> std::ops::Range<usize> {
+            if all.is_empty() {
+                0..0
+            } else {
+                first..first + size
+            }
+        };
+        [&self.shift, &self.lobe, &self.deviation].map(|all| &all[of(all)])
     }
 }
 
@@ -175,7 +190,7 @@ impl Sampled {
         } else {
             0.0
         };
-        let scale = [of_shift * cells_per_mm, of_lobe * cells_per_mm];
+        let scale = [of_shift, of_lobe, model.r_mm].map(|scale| scale * cells_per_mm);
         let sums: Vec<[f64; 3]> = (0..profile.len())
             .into_par_iter()
             .with_min_len(16)
@@ -194,15 +209,13 @@ impl Sampled {
     }
 
     /// Means over a bin's pixels of E, E' n.S and E' n.L, E' per cell of the texture; 0 in an empty bin.
-    fn bin(&self, bin: usize, scale: [f32; 2]) -> [f64; 3] {
+    fn bin(&self, bin: usize, scale: [f32; 3]) -> [f64; 3] {
         let pixels = self.first[bin]..self.first[bin + 1];
         let count = pixels.len() * self.tile.sampling.samples;
         let mut total = [0.0; 3];
         for pixel in pixels {
-            let (shift, lobe) = self.tile.pattern(pixel);
-            let sums = self
-                .texture
-                .sums(self.distances_px[pixel], scale, shift, lobe);
+            let offsets = self.tile.pattern(pixel);
+            let sums = self.texture.sums(self.distances_px[pixel], scale, offsets);
             for (total, sum) in total.iter_mut().zip(sums) {
                 *total += f64::from(sum);
             }

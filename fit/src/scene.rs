@@ -112,6 +112,19 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
+/// How far the table's light goes from straight back, rad, if it says so and that is seen.
+fn deviates(table: &Table) -> Option<f64> {
+    let of_beams = || {
+        let exact = table.exact.as_ref().filter(|exact| exact.deviates())?;
+        Some(exact.largest_deviation_rad())
+    };
+    let of_rays = table.deviations.as_ref().map(|found| {
+        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
+        spreads.map(|spread| spread.largest_rad).fold(0.0, f64::max)
+    });
+    of_rays.or_else(of_beams)
+}
+
 impl Scene {
     /// Reads and measures all photographs of a campaign, in parallel.
     ///
@@ -169,11 +182,14 @@ impl Scene {
                     .into(),
             );
         }
-        let off = table.exact.as_ref().filter(|exact| exact.deviates());
-        if let Some(exact) = off {
+        if let Some(largest) = deviates(table) {
+            let held = match table.exact {
+                Some(_) => " where the table gives polygons",
+                None => "",
+            };
             warnings.push(format!(
-                "the table's cubes send light up to {:.3} mrad from straight back: the model has it where the table gives polygons",
-                1e3 * exact.largest_deviation_rad()
+                "the table's cubes send light up to {:.3} mrad from straight back: the model has it{held}",
+                1e3 * largest
             ));
         }
         let reference = match &campaign.reference {

@@ -248,7 +248,8 @@ impl Spot for FittedSpot<'_> {
         Some(Box::new(move |[u, v, w, z]| {
             let mut at = [0.0; 2];
             if let Some(shift) = &shift {
-                let [along, across] = shift.at([u, v]);
+                // Deviations are part of the shift here.
+                let [along, across] = shift.at([u, v]).shift;
                 at = [tangential_mm * along, c_mm * across];
             }
             if let Some((lobe, a)) = &lobe {

@@ -1,7 +1,8 @@
 //! Ray shift in the aerial image: a table's direction seen along an edge normal.
 //!
-//! Of cubes with dihedral errors the paths leave in directions of their own, and meet the image plane off by R times their
-//! deviation besides the shift: an angle, which grows with the distance and not with the corner size.
+//! Light of cubes that are not exact leaves in directions of its own, and meets the image plane off by R times its deviation
+//! besides the shift: an angle, which grows with the distance and not with the corner size. Polygons have one each; of a table
+//! of rays the bins do (`spots`).
 
 use std::f64::consts::TAU;
 
@@ -10,6 +11,8 @@ use tables::polygon::area;
 use tables::{Direction, Path};
 
 use crate::hermite::Samples;
+
+mod spots;
 
 /// Spacing and end of the tabulated OTF in kappa = c f (dimensionless).
 ///
@@ -30,7 +33,7 @@ pub struct ShiftLine {
 /// Light that leaves in one direction.
 #[derive(Debug, Clone)]
 struct LineSpot {
-    /// Part of all light that returns.
+    /// Factor of the samples.
     share: f64,
     /// Tangent of its deviation along the edge normal.
     deviation: f64,
@@ -70,9 +73,10 @@ impl ShiftLine {
                 ..direction.clone()
             }),
         };
-        let spots = match groups.len() {
+        let spots = match (&direction.exits, groups.len()) {
+            (Some(exits), _) => spots::spots(direction, exits, normal, along),
             // Bins, which know no directions.
-            0 => vec![LineSpot {
+            (None, 0) => vec![LineSpot {
                 share: 1.0,
                 deviation: 0.0,
                 samples: samples(direction),
@@ -126,21 +130,7 @@ fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
 /// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light deviates by there is part of its
 /// shift. `cosine` is that of the outside incidence.
 pub fn seen_from(direction: Direction, r_mm: f64, c_mm: f64, cosine: f64) -> Direction {
-    let moved = |path: Path| {
-        let [across, along] = path.deviation;
-        let by = [r_mm * across / (c_mm * cosine), r_mm * along / c_mm];
-        Path {
-            offset: [path.offset[0] + by[0], path.offset[1] + by[1]],
-            deviation: [0.0; 2],
-            ..path
-        }
-    };
-    Direction {
-        paths: direction
-            .paths
-            .map(|paths| paths.into_iter().map(moved).collect()),
-        ..direction
-    }
+    direction.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
 }
 
 #[cfg(test)]
@@ -167,6 +157,7 @@ mod tests {
             range: 2.0,
             standard_error: 0.0,
             interpolated: false,
+            exits: None,
             paths: Some(vec![
                 path(0.0, 0.9, [1e-3, -2e-3]),
                 path(1.0, 0.7, [-1e-3, 5e-4]),

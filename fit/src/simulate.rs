@@ -15,12 +15,14 @@ pub mod lobe_edge;
 pub mod noise;
 mod params;
 pub mod profile;
+mod sheet;
 pub mod wave_edge;
 mod write;
 
 use crate::captures::{Line, Spectrum};
 use crate::kernel::Kernel;
 use crate::lobe::Shape;
+use cell::CubeShift;
 pub use error::Error;
 use noise::PixelNoise;
 pub use params::{ByIncidence, Camera, Edge, Params, Shot, Truth};
@@ -125,13 +127,16 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
     };
     let (a, mu) = (look_up("a", &truth.a)?, look_up("mu", &truth.mu)?);
     let incidence_rad = shot.incidence_deg.to_radians();
-    let shifts = cell::shifts(
-        incidence_rad,
-        shot.azimuth_deg.to_radians(),
-        truth.ior,
-        truth.pair,
-    );
-    let eta = shifts.iter().map(|cube| cube.eta).sum::<f64>() / shifts.len() as f64;
+    let sum = |shifts: &[CubeShift]| shifts.iter().map(|part| part.eta).sum::<f64>();
+    let (shifts, eta) = match &shot.shifts {
+        Some(shifts) => (shifts.clone(), sum(shifts)),
+        None => {
+            let azimuth_rad = shot.azimuth_deg.to_radians();
+            let cubes = cell::shifts(incidence_rad, azimuth_rad, truth.ior, truth.pair);
+            let eta = sum(&cubes) / cubes.len() as f64;
+            (cubes, eta)
+        }
+    };
     let half_mirror = camera.half_mirror_transmittance * camera.half_mirror_reflectance;
     let contrast = camera.source_level * mu * eta * half_mirror;
     let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);

@@ -108,6 +108,7 @@ fn the_shifts_samples_have_its_otf() {
         eta: probability.sum(),
         probability,
         paths: None,
+        exits: None,
         ..directions[0].clone()
     });
     let mut cases = 0;
@@ -117,7 +118,7 @@ fn the_shifts_samples_have_its_otf() {
             for kappa in [0.02, 0.2, 0.7, 1.5, 4.0] {
                 let exact = direction.otf_along(w, &[kappa])[0];
                 let k = w.map(|w| w * kappa * std::f64::consts::TAU);
-                let at = |p: [f64; 4]| sampler.at([p[0], p[1]]);
+                let at = |p: [f64; 4]| sampler.at([p[0], p[1]]).shift;
                 for sequence in [Sequence::Sobol, Sequence::Independent] {
                     let what = format!("{} deg {w:?} {kappa}", direction.incidence_deg);
                     agree(transform(sequence, k, &at), exact, 1e-9, &what);

@@ -20,6 +20,7 @@ fn params() -> Params {
         incidence_deg: incidence,
         azimuth_deg: 30.0,
         tangential_axis_deg: 0.0,
+        shifts: None,
     };
     Params {
         seed: 11,

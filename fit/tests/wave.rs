@@ -364,6 +364,7 @@ fn what_the_waves_need_is_named() {
     let held = direction(&table, 20.0);
     let bins = Direction {
         paths: None,
+        exits: None,
         ..held.clone()
     };
     let tilted = Direction {

@@ -62,6 +62,12 @@ impl Grid {
         [across, along].map(|k| (k as f64 + 0.5) * self.bin_width() - self.range)
     }
 
+    /// The place seen in a mirror that holds the plane of incidence: v is turned over.
+    pub fn mirrored(&self, place: u64) -> u64 {
+        let ([v, u], [along, across]) = self.at(place);
+        self.place([self.cells - 1 - v, u], [self.bins - 1 - along, across])
+    }
+
     /// Whether a bin is one of the outermost.
     pub fn is_outermost(&self, bin: [usize; 2]) -> bool {
         bin.iter().any(|&k| k == 0 || k + 1 == self.bins)
@@ -84,6 +90,15 @@ pub struct Deviations {
     pub grid: Grid,
     /// Of each direction, index = incidence * azimuths + azimuth, by ascending place.
     pub entries: Vec<Vec<Entry>>,
+}
+
+/// The light of one direction by shift and deviation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exits {
+    /// Cells and bins.
+    pub grid: Grid,
+    /// Probability per launched ray of every place that has rays, ascending.
+    pub probability: Vec<(u64, f64)>,
 }
 
 /// How far light goes from straight back.
@@ -180,6 +195,11 @@ mod tests {
                 let place = GRID.place(cell, bin);
                 assert!(place < GRID.places());
                 assert_eq!(GRID.at(place), (cell, bin));
+                let mirrored = GRID.at(GRID.mirrored(place));
+                let there = GRID.deviation(mirrored.1);
+                assert_eq!(mirrored.0, [2 - cell[0], cell[1]]);
+                assert!((there[0] - GRID.deviation(bin)[0]).abs() < 1e-17);
+                assert!((there[1] + GRID.deviation(bin)[1]).abs() < 1e-17);
                 let [across, along] = GRID.deviation(bin);
                 assert_eq!([GRID.bin(along), GRID.bin(across)], bin);
                 places += 1;

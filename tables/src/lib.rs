@@ -38,6 +38,7 @@ mod ledger;
 mod limits;
 pub mod lookup;
 pub mod merge;
+mod moved;
 pub mod output;
 pub mod polygon;
 pub mod read;

@@ -5,9 +5,12 @@
 //! does not), each of the neighbouring distributions in its own incidence frame. The error of either is that of the
 //! table's spacing, which the standard error does not include.
 
+use std::collections::BTreeMap;
+
 use ndarray::Array2;
 
 use crate::between::{self, Node};
+use crate::deviation::Exits;
 use crate::error::Error;
 use crate::polygon::area;
 use crate::symmetry;
@@ -36,6 +39,8 @@ pub struct Direction {
     pub interpolated: bool,
     /// The paths behind the distribution, where the table is exact: its own, or interpolated.
     pub paths: Option<Vec<Path>>,
+    /// Where the light goes, where a table of rays says so: its own, or mixed as `probability`.
+    pub exits: Option<Exits>,
 }
 
 /// A direction that the table neither holds nor brackets.
@@ -279,17 +284,11 @@ impl Cell<'_> {
         let mut eta = 0.0;
         let mut variance = 0.0;
         let mut probability = Array2::zeros((table.axes.bins, table.axes.bins));
-        let ends = |(first, second, t): Bracket| [(first, 1.0 - t), (second, t)];
-        for (i, p) in ends(self.along) {
-            for (k, q) in ends(self.across) {
-                let (image, share) = (&self.images[k], p * q);
-                if share > 0.0 {
-                    let j = image.place;
-                    eta += share * table.retroreflected[[i, j]];
-                    variance += (share * table.standard_error[[i, j]]).powi(2);
-                    probability.scaled_add(share, &image.seen(table.probability(i, j)));
-                }
-            }
+        for (i, k, share) in self.corners() {
+            let (image, j) = (&self.images[k], self.images[k].place);
+            eta += share * table.retroreflected[[i, j]];
+            variance += (share * table.standard_error[[i, j]]).powi(2);
+            probability.scaled_add(share, &image.seen(table.probability(i, j)));
         }
         let interpolated = self.along.2 > 0.0 || self.across.2 > 0.0;
         let exact = table.exact.as_ref().filter(|_| !table.axes.is_mean());
@@ -312,7 +311,39 @@ impl Cell<'_> {
             standard_error: variance.sqrt(),
             interpolated,
             paths,
+            exits: self.exits(),
         }
+    }
+
+    /// The exit directions, mixed.
+    fn exits(&self) -> Option<Exits> {
+        let found = self.table.deviations.as_ref()?;
+        let mut mixed: BTreeMap<u64, f64> = BTreeMap::new();
+        for (i, k, share) in self.corners() {
+            let image = &self.images[k];
+            let azimuths = self.table.axes.azimuth_deg.len();
+            let launched = self.table.rays[[i, image.place]].max(1) as f64;
+            for entry in &found.entries[i * azimuths + image.place] {
+                let place = match image.mirrored {
+                    true => found.grid.mirrored(entry.place),
+                    false => entry.place,
+                };
+                *mixed.entry(place).or_default() += share * entry.rays as f64 / launched;
+            }
+        }
+        Some(Exits {
+            grid: found.grid,
+            probability: mixed.into_iter().collect(),
+        })
+    }
+
+    /// The table's directions around, as indices of the incidence and the image, with their shares.
+    fn corners(&self) -> impl Iterator<Item = (usize, usize, f64)> + use<> {
+        let ends = |(first, second, t): Bracket| [(first, 1.0 - t), (second, t)];
+        let across = ends(self.across);
+        let along = ends(self.along).into_iter();
+        let all = along.flat_map(move |(i, p)| across.map(|(k, q)| (i, k, p * q)));
+        all.filter(|&(_, _, share)| share > 0.0)
     }
 
     fn paths(&self, exact: &Exact, i: usize, k: usize) -> Option<Vec<Path>> {

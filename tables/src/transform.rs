@@ -33,7 +33,7 @@ impl Direction {
     /// # probability[[1, 3]] = 0.5;
     /// # let direction = Direction {
     /// #     incidence_deg: 0.0, azimuth_deg: 0.0, eta: 0.5, probability, range: 2.0, standard_error: 0.0,
-    /// #     interpolated: false, paths: None,
+    /// #     interpolated: false, paths: None, exits: None,
     /// # };
     /// // One bin of width 1 about u = 1.5: a box, shifted.
     /// let otf = direction.otf_along([1.0, 0.0], &[0.0, 0.25]);
@@ -170,6 +170,7 @@ mod tests {
             standard_error: 0.0,
             interpolated: false,
             paths,
+            exits: None,
         }
     }
 

@@ -68,17 +68,31 @@ impl Texture {
     }
 
     /// Sums of E, E' x and E' y over samples of a pixel `distance_px` from the edge, at `distance - scale[0] x -
-    /// scale[1] y` with the scales in cells; E' per cell.
-    pub fn sums(&self, distance_px: f32, scale: [f32; 2], xs: &[f32], ys: &[f32]) -> [f32; 3] {
+    /// scale[1] y - scale[2] z` with the scales in cells; E' per cell. Without any z they are 0.
+    pub fn sums(&self, distance_px: f32, scale: [f32; 3], offsets: [&[f32]; 3]) -> [f32; 3] {
+        match offsets[2] {
+            [] => self.sums_of::<false>(distance_px, scale, offsets),
+            _ => self.sums_of::<true>(distance_px, scale, offsets),
+        }
+    }
+
+    fn sums_of<const OFF: bool>(
+        &self,
+        distance_px: f32,
+        scale: [f32; 3],
+        [xs, ys, zs]: [&[f32]; 3],
+    ) -> [f32; 3] {
         // Cell k is centred at k + 1/2.
         let from = distance_px * CELLS_PER_PX as f32 - 0.5;
         let mut lanes = [[0.0; 4]; 3];
         let (blocks_x, rest_x) = xs.as_chunks::<BLOCK>();
         let (blocks_y, rest_y) = ys.as_chunks::<BLOCK>();
-        for (x, y) in blocks_x.iter().zip(blocks_y) {
+        let (blocks_z, rest_z) = zs.as_chunks::<BLOCK>();
+        for (k, (x, y)) in blocks_x.iter().zip(blocks_y).enumerate() {
             let (mut index, mut part) = ([0; BLOCK], [0.0; BLOCK]);
             for i in 0..BLOCK {
-                (index[i], part[i]) = place(from - scale[0] * x[i] - scale[1] * y[i]);
+                let off = if OFF { scale[2] * blocks_z[k][i] } else { 0.0 };
+                (index[i], part[i]) = place(from - scale[0] * x[i] - scale[1] * y[i] - off);
             }
             let (mut value, mut slope) = ([0.0; BLOCK], [0.0; BLOCK]);
             for i in 0..BLOCK {
@@ -90,8 +104,9 @@ impl Texture {
                 lanes[2][i % 4] += slope[i] * y[i];
             }
         }
-        for (x, y) in rest_x.iter().zip(rest_y) {
-            let (index, part) = place(from - scale[0] * x - scale[1] * y);
+        for (k, (x, y)) in rest_x.iter().zip(rest_y).enumerate() {
+            let off = if OFF { scale[2] * rest_z[k] } else { 0.0 };
+            let (index, part) = place(from - scale[0] * x - scale[1] * y - off);
             let [value, slope] = self.cells[index];
             lanes[0][0] += value + slope * part;
             lanes[1][0] += slope * x;
@@ -142,7 +157,7 @@ mod tests {
         let (mut cases, mut worst) = (0, 0.0_f64);
         for i in -4000..4000 {
             let d = f64::from(i) * 0.01;
-            let [value, ..] = texture.sums(d as f32, [0.0; 2], &[0.0], &[0.0]);
+            let [value, ..] = texture.sums(d as f32, [0.0; 3], [&[0.0], &[0.0], &[]]);
             let exact = ramp(d + 0.5) - ramp(d - 0.5);
             worst = worst.max((f64::from(value) - exact).abs());
             cases += 1;
@@ -158,13 +173,14 @@ mod tests {
         let texture = Texture::new(&CAMERA, 0.1);
         let xs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.37).sin()).collect();
         let ys: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.11).cos()).collect();
+        let zs: Vec<f32> = (0..1000).map(|i| (i as f32 * 0.07).sin()).collect();
         let mut cases = 0;
         for distance in [-300.0, -40.0, -1.3, 0.0, 0.4, 2.0, 7.0, 300.0] {
-            let scale = [90.0, 40.0];
-            let all = texture.sums(distance, scale, &xs, &ys);
+            let scale = [90.0, 40.0, 25.0];
+            let all = texture.sums(distance, scale, [&xs, &ys, &zs]);
             let mut one_by_one = [0.0_f64; 3];
             for i in 0..1000 {
-                let one = texture.sums(distance, scale, &xs[i..=i], &ys[i..=i]);
+                let one = texture.sums(distance, scale, [&xs[i..=i], &ys[i..=i], &zs[i..=i]]);
                 (0..3).for_each(|k| one_by_one[k] += f64::from(one[k]));
             }
             for (all, one) in all.iter().zip(one_by_one) {

@@ -53,6 +53,12 @@ pub enum Error {
         /// Where it ends.
         to: f64,
     },
+    /// A sheet that cannot be photographed.
+    #[error("the sheet of the table: {why}")]
+    Sheet {
+        /// Why, and what to do.
+        why: String,
+    },
     /// The folder holds something.
     #[error(
         "{folder}: is not empty; name another folder or add --force to overwrite the files of a campaign in it"

@@ -6,6 +6,7 @@ use crate::lobe::Shape;
 use std::path::Path;
 
 use super::Error;
+use super::cell::CubeShift;
 use crate::captures::keys::{Bounds, Document, NumberOrTable, Place, Section};
 
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
@@ -173,6 +174,9 @@ pub struct Shot {
     pub azimuth_deg: f64,
     /// Direction of the tangential axis in the photograph, degrees.
     pub tangential_axis_deg: f64,
+    /// Shifts by polygon, each with its part of the launched light, where a table says them ([`Params::of_sheet`]); else they are
+    /// those of the ideal cube in closed form.
+    pub shifts: Option<Vec<CubeShift>>,
 }
 
 /// A campaign to simulate. [`Params::load`] gives a checked one.
@@ -391,6 +395,7 @@ fn shot(keys: &Section<'_>) -> Result<Shot, Error> {
         tangential_axis_deg: keys
             .number("tangential_axis_deg", Bounds::TURN)?
             .unwrap_or(0.0),
+        shifts: None,
     })
 }
 

@@ -212,6 +212,7 @@ impl Ranges {
                     incidence_deg,
                     azimuth_deg,
                     tangential_axis_deg: 0.0,
+                    shifts: None,
                 }
             })
             .collect();

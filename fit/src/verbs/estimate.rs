@@ -236,7 +236,7 @@ fn estimate(
     campaign: &Campaign,
     start: Instant,
 ) -> Result<(ResultFile, Option<Evidence>), Failure> {
-    let table = sampled::table(&arguments.table, arguments.forward)?;
+    let table = tables::read(&arguments.table)?;
     let mut scene = Scene::load(campaign, &table)?;
     let turned = arguments
         .fit_azimuth

@@ -15,7 +15,7 @@ use crate::render::{self, Scale, psf::Psf, sampled, sampled::Spotted, view::View
 use crate::sheet::Fitted;
 use crate::spot::Place;
 use crate::verbs::estimate::{check_model, read_result};
-use crate::verbs::sampled::{self as by_samples, Samples};
+use crate::verbs::sampled::Samples;
 
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
 #[derive(Debug, clap::Args)]
@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = outputs.reserve(&arguments.output)?;
     let result = read_result(&arguments.params)?;
     check_model(&arguments.params, &result, arguments.model)?;
-    let table = by_samples::table(&arguments.table, arguments.forward)?;
+    let table = tables::read(&arguments.table)?;
     let sheet = Fitted::new(&result, &table)?;
     let pool = cli::pool(arguments.threads)?;
 

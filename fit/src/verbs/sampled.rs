@@ -1,11 +1,5 @@
 //! The options of a model by samples.
 
-use std::path::Path;
-
-use tables::Table;
-
-use crate::cli::Failure;
-use crate::forward::Forward;
 use crate::loss::Kind;
 use crate::sample::Sequence;
 use crate::sampled::{Sampling, has_samples};
@@ -54,19 +48,5 @@ pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str)
         refuse(
             "this model has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral",
         );
-    }
-}
-
-/// The table at `path`, for `forward`.
-///
-/// # Errors
-/// As [`tables::read()`]; by samples, cubes that send light elsewhere than straight back.
-pub fn table(path: &Path, forward: Forward) -> Result<Table, Failure> {
-    let table = tables::read(path)?;
-    match &table.exact {
-        Some(exact) if forward == Forward::Render && exact.deviates() => Err(Failure::Deviates {
-            table: path.to_owned(),
-        }),
-        _ => Ok(table),
     }
 }

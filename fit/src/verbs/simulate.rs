@@ -31,7 +31,10 @@ Example (PARAMS.toml):
 
 With kernel = \"wave\" [truth] takes wavelength_nm (550, or \"450:0.2,550:0.5,620:0.3\") instead of lobe and a.
 
+With --table the sheet is the one that an exact table describes, with the spots of cubes that are not ideal: polygons and deviations come from there, all else is as above.
+
   fit simulate params.toml -o campaign
+  fit simulate params.toml --table pair.h5 -o of-the-table
   fit estimate campaign/captures.toml --table pair.h5 --truth campaign/truth.json")]
 pub struct Arguments {
     /// Camera, sheet and captures
@@ -39,6 +42,9 @@ pub struct Arguments {
     /// The folder to write; created
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
+    /// Exact table of the sheet to photograph, in the place of the ideal cube
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: Option<PathBuf>,
     /// Write into a folder that already holds something
     #[arg(long)]
     pub force: bool,
@@ -55,7 +61,10 @@ pub struct Arguments {
 /// # Errors
 /// The parameters, or the folder.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let params = Params::load(&arguments.params)?;
+    let mut params = Params::load(&arguments.params)?;
+    if let Some(table) = &arguments.table {
+        params = params.of_sheet(&tables::read(table)?)?;
+    }
     let report = cli::pool(arguments.threads)?
         .install(|| simulate::run(&params, &arguments.output, arguments.force))?;
     for warning in &report.warnings {

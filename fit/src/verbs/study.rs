@@ -148,7 +148,7 @@ fn rendered(
     let campaign = captures::load(captures)?;
     let mut outputs = Outputs::beside([captures, &arguments.table]);
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
-    let table = sampled::table(&arguments.table, Forward::Render)?;
+    let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let mut scene = Scene::load(&campaign, &table)?;
         let choice = select(&scene, Kind::Mtf, &open).best.choice;

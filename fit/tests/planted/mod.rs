@@ -153,6 +153,7 @@ pub fn params(
                 incidence_deg,
                 azimuth_deg: 20.0,
                 tangential_axis_deg: 0.0,
+                shifts: None,
             });
         }
     }

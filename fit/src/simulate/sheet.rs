@@ -1,0 +1,52 @@
+//! A sheet that a table describes, in the place of the ideal cube: its polygons as they are shifted, with what their light
+//! deviates by at each capture's distance.
+
+use tables::Table;
+use tables::polygon::area;
+
+use super::cell::CubeShift;
+use super::{Error, Params, Shot};
+use crate::kernel::Kernel;
+
+impl Params {
+    /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.
+    ///
+    /// # Errors
+    /// [`Error::Sheet`]: a direction without polygons, one from which nothing returns, or waves.
+    pub fn of_sheet(mut self, table: &Table) -> Result<Params, Error> {
+        let refused = |why: String| Err(Error::Sheet { why });
+        if self.truth.kernel == Kernel::Wave {
+            return refused("waves are simulated of ideal cubes only; leave --table out".into());
+        }
+        let c_mm = self.truth.c_mm;
+        for shot in &mut self.captures {
+            let Shot {
+                incidence_deg,
+                azimuth_deg,
+                ..
+            } = *shot;
+            let direction = match table.direction(incidence_deg, Some(azimuth_deg)) {
+                Ok(direction) => direction,
+                Err(error) => return refused(error.to_string()),
+            };
+            let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
+            let cosine = incidence_deg.to_radians().cos();
+            let eta = direction.eta;
+            let moved = direction.moved([r_mm / (c_mm * cosine), r_mm / c_mm]);
+            let Some(paths) = moved.paths.filter(|_| eta > 0.0) else {
+                return refused(format!(
+                    "it has no polygons of returned light at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; bake this \
+                     direction with --method exact, or leave it out"
+                ));
+            };
+            let powers = || paths.iter().map(|path| path.weight * area(&path.polygon));
+            let total: f64 = powers().sum();
+            let shifts = paths.iter().zip(powers()).map(|(path, power)| CubeShift {
+                polygon: path.polygon.iter().map(|&p| path.shift(p)).collect(),
+                eta: eta * power / total,
+            });
+            shot.shifts = Some(shifts.collect());
+        }
+        Ok(self)
+    }
+}
