@@ -370,7 +370,7 @@ impl Plan {
         if beyond > 0.01 {
             warnings.push(format!(
                 "--roughness turns about {:.0} % of what three facets send back by more than --angular-tolerance {tolerance_deg} \
-                 deg: it counts as deviated, not as retroreflected",
+                 deg: it does not count as retroreflected",
                 100.0 * beyond
             ));
         }
