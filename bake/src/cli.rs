@@ -70,8 +70,9 @@ a plate of slit mirrors; glass beads
     Study(Box<study::StudyArgs>),
     /// Says what is in a table
     #[command(
-        after_help = "Example: a text report, and the histograms as a picture\n  \
-        bake inspect pair.h5 --plot pair.svg"
+        after_help = "Examples: a text report, and the histograms as a picture; the spots of a cell that is not ideal\n  \
+        bake inspect pair.h5 --plot pair.svg\n  \
+        bake inspect wide.h5 --plot-deviations spots.svg"
     )]
     Inspect(InspectArgs),
     /// Compares two tables direction by direction
@@ -166,6 +167,9 @@ struct InspectArgs {
     /// Draws the histograms into a .png or .svg file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Draws where the light of cells goes that are not ideal into a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    plot_deviations: Option<PathBuf>,
     /// Prints one JSON object
     #[arg(long)]
     json: bool,
@@ -322,13 +326,15 @@ impl CellArgs {
 }
 
 fn inspect_table(args: &InspectArgs) -> Result<(), Failure> {
-    let picture = reserve_picture(
-        args.plot.as_deref(),
-        &mut Outputs::beside([args.table.as_path()]),
-    )?;
+    let mut outputs = Outputs::beside([args.table.as_path()]);
+    let histograms = reserve_picture(args.plot.as_deref(), &mut outputs)?;
+    let spots = reserve_picture(args.plot_deviations.as_deref(), &mut outputs)?;
     let table = tables::read(&args.table)?;
-    if let Some((file, output)) = picture {
+    if let Some((file, output)) = histograms {
         output.commit(&plot::histograms(&table, file)?)?;
+    }
+    if let Some((file, output)) = spots {
+        output.commit(&plot::exits(&table, file)?)?;
     }
     print(&if args.json {
         inspect::json(&table)

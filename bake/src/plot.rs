@@ -1,4 +1,6 @@
-//! Pictures of the histograms.
+//! Pictures of the histograms, and of where the light goes.
+
+mod exits;
 
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
@@ -10,6 +12,8 @@ use kuva::render::render::Scene;
 use std::path::{Path, PathBuf};
 use tables::Table;
 use thiserror::Error;
+
+pub use exits::exits;
 
 /// Directions drawn at most; of a larger table every k-th is.
 const PANELS: usize = 24;
@@ -26,6 +30,12 @@ pub enum PlotError {
         /// The file asked for.
         file: PathBuf,
     },
+    /// No light to draw that goes elsewhere than straight back.
+    #[error(
+        "--plot-deviations: the table says of no light that it goes elsewhere than straight back; its cells are ideal, or their rays \
+         were traced with --deviations off"
+    )]
+    Straight,
     /// The plotting crate failed.
     #[error("{}: the picture cannot be drawn ({reason}); try .svg instead", file.display())]
     Draw {
@@ -88,6 +98,30 @@ impl Format {
 /// # Errors
 /// [`PlotError`].
 pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
+    let shape = Shape {
+        title: "ray shift p' - p, probability per launched ray and square edge length",
+        labels: [
+            "u (direction of travel), edge lengths",
+            "v = n x u, edge lengths",
+        ],
+    };
+    figure(table, file, &shape, &|at| histogram(table, at))
+}
+
+/// What the panels of a figure have in common.
+struct Shape {
+    title: &'static str,
+    /// Of the axes, to the right and upward.
+    labels: [&'static str; 2],
+}
+
+/// One panel per direction, each by `plot`.
+fn figure(
+    table: &Table,
+    file: &Path,
+    shape: &Shape,
+    plot: &dyn Fn((usize, usize)) -> Plot,
+) -> Result<Vec<u8>, PlotError> {
     let format = Format::of(file)?;
     let (incidences, azimuths) = table.axes.shape();
     let stride = (incidences * azimuths).div_ceil(PANELS);
@@ -96,9 +130,12 @@ pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
         .map(|at| (at / azimuths, at % azimuths))
         .collect();
     let columns = chosen.len().clamp(1, 5);
-    let (plots, layouts): (Vec<_>, Vec<_>) = chosen.iter().map(|&at| panel(table, at)).unzip();
+    let (plots, layouts): (Vec<_>, Vec<_>) = chosen
+        .iter()
+        .map(|&at| panel(table, at, shape, plot(at)))
+        .unzip();
     let scene = Figure::new(chosen.len().div_ceil(columns), columns)
-        .with_title(title(table, columns, stride))
+        .with_title(title(table, shape, columns, stride))
         .with_title_size(16)
         .with_plots(plots)
         .with_layouts(layouts)
@@ -108,18 +145,18 @@ pub fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
 }
 
 /// What all panels have in common, no wider than they are.
-fn title(table: &Table, columns: usize, stride: usize) -> String {
-    let mut title = format!("{}: ray shift p' - p", table.provenance.design);
-    if columns > 2 {
-        title += ", probability per launched ray and square edge length";
-    }
+fn title(table: &Table, shape: &Shape, columns: usize, stride: usize) -> String {
+    let (short, _) = shape.title.split_once(',').unwrap_or((shape.title, ""));
+    let whole = if columns > 2 { shape.title } else { short };
+    let mut title = format!("{}: {whole}", table.provenance.design);
     if stride > 1 {
         title += &format!(" (one of every {stride} directions)");
     }
     title
 }
 
-fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
+/// The density of the shifts of a direction.
+fn histogram(table: &Table, (i, a): (usize, usize)) -> Plot {
     let axes = &table.axes;
     let pool = axes.bins.div_ceil(CELLS);
     let cells = axes.bins.div_ceil(pool);
@@ -136,6 +173,12 @@ fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
         .with_y_range(-axes.range, end)
         .with_cell_size(1.0)
         .with_legend("per ray");
+    Plot::Heatmap(map)
+}
+
+/// A plot of a direction under its angles and its retroreflected fraction.
+fn panel(table: &Table, (i, a): (usize, usize), shape: &Shape, plot: Plot) -> (Vec<Plot>, Layout) {
+    let axes = &table.axes;
     let azimuth = axes.azimuth_deg[a];
     let azimuth = if azimuth.is_nan() {
         "mean over azimuths".into()
@@ -149,11 +192,12 @@ fn panel(table: &Table, (i, a): (usize, usize)) -> (Vec<Plot>, Layout) {
         format!("{:.2} % back", 100.0 * eta)
     };
     let title = format!("incidence {}°, {azimuth}: {back}", axes.incidence_deg[i]);
-    let plots = vec![Plot::Heatmap(map)];
+    let plots = vec![plot];
+    let [across, upward] = shape.labels;
     let layout = Layout::auto_from_plots(&plots)
         .with_title(title)
-        .with_x_label("u (direction of travel), edge lengths")
-        .with_y_label("v = n x u, edge lengths")
+        .with_x_label(across)
+        .with_y_label(upward)
         .with_title_size(13);
     (plots, layout)
 }
