@@ -18,6 +18,7 @@ mod body;
 mod candidate;
 pub(crate) mod facet;
 mod mean;
+mod parts;
 mod paths;
 mod rim;
 mod view;

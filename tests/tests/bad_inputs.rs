@@ -523,6 +523,6 @@ fn options() {
     for (program, arguments, code, part) in cases {
         bench.refuses(&here, program, &arguments, code, &[part]);
     }
-    assert_eq!(count, 61);
+    assert_eq!(count, 69);
     bench.all_refused(count);
 }

@@ -8,11 +8,12 @@ use glam::{DMat2, DVec2, DVec3};
 use tables::table::Fate;
 
 use super::candidate::Candidate;
+use super::parts::{bounds_of_all, total_area, without};
 use super::view::{Affine, Isometry, Shadow, View};
 use crate::light::Light;
 use crate::optics;
 use crate::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
-use crate::polygon::{self, HalfPlane, Polygon};
+use crate::polygon::{self, Polygon};
 
 /// How far a beam looks for lattice copies at first, edge lengths; four times further each time that is not enough.
 const FIRST_LOOK: f64 = 4.0;
@@ -111,32 +112,6 @@ struct Tracer<'a> {
     rules: &'a Rules,
     outcome: Outcome,
     pending: Vec<Beam>,
-}
-
-fn total_area(parts: &[Polygon]) -> f64 {
-    parts.iter().map(|part| polygon::area(part)).sum()
-}
-
-/// A convex polygon less some of its parts, as convex parts of more than `least` area.
-fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
-    let mut left = vec![polygon.clone()];
-    for (_, taken) in taken {
-        let planes: Vec<HalfPlane> = polygon::edges(taken).collect();
-        left = left
-            .into_iter()
-            .flat_map(|part| polygon::subtract(&part, &planes, least).unwrap_or(vec![part]))
-            .collect();
-    }
-    left.retain(|part| polygon::area(part) > least);
-    left
-}
-
-fn bounds_of_all(parts: &[Polygon]) -> (DVec2, DVec2) {
-    let start = polygon::bounds(&[]);
-    parts
-        .iter()
-        .map(|part| polygon::bounds(part))
-        .fold(start, |a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 impl Tracer<'_> {
