@@ -108,6 +108,15 @@ pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
 /// # Errors
 /// [`Whole`]: why it is not taken apart.
 pub fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
+    // Each body has two facets on its rim at least: where there are too few, one is too large, and nothing is to be looked up.
+    let height = cell.entrance.height;
+    let extent = cell.facets.iter().flatten().map(|p| p.length());
+    let tolerance = ROUNDING * extent.fold(1.0, f64::max);
+    let in_plane = |p: &&DVec3| (p.z - height).abs() <= tolerance;
+    let on_rim = |facet: &&[DVec3; 3]| facet.iter().filter(in_plane).count() >= 2;
+    if cell.facets.iter().filter(on_rim).count() * FACETS < 2 * cell.facets.len() {
+        return Err(Whole::Connected);
+    }
     let surface = Surface::new(cell);
     let bodies = surface.bodies().ok_or(Whole::Connected)?;
     let large = bodies.iter().any(|body| body.len() > program::FACETS);

@@ -58,10 +58,10 @@ pub enum ExactError {
     },
     /// The work grows faster than the number of facets.
     #[error(
-        "the cell has {facets} planar facets and the exact method takes at most {limit}; give --method rays"
+        "the cell has {facets} planar facets or more and the exact method takes at most {limit}; give --method rays"
     )]
     TooManyFacets {
-        /// Facets after joining coplanar triangles.
+        /// Facets after joining coplanar triangles, at least.
         facets: usize,
         /// The limit.
         limit: usize,
@@ -115,6 +115,12 @@ impl ExactCell {
                     .iter()
                     .map(|kind| Body::new(&kind.facets, &kind.entrance, weight(kind.places.len())))
                     .collect()
+            }
+            Err(_) if facet::are_more(&cell.facets, MOST_FACETS) => {
+                return Err(ExactError::TooManyFacets {
+                    facets: MOST_FACETS + 1,
+                    limit: MOST_FACETS,
+                });
             }
             Err(_) => vec![Body::new(&cell.facets, &cell.entrance, 1.0)],
         };

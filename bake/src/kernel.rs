@@ -29,6 +29,9 @@ const RUN_OF_SORTED: u64 = 1 << 20;
 /// Rays that are sorted into packets at a time: 80 bytes each.
 const NEIGHBOURS: usize = 1 << 18;
 
+/// Rays to a facet from which on packets are worth while in a large scene: a packet is what met the same facets.
+const RAYS_OF_PACKETS: u64 = 8;
+
 /// What all rays of one direction share.
 pub struct Kernel {
     /// Those that the launch leads into.
@@ -179,6 +182,11 @@ impl Kernel {
         else {
             return self.trace_one_by_one(stream, samples, tally);
         };
+        // Rays that hardly ever meet the same facet are no packet.
+        let facets: usize = self.scenes.iter().map(|scene| scene.facets().len()).sum();
+        if self.is_large() && samples.end - samples.start < RAYS_OF_PACKETS * facets as u64 {
+            return self.trace_one_by_one(stream, samples, tally);
+        }
         for (number, (scene, hierarchy)) in self.scenes.iter().zip(hierarchies).enumerate() {
             let entries = samples
                 .clone()

@@ -288,3 +288,16 @@ fn methods_for_planes_are_refused() {
     assert_eq!(bodies::kinds(&curved).err(), Some(Whole::Curved));
     assert_eq!(symmetry::of(&curved), Symmetry::NONE);
 }
+
+/// Both have 21,600 facets; those of one lie in six planes.
+#[test]
+fn fine_planes_are_told_from_curved_faces() {
+    let of = |sag| ExactCell::new(&cell(&design(Shape::TriangularPair, sag, 60), false));
+    let planes = of(0.0).expect("few planes");
+    println!("{} planar facets", planes.facet_count());
+    let refused = of(1e-3).expect_err("refused");
+    assert!(
+        matches!(refused, ExactError::TooManyFacets { .. }),
+        "{refused}"
+    );
+}
