@@ -56,12 +56,22 @@ pub enum ExactError {
         /// The option that asks for others.
         option: String,
     },
+    /// Joining triangles to planes would take minutes.
+    #[error(
+        "the cell has {triangles} triangles in one piece and the exact method takes at most {limit}; give --method rays"
+    )]
+    TooFine {
+        /// Triangles.
+        triangles: usize,
+        /// The limit.
+        limit: usize,
+    },
     /// The work grows faster than the number of facets.
     #[error(
-        "the cell has {facets} planar facets or more and the exact method takes at most {limit}; give --method rays"
+        "the cell has {facets} planar facets and the exact method takes at most {limit}; give --method rays"
     )]
     TooManyFacets {
-        /// Facets after joining coplanar triangles, at least.
+        /// Facets after joining coplanar triangles.
         facets: usize,
         /// The limit.
         limit: usize,
@@ -71,6 +81,9 @@ pub enum ExactError {
 /// Most facets, after joining coplanar triangles, that the exact method takes of a cell, or of one body of each kind where
 /// the cell is taken apart: the work grows with their square.
 pub const MOST_FACETS: usize = 2048;
+
+/// Most triangles of a cell that is not taken apart: those of a plane are joined in a time that grows with their square.
+pub(crate) const MOST_TRIANGLES: usize = 1 << 14;
 
 /// What became of the light of one direction.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +113,7 @@ impl ExactCell {
     /// facets.
     ///
     /// # Errors
-    /// [`ExactError::TooManyFacets`], [`ExactError::NoPlanes`].
+    /// [`ExactError::TooFine`], [`ExactError::TooManyFacets`], [`ExactError::NoPlanes`].
     pub fn new(cell: &Cell) -> Result<Self, ExactError> {
         if cell.normals.is_some() {
             return Err(ExactError::NoPlanes {
@@ -116,10 +129,10 @@ impl ExactCell {
                     .map(|kind| Body::new(&kind.facets, &kind.entrance, weight(kind.places.len())))
                     .collect()
             }
-            Err(_) if facet::are_more(&cell.facets, MOST_FACETS) => {
-                return Err(ExactError::TooManyFacets {
-                    facets: MOST_FACETS + 1,
-                    limit: MOST_FACETS,
+            Err(_) if cell.facets.len() > MOST_TRIANGLES => {
+                return Err(ExactError::TooFine {
+                    triangles: cell.facets.len(),
+                    limit: MOST_TRIANGLES,
                 });
             }
             Err(_) => vec![Body::new(&cell.facets, &cell.entrance, 1.0)],

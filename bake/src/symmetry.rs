@@ -5,7 +5,7 @@
 //! compared modulo its lattice; any other one as it is, with its rim.
 
 use crate::bodies;
-use crate::exact::facet;
+use crate::exact::{MOST_TRIANGLES, facet};
 use glam::{DMat2, DVec2, DVec3};
 use meshes::Cell;
 use tables::Symmetry;
@@ -131,6 +131,7 @@ fn shapes(cell: &Cell) -> Vec<Shape> {
                 copies: kind.places.len(),
             })
             .collect(),
+        Err(_) if cell.facets.len() > MOST_TRIANGLES => Vec::new(),
         Err(_) => vec![whole()],
     }
 }

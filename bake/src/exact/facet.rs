@@ -3,7 +3,7 @@
 //! Triangles that share an edge and a plane are joined where the result is convex: a square face is one facet, not two,
 //! and a beam that it reflects stays in one piece.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
 
@@ -82,17 +82,6 @@ impl Facet {
             turn > 1e-12 * size || (turn > -1e-12 * size && first.dot(second) > 0.0)
         })
     }
-}
-
-/// Whether `triangles` cannot be joined to `most` facets, found without joining them: they face too many ways.
-pub(crate) fn are_more(triangles: &[[DVec3; 3]], most: usize) -> bool {
-    // A plane's normals fall into eight places at most, if they are rounded where they differ.
-    let places = triangles.iter().filter_map(|t| triangle::normal(t));
-    let mut seen = HashSet::new();
-    triangles.len() > 8 * most
-        && places
-            .map(|normal| (normal * 1e6).round().as_i64vec3().to_array())
-            .any(|place| seen.insert(place) && seen.len() > 8 * most)
 }
 
 /// Joins coplanar neighbours; triangles without area are dropped. The order follows the triangles'.
