@@ -75,7 +75,7 @@ a plate of slit mirrors; glass beads
         bake inspect wide.h5 --plot-deviations spots.svg"
     )]
     Inspect(InspectArgs),
-    /// Compares two tables direction by direction
+    /// Compares two tables direction by direction: eta and shifts, not where light goes that is off straight back
     #[command(after_help = "Example: do two seeds agree within their errors?\n  \
         bake compare seed1.h5 seed2.h5")]
     Compare(CompareArgs),

@@ -8,6 +8,13 @@ use tables::{Fate, Table};
 /// Standard errors by which two retroreflected fractions may differ.
 const SIGMAS: f64 = 4.0;
 
+/// Part of the light in the outermost bins of deviations that is worth a word.
+const OUTERMOST: f64 = 1e-4;
+
+/// Bins of deviations that the spread of light must reach for them to tell it, and bins that are fine for any: 10 um at 1 m.
+const FEW_BINS: f64 = 2.0;
+const FINE_MRAD: f64 = 0.01;
+
 /// Report of `bake trace`.
 pub struct Trace<'a> {
     /// The table.
@@ -47,22 +54,40 @@ impl Trace<'_> {
 
     /// What the user should know of the table.
     pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
+            warnings.push(
+                "nothing comes back in any direction: the fates say where the light goes (--element plate is for what images through \
+                 itself, --glass-index for bodies of glass)"
+                    .into(),
+            );
+        }
         let Some(found) = &self.table.deviations else {
-            return Vec::new();
+            return warnings;
         };
-        let directions = 0..found.entries.len();
-        let most = directions
-            .map(|k| found.spread(k).outermost)
-            .fold(0.0, f64::max);
-        let warning = || {
-            format!(
+        let spreads = (0..found.entries.len()).map(|k| found.spread(k));
+        let (mut outermost, mut rms) = (0.0f64, 0.0f64);
+        for spread in spreads {
+            (outermost, rms) = (outermost.max(spread.outermost), rms.max(spread.rms_rad));
+        }
+        let (width, range) = (1e3 * found.grid.bin_width(), 1e3 * found.grid.range);
+        if outermost > OUTERMOST {
+            warnings.push(format!(
                 "up to {:.2} % of the light of a direction goes to the outermost bins of deviations, or beyond them; give a \
-                 --deviations above {} mrad",
-                100.0 * most,
-                1e3 * found.grid.range
-            )
-        };
-        Vec::from_iter((most > 0.0).then(warning))
+                 --deviations above {range:.4} mrad",
+                100.0 * outermost
+            ));
+        }
+        let returns = found.entries.iter().any(|entries| !entries.is_empty());
+        if returns && 1e3 * rms < FEW_BINS * width && width > FINE_MRAD {
+            warnings.push(format!(
+                "exit directions are counted in bins of {width:.4} mrad, which is coarse for what is there (rms {:.4} mrad); give \
+                 --deviations {:.4}",
+                1e3 * rms,
+                (range / 20.0).max(8e3 * rms)
+            ));
+        }
+        warnings
     }
 
     /// For a script.

@@ -71,6 +71,15 @@ impl Roughness {
         (facet - x * slope.x - facet.cross(x) * slope.y).normalize()
     }
 
+    /// The angle that hardly any light of three perpendicular facets turns by more than, rad: 8 standard deviations about each
+    /// axis of what Beckmann's slopes do; of GGX's, whose tails have no end, what leaves 0.7 % outside.
+    pub fn reach_rad(&self) -> f64 {
+        match self.slopes {
+            Slopes::Beckmann => 8.0 * self.alpha,
+            Slopes::Ggx => 40.0 * self.alpha,
+        }
+    }
+
     /// About which part of the light that three perpendicular facets send back turns by more than `tolerance_rad`.
     ///
     /// A slope s turns light by 2 s about an axis in the facet. Of three perpendicular facets two turn about each axis:

@@ -1,7 +1,7 @@
 //! The bake itself: which method, its errors, the table. Prints nothing.
 
 use crate::exact::{self, ExactCell, ExactError};
-use crate::plan::{Effort, Method, Plan};
+use crate::plan::{Effort, Method, Plan, Record, SceneOptions};
 use crate::provenance::provenance;
 use crate::ranks::{Alone, Ranks};
 use crate::saves::Saves;
@@ -57,7 +57,7 @@ pub enum RunError {
     /// The distribution jumps.
     #[error(
         "--direction-tolerance: with {directions} directions the table is still {reached:.2e} off at incidence {incidence_deg} deg, \
-         azimuth {azimuth_deg} deg, as where total reflection ends; leave such angles out, or give a tolerance above that"
+         azimuth {azimuth_deg} deg, as where total reflection ends or slits of a plate change places; leave such angles out, or give a tolerance above that"
     )]
     DirectionTolerance {
         /// Incidence of the worst direction, degrees.
@@ -190,6 +190,12 @@ pub(crate) fn beams(
                 0.0
             },
             shards: None,
+            // It says where each path goes, whatever is asked of rays.
+            options: SceneOptions {
+                deviations: Record::Auto,
+                ..plan.scene
+            }
+            .to_string(),
             ..provenance(cell, plan, "exact".into(), "none".into())
         },
     })

@@ -2,10 +2,12 @@
 
 mod cells;
 
+use bake::element::Element;
 use bake::plan::{Method, Plan, Record, Request, SceneOptions};
 use bake::run::{Tracer, bake, rays_by};
 use glam::DVec2;
-use meshes::Cell;
+use meshes::design::{Design, Plate, Shape};
+use meshes::{Cell, CellOptions, normalise};
 use tables::{Path, Table};
 
 fn plan(request: &Request) -> Plan {
@@ -276,11 +278,28 @@ fn ideal_cells_record_nothing() {
     for corner in rounded.facets.iter_mut().flatten() {
         *corner = (*corner * 1e6).round() / 1e6;
     }
+    let design = |edge_radius, segments| {
+        let design = Design {
+            edge_radius,
+            segments,
+            ..Design::new(Shape::TriangularPair)
+        };
+        let mesh = design.mesh().expect("a design");
+        normalise(&mesh, std::path::Path::new("pair"), &CellOptions::default()).expect("a cell")
+    };
+    // Rounded edges send light far away or not at all; coordinates of single precision are no errors of angles.
+    let worn = design(0.03, 1);
+    let mut single = design(0.0, 20);
+    for corner in single.facets.iter_mut().flatten() {
+        *corner = corner.as_vec3().as_dvec3();
+    }
     let ideal = [
         cells::triangular(),
         cells::pair(),
         cells::full_cube(),
         rounded,
+        worn,
+        single,
     ];
     let uneven = cells::uneven_pair([1e-4, 0.0, 0.0]);
     let grid = |cell: &Cell, record| {
@@ -336,4 +355,57 @@ fn means_of_cells_that_are_not_ideal_are_of_rays() {
         let exact = mean(Method::Auto, record, cell).expect("a mean");
         assert_eq!(exact.provenance.method, "exact");
     }
+}
+
+/// A plate whose mirrors lean images beside: its mirrors meet at right angles all the same.
+#[test]
+fn leaning_mirrors_of_a_plate_are_recorded() {
+    let plate = Plate {
+        pitch: 0.5,
+        depth: 3.0,
+        thickness: 0.05,
+    };
+    let mesh = plate.mesh().expect("a design");
+    let mut cell = normalise(
+        &mesh,
+        std::path::Path::new("plate"),
+        &CellOptions::default(),
+    )
+    .expect("a cell");
+    let request = |method| Request {
+        incidence: "30".into(),
+        azimuth: "45".into(),
+        method,
+        rays: Some(1 << 14),
+        scene: SceneOptions {
+            element: Element::Plate,
+            ..SceneOptions::default()
+        },
+        ..Request::default()
+    };
+    let grid = |cell: &Cell| {
+        let plan = Plan::new(&request(Method::Rays)).expect("a valid request");
+        plan.deviations(cell)
+    };
+    assert_eq!(grid(&cell), None, "upright mirrors");
+    for corner in cell.facets.iter_mut().flatten() {
+        corner.x += 2e-3 * corner.z;
+    }
+    // Without what lies flat, no two planes are off a right angle.
+    cell.facets
+        .retain(|[a, b, c]| (b - a).cross(c - a).normalize().z.abs() < 0.5);
+    assert!(grid(&cell).is_some(), "leaning ones");
+    let bake = |method| {
+        let plan = Plan::new(&request(method)).expect("a valid request");
+        bake(&cell, &plan, &|_| ()).expect("bakes")
+    };
+    let exact = bake(Method::Exact);
+    let beams = exact.exact.as_ref().expect("beams").largest_deviation_rad();
+    let rays = bake(Method::Rays);
+    let found = rays.deviations.as_ref().expect("recorded");
+    let spread = found.spread(0);
+    println!("beams {beams:e}, {spread:?}");
+    // The middle of a bin is half its diagonal away at most.
+    assert!((spread.largest_rad - beams).abs() < 0.71 * found.grid.bin_width());
+    assert!(beams > 2e-3);
 }

@@ -15,7 +15,8 @@ use tables::{Outputs, Symmetry, Table};
 pub(super) struct VerifyArgs {
     /// Table to check
     table: PathBuf,
-    /// Traces rays through this mesh at some of the table's directions, and compares
+    /// Traces rays through this mesh at some of the table's directions, and compares eta and shifts (exit directions are not
+    /// compared)
     #[arg(long)]
     mesh: Option<PathBuf>,
     #[command(flatten)]

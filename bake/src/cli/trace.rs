@@ -3,7 +3,7 @@
 use super::{CellArgs, Failure, print, warn};
 use crate::directions;
 use crate::material;
-use crate::plan::{Back, Losses, Method, Plan, PlanError, Request, SceneOptions, default};
+use crate::plan::{Back, Losses, Method, Plan, PlanError, Record, Request, SceneOptions, default};
 use crate::progress::Progress;
 use crate::provenance::provenance;
 use crate::ranks::{Launched, Ranks};
@@ -368,6 +368,14 @@ fn method_warning(args: &TraceArgs, cell: &Cell, plan: &Plan) -> Vec<String> {
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
     match (args.method, refusal) {
         (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],
+        (Method::Auto | Method::Exact, None)
+            if plan.scene.deviations != Record::Auto && !plan.is_azimuth_mean() =>
+        {
+            vec![
+                "the exact method says where each path goes: --deviations has no effect; give --method rays to use it"
+                    .into(),
+            ]
+        }
         (Method::Auto | Method::Exact, None) if asks_for_rays => vec![
             "the exact method traces no rays: --rays and --tolerance have no effect; give --method rays to use them"
                 .into(),

@@ -3,8 +3,9 @@
 //! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh and the options alone, never
 //! by rays, so that shards and ranks agree.
 
-use super::Plan;
+use super::{Plan, SceneOptions};
 use crate::bodies;
+use crate::element::Element;
 use glam::DVec3;
 use meshes::Cell;
 use std::fmt;
@@ -15,8 +16,10 @@ use tables::deviation::Grid;
 /// cube is within 2e-5 rad of straight back, 5 um at a distance of 300 mm.
 const RIGHT: f64 = 5e-6;
 
-/// Planes of one body above which it stands for a curved one.
-const MOST_PLANES: usize = 64;
+/// Planes of one body above which it stands for a curved one; and so it does with that many pairs that are nearly, not quite, at
+/// right angles.
+const MOST_PLANES: usize = 2048;
+const MOST_PAIRS: usize = 1024;
 
 /// Bins along each axis where light goes in a few directions: only those are stored, so that they may be fine. Odd, so that
 /// straight back is in the middle of one.
@@ -70,8 +73,8 @@ enum Exits {
     Straight,
     /// In some directions, turned by at most this angle inside, rad.
     Spots(f64),
-    /// Anywhere within the angular tolerance.
-    Lobe,
+    /// Anywhere, turned by at most this angle, rad.
+    Lobe(f64),
 }
 
 impl Plan {
@@ -80,8 +83,8 @@ impl Plan {
         let exits = self.exits(cell);
         let turn = match (self.scene.deviations, exits) {
             (Record::Off, _) | (Record::Auto, Exits::Straight) => return None,
-            (_, Exits::Spots(turn)) => turn,
-            _ => self.angular_tolerance_deg.to_radians(),
+            (_, Exits::Straight) => self.angular_tolerance_deg.to_radians(),
+            (_, Exits::Spots(turn) | Exits::Lobe(turn)) => turn,
         };
         // Snell's law widens a small angle by the index, and within the plane of incidence by up to twice that to 60 degrees.
         let range = match self.scene.deviations {
@@ -90,7 +93,7 @@ impl Plan {
         };
         let bins = self.axes.bins;
         let (cells, bins) = match exits {
-            Exits::Lobe => (pools(bins), BINS_OF_LOBES),
+            Exits::Lobe(_) => (pools(bins), BINS_OF_LOBES),
             Exits::Straight | Exits::Spots(_) => (bins, BINS_OF_SPOTS),
         };
         Some(Grid { cells, bins, range })
@@ -99,37 +102,47 @@ impl Plan {
     /// What sends light elsewhere than straight back, in one place.
     fn exits(&self, cell: &Cell) -> Exits {
         let tolerance = self.angular_tolerance_deg.to_radians();
-        if self.scene.no_planes().is_some() {
-            return Exits::Lobe;
+        let smooth = SceneOptions {
+            roughness: None,
+            ..self.scene
+        };
+        if smooth.no_planes().is_some() {
+            return Exits::Lobe(tolerance);
         }
+        // A plate's mirrors are at right angles to it, too.
+        let upright = (self.scene.element == Element::Plate).then_some(DVec3::Z);
+        let angle_error = |facets: &[[DVec3; 3]]| angle_error(facets, upright, tolerance);
         let error = match bodies::kinds(cell) {
             Ok(kinds) => {
-                let mut errors = kinds
-                    .iter()
-                    .map(|kind| angle_error(&kind.facets, tolerance));
+                let mut errors = kinds.iter().map(|kind| angle_error(&kind.facets));
                 errors.try_fold(0.0, |largest: f64, error| {
                     error.map(|error| largest.max(error))
                 })
             }
-            Err(_) => angle_error(&cell.facets, tolerance),
+            Err(_) => angle_error(&cell.facets),
         };
-        match error {
-            None => Exits::Lobe,
-            Some(error) if error <= RIGHT => Exits::Straight,
-            // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most, first order.
-            Some(error) => Exits::Spots(tolerance.min(2.0 * 3f64.sqrt() * error)),
+        // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most, first order.
+        let turn = |error: f64| 2.0 * 3f64.sqrt() * error;
+        match (error, self.scene.roughness) {
+            (None, _) => Exits::Lobe(tolerance),
+            (Some(error), Some(roughness)) => {
+                Exits::Lobe(tolerance.min(turn(error) + roughness.reach_rad()))
+            }
+            (Some(error), None) if error <= RIGHT => Exits::Straight,
+            (Some(error), None) => Exits::Spots(tolerance.min(turn(error))),
         }
     }
 }
 
 /// The largest error of the right angles of a body, rad: how far two planes that could be faces of a corner, within the
-/// tolerance, are from one. `None` of a body of more than [`MOST_PLANES`] planes.
-fn angle_error(facets: &[[DVec3; 3]], tolerance: f64) -> Option<f64> {
-    let mut normals: Vec<DVec3> = Vec::new();
+/// tolerance, are from one; `upright` is the normal of one plane more. `None` of a body that stands for a curved one.
+fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) -> Option<f64> {
+    let mut normals = Vec::from_iter(upright);
     for [a, b, c] in facets {
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        // Triangles of one plane.
-        if normals.iter().all(|own| (own - normal).length() > 1e-9) {
+        // Triangles of one plane, in coordinates of six digits.
+        let known = |own: &DVec3| (*own - normal).length() <= RIGHT;
+        if !normals.iter().any(known) {
             normals.push(normal);
         }
         if normals.len() > MOST_PLANES {
@@ -138,11 +151,9 @@ fn angle_error(facets: &[[DVec3; 3]], tolerance: f64) -> Option<f64> {
     }
     let pairs = (0..normals.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let errors = pairs.map(|(i, j)| normals[i].dot(normals[j]).abs().asin());
-    Some(
-        errors
-            .filter(|&error| error <= tolerance)
-            .fold(0.0, f64::max),
-    )
+    let errors: Vec<f64> = errors.filter(|&error| error <= tolerance).collect();
+    let off = errors.iter().filter(|&&error| error > RIGHT).count();
+    (off <= MOST_PAIRS).then(|| errors.into_iter().fold(0.0, f64::max))
 }
 
 /// The greatest divisor of `bins` that is at most [`CELLS_OF_LOBES`].
@@ -180,11 +191,11 @@ mod tests {
             [DVec3::ZERO, b, DVec3::Z],
             [DVec3::ZERO, DVec3::Z, DVec3::X],
         ];
-        let found = angle_error(&facets, 0.01).expect("three planes");
+        let found = angle_error(&facets, None, 0.01).expect("three planes");
         // The sine's argument is rounded to an ulp of 1.
         assert!((found - error).abs() < 1e-15, "{found}");
         assert_eq!(
-            angle_error(&facets, 1e-4),
+            angle_error(&facets, None, 1e-4),
             Some(0.0),
             "no corner's face within that"
         );
