@@ -290,9 +290,21 @@ fn options() {
         trace("--wavelength-nm", "0", "--wavelength-nm 0"),
         trace("--roughness", "ggx:2", "ALPHA above 0 and at most 1"),
         trace("--glass-index", "0.9", "--glass-index 0.9"),
-        trace("--glass-index", "1.9", "no face of the material \"glass\""),
         trace("--element", "bead", "retroreflector, plate"),
         trace("--wavelength-nm", "450,650", "write {nm}"),
+        (
+            "bake",
+            vec![
+                "trace",
+                "triangular.obj",
+                "-o",
+                "OUT",
+                "--glass-index",
+                "1.9",
+            ],
+            1,
+            "no face of the material \"glass\"",
+        ),
         (
             "bake",
             vec!["trace", "triangular.obj", "-o", "./triangular.obj"],
