@@ -77,7 +77,8 @@ pub enum Error {
     /// The table is one of another cell than the fit's.
     #[error(
         "the result was fitted with a table of another cell ({fitted}) than this one ({given}): mesh, edge length, \
-             azimuth zero, refractive index, back or losses differ; bake the fitted cell, or fit again"
+             azimuth zero, refractive index, back, losses or options such as --roughness differ; bake the fitted cell, or fit \
+             again"
     )]
     OtherCell {
         /// Design and content hash in the result.

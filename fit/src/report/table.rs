@@ -30,11 +30,24 @@ pub struct CellResult {
     /// What of the surfaces' losses is in the table, and so not in mu.
     #[serde(default = "none")]
     pub losses: String,
+    /// What else its light obeyed, as options of `bake trace`; not how finely deviations were recorded.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub options: String,
 }
 
 /// The losses of tables that had none.
 fn none() -> String {
     "none".into()
+}
+
+/// The options of a table but for `--deviations`, which says how its light is recorded, not where it goes.
+fn of_the_cell(options: &str) -> String {
+    let words: Vec<&str> = options.split_whitespace().collect();
+    let kept = (0..words.len()).filter(|&k| {
+        let of_it = k > 0 && words[k - 1] == "--deviations";
+        !of_it && words[k] != "--deviations"
+    });
+    kept.map(|k| words[k]).collect::<Vec<_>>().join(" ")
 }
 
 impl TableResult {
@@ -51,6 +64,7 @@ impl TableResult {
                 refractive_index: from.refractive_index,
                 back: from.back.clone(),
                 losses: from.losses_text(),
+                options: of_the_cell(&from.options),
             }),
         }
     }
@@ -69,10 +83,62 @@ impl CellResult {
             let [x, y, z] = cell.azimuth_zero;
             [cell.edge_length, cell.refractive_index, x, y, z]
         };
-        let texts =
-            |cell: &CellResult| [&cell.mesh_hash, &cell.back, &cell.losses].map(String::clone);
+        let texts = |cell: &CellResult| {
+            [&cell.mesh_hash, &cell.back, &cell.losses, &cell.options].map(String::clone)
+        };
         let mut pairs = numbers(self).into_iter().zip(numbers(other));
         let near = |(a, b): (f64, f64)| (a - b).abs() <= 4.0 * f64::EPSILON * a.abs().max(1.0);
         texts(self) == texts(other) && pairs.all(near)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(content_hash: &str, options: &str) -> TableResult {
+        TableResult {
+            content_hash: content_hash.into(),
+            design: "triangular".into(),
+            cell: Some(CellResult {
+                mesh_hash: "0".repeat(64),
+                edge_length: 1.0,
+                azimuth_zero: [1.0, 0.0, 0.0],
+                refractive_index: 1.5,
+                back: "mirror".into(),
+                losses: "none".into(),
+                options: of_the_cell(options),
+            }),
+        }
+    }
+
+    #[test]
+    fn a_cell_is_its_mesh_and_what_its_light_obeys() {
+        let all = [
+            ("", "--deviations off", true),
+            (
+                "--roughness 0.001",
+                "--roughness 0.001 --deviations 2.5",
+                true,
+            ),
+            ("--deviations off --element plate", "--element plate", true),
+            ("", "--roughness 0.001", false),
+            ("--roughness 0.001", "--roughness 0.002", false),
+            ("--element plate", "", false),
+            ("", "--normals file --deviations off", false),
+            ("", "--glass-index 1.9", false),
+        ];
+        for (fitted, given, same) in all {
+            let (fitted, other) = (of("a", fitted), of("b", given));
+            assert_eq!(fitted.same_cell(&other), same, "{fitted:?} {given}");
+            assert_eq!(other.same_cell(&fitted), same, "{given} {fitted:?}");
+            // As a file holds it, and the same table whatever an older result says of it.
+            let text = serde_json::to_string(&fitted).unwrap();
+            let read: TableResult = serde_json::from_str(&text).unwrap();
+            assert_eq!(read.same_cell(&other), same, "{text}");
+            assert!(fitted.same_cell(&of("a", given)));
+        }
+        let smooth = serde_json::to_string(&of("a", "")).unwrap();
+        assert!(!smooth.contains("options"), "older programs read it");
     }
 }
