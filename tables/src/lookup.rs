@@ -5,8 +5,6 @@
 //! does not), each of the neighbouring distributions in its own incidence frame. The error of either is that of the
 //! table's spacing, which the standard error does not include.
 
-use std::collections::BTreeMap;
-
 use ndarray::Array2;
 
 use crate::between::{self, Node};
@@ -318,7 +316,7 @@ impl Cell<'_> {
     /// The exit directions, mixed.
     fn exits(&self) -> Option<Exits> {
         let found = self.table.deviations.as_ref()?;
-        let mut mixed: BTreeMap<u64, f64> = BTreeMap::new();
+        let mut mixed: Vec<(u64, f64)> = Vec::new();
         for (i, k, share) in self.corners() {
             let image = &self.images[k];
             let azimuths = self.table.axes.azimuth_deg.len();
@@ -328,12 +326,19 @@ impl Cell<'_> {
                     true => found.grid.mirrored(entry.place),
                     false => entry.place,
                 };
-                *mixed.entry(place).or_default() += share * entry.rays as f64 / launched;
+                mixed.push((place, share * entry.rays as f64 / launched));
             }
         }
+        // The corners' entries ascend: sorted runs, which are merged in their order, so that sums are too.
+        mixed.sort_by_key(|(place, _)| *place);
+        mixed.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            kept.1 += if same { next.1 } else { 0.0 };
+            same
+        });
         Some(Exits {
             grid: found.grid,
-            probability: mixed.into_iter().collect(),
+            probability: mixed,
         })
     }
 
