@@ -101,7 +101,7 @@ impl Sheet for Fitted<'_> {
         let kernel = self.result.kernel;
         let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
         let direction = if shifts {
-            seen_from(direction, place.r_mm, blur.c_mm, cosine)
+            seen_from(direction, place.r_mm, blur.c_mm, cosine)?
         } else {
             direction
         };

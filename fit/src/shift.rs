@@ -129,7 +129,15 @@ fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
 
 /// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light deviates by there is part of its
 /// shift. `cosine` is that of the outside incidence.
-pub fn seen_from(direction: Direction, r_mm: f64, c_mm: f64, cosine: f64) -> Direction {
+///
+/// # Errors
+/// [`tables::Error::Astray`], of a distance or corner size beyond reason.
+pub fn seen_from(
+    direction: Direction,
+    r_mm: f64,
+    c_mm: f64,
+    cosine: f64,
+) -> Result<Direction, tables::Error> {
     direction.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
 }
 
@@ -170,7 +178,7 @@ mod tests {
             let line = ShiftLine::new(&direction, incidence, normal).expect("light returns");
             assert_eq!(line.spots.len(), 2);
             for (c, r) in [(0.1, 100.0), (0.3, 400.0)] {
-                let moved = seen_from(direction.clone(), r, c, incidence.cos());
+                let moved = seen_from(direction.clone(), r, c, incidence.cos()).unwrap();
                 let along = [normal[0] * incidence.cos(), normal[1]];
                 for f in [0.0, 0.2, 0.9, 2.3] {
                     let (value, by_c) = line.otf(c, r, f);

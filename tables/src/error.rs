@@ -305,4 +305,13 @@ pub enum Error {
     /// A direction that the table neither holds nor brackets.
     #[error(transparent)]
     NoDirection(#[from] NoDirection),
+    /// Light that deviates so far, by the distance and the corner size asked for, that no table means it.
+    #[error(
+        "at this distance and corner size light goes {edges:.1e} edge lengths astray, above 1e6: check the distance, and c_mm \
+         of the result"
+    )]
+    Astray {
+        /// How far along an axis, edge lengths; infinite where the distance or the corner size is no number to divide.
+        edges: f64,
+    },
 }

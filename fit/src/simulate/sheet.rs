@@ -7,6 +7,7 @@ use tables::polygon::area;
 use super::cell::CubeShift;
 use super::{Error, Params, Shot};
 use crate::kernel::Kernel;
+use crate::shift::seen_from;
 
 impl Params {
     /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.
@@ -32,7 +33,10 @@ impl Params {
             let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
             let cosine = incidence_deg.to_radians().cos();
             let eta = direction.eta;
-            let moved = direction.moved([r_mm / (c_mm * cosine), r_mm / c_mm]);
+            let moved = match seen_from(direction, r_mm, c_mm, cosine) {
+                Ok(moved) => moved,
+                Err(error) => return refused(error.to_string()),
+            };
             let Some(paths) = moved.paths.filter(|_| eta > 0.0) else {
                 return refused(format!(
                     "it has no polygons of returned light at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; bake this \
