@@ -15,7 +15,8 @@ use tables::Direction;
 use tables::deviation::Exits;
 use tables::polygon::sinc;
 
-use super::{END, LineSpot, STEP};
+use super::LineSpot;
+use super::ruling::{Ruling, STEP};
 use crate::fourier;
 use crate::hermite::Samples;
 
@@ -26,10 +27,11 @@ const MOST_SPOTS: usize = 96;
 /// loses the fourth power times 3/128: 2e-5 where f R w is 5.
 const MOST_IN_A_ROW: usize = 192;
 
-/// Points of the grid of shifts along the line.
+/// Points of the grid of shifts along the line, where shifts are near; as many times more as the spacing in kappa is finer.
 ///
-/// It covers 1/STEP edge lengths: at the tabulated kappa, multiples of STEP, a shift beyond is the same as one within. A shift
-/// is put on four points by Lagrange's cubic, which errs by (TAU kappa spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at END.
+/// It covers 1/step edge lengths: at the tabulated kappa, multiples of the step, a shift beyond is the same as one within. A
+/// shift is put on four points by Lagrange's cubic, which errs by (TAU kappa spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at
+/// the end.
 const POINTS: usize = 1 << 15;
 
 /// A place along a line as four places of an even grid of this spacing: the first of them, and their weights.
@@ -54,21 +56,24 @@ pub(super) fn spots(
 ) -> Vec<LineSpot> {
     let total: f64 = exits.probability.iter().map(|(_, p)| p).sum();
     let width = 2.0 * direction.range / direction.probability.ncols() as f64;
+    let ruling = Ruling::of_bins(direction, along);
     let line = Line {
         direction,
         pool: direction.probability.ncols() / exits.grid.cells,
         width,
         along,
+        middle: ruling.middle,
     };
+    let points = (POINTS as f64 * ruling.finer) as usize;
     let found = along_normal(exits, normal);
     let mut cells: BTreeMap<[usize; 2], Vec<Point>> = BTreeMap::new();
     for &(cell, _) in found.iter().flat_map(|spot| &spot.light) {
-        cells.entry(cell).or_insert_with(|| line.cell(cell));
+        cells.entry(cell).or_insert_with(|| line.cell(cell, points));
     }
-    let transform = fourier::forward(POINTS);
-    let boxes = boxes(width, along);
+    let transform = fourier::forward(points);
+    let boxes = boxes(&ruling, width, along);
     let spot = |spot: &Spot| {
-        let mut sums = [vec![0.0; POINTS], vec![0.0; POINTS]];
+        let mut sums = [vec![0.0; points], vec![0.0; points]];
         for (cell, share) in &spot.light {
             for point in &cells[cell] {
                 sums[0][point.index] += share * point.weight;
@@ -95,15 +100,15 @@ pub(super) fn spots(
         LineSpot {
             share: 1.0,
             deviation: spot.deviation,
-            samples: Samples::new(STEP, values, slopes),
+            middle: ruling.middle,
+            samples: Samples::new(ruling.step(), values, slopes),
         }
     };
     found.iter().map(spot).collect()
 }
 
 /// What a bin's box does to the OTF at the tabulated kappa, with its slope.
-fn boxes(width: f64, along: [f64; 2]) -> Vec<(f64, f64)> {
-    let count = (END / STEP) as usize;
+fn boxes(ruling: &Ruling, width: f64, along: [f64; 2]) -> Vec<(f64, f64)> {
     let at = |kappa: f64| {
         let [(u, by_u), (v, by_v)] = along.map(|along| {
             let per_kappa = PI * along * width;
@@ -112,7 +117,7 @@ fn boxes(width: f64, along: [f64; 2]) -> Vec<(f64, f64)> {
         });
         (u * v, by_u * v + u * by_v)
     };
-    (0..=count).map(|i| at(i as f64 * STEP)).collect()
+    ruling.kappa().map(at).collect()
 }
 
 /// A point of the grid of shifts: its part of a cell's light, and that times the shift.
@@ -129,27 +134,30 @@ struct Line<'a> {
     pool: usize,
     width: f64,
     along: [f64; 2],
+    /// Shift that the points are counted from.
+    middle: f64,
 }
 
 impl Line<'_> {
-    /// The bins of a cell along the line.
-    fn cell(&self, [v, u]: [usize; 2]) -> Vec<Point> {
+    /// The bins of a cell on a grid of so many points along the line.
+    fn cell(&self, [v, u]: [usize; 2], count: usize) -> Vec<Point> {
         let bins = &self.direction.probability;
         let inside = || {
             let rows = v * self.pool..(v + 1) * self.pool;
             rows.flat_map(|v| (u * self.pool..(u + 1) * self.pool).map(move |u| (v, u)))
         };
         let power: f64 = inside().map(|at| bins[at]).sum();
+        // The same however many points: as many times more of them cover as many times more.
         let spacing = 1.0 / (STEP * POINTS as f64);
         let centre = |i: usize| (i as f64 + 0.5) * self.width - self.direction.range;
         let mut points = Vec::new();
         for (v, u) in inside().filter(|&at| bins[at] > 0.0) {
-            let x = self.along[0] * centre(u) + self.along[1] * centre(v);
+            let x = self.along[0] * centre(u) + self.along[1] * centre(v) - self.middle;
             let (first, weights) = on_grid(x, spacing);
             for (i, weight) in (first..).zip(weights) {
                 let weight = weight * bins[(v, u)] / power;
                 points.push(Point {
-                    index: i.rem_euclid(POINTS as i64) as usize,
+                    index: i.rem_euclid(count as i64) as usize,
                     weight,
                     moment: weight * x,
                 });
@@ -240,7 +248,7 @@ mod tests {
     }
 
     /// Light of made-up shares at every third place of a grid, its bins of shift pooled by 4.
-    fn direction(bins: usize) -> Direction {
+    fn direction(bins: usize, range: f64) -> Direction {
         let grid = Grid {
             cells: 4,
             bins,
@@ -269,7 +277,7 @@ mod tests {
             azimuth_deg: 0.0,
             eta: 0.5,
             probability,
-            range: 2.0,
+            range,
             standard_error: 0.0,
             interpolated: false,
             paths: None,
@@ -285,8 +293,27 @@ mod tests {
     fn spots_and_rows_are_the_plain_sum() {
         let incidence = 20f64.to_radians();
         let (mut cases, mut worst) = (0, [0.0_f64; 2]);
-        for (kind, bins) in [5, 21].into_iter().enumerate() {
-            let direction = direction(bins);
+        // Shifts beyond those of cubes are about a middle and on a finer step.
+        for (kind, bins, range) in [(0, 5, 2.0), (1, 21, 2.0), (0, 5, 8.0)] {
+            let mut direction = direction(bins, range);
+            if range > 2.0 {
+                // Light on one side only, so that the middle is not 0.
+                let exits = direction.exits.clone().unwrap();
+                let grid = exits.grid;
+                let left = |place: u64| grid.at(place).0[1] < 2;
+                let kept = exits
+                    .probability
+                    .into_iter()
+                    .filter(|&(place, _)| left(place));
+                let probability = kept.collect();
+                direction.exits = Some(Exits {
+                    probability,
+                    ..exits
+                });
+                for ((_, u), p) in direction.probability.indexed_iter_mut() {
+                    *p *= f64::from(u8::from(u < 8));
+                }
+            }
             let (exits, bins) = (direction.exits.as_ref().unwrap(), &direction.probability);
             for normal in [[1.0, 0.0], [0.6, -0.8]] {
                 let along = [normal[0] * incidence.cos(), normal[1]];
@@ -294,7 +321,7 @@ mod tests {
                 for (c, r) in [(0.1, 100.0), (0.3, 400.0)] {
                     for f in [0.0, 0.2, 0.9, 2.3] {
                         let mut expected = Complex64::ZERO;
-                        let centre = |i: usize| (i as f64 + 0.5) * 0.25 - 2.0;
+                        let centre = |i: usize| (i as f64 + 0.5) * range / 8.0 - range;
                         for &(place, share) in &exits.probability {
                             let ([cv, cu], bin) = exits.grid.at(place);
                             let [across, along_v] = exits.grid.deviation(bin);
@@ -307,15 +334,16 @@ mod tests {
                                 expected += Complex64::cis(-TAU * f * x) * part;
                             }
                         }
-                        let size = along.map(|along| sinc(PI * c * f * along * 0.25).0);
+                        let size = along.map(|along| sinc(PI * c * f * along * range / 8.0).0);
                         let (value, by_c) = line.otf(c, r, f);
                         let off = (value - expected * size[0] * size[1]).norm();
                         worst[kind] = worst[kind].max(off);
                         let step = 1e-5;
                         let ahead = line.otf(c + step, r, f).0;
                         let slope = (ahead - line.otf(c - step, r, f).0) / (2.0 * step);
-                        // As of polygons.
-                        assert!((by_c - slope).norm() < 1e-5, "{by_c} {slope}");
+                        // As of polygons: by the third power of the reach.
+                        let allowed = 1e-5 * (0.5 * range).powi(3);
+                        assert!((by_c - slope).norm() < allowed, "{by_c} {slope}");
                         cases += 1;
                     }
                 }
@@ -329,6 +357,6 @@ mod tests {
         assert!(worst[0] < 1.6e-5, "{worst:?}");
         // A row's phase turns by 2 pi 2.3 x 400 x 4e-3/21 = 1.1 from spot to spot: 1.1^4 x 3/128.
         assert!(worst[1] < 3.5e-2, "{worst:?}");
-        assert_eq!(cases, 32);
+        assert_eq!(cases, 48);
     }
 }
