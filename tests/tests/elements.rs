@@ -1,7 +1,64 @@
 //! Elements that are no corner cubes, from outside.
 
+use fit::shift::ShiftLine;
 use tests::files::argument;
 use tests::program::bake;
+
+/// A plate at azimuth 45: the shifts fill a square whose sides are across the two layers' mirrors, each 2 w P(s) pitches long
+/// (`bake/tests/elements/plate.rs`), so that the OTF of the shift is a product of two sincs of what the image shows of them.
+#[test]
+fn a_plate_blurs_as_its_slits_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let design = ["design", "plate", "-o", "plate.glb", "--edge-length", "0.5"];
+    bake(
+        here,
+        &[&design[..], &["--depth", "3", "--thickness", "0.02"]].concat(),
+    )
+    .done();
+    let trace = ["trace", "plate.glb", "-o", "plate.h5", "--element", "plate"];
+    let directions = ["--refractive-index", "1.5", "--azimuth", "45"];
+    bake(here, &[&trace[..], &directions].concat()).done();
+    let judged = bake(here, &["verify", "plate.h5", "--mesh", "plate.glb"]);
+    assert_eq!(judged.code, Some(0), "{}", judged.err);
+
+    let table = tables::read(&here.join("plate.h5")).unwrap();
+    assert_eq!(table.provenance.element(), "plate");
+    // GLB holds single precision: thicknesses and depths to 6e-8.
+    let (w, c_mm, mut cases) = (0.98, 0.5, 0);
+    for &incidence_deg in &table.axes.incidence_deg {
+        let incidence = incidence_deg.to_radians();
+        let inside = (incidence.sin() / 1.5).asin().tan();
+        let s = 3.0 * inside * std::f64::consts::FRAC_1_SQRT_2 / w;
+        let odd = 1.0 - (1.0 - s.rem_euclid(2.0)).abs();
+        let direction = table.direction(incidence_deg, Some(45.0)).unwrap();
+        assert!((direction.eta - (w * odd).powi(2)).abs() < 1e-6);
+        for angle in [0.0, 0.4, 1.3] {
+            let (ny, nx) = f64::sin_cos(angle);
+            let Some(line) = ShiftLine::new(&direction, incidence, [nx, ny]) else {
+                assert!(direction.eta < 1e-12);
+                continue;
+            };
+            for frequency in [0.2, 0.7, 1.9] {
+                let (kx, ky) = (nx * incidence.cos() * frequency, ny * frequency);
+                let sinc = |k: f64| {
+                    let half = std::f64::consts::PI * k * c_mm * 2.0 * w * odd;
+                    half.sin() / half
+                };
+                let turned = std::f64::consts::FRAC_1_SQRT_2;
+                let expected = sinc((kx - ky) * turned) * sinc((kx + ky) * turned);
+                // Tabulated to 1.6e-5; the closed form's numbers are good to 1e-6.
+                let (otf, _) = line.otf(c_mm, 300.0, frequency);
+                assert!(
+                    (otf.norm() - expected.abs()).abs() < 1.7e-5,
+                    "{incidence_deg} deg, {angle}, {frequency} /mm: {otf} is not {expected}"
+                );
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 81, "nine incidences at which light is imaged");
+}
 
 /// The worked examples of the manual, as printed; what they draw is there afterwards.
 #[test]
