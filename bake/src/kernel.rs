@@ -85,6 +85,13 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
+        // Photons end where their own chance says, rough facets turn each its own way, and on curved faces rays part: each goes
+        // alone. Programs and packets end on the entrance plane.
+        let alone = rules.losses.is_some()
+            || rules.roughness.is_some()
+            || rules.element != Element::Retroreflector
+            || rules.glass_index.is_some()
+            || scenes.iter().any(|scene| scene.is_curved());
         let mut entries = vec![Vec::new(); scenes.len()];
         for piece in launch.pieces() {
             entries[piece.scene].push(piece.polygon());
@@ -93,16 +100,9 @@ impl Kernel {
             .iter()
             .zip(entries)
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
-        let programs: Option<Vec<Program>> = programs.collect();
-        // Photons end where their own chance says, rough facets turn each its own way, and on curved faces rays part: each goes
-        // alone. Programs and packets end on the entrance plane.
-        let alone = rules.losses.is_some()
-            || rules.roughness.is_some()
-            || rules.element != Element::Retroreflector
-            || rules.glass_index.is_some()
-            || scenes.iter().any(|scene| scene.is_curved());
+        let programs: Option<Vec<Program>> = if alone { None } else { programs.collect() };
         Kernel {
-            programs: programs.filter(|_| !alone).unwrap_or_default(),
+            programs: programs.unwrap_or_default(),
             instructions: InstructionSet::best(),
             // With an azimuth of its own for each, rays part at once.
             packets: direction.is_some() && !alone,

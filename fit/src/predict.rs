@@ -86,8 +86,6 @@ pub struct Around {
 
 /// What is seen of the sheet along one direction of incidence.
 struct Seen<'a> {
-    result: &'a ResultFile,
-    table: &'a Table,
     sheet: &'a Fitted<'a>,
     incidence_deg: f64,
     direction: Direction,
@@ -95,25 +93,18 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(
-        sheet: &'a Fitted<'a>,
-        (result, table): (&'a ResultFile, &'a Table),
-        places: &'a Places,
-        incidence_deg: f64,
-    ) -> Result<Self, Error> {
+    fn new(sheet: &'a Fitted<'a>, places: &'a Places, incidence_deg: f64) -> Result<Self, Error> {
         Ok(Seen {
-            result,
-            table,
             sheet,
             incidence_deg,
-            direction: table.direction(incidence_deg, places.azimuth_deg)?,
+            direction: sheet.table.direction(incidence_deg, places.azimuth_deg)?,
             frequency_per_mm: &places.frequency_per_mm,
         })
     }
 
     /// The MTF at each distance of contrast along `normal`; none where nothing returns.
     fn mtf(&self, normal: [f64; 2], distance_mm: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
-        let (result, direction) = (self.result, &self.direction);
+        let (result, direction) = (self.sheet.result, &self.direction);
         let incidence = self.incidence_deg.to_radians();
         if self.sheet.returned(self.incidence_deg, direction.eta) <= 0.0 {
             return Ok(vec![Vec::new(); distance_mm.len()]);
@@ -123,7 +114,7 @@ impl<'a> Seen<'a> {
         let waves = (result.kernel == Kernel::Wave && shift.is_some())
             .then(|| WaveLine::new(direction, incidence, normal, result.wavelength_nm.as_ref()))
             .transpose()?;
-        let index = self.table.provenance.refractive_index;
+        let index = self.sheet.table.provenance.refractive_index;
         let at = |&r_mm: &f64| {
             let model = Model {
                 kernel: result.kernel,
@@ -154,7 +145,7 @@ pub fn predict(
     let sheet = Fitted::new(result, table)?;
     let mut predictions = Vec::new();
     for &incidence_deg in &places.incidence_deg {
-        let seen = Seen::new(&sheet, (result, table), places, incidence_deg)?;
+        let seen = Seen::new(&sheet, places, incidence_deg)?;
         let axes = [Axis::Tangential, Axis::Sagittal];
         let [tangential, sagittal] = axes.map(|axis| seen.mtf(axis.normal(), &places.distance_mm));
         let curves = tangential?.into_iter().zip(sagittal?);
@@ -192,7 +183,7 @@ pub fn around(result: &ResultFile, table: &Table, places: &Places) -> Result<Vec
     let step = 180.0 / DIRECTIONS as f64;
     let mut all = Vec::new();
     for &incidence_deg in &places.incidence_deg {
-        let seen = Seen::new(&sheet, (result, table), places, incidence_deg)?;
+        let seen = Seen::new(&sheet, places, incidence_deg)?;
         let along = (0..DIRECTIONS).map(|k| {
             let (sagittal, tangential) = (k as f64 * step).to_radians().sin_cos();
             seen.mtf([tangential, sagittal], &places.distance_mm)

@@ -150,6 +150,21 @@ mod tests {
     use super::*;
     use ndarray::Array2;
 
+    /// A direction at 20 degrees of which these paths return.
+    fn of(paths: Vec<Path>) -> Direction {
+        Direction {
+            incidence_deg: 20.0,
+            azimuth_deg: 0.0,
+            eta: 0.4,
+            probability: Array2::zeros((4, 4)),
+            range: 2.0,
+            standard_error: 0.0,
+            interpolated: false,
+            exits: None,
+            paths: Some(paths),
+        }
+    }
+
     /// Three triangles, two of which leave alike. Spots in turn, and deviations made part of the shift at one distance and
     /// corner size, are two ways to the same OTF; its derivative against differences.
     #[test]
@@ -161,21 +176,11 @@ mod tests {
             weight,
             deviation,
         };
-        let direction = Direction {
-            incidence_deg: 20.0,
-            azimuth_deg: 0.0,
-            eta: 0.4,
-            probability: Array2::zeros((4, 4)),
-            range: 2.0,
-            standard_error: 0.0,
-            interpolated: false,
-            exits: None,
-            paths: Some(vec![
-                path(0.0, 0.9, [1e-3, -2e-3]),
-                path(1.0, 0.7, [-1e-3, 5e-4]),
-                path(2.0, 0.8, [1e-3, -2e-3]),
-            ]),
-        };
+        let direction = of(vec![
+            path(0.0, 0.9, [1e-3, -2e-3]),
+            path(1.0, 0.7, [-1e-3, 5e-4]),
+            path(2.0, 0.8, [1e-3, -2e-3]),
+        ]);
         let incidence = 20f64.to_radians();
         let mut cases = 0;
         for normal in [[1.0, 0.0], [0.6, 0.8]] {
@@ -211,30 +216,20 @@ mod tests {
             weight: 1.0,
             deviation: [0.0; 2],
         };
-        let of = |offsets: &[[f64; 2]]| Direction {
-            incidence_deg: 20.0,
-            azimuth_deg: 0.0,
-            eta: 0.4,
-            probability: Array2::zeros((4, 4)),
-            range: 2.0,
-            standard_error: 0.0,
-            interpolated: false,
-            exits: None,
-            paths: Some(offsets.iter().copied().map(path).collect()),
-        };
+        let at = |offsets: &[[f64; 2]]| of(offsets.iter().copied().map(path).collect());
         let bins = Direction {
             probability: Array2::from_shape_fn((48, 48), |(v, u)| ((v * 7 + u * 13) % 11) as f64),
             range: 8.0,
             paths: None,
-            ..of(&[])
+            ..of(Vec::new())
         };
         let incidence = 20f64.to_radians();
         let (mut cases, mut worst) = (0, 0.0_f64);
         for direction in [
-            of(&[[3.0, -3.0]]),
-            of(&[[30.0, 0.0], [29.5, 1.0]]),
-            of(&[[-21.0, 21.0]]),
-            of(&[[30.0, 0.0], [-30.0, 4.0], [0.0, 9.0]]),
+            at(&[[3.0, -3.0]]),
+            at(&[[30.0, 0.0], [29.5, 1.0]]),
+            at(&[[-21.0, 21.0]]),
+            at(&[[30.0, 0.0], [-30.0, 4.0], [0.0, 9.0]]),
             bins,
         ] {
             for normal in [[1.0, 0.0], [0.6, 0.8], [0.0, -1.0]] {

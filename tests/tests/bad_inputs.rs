@@ -241,6 +241,14 @@ fn options() {
             part,
         )
     };
+    let design = |name: &'static str, [option, value]: [&'static str; 2], part: &'static str| {
+        (
+            "bake",
+            vec!["design", name, option, value, "-o", "x.obj"],
+            2,
+            part,
+        )
+    };
     let estimate = |option: &'static str, value: &'static str, part: &'static str| {
         (
             "fit",
@@ -317,28 +325,24 @@ fn options() {
             1,
             "is an input of this command",
         ),
-        (
-            "bake",
-            vec!["design", "canted", "--cant-deg", "80", "-o", "x.obj"],
-            2,
+        design(
+            "canted",
+            ["--cant-deg", "80"],
             "cant in degrees of 80 is outside -34.5 to 52",
         ),
-        (
-            "bake",
-            vec!["design", "plate", "--depth", "-3", "-o", "x.obj"],
-            2,
+        design(
+            "plate",
+            ["--depth", "-3"],
             "depth of -3 is outside 0.001 to 1000",
         ),
-        (
-            "bake",
-            vec!["design", "triangular", "--depth", "3", "-o", "x.obj"],
-            2,
+        design(
+            "triangular",
+            ["--depth", "3"],
             "triangular does not take a depth",
         ),
-        (
-            "bake",
-            vec!["design", "triangular", "--edge-radius", "1", "-o", "x.obj"],
-            2,
+        design(
+            "triangular",
+            ["--edge-radius", "1"],
             "edge radius of 1 is outside 0 to 0.6",
         ),
         (
