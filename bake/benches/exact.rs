@@ -4,7 +4,7 @@
 
 mod cells;
 
-use bake::exact::ExactCell;
+use bake::beams::exact::ExactCell;
 use cells::{AZIMUTH_DEG, INCIDENCE_DEG, RULES, design};
 use divan::{Bencher, counter::ItemsCount};
 use meshes::design::Shape;

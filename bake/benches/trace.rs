@@ -4,12 +4,12 @@
 
 mod cells;
 
-use bake::kernel::Kernel;
-use bake::launch::Launch;
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream};
-use bake::sheet::Sheet;
-use bake::tally::{Bins, Tally};
+use bake::rays::kernel::Kernel;
+use bake::rays::scene::{Index, Scene};
+use bake::rays::sheet::Sheet;
+use bake::rays::tally::{Bins, Tally};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream};
 use cells::{AZIMUTH_DEG, INCIDENCE_DEG, RULES, design, sheet};
 use divan::{Bencher, counter::ItemsCount};
 use meshes::Cell;

@@ -2,13 +2,13 @@
 //!
 //! `cargo run --release -p bake --example speed`
 
-use bake::kernel::Kernel;
-use bake::launch::Launch;
-use bake::path::Rules;
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream};
-use bake::simd::InstructionSet;
-use bake::tally::{Bins, Tally};
+use bake::rays::kernel::Kernel;
+use bake::rays::path::Rules;
+use bake::rays::scene::{Index, Scene};
+use bake::rays::simd::InstructionSet;
+use bake::rays::tally::{Bins, Tally};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream};
 use glam::{DVec2, DVec3};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Entrance, normalise};

@@ -2,10 +2,11 @@
 
 mod cells;
 
-use bake::exact::{ExactCell, spread};
-use bake::plan::{Back, Plan, Request};
-use bake::run::bake;
-use bake::{directions, symmetry};
+use bake::beams::exact::{ExactCell, spread};
+use bake::cell::symmetry;
+use bake::plan::plan::{Back, Plan, Request};
+use bake::run::directions;
+use bake::run::run::bake;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
 use tables::Table;
@@ -94,7 +95,7 @@ fn what_has_no_symmetry_is_baked_all_around() {
     let request = Request {
         incidence: "10".into(),
         azimuth: "full:15".into(),
-        method: bake::plan::Method::Rays,
+        method: bake::plan::plan::Method::Rays,
         rays: Some(4096),
         ..Request::default()
     };

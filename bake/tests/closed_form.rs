@@ -2,10 +2,10 @@
 
 mod cells;
 
-use bake::plan::{Plan, Request};
-use bake::ray::Direction;
-use bake::run::rays;
-use bake::sequence::Sampler;
+use bake::optics::ray::Direction;
+use bake::plan::plan::{Plan, Request};
+use bake::run::run::rays;
+use bake::samples::sequence::Sampler;
 use cells::{bin_areas, closed_form};
 use meshes::Cell;
 use tables::{Fate, Table};

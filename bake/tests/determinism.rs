@@ -2,9 +2,9 @@
 
 mod cells;
 
-use bake::plan::{Plan, Request};
-use bake::run::rays;
-use bake::sequence::Sampler;
+use bake::plan::plan::{Plan, Request};
+use bake::run::run::rays;
+use bake::samples::sequence::Sampler;
 
 #[test]
 fn one_two_and_three_threads_write_the_same_bytes() {
@@ -61,7 +61,7 @@ fn tolerance_is_reached() {
     )
     .expect("bakes");
     for (i, incidence) in [0.0f64, 20.0].into_iter().enumerate() {
-        let direction = bake::ray::Direction::new(incidence.to_radians(), 0.0, 1.0);
+        let direction = bake::optics::ray::Direction::new(incidence.to_radians(), 0.0, 1.0);
         let (fraction, polygon) = cells::closed_form(direction.travel, 0.0);
         let polygon: Vec<_> = polygon.into_iter().map(|p| direction.to_frame(p)).collect();
         let whole = cells::area(&polygon);

@@ -2,9 +2,9 @@
 
 mod cells;
 
-use bake::element::Element;
-use bake::plan::{Method, Plan, Record, Request, SceneOptions};
-use bake::run::{Tracer, bake, rays_by};
+use bake::optics::element::Element;
+use bake::plan::plan::{Method, Plan, Record, Request, SceneOptions};
+use bake::run::run::{Tracer, bake, rays_by};
 use glam::DVec2;
 use meshes::design::{Design, Plate, Shape};
 use meshes::{Cell, CellOptions, normalise};

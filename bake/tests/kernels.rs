@@ -2,17 +2,18 @@
 
 mod cells;
 
-use bake::bodies::{self, Whole};
-use bake::kernel::Kernel;
-use bake::launch::Launch;
-use bake::path::{Rules, trace};
-use bake::program::{End, Program};
-use bake::ray::Direction;
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream};
-use bake::sheet::Sheet;
-use bake::simd::InstructionSet;
-use bake::tally::{Bins, Tally};
+use bake::cell::bodies;
+use bake::cell::bodies::Whole;
+use bake::optics::ray::Direction;
+use bake::rays::kernel::Kernel;
+use bake::rays::path::{Rules, trace};
+use bake::rays::program::{End, Program};
+use bake::rays::scene::{Index, Scene};
+use bake::rays::sheet::Sheet;
+use bake::rays::simd::InstructionSet;
+use bake::rays::tally::{Bins, Tally};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream};
 use glam::DVec3;
 use meshes::{Cell, Entrance};
 use std::sync::Arc;

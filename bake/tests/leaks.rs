@@ -2,11 +2,11 @@
 
 mod cells;
 
-use bake::optics::reflect;
-use bake::path::{Rules, trace};
-use bake::ray::Direction;
-use bake::scene::{Event, Index, Scene};
-use bake::sequence::{Sampler, Stream, centred};
+use bake::optics::mirror::reflect;
+use bake::optics::ray::Direction;
+use bake::rays::path::{Rules, trace};
+use bake::rays::scene::{Event, Index, Scene};
+use bake::samples::sequence::{Sampler, Stream, centred};
 use glam::{DVec2, DVec3};
 use meshes::Cell;
 use tables::Fate;

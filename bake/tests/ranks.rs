@@ -3,11 +3,11 @@
 
 mod cells;
 
-use bake::plan::{Plan, Request};
-use bake::ranks::{Alone, Ranks};
-use bake::run::{bake_from, rays};
-use bake::saves::Saves;
-use bake::sequence::Sampler;
+use bake::plan::plan::{Plan, Request};
+use bake::run::ranks::{Alone, Ranks};
+use bake::run::run::{bake_from, rays};
+use bake::run::saves::Saves;
+use bake::samples::sequence::Sampler;
 use meshes::Cell;
 use std::sync::{Barrier, Mutex};
 use std::time::Duration;
@@ -128,7 +128,7 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
         incidence: incidence.into(),
         azimuth: azimuth.into(),
         rays: Some(200_001),
-        method: bake::plan::Method::Rays,
+        method: bake::plan::plan::Method::Rays,
         ..Request::default()
     };
     let cases = [

@@ -2,14 +2,15 @@
 
 mod cells;
 
-use bake::optics::deviation;
-use bake::path::{Luck, Outcome, Rules, trace};
-use bake::plan::{Method, Plan, Request, SceneOptions};
-use bake::ray::Direction;
-use bake::roughness::{Roughness, Slopes};
-use bake::run::{self, RunError, Tracer};
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream};
+use bake::optics::mirror::deviation;
+use bake::optics::ray::Direction;
+use bake::optics::roughness::{Roughness, Slopes};
+use bake::plan::plan::{Method, Plan, Request, SceneOptions};
+use bake::rays::path::{Luck, Outcome, Rules, trace};
+use bake::rays::scene::{Index, Scene};
+use bake::run::run;
+use bake::run::run::{RunError, Tracer};
+use bake::samples::sequence::{Sampler, Stream};
 use glam::{DMat2, DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 use tables::{Fate, Table};

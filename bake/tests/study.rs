@@ -1,11 +1,12 @@
 //! `bake study`: measured slopes against those of theory, its estimate of errors, and the verb from outside.
 
-use bake::plan;
-use bake::run::Tracer;
-use bake::sequence::Sampler;
+use bake::plan::plan;
+use bake::run::run::Tracer;
+use bake::samples::sequence::Sampler;
 use bake::study::fit::Reached;
-use bake::study::report::{self, expected_exponent};
-use bake::study::{Checked, Reference, Request, Study};
+use bake::study::report;
+use bake::study::report::expected_exponent;
+use bake::study::study::{Checked, Reference, Request, Study};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions};
 use std::path::Path;

@@ -2,12 +2,12 @@
 
 mod planted;
 
-use fit::azimuth::{find, scatter};
-use fit::estimate::Choice;
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::loss::Kind;
-use fit::simulate::Truth;
+use fit::estimate::azimuth::{find, scatter};
+use fit::estimate::estimate::Choice;
+use fit::estimate::loss::Kind;
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::simulate::photograph::Truth;
 use planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 

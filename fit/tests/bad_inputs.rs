@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use fit::{captures, photo, simulate};
+use fit::photographs::{captures, photo};
+use fit::simulate::photograph as simulate;
 
 /// Why a manifest cannot be used, photographs included.
 fn manifest_error(file: &Path) -> Option<String> {

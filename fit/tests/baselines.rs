@@ -3,16 +3,16 @@
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
-use fit::baseline::{Baseline, fresnel, returned};
-use fit::captures::keys::Place;
-use fit::captures::{Campaign, Capture, Setup, Shot};
-use fit::kernel::{Blur, Family, Kernel};
-use fit::lobe::Shape;
-use fit::loss::Kind;
-use fit::microfacet;
-use fit::photo::{Decode, Photo};
-use fit::scene::Scene;
-use fit::select::{Candidates, Selection, select};
+use fit::estimate::loss::Kind;
+use fit::estimate::scene::Scene;
+use fit::estimate::select::{Candidates, Selection, select};
+use fit::model::baseline::{Baseline, fresnel, returned};
+use fit::model::kernel::{Blur, Family, Kernel};
+use fit::model::lobe::Shape;
+use fit::model::microfacet;
+use fit::photographs::captures::keys::Place;
+use fit::photographs::captures::{Campaign, Capture, Setup, Shot};
+use fit::photographs::photo::{Decode, Photo};
 
 #[path = "planted/mod.rs"]
 mod planted;

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use fit::captures::{self, Roi};
-use fit::edge::Accepted;
-use fit::photo::{Channel, Transfer};
+use fit::photographs::captures;
+use fit::photographs::captures::Roi;
+use fit::photographs::edge::Accepted;
+use fit::photographs::photo::{Channel, Transfer};
 
 /// A folder with a manifest and an image for it.
 fn campaign(manifest: &str) -> (tempfile::TempDir, captures::Campaign) {

@@ -2,12 +2,13 @@
 
 mod planted;
 
-use fit::captures;
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::photo::{self, Channel, Decode};
-use fit::scene::Scene;
-use fit::simulate;
+use fit::estimate::scene::Scene;
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::captures;
+use fit::photographs::photo;
+use fit::photographs::photo::{Channel, Decode};
+use fit::simulate::photograph as simulate;
 use planted::{camera, params, table, truth};
 
 /// Red, green and blue from three sheets (a and mu differ): every channel's scene is that of its own sheet, to the last bit.

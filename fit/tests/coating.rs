@@ -1,12 +1,12 @@
 //! What the coating of a sheet mirrors into a picture, against the virtual image behind a plane mirror.
 
-use fit::photo::{Picture, Transfer};
-use fit::render::sampled;
-use fit::render::view::View;
-use fit::render::viewed;
-use fit::sample::Sequence;
-use fit::sampled::Sampling;
-use fit::spot::{Error, Place, Sheet, Spot};
+use fit::images::render::sampled;
+use fit::images::render::view::View;
+use fit::images::render::viewed;
+use fit::images::spot::{Error, Place, Sheet, Spot};
+use fit::photographs::photo::{Picture, Transfer};
+use fit::samples::sample::Sequence;
+use fit::samples::sampled::Sampling;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 

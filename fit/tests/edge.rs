@@ -2,15 +2,16 @@
 
 mod planted;
 
-use fit::camera::{Camera, Lens};
-use fit::edge::{Fault, locate};
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::photo::Photo;
-use fit::profile::Profile;
-use fit::sfr::Estimator;
-use fit::simulate::{self, Edge};
-use fit::window::Window;
+use fit::model::camera::{Camera, Lens};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::edge::{Fault, locate};
+use fit::photographs::photo::Photo;
+use fit::photographs::profile::Profile;
+use fit::photographs::sfr::Estimator;
+use fit::photographs::window::Window;
+use fit::simulate::photograph as simulate;
+use fit::simulate::photograph::Edge;
 use planted::{Stream, camera, params, truth};
 
 fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {

@@ -2,17 +2,18 @@
 
 mod planted;
 
-use fit::bound::{absent, bounds};
-use fit::captures::{self, Spectrum};
-use fit::estimate::{Choice, Estimate, estimate, optimum, refined, residuals_at};
-use fit::kernel::{Blur, Kernel};
-use fit::lobe::Shape;
-use fit::loss::{Kind, Loss};
-use fit::reflectance::Contrast;
-use fit::scene::Scene;
-use fit::select::{Candidates, select};
-use fit::simulate;
-use fit::view::{Model, Weights};
+use fit::compare::reflectance::Contrast;
+use fit::compare::view::{Model, Weights};
+use fit::estimate::bound::{absent, bounds};
+use fit::estimate::estimate::{Choice, Estimate, estimate, optimum, refined, residuals_at};
+use fit::estimate::loss::{Kind, Loss};
+use fit::estimate::scene::Scene;
+use fit::estimate::select::{Candidates, select};
+use fit::model::kernel::{Blur, Kernel};
+use fit::model::lobe::Shape;
+use fit::photographs::captures;
+use fit::photographs::captures::Spectrum;
+use fit::simulate::photograph as simulate;
 use nalgebra::DVector;
 use planted::{Stream, camera, params, scene, table, truth};
 
@@ -148,7 +149,7 @@ fn derivatives_match_differences() {
 
 /// Differences from the truth in units of the reported standard error, over planted campaigns.
 fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
-    let pull = |v: fit::estimate::Value, truth: f64| (v.value - truth) / v.standard_error;
+    let pull = |v: fit::estimate::estimate::Value, truth: f64| (v.value - truth) / v.standard_error;
     let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
     [
         pull(fit.c_mm.expect("eq1 has c"), c),

@@ -1,12 +1,13 @@
 //! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms. And
 //! predictions drawn against one variable.
 
-use fit::export::{Form, Nearest, nearest};
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::plot::{self, Variable};
-use fit::predict::{Places, around, predict};
-use fit::report::{ResultFile, TableResult};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::predict::export::{Form, Nearest, nearest};
+use fit::predict::predict::{Places, around, predict};
+use fit::report::plot;
+use fit::report::plot::Variable;
+use fit::result::report::{ResultFile, TableResult};
 use serde_json::{Value, json};
 use tables::Table;
 

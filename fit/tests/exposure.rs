@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use fit::captures::{self, Campaign};
-use fit::photo::{self, Decode};
+use fit::photographs::captures;
+use fit::photographs::captures::Campaign;
+use fit::photographs::photo;
+use fit::photographs::photo::Decode;
 
 /// What a camera writes.
 #[derive(Clone, Copy)]

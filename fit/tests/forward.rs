@@ -2,15 +2,18 @@
 
 mod planted;
 
-use fit::estimate::{Choice, Estimate, compare, estimate, model, optimum, refined, residuals_at};
-use fit::forward::{self, RANDOMISATIONS};
-use fit::kernel::{Blur, Kernel};
-use fit::lobe::Shape;
-use fit::loss::Loss;
-use fit::sample::Sequence;
-use fit::sampled::Sampling;
-use fit::scene::Scene;
-use fit::view::{Curve, Weights};
+use fit::compare::view::{Curve, Weights};
+use fit::estimate::estimate::{
+    Choice, Estimate, compare, estimate, model, optimum, refined, residuals_at,
+};
+use fit::estimate::forward;
+use fit::estimate::forward::RANDOMISATIONS;
+use fit::estimate::loss::Loss;
+use fit::estimate::scene::Scene;
+use fit::model::kernel::{Blur, Kernel};
+use fit::model::lobe::Shape;
+use fit::samples::sample::Sequence;
+use fit::samples::sampled::Sampling;
 use nalgebra::DVector;
 use num_complex::Complex64;
 use planted::{camera, params, scene, table, truth};

@@ -2,9 +2,10 @@
 //!
 //! Recorded by fit/tests/metrics.py with scikit-image 0.26.0, flip-evaluator 1.7, torch and lpips 0.1.4.
 
-use fit::metrics::lpips::Lpips;
-use fit::metrics::{self, Shown};
-use fit::photo::{Picture, Transfer};
+use fit::images::metrics;
+use fit::images::metrics::Shown;
+use fit::images::metrics::lpips::Lpips;
+use fit::photographs::photo::{Picture, Transfer};
 
 const WIDTH: usize = 48;
 const HEIGHT: usize = 40;

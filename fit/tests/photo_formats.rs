@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use exr::prelude::*;
-use fit::photo::{self, Channel, Decode, Transfer};
+use fit::photographs::photo;
+use fit::photographs::photo::{Channel, Decode, Transfer};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
 
 const WIDTH: usize = 37;

@@ -3,11 +3,12 @@
 
 use std::f64::consts::PI;
 
-use fit::captures::Roi;
-use fit::edge::{Accepted, Fault};
-use fit::measure::{Measurement, edge};
-use fit::photo::{self, Decode, Photo, Transfer};
-use fit::sfr::{Estimator, standard_error};
+use fit::photographs::captures::Roi;
+use fit::photographs::edge::{Accepted, Fault};
+use fit::photographs::measure::{Measurement, edge};
+use fit::photographs::photo;
+use fit::photographs::photo::{Decode, Photo, Transfer};
+use fit::photographs::sfr::{Estimator, standard_error};
 
 const SIGMA_PX: f64 = 0.8;
 const DARK: f64 = 0.1;

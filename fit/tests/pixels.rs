@@ -2,16 +2,17 @@
 
 mod planted;
 
-use fit::estimate::{Choice, Estimate, estimate, optimum, refined};
-use fit::joint::{Joint, Used};
-use fit::kernel::{Blur, Kernel};
-use fit::layout::Layout;
-use fit::likelihood::{Nuisances, Photograph};
-use fit::lobe::Shape;
-use fit::loss::{Kind, Loss};
-use fit::noise::PixelNoise;
-use fit::scene::Scene;
-use fit::simulate::{self, Params};
+use fit::compare::likelihood::{Nuisances, Photograph};
+use fit::estimate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use fit::estimate::joint::{Joint, Used};
+use fit::estimate::layout::Layout;
+use fit::estimate::loss::{Kind, Loss};
+use fit::estimate::scene::Scene;
+use fit::model::kernel::{Blur, Kernel};
+use fit::model::lobe::Shape;
+use fit::photographs::noise::PixelNoise;
+use fit::simulate::photograph as simulate;
+use fit::simulate::photograph::Params;
 use nalgebra::{DMatrix, DVector};
 use planted::{Stream, camera, params, scene, table, truth};
 
@@ -29,7 +30,11 @@ fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
 }
 
 /// Residuals and nuisance derivatives of a photograph's rows, stacked.
-fn rows(photograph: &Photograph, curves: &fit::likelihood::Curves, at: &Nuisances) -> DMatrix<f64> {
+fn rows(
+    photograph: &Photograph,
+    curves: &fit::compare::likelihood::Curves,
+    at: &Nuisances,
+) -> DMatrix<f64> {
     let mut all: Vec<Vec<f64>> = Vec::new();
     photograph.rows(curves, at, |row| all.push(row.to_vec()));
     DMatrix::from_fn(all.len(), all[0].len(), |i, j| all[i][j])
@@ -48,7 +53,7 @@ fn nuisance_derivatives_match_differences() {
     );
     let shot = &scene.shots[0];
     let mut photograph = Photograph::new(&shot.pixels, scene.camera.pitch_mm);
-    let model = fit::estimate::model(shot, SHARED);
+    let model = fit::estimate::estimate::model(shot, SHARED);
     let blur = Blur {
         spread: 3.4,
         c_mm: 0.31,

@@ -6,15 +6,17 @@ mod planted;
 
 use std::path::{Path, PathBuf};
 
-use fit::camera::{Camera, Lens};
-use fit::captures;
-use fit::edge::Fault;
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::measure;
-use fit::photo::{self, Channel, Decode};
-use fit::sfr::Estimator;
-use fit::simulate::{self, Edge};
+use fit::model::camera::{Camera, Lens};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::captures;
+use fit::photographs::edge::Fault;
+use fit::photographs::measure;
+use fit::photographs::photo;
+use fit::photographs::photo::{Channel, Decode};
+use fit::photographs::sfr::Estimator;
+use fit::simulate::photograph as simulate;
+use fit::simulate::photograph::Edge;
 use planted::{camera, params, truth};
 
 const WHITE: u32 = 15_000;

@@ -2,9 +2,9 @@
 
 mod planted;
 
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::sample::{LobeSampler, Points, Sequence, ShiftSampler};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::samples::sample::{LobeSampler, Points, Sequence, ShiftSampler};
 use ndarray::Array2;
 use num_complex::Complex64;
 use planted::{Stream, table, truth};

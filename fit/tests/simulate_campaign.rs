@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::simulate::{self, ByIncidence, Camera, Edge, Error, Params, Shot, Truth};
-use fit::{captures, photo};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::{captures, photo};
+use fit::simulate::photograph as simulate;
+use fit::simulate::photograph::{ByIncidence, Camera, Edge, Error, Params, Shot, Truth};
 
 fn params() -> Params {
     let shot = |distance, incidence, normal| Shot {

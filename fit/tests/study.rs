@@ -4,17 +4,18 @@ mod planted;
 
 use std::path::Path;
 
-use fit::captures::Spectrum;
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::loss::Kind;
-use fit::select::Candidates;
+use fit::estimate::loss::Kind;
+use fit::estimate::select::Candidates;
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::captures::Spectrum;
 use fit::study::choice;
-use fit::study::photographs;
 use fit::study::ranges::Ranges;
 use fit::study::refused;
+use fit::study::study::photographs;
 use fit::study::summary::{Summary, tells};
-use fit::study::trial::{self, Trial};
+use fit::study::trial;
+use fit::study::trial::Trial;
 use planted::{camera, params, scene, table, truth};
 use rayon::prelude::*;
 

@@ -4,15 +4,15 @@ mod planted;
 
 use std::f64::consts::TAU;
 
-use fit::captures::Spectrum;
-use fit::estimate::{Choice, estimate, optimum};
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::loss::{Kind, Loss};
-use fit::select::{Candidates, select};
-use fit::shift::ShiftLine;
-use fit::simulate::Truth;
-use fit::wave::{Fault, WaveLine};
+use fit::estimate::estimate::{Choice, estimate, optimum};
+use fit::estimate::loss::{Kind, Loss};
+use fit::estimate::select::{Candidates, select};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::model::shift::ShiftLine;
+use fit::model::wave::{Fault, WaveLine};
+use fit::photographs::captures::Spectrum;
+use fit::simulate::photograph::Truth;
 use num_complex::Complex64;
 use planted::{camera, params, scene, table, truth};
 use tables::{Direction, Path, Table};

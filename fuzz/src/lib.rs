@@ -48,14 +48,14 @@ pub fn table(bytes: &[u8]) {
 /// A photograph of any format: what it holds decides, not its name.
 pub fn photograph(bytes: &[u8]) {
     let path = file("photograph", bytes);
-    let _ = fit::photo::load(&path, &fit::photo::Decode::default());
-    let _ = fit::photo::Settings::of(&path);
+    let _ = fit::photographs::photo::load(&path, &fit::photographs::photo::Decode::default());
+    let _ = fit::photographs::photo::Settings::of(&path);
 }
 
 /// A manifest of captures, ranges of a study and parameters of a simulation.
 pub fn toml(bytes: &[u8]) {
     let path = file("fuzzed.toml", bytes);
-    let _ = fit::captures::load(&path);
+    let _ = fit::photographs::captures::load(&path);
     let _ = fit::study::ranges::Ranges::load(&path);
-    let _ = fit::simulate::Params::load(&path);
+    let _ = fit::simulate::photograph::Params::load(&path);
 }

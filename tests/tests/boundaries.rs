@@ -105,13 +105,13 @@ fn one_file_names_the_bvh() {
     }
     assert_eq!(
         files_with(|line| line.contains("obvhs")),
-        ["bake/src/bvh.rs"]
+        ["bake/src/rays/bvh.rs"]
     );
 }
 
 #[test]
 fn unsafe_code_stays_behind_its_fences() {
-    let fences = ["bake/src/simd.rs", "tables/src/scales.rs"];
+    let fences = ["bake/src/rays/simd.rs", "tables/src/scales.rs"];
     let keyword = |line: &str| {
         line.split(|c: char| !c.is_alphanumeric() && c != '_')
             .any(|word| word == "unsafe")
@@ -138,7 +138,7 @@ fn unsafe_code_stays_behind_its_fences() {
 const LONGEST_FILE: usize = 480;
 
 /// Files that were longer when this limit came, and the length that they may not pass: split them, do not raise it.
-const LONGER: [(&str, usize); 2] = [("bake/src/cli.rs", 490), ("bake/src/program.rs", 523)];
+const LONGER: [(&str, usize); 2] = [("bake/src/cli/cli.rs", 490), ("bake/src/rays/program.rs", 523)];
 
 #[test]
 fn no_file_outgrows_its_noun() {

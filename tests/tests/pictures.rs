@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fit::photo::{Picture, Transfer, Writing, load_colour};
+use fit::photographs::photo::{Picture, Transfer, Writing, load_colour};
 use image::{ImageBuffer, Luma, Rgb};
 use serde_json::Value;
 use tests::estimate::json;

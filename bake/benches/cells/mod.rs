@@ -1,7 +1,7 @@
 //! The cells that are measured.
 #![allow(dead_code, reason = "each benchmark takes what it needs")]
 
-use bake::path::Rules;
+use bake::rays::path::Rules;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;

@@ -1,18 +1,18 @@
 //! `bake verify` and `bake merge`: what is done with tables that are there.
 
-use super::{CellArgs, Failure, print, warn};
-use crate::plan::{Back, SceneOptions};
-use crate::provenance::losses_of;
-use crate::report;
-use crate::retrace::retrace;
-use crate::symmetry;
+use crate::cell::symmetry;
+use crate::cli::cli::{CellArgs, Failure, print, warn};
+use crate::cli::report;
+use crate::plan::plan::{Back, SceneOptions};
+use crate::run::provenance::losses_of;
+use crate::run::retrace::retrace;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use tables::{Outputs, Symmetry, Table};
 
 /// Options of `bake verify`.
 #[derive(Debug, Args)]
-pub(super) struct VerifyArgs {
+pub(crate) struct VerifyArgs {
     /// Table to check
     table: PathBuf,
     /// Traces rays through this mesh at some of the table's directions, and compares eta and shifts (exit directions are not
@@ -35,7 +35,7 @@ pub(super) struct VerifyArgs {
 
 /// Options of `bake merge`.
 #[derive(Debug, Args)]
-pub(super) struct MergeArgs {
+pub(crate) struct MergeArgs {
     /// Tables to put together
     #[arg(required = true, value_name = "TABLE.h5")]
     tables: Vec<PathBuf>,
@@ -48,7 +48,7 @@ pub(super) struct MergeArgs {
 }
 
 /// Runs `bake verify`.
-pub(super) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
+pub(crate) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
     let table = tables::read(&args.table)?;
     let sealed = tables::is_sealed(&args.table)?;
     let (incidences, azimuths) = table.axes.shape();
@@ -130,7 +130,7 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Compa
 }
 
 /// Runs `bake merge`.
-pub(super) fn merge(args: &MergeArgs) -> Result<(), Failure> {
+pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     // All are read before the output is written, so that rays can be added in place.
     let output = Outputs::beside([]).reserve(&args.output)?;
     let parts = args

@@ -1,13 +1,13 @@
 //! `bake design` of elements that are no corner cubes.
 
-use super::{DesignArgs, Failure};
+use crate::cli::cli::{DesignArgs, Failure};
 use clap::Args;
 use meshes::design::{Bead, Plate};
 use meshes::{Fault, Mesh};
 
 /// Options of their designs.
 #[derive(Debug, Args)]
-pub(super) struct ElementArgs {
+pub(crate) struct ElementArgs {
     /// Depth of each layer of mirrors, pitches (design plate) [default: 3]
     #[arg(long, value_name = "PITCHES", allow_negative_numbers = true)]
     depth: Option<f64>,
@@ -20,7 +20,7 @@ pub(super) struct ElementArgs {
 }
 
 /// The mesh of the design `name`; `None` where that is a corner cube's, if any.
-pub(super) fn mesh(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
+pub(crate) fn mesh(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
     let own = &args.element;
     let pitch = args.edge_length.unwrap_or(1.0);
     let of_plates = [

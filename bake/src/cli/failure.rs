@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use meshes::Fault;
 use thiserror::Error;
 
-use crate::plan::PlanError;
-use crate::study::StudyError;
-use crate::{plot, run};
+use crate::plan::plan::PlanError;
+use crate::plots::plot;
+use crate::run::run;
+use crate::study::study::StudyError;
 
 /// Why a verb failed.
 #[derive(Debug, Error)]
-pub(super) enum Failure {
+pub(crate) enum Failure {
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error("{option} {text}: give {count} numbers separated by commas, such as {example}")]
@@ -85,12 +86,12 @@ pub(super) enum Failure {
 
 impl Failure {
     /// Says it on standard error.
-    pub(super) fn print(&self) {
+    pub(crate) fn print(&self) {
         eprintln!("error: {self}");
     }
 
     /// 2 for wrong usage, 1 for work that failed; 0 where another process tells, whose code then is that of all.
-    pub(super) fn code(&self) -> u8 {
+    pub(crate) fn code(&self) -> u8 {
         match self {
             Failure::Elsewhere => 0,
             Failure::Study(StudyError::Run(_)) => 1,

@@ -1,16 +1,17 @@
 //! `bake study`: its options and what is done with them.
 
-use super::{CellArgs, Failure, print, reserve_picture, warn};
-use crate::plan::{Back, Request, SceneOptions, default};
-use crate::progress::Progress;
-use crate::study::{self, Checked, picture, report};
+use crate::cli::cli::{CellArgs, Failure, print, reserve_picture, warn};
+use crate::cli::progress::Progress;
+use crate::plan::plan::{Back, Request, SceneOptions, default};
+use crate::study::study::Checked;
+use crate::study::{picture, report, study};
 use clap::Args;
 use std::path::PathBuf;
 use tables::Outputs;
 
 /// Options of `bake study`.
 #[derive(Debug, Args)]
-pub(super) struct StudyArgs {
+pub(crate) struct StudyArgs {
     /// Mesh: .obj, .gltf or .glb
     mesh: PathBuf,
     /// Incidence angles outside the sheet, degrees: a list or start:stop:step
@@ -63,7 +64,7 @@ pub(super) struct StudyArgs {
 }
 
 /// Runs `bake study`.
-pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
     let study = Checked::new(study::Request {
         trace: Request {
             incidence: args.incidence.clone(),

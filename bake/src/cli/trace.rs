@@ -1,15 +1,19 @@
 //! `bake trace`: its options and what is done with them.
 
-use super::{CellArgs, Failure, print, warn};
-use crate::directions;
-use crate::material;
-use crate::plan::{Back, Losses, Method, Plan, PlanError, Record, Request, SceneOptions, default};
-use crate::progress::Progress;
-use crate::provenance::provenance;
-use crate::ranks::{Launched, Ranks};
-use crate::saves::{self, SavedFile, Saves};
-use crate::sequence::Sampler;
-use crate::{report, run};
+use crate::cli::cli::{CellArgs, Failure, print, warn};
+use crate::cli::progress::Progress;
+use crate::cli::report;
+use crate::optics::material;
+use crate::plan::plan::{
+    Back, Losses, Method, Plan, PlanError, Record, Request, SceneOptions, default,
+};
+use crate::run::directions;
+use crate::run::provenance::provenance;
+use crate::run::ranks::{Launched, Ranks};
+use crate::run::run;
+use crate::run::saves;
+use crate::run::saves::{SavedFile, Saves};
+use crate::samples::sequence::Sampler;
 use clap::{Args, ValueEnum};
 use meshes::Cell;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -19,7 +23,7 @@ use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
 #[derive(Debug, Args)]
-pub(super) struct TraceArgs {
+pub(crate) struct TraceArgs {
     /// Mesh: .obj, .gltf or .glb
     mesh: PathBuf,
     /// Table to write (HDF5); {nm} in the name stands for the wavelength
@@ -189,7 +193,7 @@ enum SamplerName {
 }
 
 /// Runs `bake trace` as one of `ranks`; `launched` is what started them.
-pub(super) fn run(
+pub(crate) fn run(
     args: &TraceArgs,
     ranks: &dyn Ranks,
     launched: Option<Launched>,

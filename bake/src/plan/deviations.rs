@@ -3,9 +3,9 @@
 //! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh and the options alone, never
 //! by rays, so that shards and ranks agree.
 
-use super::{Plan, SceneOptions};
-use crate::bodies;
-use crate::element::Element;
+use crate::cell::bodies;
+use crate::optics::element::Element;
+use crate::plan::plan::{Plan, SceneOptions};
 use glam::DVec3;
 use meshes::Cell;
 use std::fmt;

@@ -1,10 +1,10 @@
 //! Directions as a user types them.
 
-use super::{DIRECTIONS_LIMIT, Method, PlanError, Request, default, positive};
+use crate::plan::plan::{DIRECTIONS_LIMIT, Method, PlanError, Request, default, positive};
 use tables::Symmetry;
 
 /// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
-pub(super) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
+pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
     let number = |part: &str| {
         let wrong = || PlanError::Angle {
             option,
@@ -46,7 +46,7 @@ pub(super) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanE
 }
 
 /// The step of `full` or `full:STEP`, degrees; `None` where all azimuths are not asked for.
-pub(super) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
+pub(crate) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
     let wrong = |value: f64| match value.is_nan() {
         true => PlanError::Angle {
             option: "--azimuth",
@@ -71,7 +71,7 @@ pub(super) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
 }
 
 /// Even azimuths, at most `step` apart, that stand for all.
-pub(super) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
+pub(crate) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
     let (first, width) = symmetry.sector_deg();
     // Half a thousandth of a step forgives the rounding of steps such as 0.1; between two azimuths lie all the others.
     let steps = (width / step - 5e-4).ceil().max(2.0) as u32;
@@ -84,7 +84,7 @@ pub(super) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
 }
 
 /// The tolerance between directions; it is for exact tables of single azimuths.
-pub(super) fn direction_tolerance(request: &Request) -> Result<Option<f64>, PlanError> {
+pub(crate) fn direction_tolerance(request: &Request) -> Result<Option<f64>, PlanError> {
     let option = "--direction-tolerance";
     let Some(tolerance) = request.direction_tolerance else {
         return Ok(None);

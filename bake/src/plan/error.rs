@@ -1,7 +1,7 @@
 //! Why the options of a bake make no plan.
 
-use super::DIRECTIONS_LIMIT;
-use crate::material::MaterialError;
+use crate::optics::material::MaterialError;
+use crate::plan::plan::DIRECTIONS_LIMIT;
 use tables::shards::MOST_SHARDS;
 use thiserror::Error;
 

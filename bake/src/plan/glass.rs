@@ -1,9 +1,9 @@
 //! What goes together with bodies of glass.
 
-use super::{Back, Losses, PlanError, Request};
+use crate::plan::plan::{Back, Losses, PlanError, Request};
 
 /// Checks `--glass-index`, where it is given.
-pub(super) fn check(request: &Request) -> Result<(), PlanError> {
+pub(crate) fn check(request: &Request) -> Result<(), PlanError> {
     let Some(value) = request.scene.glass_index else {
         return Ok(());
     };

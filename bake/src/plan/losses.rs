@@ -1,7 +1,7 @@
 //! What the options say of losses.
 
-use super::{Back, PlanError, Request, positive};
-use crate::light::Surface;
+use crate::optics::light::Surface;
+use crate::plan::plan::{Back, PlanError, Request, positive};
 
 /// What surfaces take from the light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -13,7 +13,7 @@ pub enum Losses {
 }
 
 /// What is behind the facets where their losses count.
-pub(super) fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
+pub(crate) fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
     let named = [
         ("--reflectance", request.reflectance.is_some()),
         ("--metal", request.metal.is_some()),

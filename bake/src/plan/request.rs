@@ -1,7 +1,7 @@
 //! What is asked of a bake, as typed.
 
-use super::{Back, Losses, Method, SceneOptions, default};
-use crate::sequence::Sampler;
+use crate::plan::plan::{Back, Losses, Method, SceneOptions, default};
+use crate::samples::sequence::Sampler;
 use num_complex::Complex64;
 
 /// The options of `bake trace` that shape the table, as typed.

@@ -1,8 +1,8 @@
 //! Options that a scene names only where it has what they are for. Each costs nothing where it is left out.
 
-use super::Record;
-use crate::element::Element;
-use crate::roughness::Roughness;
+use crate::optics::element::Element;
+use crate::optics::roughness::Roughness;
+use crate::plan::plan::Record;
 use clap::{Args, Parser};
 use std::fmt;
 
@@ -89,7 +89,7 @@ impl fmt::Display for SceneOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::roughness::Slopes;
+    use crate::optics::roughness::Slopes;
 
     #[test]
     fn what_a_table_says_is_read_back() {

@@ -1,4 +1,6 @@
-use super::*;
+use crate::plan::directions::angles;
+use crate::plan::plan::*;
+use crate::samples::sequence::Sampler;
 use num_complex::Complex64;
 
 #[test]

@@ -1,6 +1,6 @@
 //! What a table of rays says of its own error, from its counts.
 
-use crate::tally::Sums;
+use crate::rays::tally::Sums;
 use tables::Table;
 
 /// Estimated L1 error of every direction of a table of rays, as `--tolerance` makes it.

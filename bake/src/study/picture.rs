@@ -1,10 +1,10 @@
 //! The study as a picture: error against rays and against seconds, on logarithmic axes.
 
-use super::report::{slope_text, title};
-use super::{Point, Reference, Series, Study};
-use crate::plot::{Format, PlotError};
-use crate::run::Tracer;
-use crate::sequence::Sampler;
+use crate::plots::plot::{Format, PlotError};
+use crate::run::run::Tracer;
+use crate::samples::sequence::Sampler;
+use crate::study::report::{slope_text, title};
+use crate::study::study::{Point, Reference, Series, Study};
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::prelude::{LegendPosition, ReferenceLine, TickFormat};
 use kuva::render::figure::Figure;

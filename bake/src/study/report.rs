@@ -1,8 +1,8 @@
 //! What a study says: a table for a person, CSV and JSON for a script.
 
-use super::fit::Reached;
-use super::{Point, Reference, Series, Study, name};
-use crate::sequence::Sampler;
+use crate::samples::sequence::Sampler;
+use crate::study::fit::Reached;
+use crate::study::study::{Point, Reference, Series, Study, name};
 use serde_json::{Value, json};
 use std::fmt::Write;
 

@@ -2,11 +2,11 @@
 
 use crate::oracle::Oracle;
 use crate::{RULES, cell, design};
-use bake::launch::Launch;
-use bake::path::{Outcome, trace};
-use bake::ray::Direction;
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream};
+use bake::optics::ray::Direction;
+use bake::rays::path::{Outcome, trace};
+use bake::rays::scene::{Index, Scene};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream};
 use meshes::design::Shape;
 use tables::Fate;
 

@@ -4,7 +4,7 @@ mod convergence;
 mod oracle;
 mod rules;
 
-use bake::path::Rules;
+use bake::rays::path::Rules;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh, normalise};
 use std::path::Path;

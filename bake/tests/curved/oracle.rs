@@ -1,7 +1,7 @@
 //! Rays among the curved faces themselves, one by one: what the facets stand for.
 
-use bake::path::{Outcome, Rules, fate_of_leaving};
-use bake::ray::Direction;
+use bake::optics::ray::Direction;
+use bake::rays::path::{Outcome, Rules, fate_of_leaving};
 use glam::{DMat3, DVec2, DVec3};
 use meshes::Cell;
 use tables::Fate;

@@ -1,18 +1,20 @@
 //! What becomes of rays on facets with interpolated normals, and what options say of them.
 
 use crate::{RULES, cell, design};
-use bake::bodies::{self, Whole};
-use bake::exact::{ExactCell, ExactError};
-use bake::kernel::Kernel;
-use bake::launch::Launch;
-use bake::path::{Outcome, trace};
-use bake::plan::{Method, Plan, Request, SceneOptions};
-use bake::ray::Direction;
-use bake::run::{self, RunError, Tracer};
-use bake::scene::{Event, Index, Scene};
-use bake::sequence::{Sampler, Stream};
-use bake::symmetry;
-use bake::tally::{Bins, Tally};
+use bake::beams::exact::{ExactCell, ExactError};
+use bake::cell::bodies;
+use bake::cell::bodies::Whole;
+use bake::cell::symmetry;
+use bake::optics::ray::Direction;
+use bake::plan::plan::{Method, Plan, Request, SceneOptions};
+use bake::rays::kernel::Kernel;
+use bake::rays::path::{Outcome, trace};
+use bake::rays::scene::{Event, Index, Scene};
+use bake::rays::tally::{Bins, Tally};
+use bake::run::run;
+use bake::run::run::{RunError, Tracer};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream};
 use glam::{DVec2, DVec3};
 use meshes::design::Shape;
 use meshes::{Cell, Entrance};

@@ -2,12 +2,12 @@
 //! refraction at theta = asin(b / r) into theta' = asin(b / (r n)), one reflection and refraction again: it leaves at
 //! 2 theta - 4 theta' from straight back, away from the axis where positive, on a line that is b off the centre too.
 
-use bake::path::{Rules, trace};
-use bake::plan::{Normals, Plan, Request, SceneOptions};
-use bake::ray::Direction;
-use bake::run;
-use bake::scene::{Index, Scene};
-use bake::sequence::Sampler;
+use bake::optics::ray::Direction;
+use bake::plan::plan::{Normals, Plan, Request, SceneOptions};
+use bake::rays::path::{Rules, trace};
+use bake::rays::scene::{Index, Scene};
+use bake::run::run;
+use bake::samples::sequence::Sampler;
 use glam::{DVec2, DVec3};
 use meshes::design::Bead;
 use meshes::{Cell, CellOptions, normalise};

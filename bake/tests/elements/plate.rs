@@ -3,10 +3,10 @@
 //! for X in (m w, (m + 1) w). Odd m turn it round, at (m + 1) w - X in the slit: a share 1 - |1 - (s mod 2)| of it. The lines
 //! extended to the layer's lower end are (m + 1) w - 2 X apart, to its upper end 2 s w more.
 
-use bake::element::Element;
-use bake::plan::{Losses, Method, Plan, Request, SceneOptions};
-use bake::run;
-use bake::sequence::Sampler;
+use bake::optics::element::Element;
+use bake::plan::plan::{Losses, Method, Plan, Request, SceneOptions};
+use bake::run::run;
+use bake::samples::sequence::Sampler;
 use glam::DVec2;
 use meshes::design::Plate;
 use meshes::{Cell, CellOptions, normalise};

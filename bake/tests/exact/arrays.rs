@@ -1,11 +1,11 @@
 //! Periodic cells: effective areas, neighbours against a patch of copies, several cells in one period.
 
-use bake::exact::ExactCell;
-use bake::path::{Rules, trace};
-use bake::plan::{Method, Plan, Request};
-use bake::ray::Direction;
-use bake::run;
-use bake::scene::{Index, Scene};
+use bake::beams::exact::ExactCell;
+use bake::optics::ray::Direction;
+use bake::plan::plan::{Method, Plan, Request};
+use bake::rays::path::{Rules, trace};
+use bake::rays::scene::{Index, Scene};
+use bake::run::run;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Entrance};
@@ -60,7 +60,7 @@ fn effective_areas_are_those_of_the_model() {
                     azimuth: azimuth.to_string(),
                     rays: Some(n),
                     method: Method::Rays,
-                    sampler: bake::sequence::Sampler::Random,
+                    sampler: bake::samples::sequence::Sampler::Random,
                     bins: 4,
                     ..Request::default()
                 };

@@ -1,6 +1,6 @@
 //! Cells built by hand, independent of the mesh designs.
 
-use bake::path::Rules;
+use bake::rays::path::Rules;
 use glam::{DMat3, DVec2, DVec3};
 use meshes::{Cell, Entrance};
 

@@ -4,8 +4,8 @@
 //! the shift is uniform over 2(q - K), K = T and its point reflection through q. Its own polygon code and bins by clipping
 //! each bin's square: nothing is shared with the crate.
 
-use bake::exact::{ExactCell, bake};
-use bake::path::Rules;
+use bake::beams::exact::{ExactCell, bake};
+use bake::rays::path::Rules;
 use meshes::Cell;
 use tables::{Axes, Fate};
 

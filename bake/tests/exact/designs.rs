@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use bake::plan::{Method, Plan, Request};
-use bake::run;
-use bake::sequence::Sampler;
+use bake::plan::plan::{Method, Plan, Request};
+use bake::run::run;
+use bake::samples::sequence::Sampler;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions};
 use tables::{Fate, Table};

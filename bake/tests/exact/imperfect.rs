@@ -3,7 +3,7 @@
 //! Reflected in the faces, a path through an ideal cube is a straight line through its apex's eight octants. It meets only what is left
 //! of the facets if it keeps clear of what fills edges and apex, and then returns as it did.
 
-use bake::exact::{ExactCell, Share};
+use bake::beams::exact::{ExactCell, Share};
 use glam::{DVec2, DVec3};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions};

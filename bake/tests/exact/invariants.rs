@@ -1,6 +1,6 @@
 //! What must hold for every cell: light is neither lost nor made, nothing is NaN, hard directions included.
 
-use bake::exact::{ExactCell, ExactError, MEAN_ERROR, Share, bake, prepare};
+use bake::beams::exact::{ExactCell, ExactError, MEAN_ERROR, Share, bake, prepare};
 use meshes::Cell;
 use tables::{Axes, Fate};
 

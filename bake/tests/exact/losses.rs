@@ -4,13 +4,13 @@
 //! matrices of 2 x 2 in the s and p of each surface, turned from one surface to the next, with the textbook's amplitudes
 //! by complex cosines. Nothing is shared with the crate but the polygons whose weights are judged.
 
-use bake::exact::ExactCell;
-use bake::light::Surface;
-use bake::path::Rules;
-use bake::plan::{Back, Losses, Method, Plan, Request};
-use bake::report::Comparison;
-use bake::run;
-use bake::sequence::Sampler;
+use bake::beams::exact::ExactCell;
+use bake::cli::report::Comparison;
+use bake::optics::light::Surface;
+use bake::plan::plan::{Back, Losses, Method, Plan, Request};
+use bake::rays::path::Rules;
+use bake::run::run;
+use bake::samples::sequence::Sampler;
 use glam::DVec3;
 use num_complex::Complex64;
 use tables::{Fate, Table};

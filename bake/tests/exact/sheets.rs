@@ -1,6 +1,6 @@
 //! Meshes of many cubes, of which one of each kind is baked.
 
-use bake::exact::ExactCell;
+use bake::beams::exact::ExactCell;
 use glam::DVec3;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh, normalise};

@@ -2,11 +2,11 @@
 //!
 //! Oracles: the closed form of the six spots; and single rays, reflected facet by facet by the other method.
 
-use bake::exact::ExactCell;
-use bake::light::Surface;
-use bake::path::{Rules, trace};
-use bake::ray::Direction;
-use bake::scene::{Index, Scene};
+use bake::beams::exact::ExactCell;
+use bake::optics::light::Surface;
+use bake::optics::ray::Direction;
+use bake::rays::path::{Rules, trace};
+use bake::rays::scene::{Index, Scene};
 use glam::{DVec2, DVec3};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, normalise};

@@ -2,8 +2,8 @@
 
 use crate::both::{Light, cell};
 use crate::cells::closed_form;
-use bake::plan::Method;
-use bake::ray::Direction;
+use bake::optics::ray::Direction;
+use bake::plan::plan::Method;
 use meshes::design::Shape;
 use tables::Fate;
 

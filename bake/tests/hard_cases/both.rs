@@ -1,9 +1,9 @@
 //! One cell by both methods, and how far apart they are.
 
-use bake::plan::{Back, Method, Plan, Request};
-use bake::report::Comparison;
-use bake::run;
-use bake::sequence::Sampler;
+use bake::cli::report::Comparison;
+use bake::plan::plan::{Back, Method, Plan, Request};
+use bake::run::run;
+use bake::samples::sequence::Sampler;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;

@@ -1,13 +1,13 @@
 //! From one ray to more than 2^34: samples, tallies, sums and tables.
 
 use crate::both::{Light, bake, cell, sound};
-use bake::kernel::Kernel;
-use bake::launch::Launch;
-use bake::path::Rules;
-use bake::plan::{Method, Request};
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream};
-use bake::tally::{Bins, Sums, Tally};
+use bake::plan::plan::{Method, Request};
+use bake::rays::kernel::Kernel;
+use bake::rays::path::Rules;
+use bake::rays::scene::{Index, Scene};
+use bake::rays::tally::{Bins, Sums, Tally};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream};
 use meshes::design::Shape;
 use ndarray::{Array4, Array5};
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 //! Facets as badly shaped as files have them, and dihedral errors from the last digit to visible ones.
 
 use crate::both::{Light, cell, normalised};
-use bake::path::{Rules, trace};
-use bake::plan::Method;
-use bake::ray::Direction;
-use bake::scene::{Index, Scene};
+use bake::optics::ray::Direction;
+use bake::plan::plan::Method;
+use bake::rays::path::{Rules, trace};
+use bake::rays::scene::{Index, Scene};
 use meshes::design::{Design, Shape};
 use meshes::{Fault, Mesh};
 use tables::Fate;

@@ -5,13 +5,13 @@
 
 use crate::both::cell;
 use crate::cells::{self, edges};
-use bake::kernel::Kernel;
-use bake::launch::Launch;
-use bake::path::{Rules, trace};
-use bake::ray::Direction;
-use bake::scene::{Index, Scene};
-use bake::sequence::{Sampler, Stream, centred};
-use bake::tally::{Bins, Tally};
+use bake::optics::ray::Direction;
+use bake::rays::kernel::Kernel;
+use bake::rays::path::{Rules, trace};
+use bake::rays::scene::{Index, Scene};
+use bake::rays::tally::{Bins, Tally};
+use bake::samples::launch::Launch;
+use bake::samples::sequence::{Sampler, Stream, centred};
 use glam::{DVec2, DVec3};
 use meshes::design::Shape;
 use meshes::{Cell, Entrance};

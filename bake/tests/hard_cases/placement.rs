@@ -1,7 +1,7 @@
 //! Where and how large a cell lies in its file does not matter, as far as the file's digits go.
 
 use crate::both::{Light, cell};
-use bake::plan::Method;
+use bake::plan::plan::Method;
 use glam::DVec3;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh, load_cell, write};

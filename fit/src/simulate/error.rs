@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::captures;
+use crate::photographs::captures;
 
 /// A simulation that was refused or could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -39,7 +39,7 @@ pub enum Error {
     #[error("kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; name one of these", kernel.name())]
     Unplanted {
         /// Its kernel.
-        kernel: crate::kernel::Kernel,
+        kernel: crate::model::kernel::Kernel,
     },
     /// A range that ends before it starts.
     #[error("{place}: `{key}` goes from {from} to {to}; write the smaller number under `from`")]

@@ -1,13 +1,14 @@
 //! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
 
-use crate::captures::{self, Spectrum};
-use crate::kernel::Kernel;
-use crate::lobe::Shape;
+use crate::model::kernel::Kernel;
+use crate::model::lobe::Shape;
+use crate::photographs::captures;
+use crate::photographs::captures::Spectrum;
 use std::path::Path;
 
-use super::Error;
-use super::cell::CubeShift;
-use crate::captures::keys::{Bounds, Document, NumberOrTable, Place, Section};
+use crate::photographs::captures::keys::{Bounds, Document, NumberOrTable, Place, Section};
+use crate::simulate::cell::CubeShift;
+use crate::simulate::photograph::Error;
 
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
 /// Its keys.
@@ -217,7 +218,7 @@ impl Params {
             captures.push(shot);
         }
         if captures.is_empty() {
-            return Err(crate::captures::Error::NoCaptures {
+            return Err(crate::photographs::captures::Error::NoCaptures {
                 file: file.to_owned(),
             }
             .into());

@@ -5,9 +5,9 @@
 //! -1] / 12 filter takes that back, so that the error is of fourth order in the step: with [`STEPS_PER_PIXEL`] below
 //! 1e-7 of the contrast (measured by halving the step), for lenses of sigma >= 0.1 pixel.
 
-use super::cell::{CubeShift, Ramp, marginal};
-use super::lobe_edge::{RadialEdge, separable_edge};
-use super::wave_edge::wave_edge;
+use crate::simulate::cell::{CubeShift, Ramp, marginal};
+use crate::simulate::lobe_edge::{RadialEdge, separable_edge};
+use crate::simulate::wave_edge::wave_edge;
 
 /// Grid steps per pixel of a simulated photograph.
 pub const STEPS_PER_PIXEL: f64 = 32.0;

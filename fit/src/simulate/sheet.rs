@@ -4,10 +4,10 @@
 use tables::Table;
 use tables::polygon::area;
 
-use super::cell::CubeShift;
-use super::{Error, Params, Shot};
-use crate::kernel::Kernel;
-use crate::shift::seen_from;
+use crate::model::kernel::Kernel;
+use crate::model::shift::seen_from;
+use crate::simulate::cell::CubeShift;
+use crate::simulate::photograph::{Error, Params, Shot};
 
 impl Params {
     /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.

@@ -9,9 +9,9 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::cell::CubeShift;
-use crate::hermite::Samples;
-use crate::lobe::GAUSS_16;
+use crate::model::lobe::GAUSS_16;
+use crate::numerics::hermite::Samples;
+use crate::simulate::cell::CubeShift;
 
 /// Phase between two tabulated values of F: its interpolation error is step x 0.2^3 / 384, 2e-5 of a step.
 const PHASE_STEP: f64 = 0.2;
@@ -178,7 +178,7 @@ mod tests {
                     .collect();
                 width += across.iter().copied().fold(f64::NEG_INFINITY, f64::max)
                     - across.iter().copied().fold(f64::INFINITY, f64::min);
-                area += 0.25 * scale[0] * scale[1] * super::super::cell::area(&cube.polygon);
+                area += 0.25 * scale[0] * scale[1] * crate::simulate::cell::area(&cube.polygon);
             }
             let tail = line * width / (2.0 * std::f64::consts::PI.powi(2) * area * end);
             let missing = 1.0 - edge[4000];

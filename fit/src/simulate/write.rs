@@ -8,7 +8,7 @@ use exr::prelude::{
 };
 use serde_json::{Value, json};
 
-use super::{ByIncidence, Error, Params, Shot, photograph};
+use crate::simulate::photograph::{ByIncidence, Error, Params, Shot, photograph};
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]

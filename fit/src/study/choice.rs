@@ -10,21 +10,24 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use tables::Table;
 
-use super::refused::{self, Refused};
-use super::trial;
-use crate::bound;
-use crate::edge::Accepted;
-use crate::estimate::{Choice, Optimum, refined};
-use crate::joint::{Joint, Used};
-use crate::kernel::Kernel;
-use crate::layout::Layout;
-use crate::loss::{Kind, Loss};
-use crate::report::Bound;
-use crate::scene::{self, Scene};
-use crate::select::{CLEAR, Candidates, Compared, own_mu_limit, scatter_of_mu, select};
+use crate::estimate::bound;
+use crate::estimate::estimate::{Choice, Optimum, refined};
+use crate::estimate::joint::{Joint, Used};
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::scene;
+use crate::estimate::scene::Scene;
+use crate::estimate::select::{CLEAR, Candidates, Compared, own_mu_limit, scatter_of_mu, select};
+use crate::model::kernel::Kernel;
+use crate::numerics::solve::{Solution, Stop};
+use crate::photographs::edge::Accepted;
+use crate::result::report::Bound;
 use crate::simulate::noise::PixelNoise;
-use crate::simulate::{self, ByIncidence, Params};
-use crate::solve::{Solution, Stop};
+use crate::simulate::photograph as simulate;
+use crate::simulate::photograph::{ByIncidence, Params};
+use crate::study::refused;
+use crate::study::refused::Refused;
+use crate::study::trial;
 
 /// Standard deviations that make a difference sure: one campaign in 44 on the limit goes the other way.
 pub const SURE: f64 = 2.0;

@@ -7,15 +7,16 @@ use rayon::prelude::*;
 use serde::Serialize;
 use tables::Table;
 
-use crate::estimate::{Choice, Estimate, Optimum, estimate, model, optimum};
-use crate::forward::{self, by_one_randomisation};
-use crate::layout::Layout;
-use crate::loss::Loss;
-use crate::sample::Sequence;
-use crate::sampled::Sampling;
-use crate::scene::Scene;
-use crate::solve::Solution;
-use crate::view::Weights;
+use crate::compare::view::Weights;
+use crate::estimate::estimate::{Choice, Estimate, Optimum, estimate, model, optimum};
+use crate::estimate::forward;
+use crate::estimate::forward::by_one_randomisation;
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::Loss;
+use crate::estimate::scene::Scene;
+use crate::numerics::solve::Solution;
+use crate::samples::sample::Sequence;
+use crate::samples::sampled::Sampling;
 
 /// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
 /// they are compared with begin (fit/BENCHMARKS.md).
@@ -170,7 +171,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Values of a, c and mu.
 fn values(fit: &Estimate) -> [Vec<f64>; 3] {
-    let of = |list: &[crate::estimate::Value]| list.iter().map(|v| v.value).collect();
+    let of = |list: &[crate::estimate::estimate::Value]| list.iter().map(|v| v.value).collect();
     let mu = fit.mu.as_deref().unwrap_or_default();
     [
         of(&fit.spread),
@@ -202,7 +203,7 @@ fn errors(fits: &[Estimate], best: &Estimate) -> Errors {
 }
 
 fn pixel_noise(best: &Estimate) -> Errors {
-    let of = |list: &[crate::estimate::Value]| {
+    let of = |list: &[crate::estimate::estimate::Value]| {
         let squares = list.iter().map(|v| (v.standard_error / v.value).powi(2));
         root_mean(&squares.collect::<Vec<_>>())
     };

@@ -5,12 +5,14 @@ use std::path::Path;
 
 use tables::Table;
 
-use crate::captures::keys::{Bounds, Document, Section};
-use crate::captures::{self, Spectrum};
-use crate::kernel::Kernel;
-use crate::lobe::Shape;
+use crate::model::kernel::Kernel;
+use crate::model::lobe::Shape;
+use crate::photographs::captures;
+use crate::photographs::captures::Spectrum;
+use crate::photographs::captures::keys::{Bounds, Document, Section};
 use crate::simulate::noise::PixelNoise;
-use crate::simulate::{self, ByIncidence, CAMERA, Camera, Edge, Error, Params, Shot, Truth, cell};
+use crate::simulate::photograph::{ByIncidence, CAMERA, Camera, Edge, Error, Params, Shot, Truth};
+use crate::simulate::{cell, photograph as simulate};
 
 const ROOT: [&str; 15] = [
     "ior",

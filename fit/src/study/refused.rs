@@ -5,12 +5,12 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::scene::Error;
+use crate::estimate::scene::Error;
 
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Refused {
-    /// The kind of what is wrong with the first photograph that was refused; see [`crate::edge::Fault::kind`].
+    /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::Fault::kind`].
     pub reason: &'static str,
     /// How many.
     pub campaigns: usize,

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use super::refused::{self, Refused};
-use super::trial::{LOSSES, PARAMETERS, Trial};
-use crate::loss::Kind;
+use crate::estimate::loss::Kind;
+use crate::study::refused;
+use crate::study::refused::Refused;
+use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 
 /// Relative bound on c from which a campaign says too little to be counted.
 pub const LOOSE: f64 = 0.1;

@@ -6,18 +6,21 @@ use nalgebra::DVector;
 use serde::Serialize;
 use tables::Table;
 
-use crate::captures::keys::Place;
-use crate::captures::{self, Campaign, Capture, Setup};
-use crate::edge::Accepted;
-use crate::estimate::{Choice, Estimate, estimate, optimum, refined};
-use crate::joint::{Joint, Used};
-use crate::kernel::Kernel;
-use crate::layout::Layout;
-use crate::loss::{Kind, Loss};
-use crate::noise::PixelNoise;
-use crate::photo::{Decode, Photo};
-use crate::scene::{self, Scene};
-use crate::simulate::{self, Camera, Params};
+use crate::estimate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use crate::estimate::joint::{Joint, Used};
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::scene;
+use crate::estimate::scene::Scene;
+use crate::model::kernel::Kernel;
+use crate::photographs::captures;
+use crate::photographs::captures::keys::Place;
+use crate::photographs::captures::{Campaign, Capture, Setup};
+use crate::photographs::edge::Accepted;
+use crate::photographs::noise::PixelNoise;
+use crate::photographs::photo::{Decode, Photo};
+use crate::simulate::photograph as simulate;
+use crate::simulate::photograph::{Camera, Params};
 
 /// The parameters of a trial, in their order everywhere.
 pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
@@ -110,7 +113,7 @@ fn bound(
 }
 
 /// The planted point: a blur, and the planted lens behind it.
-pub(super) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DVector<f64> {
     // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
     let blur_mm =
         std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
@@ -122,7 +125,7 @@ pub(super) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DV
 }
 
 /// The planted noise.
-pub(super) fn noise(camera: &Camera) -> PixelNoise {
+pub(crate) fn noise(camera: &Camera) -> PixelNoise {
     let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
     PixelNoise {
         read: (camera.read_noise_e / camera.full_well_e).powi(2) + step * step / 12.0,
@@ -132,7 +135,7 @@ pub(super) fn noise(camera: &Camera) -> PixelNoise {
 
 /// Measures a campaign without a file; `photograph` gives the pixels of a capture, or of the reference. Faults of their edges
 /// that are `accepted` are no reason to refuse them.
-pub(super) fn scene(
+pub(crate) fn scene(
     params: &Params,
     table: &Table,
     accepted: &[Accepted],

@@ -2,12 +2,13 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
-use fit::captures::{self, Spectrum};
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::scene::Scene;
-use fit::simulate::{self, cell};
-use fit::simulate::{ByIncidence, Camera, Edge, Params, Shot, Truth};
+use fit::estimate::scene::Scene;
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::captures;
+use fit::photographs::captures::Spectrum;
+use fit::simulate::photograph::{ByIncidence, Camera, Edge, Params, Shot, Truth};
+use fit::simulate::{cell, photograph as simulate};
 use ndarray::{Array2, Array3, Array4};
 use tables::{Axes, Exact, Path, Provenance, Table};
 

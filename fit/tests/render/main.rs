@@ -5,16 +5,17 @@ mod planted;
 mod samples;
 mod views;
 
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::photo::{Picture, Transfer, Writing};
-use fit::render::psf::{Fault, Psf};
-use fit::render::tiles::Tiles;
-use fit::render::transform::Convolver;
-use fit::render::{self, Scale};
-use fit::report::{ResultFile, TableResult};
-use fit::sheet::Fitted;
-use fit::spot::{Error, Place, Sampler, Sheet, Spot, TAIL};
+use fit::images::render;
+use fit::images::render::Scale;
+use fit::images::render::psf::{Fault, Psf};
+use fit::images::render::tiles::Tiles;
+use fit::images::render::transform::Convolver;
+use fit::images::sheet::Fitted;
+use fit::images::spot::{Error, Place, Sampler, Sheet, Spot, TAIL};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::photo::{Picture, Transfer, Writing};
+use fit::result::report::{ResultFile, TableResult};
 use num_complex::Complex64;
 use planted::{Stream, table, truth};
 use serde_json::json;
@@ -298,7 +299,7 @@ fn pictures_come_back_from_their_files() {
             let file = folder.path().join(name);
             assert_eq!(Writing::of(&file), Some(writing));
             std::fs::write(&file, own.clone().encode(writing).unwrap()).unwrap();
-            let read = fit::photo::load_colour(&file, Some(transfer)).unwrap();
+            let read = fit::photographs::photo::load_colour(&file, Some(transfer)).unwrap();
             assert_eq!(
                 [read.width, read.height, read.planes.len()],
                 [13, 9, planes]

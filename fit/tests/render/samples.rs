@@ -1,14 +1,16 @@
 //! Images by samples against those by transforms.
 
-use fit::kernel::Kernel;
-use fit::lobe::Shape;
-use fit::photo::Picture;
-use fit::render::sampled::{self, Sampled};
-use fit::render::{self, Scale};
-use fit::sample::Sequence;
-use fit::sampled::Sampling;
-use fit::sheet::Fitted;
-use fit::spot::{Error, Place, Sampler, Sheet, Spot};
+use fit::images::render;
+use fit::images::render::Scale;
+use fit::images::render::sampled;
+use fit::images::render::sampled::Sampled;
+use fit::images::sheet::Fitted;
+use fit::images::spot::{Error, Place, Sampler, Sheet, Spot};
+use fit::model::kernel::Kernel;
+use fit::model::lobe::Shape;
+use fit::photographs::photo::Picture;
+use fit::samples::sample::Sequence;
+use fit::samples::sampled::Sampling;
 use num_complex::Complex64;
 
 use super::planted::{table, truth};

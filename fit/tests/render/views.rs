@@ -1,6 +1,7 @@
 //! Where a camera sees every pixel.
 
-use fit::render::view::{self, View};
+use fit::images::render::view;
+use fit::images::render::view::View;
 
 pub fn load(text: &str) -> Result<View, String> {
     let folder = tempfile::tempdir().unwrap();

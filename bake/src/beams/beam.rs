@@ -1,0 +1,466 @@
+//! Follows beams: which part of a beam meets which facet, what becomes of it, and by which map it leaves.
+//!
+//! A beam is a convex polygon of entry points whose light has met the same facets in the same order. At each step it is
+//! cut into the parts that see each facet first; what sees none leaves. Areas are those of entry points, so reflection
+//! changes no area and the parts of a beam sum to it.
+
+use glam::{DMat2, DVec2, DVec3};
+use tables::table::Fate;
+
+use crate::beams::candidate::Candidate;
+use crate::beams::parts::{bounds_of_all, total_area, without};
+use crate::beams::view::{Affine, Isometry, Shadow, View};
+use crate::geometry::polygon;
+use crate::geometry::polygon::Polygon;
+use crate::optics::light::Light;
+use crate::optics::mirror as optics;
+use crate::rays::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
+
+/// How far a beam looks for lattice copies at first, edge lengths; four times further each time that is not enough.
+const FIRST_LOOK: f64 = 4.0;
+/// Light still under way after this distance runs along a valley of the lattice, within 0.005 deg of the sheet: it
+/// counts as `bounce_limit`.
+const LAST_LOOK: f64 = 16384.0;
+
+/// Light that leaves within this angle of straight back has no deviation but rounding, rad: some 1e-15 over the cosine of the
+/// incidence, and far below any dihedral error that a mesh can mean.
+const STRAIGHT: f64 = 1e-12;
+
+/// Retroreflected light of one facet sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Piece {
+    pub polygon: Polygon,
+    /// shift = matrix p + offset.
+    pub matrix: DMat2,
+    pub offset: DVec2,
+    /// Part of its power that comes back.
+    pub weight: f64,
+    /// As in [`tables::table::Path`].
+    pub deviation: DVec2,
+}
+
+/// What became of the light of one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Outcome {
+    pub pieces: Vec<Piece>,
+    /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns is in `pieces` alone.
+    pub area: [f64; Fate::ALL.len()],
+    /// Net area of the slivers given up as rounding, square edge lengths.
+    pub dropped: f64,
+}
+
+/// What the light of a beam has in common: the facets that it has met.
+#[derive(Clone, Copy)]
+struct Course {
+    isometry: Isometry,
+    reflections: u32,
+    /// `None` without losses.
+    light: Option<Light>,
+}
+
+impl Course {
+    /// Power that is left, 1 at the launch.
+    fn power(&self) -> f64 {
+        self.light.map_or(1.0, |light| light.power())
+    }
+
+    /// What of it leaves the sheet along `toward`, through a face of it.
+    fn power_outside(&self, toward: DVec3, index: f64) -> f64 {
+        self.light
+            .map_or(1.0, |light| light.power_outside(toward, index))
+    }
+}
+
+struct Beam {
+    polygon: Polygon,
+    course: Course,
+    /// Depth of the facet that it leaves.
+    depth: Affine,
+}
+
+/// What a beam looks for facets with.
+struct Ahead<'a> {
+    beam: &'a Beam,
+    /// Where it starts, corner by corner, and its direction of travel, unit length: real space.
+    from: Vec<DVec3>,
+    toward: DVec3,
+    /// How far it travels before it has left the layer of facets.
+    leave: f64,
+    shadows: Vec<Shadow>,
+}
+
+/// Follows all light of one direction to its end.
+pub(crate) fn trace(view: &View, rules: &Rules) -> Outcome {
+    let mut tracer = Tracer {
+        view,
+        rules,
+        outcome: Outcome {
+            pieces: Vec::new(),
+            area: [0.0; Fate::ALL.len()],
+            dropped: 0.0,
+        },
+        pending: Vec::new(),
+    };
+    tracer.enter();
+    while let Some(beam) = tracer.pending.pop() {
+        tracer.step(&beam);
+    }
+    tracer.outcome
+}
+
+struct Tracer<'a> {
+    view: &'a View,
+    rules: &'a Rules,
+    outcome: Outcome,
+    pending: Vec<Beam>,
+}
+
+impl Tracer<'_> {
+    /// First facets. A periodic cell is lit facet by facet, not parallelogram by parallelogram: the entry points of one
+    /// facet of the base period, wherever they are, so that no beam is cut at the parallelogram's sides.
+    fn enter(&mut self) {
+        let view = self.view;
+        let index = self.rules.refractive_index;
+        let course = Course {
+            isometry: Isometry::IDENTITY,
+            reflections: 0,
+            light: self
+                .rules
+                .losses
+                .map(|_| Light::entered(view.direction, index)),
+        };
+        let power = course.power();
+        self.settle(view.entrance_area * (1.0 - power), Fate::Absorbed);
+        let mut lit = 0.0;
+        let base = view.shadows(&course.isometry);
+        let periodic = view.lattice.is_some();
+        for shadow in &base {
+            let doors: &[Polygon] = if periodic {
+                std::slice::from_ref(&shadow.outline)
+            } else {
+                &view.doors
+            };
+            for door in doors {
+                let Some(candidate) = Candidate::new(shadow.clone(), door, None, view.least_area)
+                else {
+                    continue;
+                };
+                for polygon in self.lit_parts(&candidate, &base) {
+                    lit += polygon::area(&polygon);
+                    self.hit(&candidate.shadow, polygon, &course);
+                }
+            }
+        }
+        let unlit = view.entrance_area - lit;
+        match self.rules.element.unmet() {
+            Fate::Missed => self.settle(unlit * power, Fate::Missed),
+            through => {
+                let outside = course.power_outside(view.direction, index);
+                self.settle(unlit * (power - outside), Fate::Absorbed);
+                self.settle(unlit * outside, through);
+            }
+        }
+    }
+
+    /// The parts of a facet that light reaches: less what stands before it.
+    fn lit_parts(&self, candidate: &Candidate, base: &[Shadow]) -> Vec<Polygon> {
+        let view = self.view;
+        let mut parts = vec![candidate.seen.clone()];
+        let mut look = FIRST_LOOK;
+        loop {
+            let points: Vec<DVec3> = parts
+                .iter()
+                .flatten()
+                .map(|&p| view.point(p, candidate.shadow.depth.at(p)))
+                .collect();
+            let leave = view.travel_to_leave(&points, -view.direction);
+            let (low, high) = bounds_of_all(&parts);
+            for shadow in base {
+                view.copies(
+                    shadow,
+                    &Isometry::IDENTITY,
+                    &points,
+                    -view.direction,
+                    leave.min(look),
+                    |step| {
+                        if shadow.may_touch(step, low, high) {
+                            self.hide(&mut parts, candidate, shadow.moved(step));
+                        }
+                    },
+                );
+            }
+            if parts.is_empty() || view.lattice.is_none() || leave <= look || look >= LAST_LOOK {
+                return parts;
+            }
+            look *= 4.0;
+        }
+    }
+
+    /// Takes away from the parts of a lit facet what `shadow` hides.
+    fn hide(&self, parts: &mut Vec<Polygon>, candidate: &Candidate, shadow: Shadow) {
+        if (shadow.facet, shadow.translation) == (candidate.shadow.facet, DVec3::ZERO) {
+            return;
+        }
+        let least = self.view.least_area;
+        // Of two facets that coincide exactly one is lit: the first.
+        let first =
+            (shadow.facet, shadow.translation.to_array()) < (candidate.shadow.facet, [0.0; 3]);
+        let tie = if first {
+            self.view.least_depth
+        } else {
+            -self.view.least_depth
+        };
+        let mut cut = Vec::new();
+        for part in std::mem::take(parts) {
+            let Some(blocker) = Candidate::new(shadow.clone(), &part, None, least) else {
+                cut.push(part);
+                continue;
+            };
+            if blocker.near > candidate.far {
+                cut.push(part);
+                continue;
+            }
+            match polygon::subtract(
+                &part,
+                &blocker.hiding(&candidate.shadow.depth, None, tie),
+                least,
+            ) {
+                None => cut.push(part),
+                Some(rest) => cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least)),
+            }
+        }
+        *parts = cut;
+    }
+
+    /// Cuts a beam by what it meets next.
+    fn step(&mut self, beam: &Beam) {
+        let view = self.view;
+        let isometry = &beam.course.isometry;
+        let toward = isometry.linear * view.direction;
+        let from: Vec<DVec3> = beam
+            .polygon
+            .iter()
+            .map(|&p| isometry.linear * view.point(p, beam.depth.at(p)) + isometry.shift)
+            .collect();
+        let ahead = Ahead {
+            beam,
+            toward,
+            leave: view.travel_to_leave(&from, toward),
+            from,
+            shadows: view.shadows(isometry),
+        };
+        let mut open = vec![beam.polygon.clone()];
+        let mut look = FIRST_LOOK;
+        while !open.is_empty() {
+            let candidates = self.candidates(&ahead, &open, look);
+            open = open
+                .iter()
+                .zip(&candidates)
+                .flat_map(|(part, candidates)| self.cut(&ahead, part, candidates, look))
+                .collect();
+            look *= 4.0;
+        }
+    }
+
+    /// The facets within `look` of where the beam starts, for each of its parts.
+    fn candidates(&self, ahead: &Ahead, parts: &[Polygon], look: f64) -> Vec<Vec<Candidate>> {
+        let Ahead { beam, toward, .. } = *ahead;
+        let view = self.view;
+        let boxes: Vec<_> = parts.iter().map(|part| polygon::bounds(part)).collect();
+        let mut candidates: Vec<Vec<Candidate>> = parts.iter().map(|_| Vec::new()).collect();
+        for shadow in &ahead.shadows {
+            let travel = ahead.leave.min(look);
+            view.copies(
+                shadow,
+                &beam.course.isometry,
+                &ahead.from,
+                toward,
+                travel,
+                |step| {
+                    for (i, &(low, high)) in boxes.iter().enumerate() {
+                        if shadow.may_touch(step, low, high) {
+                            let (copy, start) = (shadow.moved(step), Some(&beam.depth));
+                            let candidate = Candidate::new(copy, &parts[i], start, view.least_area);
+                            candidates[i].extend(candidate);
+                        }
+                    }
+                },
+            );
+        }
+        candidates
+    }
+
+    /// Sends the light of one part of a beam to what it meets of its own `candidates`: a facet that two parts see is a
+    /// candidate of each, and must not hide itself. Gives what has to look further.
+    fn cut(
+        &mut self,
+        ahead: &Ahead,
+        part: &Polygon,
+        candidates: &[Candidate],
+        look: f64,
+    ) -> Vec<Polygon> {
+        let Ahead { beam, toward, .. } = *ahead;
+        let view = self.view;
+        let all_seen = view.lattice.is_none() || ahead.leave <= look || look >= LAST_LOOK;
+        let mut visible = self.visible(candidates, &beam.depth);
+        if !all_seen {
+            // Beyond what was looked at another copy may stand before these.
+            visible.retain(|(i, polygon)| {
+                let depth = &candidates[*i].shadow.depth;
+                polygon
+                    .iter()
+                    .all(|&p| depth.at(p) - beam.depth.at(p) <= look)
+            });
+        }
+        let seen: f64 = visible.iter().map(|(_, seen)| polygon::area(seen)).sum();
+        let rest = polygon::area(part) - seen;
+        let power = beam.course.power();
+        let mut open = Vec::new();
+        if rest.abs() <= view.least_area {
+            self.outcome.dropped += rest * power;
+        } else if !all_seen {
+            open = without(part, &visible, view.least_area);
+            self.outcome.dropped += (rest - total_area(&open)) * power;
+        } else if ahead.leave > look && view.lattice.is_some() {
+            self.settle(rest * power, Fate::BounceLimit);
+        } else {
+            let parts = without(part, &visible, view.least_area);
+            self.leave(beam, toward, parts, rest);
+        }
+        for (i, seen) in visible {
+            let shadow = &candidates[i].shadow;
+            self.hit(shadow, seen, &beam.course);
+        }
+        open
+    }
+
+    /// What the light sees of each candidate: (its number, convex part).
+    fn visible(&self, candidates: &[Candidate], start: &Affine) -> Vec<(usize, Polygon)> {
+        let least = self.view.least_area;
+        let mut visible = Vec::new();
+        for (i, candidate) in candidates.iter().enumerate() {
+            let mut parts = vec![candidate.seen.clone()];
+            for (j, blocker) in candidates.iter().enumerate() {
+                if i == j || !blocker.may_hide(candidate) {
+                    continue;
+                }
+                let tie = if j < i {
+                    self.view.least_depth
+                } else {
+                    -self.view.least_depth
+                };
+                let hiding = blocker.hiding(&candidate.shadow.depth, Some(start), tie);
+                let mut cut = Vec::new();
+                for part in std::mem::take(&mut parts) {
+                    match polygon::subtract(&part, &hiding, least) {
+                        None => cut.push(part),
+                        Some(rest) => {
+                            cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least))
+                        }
+                    }
+                }
+                parts = cut;
+            }
+            visible.extend(parts.into_iter().map(|part| (i, part)));
+        }
+        visible
+    }
+
+    /// Reflects what hit a facet, or ends it there.
+    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, course: &Course) {
+        let rules = self.rules;
+        let facet = &self.view.facets[shadow.facet];
+        let travel = course.isometry.linear * self.view.direction;
+        let area = polygon::area(&polygon);
+        if facet.dark {
+            return self.settle(area * course.power(), Fate::Absorbed);
+        }
+        if course.reflections == BOUNCE_LIMIT {
+            return self.settle(area * course.power(), Fate::BounceLimit);
+        }
+        if rules.lets_through(facet.normal.dot(travel)) {
+            return self.settle(area, Fate::Transmitted);
+        }
+        let offset = facet.offset + facet.normal.dot(shadow.translation);
+        let mut onward = Course {
+            isometry: course.isometry.reflected(facet.normal, offset),
+            reflections: course.reflections + 1,
+            light: course.light,
+        };
+        if let (Some(light), Some(surface)) = (&mut onward.light, &rules.losses) {
+            *light = light.reflected(travel, facet.normal, surface, rules.refractive_index);
+            let lost = course.power() - light.power();
+            self.settle(area * lost, surface.takes());
+        }
+        self.pending.push(Beam {
+            polygon,
+            course: onward,
+            depth: shadow.depth,
+        });
+    }
+
+    /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to `rest` within rounding.
+    fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
+        let rules = self.rules;
+        let Course {
+            isometry,
+            reflections,
+            ..
+        } = beam.course;
+        let outside = beam.course.power_outside(toward, rules.refractive_index);
+        self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
+        match fate_of_leaving(isometry.linear, self.view.direction, reflections, rules) {
+            Fate::Retroreflected => {
+                self.outcome.dropped += (rest - total_area(&parts)) * outside;
+                self.return_light(&isometry, toward, parts, outside);
+            }
+            fate => self.settle(rest * outside, fate),
+        }
+    }
+
+    fn return_light(
+        &mut self,
+        isometry: &Isometry,
+        toward: DVec3,
+        parts: Vec<Polygon>,
+        weight: f64,
+    ) {
+        let View {
+            height,
+            floor,
+            direction,
+            ..
+        } = *self.view;
+        let element = self.rules.element;
+        let plane = element.plane(height, floor);
+        // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
+        // plane of the shift, as the entry point is along `direction`.
+        let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
+        let (u, v) = (carry(isometry.linear.x_axis), carry(isometry.linear.y_axis));
+        let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * plane;
+        let lead = (height - plane) / direction.z * direction.truncate();
+        let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
+        let offset = carry(start) + lead;
+        let index = self.rules.refractive_index;
+        let deviation = optics::deviation(direction, element.straight_back(toward), index);
+        let straight = deviation.length() < STRAIGHT;
+        let deviation = if straight { DVec2::ZERO } else { deviation };
+        self.outcome
+            .pieces
+            .extend(parts.into_iter().map(|polygon| Piece {
+                polygon,
+                matrix,
+                offset,
+                weight,
+                deviation,
+            }));
+    }
+
+    fn settle(&mut self, area: f64, fate: Fate) {
+        if area <= self.view.least_area {
+            self.outcome.dropped += area;
+        } else {
+            self.outcome.area[fate as usize] += area;
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Pieces that share a map and a weight become one polygon.
+//!
+//! Light that meets the same cube's faces in another order is shifted alike: the six facet sequences of an ideal cube
+//! are one polygon with one map. Where there are losses, orders differ in what they do to the polarisation, and stay apart. In a lattice the pieces of one cube may have been lit through different copies; each
+//! is brought to the period that holds its map's fixed point (the cube's own centre), where they meet.
+
+use glam::DVec2;
+use tables::table::Path;
+
+use crate::beams::beam::Piece;
+use crate::beams::view::View;
+use crate::geometry::polygon;
+use crate::geometry::polygon::Polygon;
+
+/// Maps closer than this are the same one, relative to the offset's size: rounding of a few reflections is 1e-15.
+const SAME_MAP: f64 = 1e-13;
+
+/// Weights closer than this are the same one: rounding of a few reflections, as above.
+const SAME_WEIGHT: f64 = 1e-13;
+
+/// Directions closer than this are the same one, rad: rounding, as above.
+const SAME_DIRECTION: f64 = 1e-12;
+
+/// The table's paths.
+pub(crate) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
+    if let Some(lattice) = view.lattice {
+        pieces
+            .iter_mut()
+            .for_each(|piece| bring_home(piece, lattice));
+    }
+    let mut paths: Vec<Piece> = Vec::new();
+    let mut rest = pieces;
+    while !rest.is_empty() {
+        let first = rest[0].clone();
+        let (group, others): (Vec<Piece>, Vec<Piece>) =
+            rest.into_iter().partition(|piece| same_map(piece, &first));
+        rest = others;
+        let slack = 4.0 * view.least_area;
+        let polygons = unite(
+            group.into_iter().map(|piece| piece.polygon).collect(),
+            slack,
+        );
+        paths.extend(polygons.into_iter().map(|polygon| Piece {
+            polygon,
+            ..first.clone()
+        }));
+    }
+    paths.into_iter().map(path).collect()
+}
+
+/// Moves a piece by the lattice vector that brings its fixed point into the base period.
+fn bring_home(piece: &mut Piece, [a, b]: [DVec2; 2]) {
+    if piece.matrix.determinant().abs() < 1e-3 {
+        return;
+    }
+    let fixed = -(piece.matrix.inverse() * piece.offset);
+    // The 1e-9 keeps pieces whose fixed points differ by rounding from landing in different periods.
+    let i = (fixed.perp_dot(b) / a.perp_dot(b) + 1e-9).floor();
+    let j = (a.perp_dot(fixed) / a.perp_dot(b) + 1e-9).floor();
+    if i != 0.0 || j != 0.0 {
+        let home = -(i * a + j * b);
+        piece.polygon.iter_mut().for_each(|p| *p += home);
+        piece.offset -= piece.matrix * home;
+    }
+}
+
+fn same_map(a: &Piece, b: &Piece) -> bool {
+    let slack = SAME_MAP * (1.0 + a.offset.length());
+    let linear = a.matrix - b.matrix;
+    (a.weight - b.weight).abs() <= SAME_WEIGHT
+        && (a.deviation - b.deviation).length() <= SAME_DIRECTION
+        && (a.offset - b.offset).length() <= slack
+        && linear.x_axis.length() + linear.y_axis.length()
+            <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
+}
+
+/// Unites convex polygons that do not overlap as far as the unions are convex: a hull with no more area than its parts.
+fn unite(mut polygons: Vec<Polygon>, slack: f64) -> Vec<Polygon> {
+    let union = |parts: &[&Polygon]| {
+        let points: Vec<DVec2> = parts.iter().flat_map(|p| p.iter().copied()).collect();
+        let hull = polygon::hull(&points, 4.0 * f64::EPSILON);
+        let sum: f64 = parts.iter().map(|p| polygon::area(p)).sum();
+        ((polygon::area(&hull) - sum).abs() <= slack).then_some(hull)
+    };
+    if let Some(all) = union(&polygons.iter().collect::<Vec<_>>()) {
+        return vec![all];
+    }
+    let mut i = 0;
+    while i < polygons.len() {
+        let found =
+            (i + 1..polygons.len()).find_map(|j| Some((j, union(&[&polygons[i], &polygons[j]])?)));
+        match found {
+            Some((j, joined)) => {
+                polygons[i] = joined;
+                polygons.remove(j);
+                // What an earlier polygon could not join with before may fit now.
+                i = 0;
+            }
+            None => i += 1,
+        }
+    }
+    polygons
+}
+
+fn path(piece: Piece) -> Path {
+    let [u, v] = piece.matrix.to_cols_array_2d();
+    Path {
+        polygon: piece.polygon.iter().map(|p| p.to_array()).collect(),
+        matrix: [[u[0], v[0]], [u[1], v[1]]],
+        offset: piece.offset.to_array(),
+        weight: piece.weight,
+        deviation: piece.deviation.to_array(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_triangles_of_a_fan_unite_and_separate_ones_stay() {
+        let corner = |i: usize| DVec2::from_angle(i as f64 * std::f64::consts::FRAC_PI_3);
+        let fan = (0..6).map(|i| vec![DVec2::ZERO, corner(i), corner(i + 1)]);
+        let far = vec![
+            DVec2::new(5.0, 0.0),
+            DVec2::new(6.0, 0.0),
+            DVec2::new(5.0, 1.0),
+        ];
+        let united = unite(fan.chain([far.clone()]).collect(), 1e-14);
+        assert_eq!(united.len(), 2);
+        assert_eq!(united[0].len(), 6);
+        assert!((polygon::area(&united[0]) - 1.5 * 3f64.sqrt()).abs() < 1e-14);
+        assert_eq!(united[1], far);
+    }
+}

@@ -1,0 +1,5 @@
+//! TODO
+
+pub mod bodies;
+pub mod planes;
+pub mod symmetry;

@@ -1,0 +1,160 @@
+//! What is in a table.
+
+use crate::cli::report::{directions_json, directions_text};
+use serde_json::json;
+use std::fmt::Write;
+use tables::deviation::Grid;
+use tables::table::Exact;
+use tables::{Symmetry, Table};
+
+/// For a person.
+pub fn text(table: &Table) -> String {
+    let from = &table.provenance;
+    let axes = &table.axes;
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{name:20} {value}");
+    };
+    line("design", from.design.clone());
+    line("mesh SHA-256", from.mesh_hash.clone());
+    line(
+        "edge length",
+        format!("{} ({})", from.edge_length, from.edge_length_unit),
+    );
+    if let Some([a, b]) = from.lattice {
+        line(
+            "lattice",
+            format!("({}, {}), ({}, {}) edge lengths", a[0], a[1], b[0], b[1]),
+        );
+    }
+    line("refractive index", from.refractive_index.to_string());
+    line(
+        "back, losses",
+        format!("{}, {}", from.back, from.losses_text()),
+    );
+    if let Some(nm) = from.wavelength_nm {
+        line("wavelength", format!("{nm} nm"));
+    }
+    let sampler = if from.sampler == "none" {
+        String::new()
+    } else {
+        format!(", {}, seed {}", from.sampler, from.seed)
+    };
+    line("method", format!("{}{sampler}", from.method));
+    if !from.options.is_empty() {
+        line("options", from.options.clone());
+    }
+    if let Some(shards) = &from.shards {
+        line("shards", shards.to_string());
+    }
+    line(
+        "angular tolerance",
+        format!("{} deg", from.angular_tolerance_deg),
+    );
+    let deviation = table.exact.as_ref().map(Exact::largest_deviation_rad);
+    if let Some(largest) = deviation.filter(|largest| *largest > 0.0) {
+        line(
+            "deviation",
+            format!("up to {:.4} mrad from straight back", 1e3 * largest),
+        );
+    }
+    if let Some(found) = &table.deviations {
+        let Grid { cells, bins, .. } = found.grid;
+        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
+        let (rms, largest) = spreads.fold((0.0, 0.0), |(rms, largest): (f64, f64), spread| {
+            (rms.max(spread.rms_rad), largest.max(spread.largest_rad))
+        });
+        line(
+            "deviation",
+            format!(
+                "up to {:.4} mrad from straight back, rms up to {:.4}: {bins} x {bins} bins of {:.4} mrad, with the shift in \
+                 {cells} x {cells} cells",
+                1e3 * largest,
+                1e3 * rms,
+                1e3 * found.grid.bin_width(),
+            ),
+        );
+    }
+    line(
+        "histogram",
+        format!(
+            "{0} x {0} bins, u and v in [-{1}, {1}] edge lengths",
+            axes.bins, axes.range
+        ),
+    );
+    let Symmetry {
+        rotations,
+        mirror_deg,
+    } = from.symmetry;
+    if from.symmetry != Symmetry::NONE {
+        let mirror = mirror_deg.map_or(String::new(), |m| {
+            format!(", mirror plane at azimuth {m} deg")
+        });
+        line(
+            "symmetry",
+            format!("{rotations} rotations{mirror}: every azimuth is looked up among those below"),
+        );
+    }
+    if let Some(tolerance) = from.direction_tolerance {
+        line(
+            "between directions",
+            format!("the polygons are within {tolerance} (total variation of eta x histogram)"),
+        );
+    }
+    line(
+        "frame",
+        "u along the in-plane direction of travel, v = n x u; the shift is p' - p".into(),
+    );
+    line("generator", from.generator.clone());
+    line("content SHA-256", table.content_hash());
+    text.push('\n');
+    text.push_str(&directions_text(table));
+    text
+}
+
+/// How far light goes from straight back, where the table says so.
+fn largest_deviation_rad(table: &Table) -> Option<f64> {
+    let of_beams = || table.exact.as_ref().map(Exact::largest_deviation_rad);
+    let of_rays = table.deviations.as_ref().map(|found| {
+        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
+        spreads.map(|spread| spread.largest_rad).fold(0.0, f64::max)
+    });
+    of_rays.or_else(of_beams)
+}
+
+/// For a script.
+pub fn json(table: &Table) -> String {
+    let from = &table.provenance;
+    let value = json!({
+        "design": from.design,
+        "mesh_hash": from.mesh_hash,
+        "edge_length": from.edge_length,
+        "edge_length_unit": from.edge_length_unit,
+        "azimuth_zero": from.azimuth_zero,
+        "lattice": from.lattice,
+        "refractive_index": from.refractive_index,
+        "back": from.back,
+        "losses": from.losses,
+        "reflectance": from.reflectance,
+        "metal_index": from.metal_index,
+        "wavelength_nm": from.wavelength_nm,
+        "method": from.method,
+        "sampler": from.sampler,
+        "seed": from.seed,
+        "symmetry": { "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg },
+        "direction_tolerance": from.direction_tolerance,
+        "options": from.options,
+        "shards": from.shards.as_ref().map(ToString::to_string),
+        "angular_tolerance_deg": from.angular_tolerance_deg,
+        "tolerance": from.tolerance,
+        "largest_deviation_mrad": largest_deviation_rad(table).map(|angle| 1e3 * angle),
+        "bins": table.axes.bins,
+        "range": table.axes.range,
+        "randomisations": table.counts.as_ref().map(|counts| counts.shape()[2]),
+        "generator": from.generator,
+        "content_hash": table.content_hash(),
+        "directions": directions_json(table),
+    });
+    format!("{value}\n")
+}

@@ -1,0 +1,278 @@
+//! What surfaces do to the power of unpolarised light: Fresnel's amplitudes, carried along a path in three dimensions.
+//!
+//! Unpolarised light is an even mixture of any two orthogonal polarisations, so its power after a path is the mean of what
+//! two orthogonal unit fields have become; both are followed as complex vectors (polarisation ray tracing: Yun, Crabtree
+//! and Chipman, Applied Optics 50, 2855, 2011). The mean of s and p at every single surface would forget that a facet
+//! polarises what the next one receives. Fields are scaled so that |E|^2 is the power through an area that travels along:
+//! a transmitted amplitude contains sqrt(n2 cos2 / n1 cos1).
+//!
+//! Time is exp(-i omega t) and an index n + ik with k >= 0; s = d x N for the direction d and the facet's normal N,
+//! p = d x s for each direction, so that at normal incidence r_p = -r_s. Only square roots are taken, so that all
+//! processors give the same bits.
+
+use crate::optics::mirror::reflect;
+use glam::DVec3;
+use num_complex::Complex64;
+use tables::Fate;
+
+/// What is behind a facet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Surface {
+    /// A mirror that reflects this part of the power at every angle and keeps the polarisation of an ideal one.
+    Mirror {
+        /// The part, above 0 and at most 1.
+        reflectance: f64,
+    },
+    /// A thick metal of this complex refractive index.
+    Metal(Complex64),
+    /// Vacuum: total internal reflection, or what Fresnel's equations leave of it.
+    Bare,
+}
+
+impl Surface {
+    /// What becomes of the light that the facet does not reflect.
+    pub fn takes(&self) -> Fate {
+        match self {
+            Surface::Mirror { .. } | Surface::Metal(_) => Fate::Absorbed,
+            Surface::Bare => Fate::Transmitted,
+        }
+    }
+
+    /// Amplitudes [r_s, r_p] of the reflection inside a medium of refractive index `index`, at an angle of cosine `cosine`
+    /// from the normal. The power is never more than 1 but for rounding.
+    pub fn reflection(&self, index: f64, cosine: f64) -> [Complex64; 2] {
+        match *self {
+            Surface::Mirror { reflectance } => {
+                let amplitude = Complex64::from(reflectance.sqrt());
+                [-amplitude, amplitude]
+            }
+            Surface::Metal(metal) => reflection(index, cosine, metal),
+            Surface::Bare => reflection(index, cosine, Complex64::ONE),
+        }
+    }
+}
+
+/// Fresnel's [r_s, r_p] between a medium of real index `from` and one of complex index `to`.
+fn reflection(from: f64, cosine: f64, to: Complex64) -> [Complex64; 2] {
+    let squared = to * to;
+    // n2 cos2; behind a totally reflecting facet the field decays, which is the root with the positive imaginary part.
+    let onward = root(squared - from * from * (1.0 - cosine * cosine));
+    let s = (from * cosine - onward) / (from * cosine + onward);
+    let p = (squared * cosine - onward * from) / (squared * cosine + onward * from);
+    [s, p]
+}
+
+/// Amplitudes [t_s, t_p] between two transparent media, given n cos of either side and the indices; scaled to power.
+fn transmission(from: (f64, f64), to: (f64, f64)) -> [f64; 2] {
+    let ((n1, cos1), (n2, cos2)) = (from, to);
+    let both = 2.0 * (n1 * cos1 * n2 * cos2).sqrt();
+    [
+        both / (n1 * cos1 + n2 * cos2),
+        both / (n2 * cos1 + n1 * cos2),
+    ]
+}
+
+/// The square root whose imaginary part is not negative, of a number that has none below 0.
+fn root(z: Complex64) -> Complex64 {
+    let size = (z.re * z.re + z.im * z.im).sqrt();
+    if size == 0.0 {
+        return Complex64::ZERO;
+    }
+    // The part without cancellation first.
+    let large = (f64::midpoint(size, z.re.abs())).sqrt();
+    let small = z.im / (2.0 * large);
+    if z.re >= 0.0 {
+        Complex64::new(large, small)
+    } else {
+        Complex64::new(small, large)
+    }
+}
+
+/// s and p of light along `direction` at a surface with unit normal `normal`.
+fn axes(direction: DVec3, normal: DVec3) -> (DVec3, DVec3) {
+    // Along the normal any s will do: there r_p = -r_s, to the square of the angle.
+    let across = direction.cross(normal);
+    let s = if across.length_squared() > 1e-24 {
+        across.normalize()
+    } else {
+        direction.any_orthonormal_vector()
+    };
+    (s, direction.cross(s))
+}
+
+/// A field, as real and imaginary part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Field {
+    re: DVec3,
+    im: DVec3,
+}
+
+impl Field {
+    fn along(axis: DVec3, amplitude: f64) -> Self {
+        Field {
+            re: axis * amplitude,
+            im: DVec3::ZERO,
+        }
+    }
+
+    fn dot(&self, axis: DVec3) -> Complex64 {
+        Complex64::new(self.re.dot(axis), self.im.dot(axis))
+    }
+
+    fn power(&self) -> f64 {
+        self.re.length_squared() + self.im.length_squared()
+    }
+}
+
+/// Light on its way: what two orthogonal unit fields, launched outside the sheet, have become.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light([Field; 2]);
+
+impl Light {
+    /// Light that has passed the flat front face, normal +z, of a sheet of refractive index `index` and now travels along
+    /// `travel`, unit length.
+    pub fn entered(travel: DVec3, index: f64) -> Self {
+        let (inside, outside) = cosines(travel, index);
+        let (s, p) = axes(travel, DVec3::Z);
+        let [ts, tp] = transmission((1.0, outside), (index, inside));
+        Light([Field::along(s, ts), Field::along(p, tp)])
+    }
+
+    /// Power as a part of that launched.
+    pub fn power(&self) -> f64 {
+        f64::midpoint(self.0[0].power(), self.0[1].power()).min(1.0)
+    }
+
+    /// After the reflection at a facet: `travel` is the direction before it, `index` that of the medium.
+    pub fn reflected(&self, travel: DVec3, normal: DVec3, surface: &Surface, index: f64) -> Self {
+        let [rs, rp] = surface.reflection(index, travel.dot(normal).abs());
+        let (s, p) = axes(travel, normal);
+        let onward = reflect(travel, normal).cross(s);
+        Light(self.0.map(|field| {
+            let (along_s, along_p) = (rs * field.dot(s), rp * field.dot(p));
+            Field {
+                re: s * along_s.re + onward * along_p.re,
+                im: s * along_s.im + onward * along_p.im,
+            }
+        }))
+    }
+
+    /// Power that leaves through the front face along `travel` inside: none beyond the critical angle.
+    pub fn power_outside(&self, travel: DVec3, index: f64) -> f64 {
+        let (inside, outside) = cosines(travel, index);
+        let (s, p) = axes(travel, DVec3::Z);
+        let [ts, tp] = transmission((index, inside), (1.0, outside));
+        let power =
+            |field: &Field| ts * ts * field.dot(s).norm_sqr() + tp * tp * field.dot(p).norm_sqr();
+        f64::midpoint(power(&self.0[0]), power(&self.0[1])).min(1.0)
+    }
+}
+
+/// Cosines of the angles from z inside and outside; 0 outside where light is totally reflected.
+fn cosines(travel: DVec3, index: f64) -> (f64, f64) {
+    let sine = index * travel.truncate().length();
+    (travel.z.abs(), (1.0 - sine * sine).max(0.0).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Roundings of a dozen operations.
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+    /// Fresnel's closed forms: ((m - 1)/(m + 1))^2 at normal incidence, ((n - m)^2 + k^2)/((n + m)^2 + k^2) of a metal, no p
+    /// at Brewster's angle, the energy of both sides of a dielectric, 1 beyond the critical angle.
+    #[test]
+    fn closed_forms() {
+        let mut cases = 0;
+        for index in [1.0, 1.33, 1.49, 1.586] {
+            let expected = ((index - 1.0) / (index + 1.0_f64)).powi(2);
+            for r in Surface::Bare.reflection(index, 1.0) {
+                assert!((r.norm_sqr() - expected).abs() < ROUNDING);
+            }
+            let entered = Light::entered(DVec3::NEG_Z, index);
+            assert!((entered.power() - (1.0 - expected)).abs() < ROUNDING);
+            let metal = Complex64::new(0.96, 6.69);
+            let expected = ((metal.re - index).powi(2) + metal.im.powi(2))
+                / ((metal.re + index).powi(2) + metal.im.powi(2));
+            for r in Surface::Metal(metal).reflection(index, 1.0) {
+                assert!((r.norm_sqr() - expected).abs() < ROUNDING);
+            }
+            let brewster = (1.0 / index).atan().cos();
+            assert!(Surface::Bare.reflection(index, brewster)[1].norm() < ROUNDING);
+            for degrees in 0..90 {
+                let cosine = f64::from(degrees).to_radians().cos();
+                let sine = index * (1.0 - cosine * cosine).sqrt();
+                let r = Surface::Bare.reflection(index, cosine);
+                if sine < 1.0 {
+                    let t = transmission((index, cosine), (1.0, (1.0 - sine * sine).sqrt()));
+                    for (r, t) in r.iter().zip(t) {
+                        // Near the critical angle the outer cosine loses half its digits, and t^2 as many.
+                        let slack = ROUNDING / (1.0 - sine * sine).sqrt();
+                        assert!((r.norm_sqr() + t * t - 1.0).abs() < slack, "{degrees}");
+                    }
+                } else {
+                    for r in r {
+                        assert!((r.norm_sqr() - 1.0).abs() < ROUNDING);
+                    }
+                }
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 360);
+    }
+
+    /// The phases of total reflection: tan(d_s/2) = sqrt(sin^2 - 1/m^2)/cos and tan(d_p/2) = m^2 times that (Born and Wolf,
+    /// 1.5.4), here in a frame where r_p has the other sign.
+    #[test]
+    fn total_reflection_turns_the_phase() {
+        let index = 1.49;
+        let mut cases = 0;
+        for degrees in 43..89 {
+            let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
+            let half = (sine * sine - 1.0 / (index * index)).sqrt() / cosine;
+            let [s, p] = Surface::Bare.reflection(index, cosine);
+            // (1 - i h)/(1 + i h)
+            let phase = |h: f64| Complex64::new(1.0, -h) / Complex64::new(1.0, h);
+            assert!((s - phase(half)).norm() < 1e2 * ROUNDING, "{degrees}");
+            assert!((p - phase(index * index * half)).norm() < 1e2 * ROUNDING);
+            cases += 1;
+        }
+        assert_eq!(cases, 46);
+    }
+
+    #[test]
+    fn roots_square_to_their_numbers() {
+        let mut cases = 0;
+        for i in 0..200 {
+            let angle = f64::from(i) / 199.0 * std::f64::consts::PI;
+            let z = Complex64::new(angle.cos(), angle.sin().max(0.0)) * 10f64.powi(i % 7 - 3);
+            let w = root(z);
+            assert!(w.im >= 0.0 && (w * w - z).norm() <= ROUNDING * z.norm());
+            cases += 1;
+        }
+        assert_eq!(root(Complex64::ZERO), Complex64::ZERO);
+        assert_eq!(cases, 200);
+    }
+
+    /// Along a facet's normal s is arbitrary, and must not matter.
+    #[test]
+    fn a_field_along_the_normal_depends_on_no_axis() {
+        let surface = Surface::Metal(Complex64::new(0.96, 6.69));
+        let light = Light::entered(DVec3::new(0.3, 0.1, -0.9).normalize(), 1.0);
+        let straight = light.reflected(DVec3::NEG_Z, DVec3::Z, &surface, 1.0);
+        let mut cases = 0;
+        for i in 0..12 {
+            let (y, x) = f64::from(i).sin_cos();
+            let tilt = DVec3::new(1e-9 * x, 1e-9 * y, 1.0).normalize();
+            let tilted = light.reflected(DVec3::NEG_Z, tilt, &surface, 1.0);
+            for (a, b) in straight.0.iter().zip(&tilted.0) {
+                // The direction after it turns by twice the tilt.
+                assert!((a.re - b.re).length() + (a.im - b.im).length() < 1e-8);
+            }
+            cases += 1;
+        }
+        assert_eq!(cases, 12);
+    }
+}

@@ -1,0 +1,4 @@
+//! TODO
+
+pub mod exits;
+pub mod plot;

@@ -1,0 +1,297 @@
+//! Up to 64 parallel rays that go down the hierarchy together, by bounds on all of them, and are tested against each
+//! candidate side by side. The test is [`Aspect::meet`], operation by operation, so every ray meets what it meets
+//! alone, bit for bit.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the same lane of several arrays; iterators hide that"
+)]
+
+use crate::optics::triangle::Aspect;
+use crate::rays::lanes::LANES;
+use glam::DVec3;
+
+type Reals = [f64; LANES];
+type Mask = [u64; LANES];
+
+/// No facet.
+pub const NONE: u64 = u64::MAX;
+
+/// Up to [`LANES`] rays of one direction, and the nearest facet of each so far.
+pub struct Bundle {
+    /// Where the rays start, by axis, edge lengths.
+    pub origin: [Reals; 3],
+    /// As [`crate::optics::ray::Ray::slack`].
+    pub slack: Reals,
+    /// Distance of the nearest facet, infinite where there is none.
+    pub distance: Reals,
+    /// The nearest facet, or [`NONE`].
+    pub facet: [u64; LANES],
+    /// Room for the nodes that wait: how far they are at least, and which.
+    pub waiting: Vec<(f64, u32)>,
+    /// As [`crate::optics::ray::Ray::grain`].
+    grain: f64,
+    /// Vectors of 8 lanes that are looked at.
+    vectors: usize,
+    /// Centre of the least box of all origins, half of its size, and the greatest slack.
+    centre: DVec3,
+    half: DVec3,
+    most_slack: f64,
+}
+
+/// Bounds on the rays of a bundle.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+    /// 1 over the components of the direction.
+    inverse: [f64; 3],
+}
+
+/// Direction components smaller than this count as 0 with their sign: over the whole extent of the facets the way
+/// along that axis stays far below the padding of their boxes.
+const LEVEL: f64 = 1e-9;
+
+/// In place of 1 over 0.
+const HUGE: f64 = 1e30;
+
+impl Bundle {
+    /// A bundle of no rays.
+    pub fn new() -> Self {
+        Bundle {
+            origin: [[0.0; LANES]; 3],
+            slack: [0.0; LANES],
+            distance: [0.0; LANES],
+            facet: [NONE; LANES],
+            waiting: Vec::new(),
+            grain: 0.0,
+            vectors: 0,
+            centre: DVec3::ZERO,
+            half: DVec3::ZERO,
+            most_slack: 0.0,
+        }
+    }
+
+    /// Takes the rays that start at `origin` (by axis) with `slack`, at most [`LANES`] and at least one; lanes that
+    /// are left repeat the last.
+    #[inline(always)]
+    pub fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
+        let count = slack.len();
+        take(&mut self.origin[0], origin[0]);
+        take(&mut self.origin[1], origin[1]);
+        take(&mut self.origin[2], origin[2]);
+        take(&mut self.slack, slack);
+        self.grain = grain;
+        self.vectors = count.div_ceil(8);
+        let lanes = whole(self.vectors);
+        // Lanes beyond look for nothing.
+        self.distance[..lanes].fill(f64::INFINITY);
+        self.distance[lanes..].fill(0.0);
+        self.facet = [NONE; LANES];
+        let [x, y, z] = &self.origin;
+        let low = DVec3::new(fold(x, lesser), fold(y, lesser), fold(z, lesser));
+        let high = DVec3::new(fold(x, greater), fold(y, greater), fold(z, greater));
+        self.centre = (low + high) / 2.0;
+        // Rounding of the centre makes up for no more than this.
+        self.half = (high - low) / 2.0 + (low.abs() + high.abs()) * f64::EPSILON;
+        self.most_slack = fold(&self.slack, greater);
+    }
+
+    /// Bounds on the rays, which travel along `direction`; origins counted from `centre`.
+    #[inline(always)]
+    pub fn bounds(&self, direction: DVec3, centre: DVec3) -> Bounds {
+        Bounds {
+            low: (self.centre - self.half - centre).to_array(),
+            high: (self.centre + self.half - centre).to_array(),
+            inverse: [
+                inverse(direction.x),
+                inverse(direction.y),
+                inverse(direction.z),
+            ],
+        }
+    }
+
+    /// The distance beyond which no ray looks.
+    #[inline(always)]
+    pub fn limit(&self) -> f64 {
+        fold(&self.distance, greater)
+    }
+
+    /// The edge that most rays are likely to miss the facet by; `None` where no ray can meet it: all pass beyond one of
+    /// its edges, or start behind it.
+    #[inline(always)]
+    fn likeliest_miss(&self, aspect: &Aspect) -> Option<usize> {
+        // The greatest value over the box, of a function that is linear in the origin. Twice the margin of the test
+        // holds the rounding of both.
+        let most = |corner: DVec3, gradient: DVec3| {
+            (self.centre - corner).dot(gradient) + self.half.dot(gradient.abs())
+        };
+        if most(aspect.corners[0], aspect.normal * aspect.side) < -2.0 * self.most_slack {
+            return None;
+        }
+        let inside = |edge: usize| {
+            most(aspect.corners[edge], aspect.inward[edge])
+                + 2.0 * (self.most_slack * aspect.lengths[edge] + self.grain)
+        };
+        let inside = [inside(0), inside(1), inside(2)];
+        let first = if inside[1] < inside[0] { 1 } else { 0 };
+        let first = if inside[2] < inside[first] { 2 } else { first };
+        (inside[first] >= 0.0).then_some(first)
+    }
+
+    /// [`crate::rays::scene::Nearest::offer`] for every ray; whether one may have met the facet.
+    #[inline(always)]
+    pub fn offer(&mut self, index: usize, aspect: &Aspect) -> bool {
+        let Some(likely) = self.likeliest_miss(aspect) else {
+            return false;
+        };
+        let (side, vectors) = (aspect.side, self.vectors);
+        let mut on: Mask = [1; LANES];
+        for edge in [likely, (likely + 1) % 3, (likely + 2) % 3] {
+            let value = over(
+                &self.origin,
+                vectors,
+                aspect.corners[edge],
+                aspect.inward[edge],
+            );
+            let length = aspect.lengths[edge];
+            for lane in 0..whole(vectors) {
+                let margin = -(side * (self.slack[lane] * length + self.grain));
+                on[lane] &= u64::from(value[lane] >= margin);
+            }
+            if none(&on, vectors) {
+                return false;
+            }
+        }
+        let height = over(&self.origin, vectors, aspect.corners[0], aspect.normal);
+        for lane in 0..whole(vectors) {
+            let ahead = side * height[lane] >= -(side * self.slack[lane]);
+            let quotient = -height[lane] / aspect.cosine;
+            let distance = if quotient > 0.0 { quotient } else { 0.0 };
+            let known = self.distance[lane];
+            let nearer =
+                (distance < known) | ((distance == known) & ((index as u64) < self.facet[lane]));
+            let met = (on[lane] != 0) & ahead & nearer;
+            self.distance[lane] = if met { distance } else { known };
+            self.facet[lane] = if met { index as u64 } else { self.facet[lane] };
+        }
+        true
+    }
+}
+
+/// Lanes of so many vectors, in a form that tells the compiler that they are lanes and whole vectors.
+#[inline(always)]
+fn whole(vectors: usize) -> usize {
+    vectors.min(LANES / 8) * 8
+}
+
+/// How far the origins are beyond the plane through `corner` with `gradient`, in the order of glam's dot product.
+#[inline(always)]
+fn over(origin: &[Reals; 3], vectors: usize, corner: DVec3, gradient: DVec3) -> Reals {
+    let [x, y, z] = origin;
+    let mut value = [0.0; LANES];
+    for lane in 0..whole(vectors) {
+        value[lane] = (x[lane] - corner.x) * gradient.x
+            + (y[lane] - corner.y) * gradient.y
+            + (z[lane] - corner.z) * gradient.z;
+    }
+    value
+}
+
+#[inline(always)]
+fn none(mask: &Mask, vectors: usize) -> bool {
+    let mut any = 0;
+    for lane in 0..whole(vectors) {
+        any |= mask[lane];
+    }
+    any == 0
+}
+
+impl Default for Bundle {
+    fn default() -> Self {
+        Bundle::new()
+    }
+}
+
+/// Fills the lanes with the values, and what is left with the last.
+#[inline(always)]
+fn take(lanes: &mut Reals, values: &[f64]) {
+    let (taken, left) = lanes.split_at_mut(values.len());
+    taken.copy_from_slice(values);
+    left.fill(values[values.len() - 1]);
+}
+
+/// 1 over a component of a direction.
+#[inline(always)]
+pub fn inverse(component: f64) -> f64 {
+    if component.abs() < LEVEL {
+        HUGE.copysign(component)
+    } else {
+        1.0 / component
+    }
+}
+
+/// The lesser of two numbers, as one instruction: there are no NaNs.
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Eight lanes side by side, then those eight: an order that vectors can keep.
+#[inline(always)]
+fn fold(values: &Reals, choose: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut eight = [values[0]; 8];
+    for chunk in values.chunks_exact(8) {
+        for lane in 0..8 {
+            eight[lane] = choose(eight[lane], chunk[lane]);
+        }
+    }
+    eight.into_iter().fold(eight[0], choose)
+}
+
+impl Bounds {
+    /// The greatest distance of an origin from the centre, or more.
+    pub fn farthest(&self) -> f64 {
+        let axis = |axis: usize| self.low[axis].abs().max(self.high[axis].abs());
+        axis(0) + axis(1) + axis(2)
+    }
+
+    /// For each of eight boxes a lower bound on the distance at which a ray of the bundle is in it; infinite where none
+    /// can be within `limit`.
+    #[inline(always)]
+    pub fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
+        let (mut from, mut to) = ([0.0f64; 8], [limit; 8]);
+        for axis in 0..3 {
+            let (low, high) = (self.low[axis], self.high[axis]);
+            let inverse = self.inverse[axis];
+            for i in 0..8 {
+                let one = (f64::from(boxes.low[axis][i]) - high) * inverse;
+                let other = (f64::from(boxes.high[axis][i]) - low) * inverse;
+                from[i] = greater(lesser(one, other), from[i]);
+                to[i] = lesser(greater(one, other), to[i]);
+            }
+        }
+        for i in 0..8 {
+            from[i] = if from[i] <= to[i] {
+                from[i]
+            } else {
+                f64::INFINITY
+            };
+        }
+        from
+    }
+}
+
+/// Eight boxes side by side, by axis; an empty place holds a point at infinity.
+#[derive(Debug, Clone, Copy)]
+pub struct Boxes {
+    /// Lower ends.
+    pub low: [[f32; 8]; 3],
+    /// Upper ends.
+    pub high: [[f32; 8]; 3],
+}

@@ -1,0 +1,286 @@
+//! Nearest hit among many facets: a bounding volume hierarchy with eight boxes to a node. The only file that names the BVH
+//! crate.
+//!
+//! The crate builds the tree, in f32. The tree only chooses the candidates: its boxes are padded by more than the error of an f32
+//! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets
+//! finds, bit for bit (tested). The crate's own wide variant has an absolute epsilon near surfaces and is not used.
+
+use crate::optics::ray::Ray;
+use crate::optics::triangle::Facet;
+use crate::rays::bundle::{Boxes, Bundle, inverse};
+use crate::rays::packet::Way;
+use crate::rays::scene::Nearest;
+use glam::{DVec3, Vec3A, Vec4};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use std::time::Duration;
+
+/// A hierarchy over a list of facets.
+pub struct Hierarchy {
+    nodes: Vec<Node>,
+    /// Nodes that wait at most while a ray goes down.
+    waiting: usize,
+    centre: DVec3,
+    /// Radius of a ball about `centre` that holds every facet, edge lengths.
+    radius: f64,
+    /// Padding of the boxes, edge lengths.
+    padding: f64,
+}
+
+impl Hierarchy {
+    /// Builds the hierarchy over `facets` (at least one).
+    pub fn new(facets: &[Facet]) -> Self {
+        let corners = || facets.iter().flat_map(|facet| facet.corners);
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let centre = (low + high) / 2.0;
+        let radius = corners()
+            .map(|corner| corner.distance(centre))
+            .fold(0.0, f64::max);
+        // An f32 position within 2 radii of the centre is off by at most 2^-23 radii, its ray at the far side by
+        // 2^-23 x 2 radii more, and the box test rounds thrice: 2^-19 radii hold all of it four times over.
+        let padding = radius * (-19f64).exp2();
+        let boxes: Vec<Aabb> = facets
+            .iter()
+            .map(|facet| {
+                let corners = facet.corners.map(|corner| single(corner - centre));
+                let mut bounds = Aabb::from_points(&corners);
+                bounds.min -= Vec3A::splat(padding as f32);
+                bounds.max += Vec3A::splat(padding as f32);
+                bounds
+            })
+            .collect();
+        let mut build_time = Duration::ZERO;
+        let tree = build_bvh2(
+            &boxes,
+            BvhBuildParams {
+                max_prims_per_leaf: 1,
+                ..BvhBuildParams::medium_build()
+            },
+            &mut build_time,
+        );
+        let (nodes, waiting) = widened(&tree);
+        Hierarchy {
+            nodes,
+            waiting,
+            centre,
+            radius,
+            padding,
+        }
+    }
+
+    /// The nearest of `facets` (those it was built over) along `ray`, up to `limit` edge lengths.
+    pub fn nearest(&self, facets: &[Facet], ray: &Ray, limit: f64) -> Nearest {
+        let mut few = [(0.0, 0); FEW];
+        if self.waiting <= FEW {
+            self.descend(facets, ray, limit, &mut few)
+        } else {
+            self.descend(facets, ray, limit, &mut vec![(0.0, 0); self.waiting])
+        }
+    }
+
+    /// As [`Hierarchy::nearest`]; `waiting` has room for the nodes that wait: how far they are at least, and which.
+    fn descend(
+        &self,
+        facets: &[Facet],
+        ray: &Ray,
+        limit: f64,
+        waiting: &mut [(f32, u32)],
+    ) -> Nearest {
+        // A ray from afar starts, for the f32 boxes, where it comes near: f32 digits are for the cell, not for the way.
+        let origin = ray.origin - self.centre;
+        let skipped = (-origin.dot(ray.direction) - 2.0 * self.radius).max(0.0);
+        let slabs = Slabs::new(origin + ray.direction * skipped, ray.direction);
+        let far = |distance: f64| {
+            let far = ((distance - skipped) * (1.0 + 1e-6) + self.padding) as f32;
+            far.min(f32::MAX)
+        };
+        let mut nearest = Nearest::within(limit);
+        let mut to = far(limit);
+        let mut count = 1;
+        waiting[0] = (0.0, 0);
+        while count > 0 {
+            count -= 1;
+            let (from, at) = waiting[count];
+            if from > to {
+                continue;
+            }
+            if at & LEAF != 0 {
+                let facet = (at & !LEAF) as usize;
+                nearest.offer(facet, &facets[facet], ray);
+                to = far(nearest.distance);
+                continue;
+            }
+            let node = &self.nodes[at as usize];
+            let (entered, mut met) = slabs.reach(&node.boxes, to);
+            let bottom = count;
+            while met != 0 {
+                let child = met.trailing_zeros() as usize;
+                met &= met - 1;
+                // The nearest last: it is looked at first.
+                let mut place = count;
+                while place > bottom && waiting[place - 1].0 < entered[child] {
+                    waiting[place] = waiting[place - 1];
+                    place -= 1;
+                }
+                waiting[place] = (entered[child], node.children[child]);
+                count += 1;
+            }
+        }
+        nearest
+    }
+
+    /// The same for all rays of `bundle`. They start where facets are, so no digits are lost on the way.
+    #[inline(always)]
+    pub fn nearest_of(&self, way: &Way, bundle: &mut Bundle) {
+        let Way {
+            facets, direction, ..
+        } = *way;
+        let mut open = std::mem::take(&mut bundle.waiting);
+        let bounds = bundle.bounds(direction, self.centre);
+        // Whatever is in the ball of the facets is no further than this from an origin.
+        let span = bounds.farthest() + 2.0 * self.radius;
+        let mut limit = span;
+        open.clear();
+        open.push((0.0, 0));
+        while let Some((from, at)) = open.pop() {
+            if from > limit {
+                continue;
+            }
+            if at & LEAF != 0 {
+                let facet = (at & !LEAF) as usize;
+                if Some(facet) != way.from
+                    && let Some(aspect) = facets[facet].along(direction)
+                    && bundle.offer(facet, &aspect)
+                {
+                    limit = (bundle.limit() * (1.0 + 1e-6) + self.padding).min(span);
+                }
+                continue;
+            }
+            let node = &self.nodes[at as usize];
+            let from = bounds.reach(&node.boxes, limit);
+            let bottom = open.len();
+            for (&from, &child) in from.iter().zip(&node.children) {
+                if from < f64::INFINITY {
+                    // The nearest last: it is looked at first.
+                    open.push((from, child));
+                    let mut place = open.len() - 1;
+                    while place > bottom && open[place - 1].0 < from {
+                        open.swap(place, place - 1);
+                        place -= 1;
+                    }
+                }
+            }
+        }
+        bundle.waiting = open;
+    }
+}
+
+/// A node of eight children.
+struct Node {
+    boxes: Boxes,
+    /// Nodes, or facets marked [`LEAF`].
+    children: [u32; 8],
+}
+
+/// Nodes that wait on the way of a single ray, of all but the deepest trees; a million facets take some 80.
+const FEW: usize = 128;
+
+/// A ray as boxes see it: its origin and 1 over its direction.
+struct Slabs {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+}
+
+impl Slabs {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        let direction = direction.to_array();
+        Slabs {
+            origin: single(origin).to_array(),
+            inverse: direction.map(|component| inverse(component) as f32),
+        }
+    }
+
+    /// For each of eight boxes the distance at which the ray enters it, and in bits which it does within `to`.
+    #[inline(always)]
+    fn reach(&self, boxes: &Boxes, to: f32) -> ([f32; 8], u32) {
+        let (mut entered, mut met) = ([0.0; 8], 0);
+        for half in [0, 4] {
+            let four = |lanes: &[f32; 8]| Vec4::from_slice(&lanes[half..half + 4]);
+            let (mut from, mut until) = (Vec4::ZERO, Vec4::splat(to));
+            for axis in 0..3 {
+                let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+                let (low, high) = (four(&boxes.low[axis]), four(&boxes.high[axis]));
+                let (near, far) = if inverse < 0.0 {
+                    (high, low)
+                } else {
+                    (low, high)
+                };
+                from = from.max((near - origin) * inverse);
+                until = until.min((far - origin) * inverse);
+            }
+            met |= from.cmple(until).bitmask() << half;
+            from.write_to_slice(&mut entered[half..]);
+        }
+        (entered, met)
+    }
+}
+
+/// Marks a child that is a facet.
+const LEAF: u32 = 1 << 31;
+
+/// `tree`, whose leaves hold one facet each, with eight children to a node, and how many wait at most on the way down.
+fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
+    let mut nodes = Vec::new();
+    let mut deepest = 0;
+    // Node of `tree`, its place among `nodes`, and how many are above it.
+    let mut open = vec![(0usize, 0usize, 0usize)];
+    nodes.push(Node::EMPTY);
+    while let Some((root, place, depth)) = open.pop() {
+        deepest = deepest.max(depth);
+        let mut children = vec![root];
+        // Opens the largest child as long as there is room.
+        while children.len() < 8 {
+            let inner = (0..children.len()).filter(|&i| !tree.nodes[children[i]].is_leaf());
+            let area = |i: &usize| tree.nodes[children[*i]].aabb.half_area();
+            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else {
+                break;
+            };
+            let first = tree.nodes[children[largest]].first_index as usize;
+            children[largest] = first;
+            children.push(first + 1);
+        }
+        for (i, child) in children.into_iter().enumerate() {
+            let node = &tree.nodes[child];
+            let (low, high) = (node.aabb.min, node.aabb.max);
+            for axis in 0..3 {
+                nodes[place].boxes.low[axis][i] = low[axis];
+                nodes[place].boxes.high[axis][i] = high[axis];
+            }
+            nodes[place].children[i] = if node.is_leaf() {
+                LEAF | tree.primitive_indices[node.first_index as usize]
+            } else {
+                open.push((child, nodes.len(), depth + 1));
+                nodes.push(Node::EMPTY);
+                nodes.len() as u32 - 1
+            };
+        }
+    }
+    // Each level leaves seven behind when it takes the eighth.
+    (nodes, 7 * deepest + 8)
+}
+
+impl Node {
+    const EMPTY: Node = Node {
+        boxes: Boxes {
+            low: [[f32::INFINITY; 8]; 3],
+            high: [[f32::INFINITY; 8]; 3],
+        },
+        children: [0; 8],
+    };
+}
+
+fn single(v: DVec3) -> Vec3A {
+    v.as_vec3a()
+}

@@ -1,0 +1,453 @@
+//! A [`Program`] run by 64 rays at a time, in plain Rust over arrays that the compiler turns into vectors.
+//!
+//! Everything here is inlined into one function per instruction set (see `simd`). Additions and multiplications are
+//! rounded one by one, nothing is fused or reordered, so every instruction set gives the same bits.
+//!
+//! A set of rays is a mask per lane of which the top bit counts: the sign bit of a test's value is then the mask of
+//! the rays that fail it, and taking and leaving rays are bit operations.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the same lane of several arrays; iterators hide that"
+)]
+
+use crate::rays::packet::order;
+use crate::rays::program::{Affine, DEPTH, End, Excerpt, Program, Step};
+use crate::rays::tally::{Bins, Tally};
+use crate::samples::launch::{Launch, Piece};
+use crate::samples::sequence::{Sampler, Stream, centred, pascal, philox, scramble};
+use std::ops::Range;
+use tables::Fate;
+
+/// Rays of a bundle. Enough that the compiler keeps the loops over lanes and turns them into vectors: with 16 or 32
+/// it unrolls them first and shuffles (2.5 times slower); 128 is 20 % slower again.
+pub const LANES: usize = 64;
+
+type Reals = [f64; LANES];
+type Mask = [u64; LANES];
+
+/// The square is cut into 2^4 x 2^4 cells where a block is traced cell by cell.
+const CELL_BITS: u32 = 4;
+
+/// Pieces of the entrance from which on samples are sorted by piece instead, lest each bundle look at all of them.
+const SORTED_PIECES: usize = 12;
+
+/// Samples of the smallest block that is worth it: two bundles per cell.
+const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
+
+/// What a run keeps at hand from one bundle to the next.
+struct Work<'a> {
+    bins: &'a Bins,
+    /// Rays left at each depth of the tree.
+    left: [Mask; DEPTH],
+    /// Rays ended with each fate, per lane.
+    ended: [Mask; Fate::ALL.len()],
+    histogram: &'a mut [u32],
+}
+
+/// Traces `samples` of `stream`; `programs` are those of the scenes that `launch` leads into.
+#[inline(always)]
+pub fn run(
+    programs: &[Program],
+    launch: &Launch,
+    bins: &Bins,
+    stream: &Stream,
+    samples: Range<u64>,
+    tally: &mut Tally,
+) {
+    let mut work = Work {
+        bins,
+        left: [[0; LANES]; DEPTH],
+        ended: [[0; LANES]; Fate::ALL.len()],
+        histogram: &mut tally.histogram,
+    };
+    let cells = stream.sampler == Sampler::Sobol;
+    let mut first = samples.start;
+    if sorts(launch) {
+        by_pieces(programs, launch, stream, samples.clone(), &mut work);
+        first = samples.end;
+    }
+    while first < samples.end {
+        // The largest block of 2^k samples that starts at a multiple of its size.
+        let left = samples.end - first;
+        let aligned = 1 << first.trailing_zeros().min(left.ilog2());
+        if cells && aligned >= BLOCK {
+            by_cells(programs, launch, stream, first, aligned, &mut work);
+            first += aligned;
+        } else {
+            let next = if cells {
+                left.min(BLOCK - first % BLOCK)
+            } else {
+                left
+            };
+            in_order(programs, launch, stream, first..first + next, &mut work);
+            first += next;
+        }
+    }
+    let ended = work.ended;
+    for (sum, lanes) in tally.fates.iter_mut().zip(&ended) {
+        *sum += lanes.iter().sum::<u64>();
+    }
+}
+
+/// Traces samples in the order of their indices.
+#[inline(always)]
+fn in_order(
+    programs: &[Program],
+    launch: &Launch,
+    stream: &Stream,
+    samples: Range<u64>,
+    work: &mut Work,
+) {
+    let mut first = samples.start;
+    while first < samples.end {
+        let active = (samples.end - first).min(LANES as u64) as usize;
+        let (a, b) = digits(stream, first);
+        let mut started = [0; LANES];
+        started[..active].fill(1 << 63);
+        for piece in launch.pieces() {
+            let (x, y, chosen) = points(piece, &a, &b);
+            let mut start = started;
+            for lane in 0..LANES {
+                start[lane] &= chosen[lane];
+            }
+            let Program { steps, tests, maps } = &programs[piece.scene];
+            let only = (maps.len() == 1).then_some(0);
+            bundle(steps, tests, maps, only, [&x, &y], start, work);
+        }
+        first += LANES as u64;
+    }
+}
+
+/// Whether samples of `launch` are sorted by the piece that they choose.
+pub fn sorts(launch: &Launch) -> bool {
+    launch.pieces().len() >= SORTED_PIECES
+}
+
+/// Traces samples in the order of the pieces that they choose.
+#[inline(always)]
+fn by_pieces(
+    programs: &[Program],
+    launch: &Launch,
+    stream: &Stream,
+    samples: Range<u64>,
+    work: &mut Work,
+) {
+    let mut drawn = Vec::with_capacity((samples.end - samples.start) as usize + LANES);
+    for first in samples.clone().step_by(LANES) {
+        let (a, b) = digits(stream, first);
+        drawn.extend((0..LANES).map(|lane| [a[lane], b[lane]]));
+    }
+    drawn.truncate((samples.end - samples.start) as usize);
+    // Slots of the first coordinate, 8 to 16 of them for a piece of the mean size: fine enough that few samples of a
+    // piece's slots choose its neighbours. Which do is decided as ever, by `points`.
+    let bits = launch.pieces().len().ilog2() + 4;
+    let slot = |of: &[u32; 2]| of[0] >> (32 - bits);
+    let drawn = order(&drawn, 1 << bits, |sample| slot(sample) as usize);
+    for piece in launch.pieces() {
+        let [from, to] = [piece.from, piece.to].map(|end| (end * f64::from(1 << bits)) as u32);
+        let from = drawn.partition_point(|sample| slot(sample) < from);
+        let count = drawn[from..].partition_point(|sample| slot(sample) <= to);
+        let Program { steps, tests, maps } = &programs[piece.scene];
+        let only = (maps.len() == 1).then_some(0);
+        for some in drawn[from..from + count].chunks(LANES) {
+            let (mut a, mut b) = ([0; LANES], [0; LANES]);
+            for (lane, sample) in some.iter().enumerate() {
+                [a[lane], b[lane]] = *sample;
+            }
+            let (x, y, mut start) = points(piece, &a, &b);
+            start[some.len()..].fill(0);
+            bundle(steps, tests, maps, only, [&x, &y], start, work);
+        }
+    }
+}
+
+/// Traces an aligned block of 2^k Sobol samples cell by cell of the square: rays of a cell need few of the
+/// program's steps and tests, and their shifts fall in few bins.
+///
+/// In a cell the first four digits of both coordinates are given. Before scrambling, which maps cells onto cells,
+/// those of the first are the lowest four bits of the index, and those of the second a function (the Pascal matrix
+/// of four digits) of the exclusive or of all its groups of four bits.
+#[inline(always)]
+fn by_cells(
+    programs: &[Program],
+    launch: &Launch,
+    stream: &Stream,
+    first: u64,
+    count: u64,
+    work: &mut Work,
+) {
+    let base = (first >> (2 * CELL_BITS)) as u32;
+    let mut excerpt = Excerpt::default();
+    let (mut corners, mut points_of_cell) = (Vec::new(), Vec::new());
+    for cell in 0..1u32 << (2 * CELL_BITS) {
+        let (low, sum) = (cell & 15, cell >> 4);
+        let index = |high: u32| {
+            let mut folded = high ^ (high >> 16);
+            folded ^= folded >> 8;
+            folded ^= folded >> 4;
+            (high << 8) | (((sum ^ low ^ folded) & 15) << 4) | low
+        };
+        let digits = stream
+            .pair(u64::from(index(base)))
+            .map(|digits| f64::from(digits >> (32 - CELL_BITS)));
+        for piece in launch.pieces() {
+            // The part of the cell that chooses this piece.
+            let (from, to) = (digits[0] / 16.0, (digits[0] + 1.0) / 16.0);
+            let (from, to) = (from.max(piece.from), to.min(piece.to));
+            if from >= to {
+                continue;
+            }
+            let [from, to] = [from, to].map(|along| piece.stretched(along - 0.5));
+            let [low, high] = [digits[1], digits[1] + 1.0].map(|end| end / 16.0 - 0.5);
+            corners.clear();
+            corners.extend([(from, low), (to, low), (from, high), (to, high)]);
+            if piece.folded {
+                // The part beyond the diagonal lies on the other side of it: where it crosses the sides is a corner too.
+                let crossings = [(from, -from), (to, -to), (-low, low), (-high, high)];
+                let on_side =
+                    |&(c0, c1): &(f64, f64)| from <= c0 && c0 <= to && low <= c1 && c1 <= high;
+                corners.extend(crossings.iter().filter(|end| on_side(end)));
+            }
+            let program = &programs[piece.scene];
+            points_of_cell.clear();
+            points_of_cell.extend(corners.iter().map(|&(c0, c1)| piece.point(c0, c1)));
+            excerpt.refill(program, &points_of_cell);
+            let mut maps = excerpt.steps.iter().filter_map(|step| match step.end {
+                End::Shift(map) => Some(map),
+                _ => None,
+            });
+            let map = maps.next();
+            let map = if maps.all(|other| Some(other) == map) {
+                map
+            } else {
+                None
+            };
+            for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
+                let mut indices = [0u32; LANES];
+                for lane in 0..LANES {
+                    indices[lane] = index(base + group * LANES as u32 + lane as u32);
+                }
+                let (a, b) = sobol(stream, &indices);
+                let (x, y, start) = points(piece, &a, &b);
+                bundle(
+                    &excerpt.steps,
+                    &excerpt.tests,
+                    &program.maps,
+                    map,
+                    [&x, &y],
+                    start,
+                    work,
+                );
+            }
+        }
+    }
+}
+
+/// Traces one bundle of rays that enter at (x, y); those in `start` count. `only` is the one map of these steps, where
+/// there is one.
+#[inline(always)]
+fn bundle(
+    steps: &[Step],
+    tests: &[Affine],
+    maps: &[[Affine; 2]],
+    only: Option<usize>,
+    [x, y]: [&Reals; 2],
+    start: Mask,
+    work: &mut Work,
+) {
+    let left = &mut work.left;
+    left[0] = start;
+    // Bin position of the rays that come back, and which they are.
+    let (mut u, mut v): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
+    let mut back: Mask = [0; LANES];
+    let mut returns = false;
+    for step in steps {
+        let from = step.from;
+        let mut taken = left[from];
+        let (first, last) = step.tests;
+        if first < last {
+            let mut failed: Mask = [0; LANES];
+            for test in &tests[first..last] {
+                let value = affine(test, x, y);
+                for lane in 0..LANES {
+                    failed[lane] |= value[lane].to_bits();
+                }
+            }
+            for lane in 0..LANES {
+                taken[lane] &= !failed[lane];
+                left[from][lane] &= failed[lane];
+            }
+        }
+        match step.end {
+            End::Onward => left[from + 1] = taken,
+            End::Fate(fate) => {
+                for lane in 0..LANES {
+                    work.ended[fate as usize][lane] += taken[lane] >> 63;
+                }
+            }
+            End::Shift(map) => {
+                returns = true;
+                for lane in 0..LANES {
+                    back[lane] |= taken[lane];
+                }
+                if only.is_none() {
+                    let [along, across] = &maps[map];
+                    let (mu, mv) = (affine(along, x, y), affine(across, x, y));
+                    for lane in 0..LANES {
+                        // Bits, not a choice: a branch for every lane costs half the rays per second.
+                        let chosen = ((taken[lane] as i64) >> 63) as u64;
+                        u[lane] = f64::from_bits(
+                            (mu[lane].to_bits() & chosen) | (u[lane].to_bits() & !chosen),
+                        );
+                        v[lane] = f64::from_bits(
+                            (mv[lane].to_bits() & chosen) | (v[lane].to_bits() & !chosen),
+                        );
+                    }
+                }
+            }
+        }
+    }
+    if !returns {
+        return;
+    }
+    if let Some(map) = only {
+        let [along, across] = &maps[map];
+        (u, v) = (affine(along, x, y), affine(across, x, y));
+    }
+    scatter(&u, &v, &back, work);
+}
+
+/// 2^52: adding it to a number of 0 to 2^51 leaves the nearest integer in the low bits.
+const UNITS: f64 = 4_503_599_627_370_496.0;
+
+/// The greatest integer up to `value`, exact from 0 to 2^51. (A cast saturates, for which the compiler leaves the
+/// vector: 3 times slower over all.)
+#[inline(always)]
+fn floor(value: f64) -> f64 {
+    let nearest = (value + UNITS) - UNITS;
+    nearest - if nearest > value { 1.0 } else { 0.0 }
+}
+
+/// Counts the rays of `back` in the bins of (u, v).
+#[inline(always)]
+fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Work) {
+    let end = work.bins.count as f64;
+    let size = work.bins.len() as f64;
+    let mut within: Mask = [0; LANES];
+    for lane in 0..LANES {
+        // Top bits: u < end, v < end, u >= 0, v >= 0.
+        let below = (u[lane] - end).to_bits() & (v[lane] - end).to_bits();
+        within[lane] = back[lane] & below & !(u[lane].to_bits() | v[lane].to_bits());
+    }
+    for lane in 0..LANES {
+        work.ended[Fate::Retroreflected as usize][lane] += within[lane] >> 63;
+        work.ended[Fate::OutOfRange as usize][lane] += (back[lane] & !within[lane]) >> 63;
+    }
+    let mut at = [0u64; LANES];
+    for lane in 0..LANES {
+        let bin = floor(v[lane]) * end + floor(u[lane]);
+        // The other rays count in slots beyond the histogram, one per lane: no branch, and no queue at one slot.
+        let slot = if within[lane] >> 63 == 1 {
+            bin
+        } else {
+            size + SPILL[lane]
+        };
+        at[lane] = (slot + UNITS).to_bits() & 0xffff_ffff;
+    }
+    for bin in at {
+        work.histogram[bin as usize] += 1;
+    }
+}
+
+/// Slots of the rays in no bin, after the histogram.
+const SPILL: Reals = {
+    let mut slots = [0.0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        slots[lane] = lane as f64;
+        lane += 1;
+    }
+    slots
+};
+
+#[inline(always)]
+fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
+    let mut value = [0.0; LANES];
+    for lane in 0..LANES {
+        value[lane] = function.x * x[lane] + function.y * y[lane] + function.one;
+    }
+    value
+}
+
+/// Digits of samples `first..first + LANES`: those of [`Stream::pair`].
+#[inline(always)]
+fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
+    match stream.sampler {
+        Sampler::Sobol => {
+            let mut indices = [0u32; LANES];
+            for lane in 0..LANES {
+                indices[lane] = (first as u32).wrapping_add(lane as u32);
+            }
+            sobol(stream, &indices)
+        }
+        Sampler::Random => {
+            let (mut low, mut high) = ([0u32; LANES], [0u32; LANES]);
+            for lane in 0..LANES {
+                let index = first + lane as u64;
+                [low[lane], high[lane]] = stream.counter(index);
+            }
+            philox(&mut low, &mut high, stream.keys[0]);
+            (low, high)
+        }
+    }
+}
+
+/// Digits of the Sobol samples `indices`.
+#[inline(always)]
+fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
+    let (mut a, mut b) = ([0u32; LANES], [0u32; LANES]);
+    for lane in 0..LANES {
+        a[lane] = scramble(indices[lane], stream.keys[0]);
+        b[lane] = scramble(pascal(indices[lane]), stream.keys[1]);
+    }
+    (a, b)
+}
+
+/// Entry points in `piece`, and the rays that choose it: the operations of [`Launch::entry`] lane by lane.
+#[inline(always)]
+fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
+    let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        c0[lane] = centred(a[lane]);
+    }
+    for lane in 0..LANES {
+        c1[lane] = centred(b[lane]);
+    }
+    let mut chosen: Mask = [1 << 63; LANES];
+    if !piece.takes_all() {
+        for lane in 0..LANES {
+            let along = c0[lane] + 0.5;
+            // Top bits: along < to, along >= from.
+            chosen[lane] = (along - piece.to).to_bits() & !(along - piece.from).to_bits();
+            c0[lane] = piece.stretched(c0[lane]);
+        }
+    }
+    if piece.folded {
+        for lane in 0..LANES {
+            let (i, j) = (c0[lane], c1[lane]);
+            let flip = i + j > 0.0;
+            c0[lane] = if flip { -j } else { i };
+            c1[lane] = if flip { -i } else { j };
+        }
+    }
+    let [s, t] = piece.sides;
+    let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        x[lane] = piece.centre.x + (s.x * c0[lane] + t.x * c1[lane]);
+    }
+    for lane in 0..LANES {
+        y[lane] = piece.centre.y + (s.y * c0[lane] + t.y * c1[lane]);
+    }
+    (x, y, chosen)
+}

@@ -1,0 +1,135 @@
+//! The fence: the one file with unsafe code. It compiles [`crate::rays::lanes`] and [`crate::rays::packet`] once per instruction set
+//! and calls the best that the processor has.
+//!
+//! The only unsafe act is calling a function that was compiled for an instruction set; an [`InstructionSet`] is only
+//! made after the processor was asked for it.
+#![allow(
+    unsafe_code,
+    reason = "a function compiled for an instruction set may be called only where it is present"
+)]
+
+use crate::rays::bundle::Bundle;
+use crate::rays::lanes;
+use crate::rays::packet::{Packet, Way};
+use crate::rays::program::Program;
+use crate::rays::tally::{Bins, Tally};
+use crate::samples::launch::Launch;
+use crate::samples::sequence::Stream;
+use std::ops::Range;
+
+/// An instruction set that this processor has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct InstructionSet(Level);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Level {
+    Baseline,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// All that this processor has, the best last. They give the same bits.
+    pub fn available() -> Vec<Self> {
+        let mut sets = vec![InstructionSet(Level::Baseline)];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx2") {
+                sets.push(InstructionSet(Level::Avx2));
+            }
+            let features = [
+                is_x86_feature_detected!("avx512f"),
+                is_x86_feature_detected!("avx512dq"),
+                is_x86_feature_detected!("avx512bw"),
+                is_x86_feature_detected!("avx512vl"),
+                is_x86_feature_detected!("avx512cd"),
+            ];
+            if features.iter().all(|&present| present) {
+                sets.push(InstructionSet(Level::Avx512));
+            }
+        }
+        sets
+    }
+
+    /// The best that this processor has.
+    pub fn best() -> Self {
+        Self::available()
+            .last()
+            .copied()
+            .unwrap_or(InstructionSet(Level::Baseline))
+    }
+
+    /// Runs [`Packet::advance`] with this instruction set.
+    pub fn advance(self, packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
+        match self.0 {
+            Level::Baseline => packet.advance(way, bundle),
+            // SAFETY: the value exists, so `available` found the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { advance_avx2(packet, way, bundle) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { advance_avx512(packet, way, bundle) },
+        }
+    }
+
+    /// Runs [`lanes::run`] with this instruction set.
+    pub fn run(
+        self,
+        programs: &[Program],
+        launch: &Launch,
+        bins: &Bins,
+        stream: &Stream,
+        samples: Range<u64>,
+        tally: &mut Tally,
+    ) {
+        match self.0 {
+            Level::Baseline => lanes::run(programs, launch, bins, stream, samples, tally),
+            // SAFETY: the value exists, so `available` found the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { avx2(programs, launch, bins, stream, samples, tally) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { avx512(programs, launch, bins, stream, samples, tally) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2(
+    programs: &[Program],
+    launch: &Launch,
+    bins: &Bins,
+    stream: &Stream,
+    samples: Range<u64>,
+    tally: &mut Tally,
+) {
+    lanes::run(programs, launch, bins, stream, samples, tally);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
+fn avx512(
+    programs: &[Program],
+    launch: &Launch,
+    bins: &Bins,
+    stream: &Stream,
+    samples: Range<u64>,
+    tally: &mut Tally,
+) {
+    lanes::run(programs, launch, bins, stream, samples, tally);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn advance_avx2(packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
+    packet.advance(way, bundle);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
+fn advance_avx512(packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
+    packet.advance(way, bundle);
+}

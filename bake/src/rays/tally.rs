@@ -1,0 +1,295 @@
+//! Integer counts of fates and shifts: sums in any order give the same bytes.
+
+use crate::rays::lanes::LANES;
+use crate::rays::path::Outcome;
+use glam::DVec2;
+use ndarray::s;
+use tables::deviation::{Entry, Grid, added};
+use tables::{Fate, Table};
+
+/// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bins {
+    /// Bins along each axis.
+    pub count: usize,
+    /// Bins per edge length.
+    pub density: f64,
+}
+
+impl Bins {
+    /// `count` bins along each axis over [-range, range] edge lengths.
+    pub fn new(count: usize, range: f64) -> Self {
+        Bins {
+            count,
+            density: count as f64 / (2.0 * range),
+        }
+    }
+
+    /// Number of bins.
+    pub fn len(&self) -> usize {
+        self.count * self.count
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The shift in units of bins from the lower end of the histogram.
+    pub fn position(&self, shift: DVec2) -> DVec2 {
+        shift * self.density + DVec2::splat(self.count as f64 / 2.0)
+    }
+
+    /// The bin of a shift, v slow, u fast; `None` outside the histogram.
+    pub fn find(&self, shift: DVec2) -> Option<usize> {
+        let at = self.position(shift);
+        let end = self.count as f64;
+        let within = at.x >= 0.0 && at.y >= 0.0 && at.x < end && at.y < end;
+        within.then(|| at.y as usize * self.count + at.x as usize)
+    }
+}
+
+/// Counts of one run of rays of one direction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tally {
+    /// Rays by bin, v slow, u fast, and then [`LANES`] slots for the fast kernel's rays that fall in no bin.
+    pub histogram: Vec<u32>,
+    /// Rays by fate, in the order of [`Fate::ALL`].
+    pub fates: [u64; Fate::ALL.len()],
+    /// Places of rays in the histogram of deviations; none where there is no such histogram.
+    pub exits: Vec<u64>,
+}
+
+impl Tally {
+    /// Empty counts. A tally takes at most 2^32 - 1 rays, which the runs are cut to.
+    pub fn new(bins: &Bins) -> Self {
+        Tally {
+            histogram: vec![0; bins.len() + LANES],
+            fates: [0; Fate::ALL.len()],
+            exits: Vec::new(),
+        }
+    }
+
+    /// Back to zero.
+    pub fn clear(&mut self) {
+        self.histogram.fill(0);
+        self.fates.fill(0);
+        self.exits.clear();
+    }
+
+    /// Counts one ray.
+    pub fn count(&mut self, bins: &Bins, outcome: &Outcome) {
+        if outcome.fate == Fate::Retroreflected {
+            self.count_shift(bins, outcome.shift);
+        } else {
+            self.fates[outcome.fate as usize] += 1;
+        }
+    }
+
+    /// Counts one ray that is retroreflected, shifted by `shift`.
+    #[inline]
+    pub fn count_shift(&mut self, bins: &Bins, shift: DVec2) {
+        let fate = if let Some(bin) = bins.find(shift) {
+            self.histogram[bin] += 1;
+            Fate::Retroreflected
+        } else {
+            Fate::OutOfRange
+        };
+        self.fates[fate as usize] += 1;
+    }
+
+    /// Notes where a ray goes that is retroreflected: off by `deviation`, shifted by `shift`.
+    pub fn count_exit(&mut self, bins: &Bins, grid: &Grid, shift: DVec2, deviation: DVec2) {
+        if let Some(bin) = bins.find(shift) {
+            let pool = bins.count / grid.cells;
+            let cell = [bin / bins.count, bin % bins.count].map(|k| k / pool);
+            let at = [grid.bin(deviation.y), grid.bin(deviation.x)];
+            self.exits.push(grid.place(cell, at));
+        }
+    }
+}
+
+/// Sums of one direction, by randomisation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sums {
+    /// Rays by `[randomisation, v, u]`.
+    pub counts: Vec<u64>,
+    /// Rays by randomisation and fate.
+    pub fates: Vec<[u64; Fate::ALL.len()]>,
+    /// Rays launched by randomisation.
+    pub launched: Vec<u64>,
+    /// Rays by shift and deviation, of all randomisations.
+    pub deviations: Vec<Entry>,
+}
+
+impl Sums {
+    /// Empty sums of `randomisations`.
+    pub fn new(bins: &Bins, randomisations: usize) -> Self {
+        Sums {
+            counts: vec![0; bins.len() * randomisations],
+            fates: vec![[0; Fate::ALL.len()]; randomisations],
+            launched: vec![0; randomisations],
+            deviations: Vec::new(),
+        }
+    }
+
+    /// The sums that a table of rays was made of, direction by direction; none without counts.
+    pub fn of_table(table: &Table) -> Vec<Self> {
+        let (Some(counts), Some(fates)) = (&table.counts, &table.fate_counts) else {
+            return Vec::new();
+        };
+        let (incidences, azimuths) = table.axes.shape();
+        let of = |direction: usize| {
+            let (i, j) = (direction / azimuths, direction % azimuths);
+            let counts = counts.slice(s![i, j, .., .., ..]);
+            let fates = fates.slice(s![i, j, .., ..]);
+            let fates: Vec<[u64; Fate::ALL.len()]> = fates
+                .rows()
+                .into_iter()
+                .map(|row| std::array::from_fn(|fate| row[fate]))
+                .collect();
+            let deviations = table.deviations.as_ref();
+            Sums {
+                deviations: deviations.map_or(Vec::new(), |found| found.entries[direction].clone()),
+                counts: counts.iter().copied().collect(),
+                launched: fates.iter().map(|fates| fates.iter().sum()).collect(),
+                fates,
+            }
+        };
+        (0..incidences * azimuths).map(of).collect()
+    }
+
+    /// Adds the counts of one run to a randomisation.
+    pub fn add(&mut self, randomisation: usize, tally: &Tally) {
+        let size = tally.histogram.len() - LANES;
+        let counts = &mut self.counts[randomisation * size..][..size];
+        for (sum, &count) in counts.iter_mut().zip(&tally.histogram) {
+            *sum += u64::from(count);
+        }
+        for (sum, &count) in self.fates[randomisation].iter_mut().zip(&tally.fates) {
+            *sum += count;
+        }
+        self.launched[randomisation] += tally.fates.iter().sum::<u64>();
+    }
+
+    /// Adds rays by shift and deviation.
+    pub fn add_exits(&mut self, exits: &[Entry]) {
+        if !exits.is_empty() {
+            self.deviations = added(&self.deviations, exits);
+        }
+    }
+
+    /// Rays launched in all.
+    pub fn rays(&self) -> u64 {
+        self.launched.iter().sum()
+    }
+
+    /// Rays of `fate` in all.
+    pub fn of(&self, fate: Fate) -> u64 {
+        self.fates.iter().map(|fates| fates[fate as usize]).sum()
+    }
+
+    /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a normal variable with
+    /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial; with R of them it is
+    /// their standard deviation s over sqrt R. (R - 1) s^2 / sigma^2 is chi-squared with R - 1 degrees of freedom, so
+    /// the mean of s is c4 sigma (`mean_deviation`), and every s is divided by c4.
+    ///
+    /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less than one ray.
+    pub fn l1_error(&self) -> f64 {
+        let runs = self.launched.len();
+        let size = self.counts.len() / runs.max(1);
+        let rays = self.rays().max(1) as f64;
+        let sigma = |bin: usize| {
+            let sum: u64 = (0..runs).map(|run| self.counts[run * size + bin]).sum();
+            if sum == 0 {
+                return 0.0;
+            }
+            let mean = sum as f64 / rays;
+            if runs < 2 {
+                return (mean * (1.0 - mean) / rays).sqrt();
+            }
+            let squares: f64 = (0..runs)
+                .map(|run| {
+                    self.counts[run * size + bin] as f64 / self.launched[run].max(1) as f64 - mean
+                })
+                .map(|x| x * x)
+                .sum();
+            (squares / (runs * (runs - 1)) as f64).sqrt()
+        };
+        let mean = (2.0 / std::f64::consts::PI).sqrt() / mean_deviation(runs);
+        mean * (0..size).map(sigma).sum::<f64>()
+    }
+}
+
+/// c4: the mean of the standard deviation of `samples` normal values (n - 1 in its denominator), as a part of the true
+/// one; 1 for a single sample, which has none. 0.921 for 4, 0.983 for 16.
+fn mean_deviation(samples: usize) -> f64 {
+    if samples < 2 {
+        return 1.0;
+    }
+    let n = samples as f64;
+    (2.0 / (n - 1.0)).sqrt() * libm::exp(libm::lgamma(n / 2.0) - libm::lgamma((n - 1.0) / 2.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_hold_their_lower_edge() {
+        let bins = Bins::new(4, 2.0);
+        assert_eq!(bins.find(DVec2::new(-2.0, -2.0)), Some(0));
+        assert_eq!(bins.find(DVec2::new(-1.0, -2.0)), Some(1));
+        assert_eq!(bins.find(DVec2::new(-2.0, -1.0)), Some(4));
+        assert_eq!(bins.find(DVec2::new(1.999_999, 1.999_999)), Some(15));
+        assert_eq!(bins.find(DVec2::new(2.0, 0.0)), None);
+        assert_eq!(bins.find(DVec2::new(0.0, -2.000_001)), None);
+        assert_eq!(bins.find(DVec2::new(f64::NAN, 0.0)), None);
+    }
+
+    /// sqrt(2/pi), 2 sqrt(2)/sqrt(3 pi) and the tabulated c4 of 16 samples.
+    #[test]
+    fn mean_deviations_are_those_of_the_tables() {
+        let cases = [
+            (1, 1.0),
+            (2, 0.797_884_561),
+            (4, 0.921_317_732),
+            (16, 0.983_484_0),
+        ];
+        for (samples, c4) in cases {
+            assert!(
+                (mean_deviation(samples) - c4).abs() < 1e-6,
+                "{samples}: {}",
+                mean_deviation(samples)
+            );
+        }
+    }
+
+    #[test]
+    fn every_ray_is_counted_once() {
+        let bins = Bins::new(8, 1.0);
+        let mut tally = Tally::new(&bins);
+        let fates = [
+            Fate::Missed,
+            Fate::Retroreflected,
+            Fate::Retroreflected,
+            Fate::Deviated,
+        ];
+        for (i, fate) in fates.into_iter().enumerate() {
+            tally.count(
+                &bins,
+                &Outcome {
+                    fate,
+                    shift: DVec2::splat(0.6 * i as f64),
+                    bounces: 0,
+                    travel: glam::DVec3::Z,
+                },
+            );
+        }
+        let mut sums = Sums::new(&bins, 1);
+        sums.add(0, &tally);
+        assert_eq!(sums.rays(), 4);
+        assert_eq!(sums.of(Fate::Retroreflected), 1);
+        assert_eq!(sums.of(Fate::OutOfRange), 1, "a shift of 1.2 lies outside");
+    }
+}

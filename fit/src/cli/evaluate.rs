@@ -1,0 +1,166 @@
+//! `fit evaluate`: how alike a rendered image and a photograph look.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::cli::cli;
+use crate::cli::cli::Failure;
+use crate::images::metrics;
+use crate::images::metrics::Shown;
+use crate::images::metrics::lpips;
+use crate::images::metrics::lpips::Lpips;
+use crate::photographs::photo;
+use crate::photographs::photo::Transfer;
+
+/// Says how alike two pictures look: PSNR, SSIM, FLIP, and LPIPS with weights that you bring.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Both pictures must show the same thing at the same size and place, in the same units; they are compared as a display shows \
+them (sRGB values of light clipped to 0..1, after --exposure). PSNR in dB and SSIM (Gaussian window, mean of the colours) are \
+higher, FLIP (mean) and LPIPS (AlexNet, v0.1) lower for pictures that are more alike.
+
+Examples:
+  fit evaluate aerial.png photograph.png
+  fit evaluate aerial.exr photograph.png --exposure 10 --json")]
+pub struct Arguments {
+    /// The rendered image
+    pub rendered: PathBuf,
+    /// The photograph that it should look like
+    pub photo: PathBuf,
+    /// Factor on the light of both
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = cli::positive)]
+    pub exposure: f64,
+    /// Pixels per degree of the viewer's field, for FLIP
+    #[arg(long, value_name = "N", default_value_t = 67.020_64, value_parser = cli::positive)]
+    pub pixels_per_degree: f64,
+    /// Weights for LPIPS, as fit/doc/lpips_weights.py writes them
+    #[arg(long, value_name = "WEIGHTS.safetensors")]
+    pub lpips: Option<PathBuf>,
+    /// What integers in both files mean, linear or srgb; sRGB for 8 bits, linear for 16 if left out
+    #[arg(long, value_name = "NAME", value_parser = cli::transfer)]
+    pub transfer: Option<Transfer>,
+    /// One JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Why two pictures cannot be compared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Of two sizes.
+    #[error("{} is {} x {} pixels, {} is {} x {}; crop or render one to the size of the other",
+        rendered.display(), sizes[0][0], sizes[0][1], photo.display(), sizes[1][0], sizes[1][1])]
+    Sizes {
+        /// One.
+        rendered: PathBuf,
+        /// The other.
+        photo: PathBuf,
+        /// Columns and rows of both.
+        sizes: [[usize; 2]; 2],
+    },
+    /// Too small for a window.
+    #[error("{}: is smaller than {least} x {least} pixels, which {metric} needs; compare a larger part", rendered.display())]
+    Small {
+        /// One.
+        rendered: PathBuf,
+        /// Pixels needed.
+        least: usize,
+        /// What needs them.
+        metric: &'static str,
+    },
+    /// Weights that are none.
+    #[error(transparent)]
+    Lpips(#[from] lpips::Error),
+}
+
+#[derive(Serialize)]
+struct Report {
+    width: usize,
+    height: usize,
+    /// Null for equal pictures.
+    psnr_db: Option<f64>,
+    ssim: f64,
+    flip: f64,
+    /// Null without weights.
+    lpips: Option<f64>,
+    warnings: Vec<String>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Pictures or weights.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (rendered, photo) = (&arguments.rendered, &arguments.photo);
+    let lpips = arguments.lpips.as_deref().map(Lpips::read).transpose();
+    let lpips = lpips.map_err(Error::from)?;
+    let [a, b] = [
+        photo::load_colour(rendered, arguments.transfer)?,
+        photo::load_colour(photo, arguments.transfer)?,
+    ];
+    let mut warnings: Vec<String> = a.warnings.iter().chain(&b.warnings).cloned().collect();
+    warnings.dedup();
+    let above = |picture: &photo::Picture| {
+        let samples = picture.planes.iter().flatten();
+        samples
+            .filter(|&&v| f64::from(v) * arguments.exposure > 1.0)
+            .count()
+    };
+    let clipped = above(&a) + above(&b);
+    if clipped > 0 {
+        warnings.push(format!(
+            "{clipped} values are above 1 and count as 1; give a smaller --exposure"
+        ));
+    }
+    let [a, b] = [a, b].map(|picture| Shown::new(&picture, arguments.exposure));
+    let sizes = [a.size(), b.size()];
+    if sizes[0] != sizes[1] {
+        return Err(Error::Sizes {
+            rendered: rendered.clone(),
+            photo: photo.clone(),
+            sizes,
+        }
+        .into());
+    }
+    let [width, height] = sizes[0];
+    let needs = [
+        ("SSIM", metrics::SMALLEST, true),
+        ("LPIPS", lpips::SMALLEST, lpips.is_some()),
+    ];
+    for (metric, least, wanted) in needs {
+        if wanted && width.min(height) < least {
+            return Err(Error::Small {
+                rendered: rendered.clone(),
+                least,
+                metric,
+            }
+            .into());
+        }
+    }
+    let report = Report {
+        width,
+        height,
+        psnr_db: metrics::psnr(&a, &b),
+        ssim: metrics::ssim(&a, &b),
+        flip: metrics::flip(&b, &a, arguments.pixels_per_degree as f32),
+        lpips: lpips.map(|network| network.distance(&a, &b)),
+        warnings,
+    };
+    if arguments.json {
+        return cli::print(&cli::json(&report));
+    }
+    report.warnings.iter().for_each(|text| cli::warn(text));
+    let psnr = match report.psnr_db {
+        Some(psnr) => format!("{psnr:.2} dB"),
+        None => "infinite (the pictures are equal)".into(),
+    };
+    let lpips = report
+        .lpips
+        .map_or(String::new(), |d| format!("LPIPS  {d:.4}\n"));
+    cli::print(&format!(
+        "PSNR   {psnr}\nSSIM   {:.4}\nFLIP   {:.4}\n{lpips}",
+        report.ssim, report.flip
+    ))
+}

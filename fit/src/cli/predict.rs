@@ -1,0 +1,181 @@
+//! `fit predict`: MTF and luminance of a fitted sheet at other places.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
+use tables::Outputs;
+
+use crate::cli::cli;
+use crate::cli::cli::Failure;
+use crate::cli::estimate::{check_model, read_channel};
+use crate::model::kernel::{Family, Kernel};
+use crate::predict::predict::{Around, Axis, Places, Prediction, around, predict};
+use crate::report::plot;
+use crate::report::plot::Variable;
+
+/// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The MTF is that of the mid-air image itself, without camera: tangential (contrast along the plane of incidence) and \
+sagittal. Luminance is relative to the source, half mirror included. Parameters fitted per angle are interpolated \
+linearly between the fitted angles and held constant beyond them.
+
+Examples:
+  fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 --azimuth 30
+  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot mtf.svg --json
+  fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 --frequency 0.5,1,2 --against incidence \
+    --plot against.svg -o against.csv
+  fit predict result.json --table pair.h5 --distance 150 --incidence 20 --frequency 0.5,1,2 --against direction \
+    --plot polar.svg --json -o polar.json")]
+pub struct Arguments {
+    /// What `fit estimate -o` wrote
+    pub result: PathBuf,
+    /// A table of the fitted cell: the fit's own, or one of the same mesh and index with more directions
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// Floating distances, mm
+    #[arg(long, value_name = "LIST", value_parser = cli::positives)]
+    pub distance: std::vec::Vec<f64>,
+    /// Incidence angles, degrees
+    #[arg(long, value_name = "LIST", value_parser = cli::incidences)]
+    pub incidence: std::vec::Vec<f64>,
+    /// Azimuths, degrees; the table's own if it holds only one
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = cli::numbers)]
+    pub azimuth: Option<std::vec::Vec<f64>>,
+    /// Of a file of `fit estimate --channel each`, the channel: red, green or blue
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+    /// Frequencies, 1/mm
+    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
+    pub frequency: std::vec::Vec<f64>,
+    /// Whose model the result must be, if any is named: a result knows its own
+    #[arg(long, value_enum)]
+    pub model: Option<Family>,
+    /// One JSON object instead of CSV
+    #[arg(long)]
+    pub json: bool,
+    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves; direction draws a polar picture for
+    /// every place, and adds its curves to the JSON ("around")
+    #[arg(long, value_enum, requires = "plot")]
+    pub against: Option<Variable>,
+    /// The MTF curves as a picture, .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Write there instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Most frequencies that `--against` draws at each place.
+const MOST_CURVES: usize = 12;
+
+#[derive(Serialize)]
+struct Report<'a> {
+    kernel: Kernel,
+    frequency_per_mm: &'a [f64],
+    predictions: &'a [Prediction],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    around: Vec<Around>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Result, table, direction or outputs.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
+        clap::Command::new("fit predict")
+            .error(
+                clap::error::ErrorKind::ArgumentConflict,
+                format!("--against draws a curve for every frequency; name at most {MOST_CURVES} with --frequency"),
+            )
+            .exit();
+    }
+    let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
+    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
+    check_model(&arguments.result, &result, arguments.model)?;
+    let table = tables::read(&arguments.table)?;
+    let mut places = Places {
+        distance_mm: arguments.distance.clone(),
+        incidence_deg: arguments.incidence.clone(),
+        azimuth_deg: cli::only_azimuth(&table),
+        frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
+    };
+    let (mut predictions, mut polar) = (Vec::new(), Vec::new());
+    let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
+    let azimuths: Vec<Option<f64>> = azimuths.collect();
+    let own = [places.azimuth_deg];
+    for &azimuth_deg in if azimuths.is_empty() {
+        &own
+    } else {
+        &azimuths[..]
+    } {
+        places.azimuth_deg = azimuth_deg;
+        predictions.extend(predict(&result, &table, &places)?);
+        if arguments.against == Some(Variable::Direction) {
+            polar.extend(around(&result, &table, &places)?);
+        }
+    }
+    if arguments.azimuth.is_some() && table.axes.is_mean() {
+        cli::warn("the table is a mean over azimuths: --azimuth has no effect");
+    }
+    let mut between: Vec<String> = predictions
+        .iter()
+        .filter(|p| p.interpolated && table.provenance.direction_tolerance.is_none())
+        .map(|p| p.incidence_deg.to_string())
+        .collect();
+    between.dedup();
+    if !between.is_empty() {
+        cli::warn(&format!(
+            "interpolated between directions of the table, which costs accuracy: incidence {} deg; bake them",
+            between.join(", ")
+        ));
+    }
+    if let Some((path, output)) = picture {
+        let frequencies = &places.frequency_per_mm;
+        output.commit(&match arguments.against {
+            Some(Variable::Direction) => plot::around(&polar, frequencies, path)?,
+            Some(variable) => plot::against(&predictions, frequencies, variable, path)?,
+            None => plot::predicted(&predictions, frequencies, path)?,
+        })?;
+    }
+    let text = if arguments.json {
+        cli::json(&Report {
+            kernel: result.kernel,
+            frequency_per_mm: &places.frequency_per_mm,
+            predictions: &predictions,
+            around: polar,
+        })
+    } else {
+        csv(&predictions, &places.frequency_per_mm)
+    };
+    cli::deliver(&text, output)
+}
+
+/// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.
+fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
+    let mut text = String::from(
+        "distance_mm,incidence_deg,azimuth_deg,axis,eta,luminance,frequency_per_mm,mtf\n",
+    );
+    for p in predictions {
+        let axis = if p.axis == Axis::Tangential {
+            "tangential"
+        } else {
+            "sagittal"
+        };
+        let azimuth = p.azimuth_deg.map_or(String::new(), |a| a.to_string());
+        let luminance = p.luminance.map_or(String::new(), |l| format!("{l:.6}"));
+        for (i, f) in frequency_per_mm.iter().enumerate() {
+            let mtf = p.mtf.get(i).map_or(String::new(), |m| format!("{m:.6}"));
+            let _ = writeln!(
+                text,
+                "{},{},{azimuth},{axis},{:.6},{luminance},{f:.6},{mtf}",
+                p.distance_mm, p.incidence_deg, p.eta
+            );
+        }
+    }
+    text
+}

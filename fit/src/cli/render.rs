@@ -1,0 +1,397 @@
+//! `fit render`: the mid-air image of any picture.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use serde::Serialize;
+use tables::Outputs;
+
+use crate::cli::cli;
+use crate::cli::cli::Failure;
+use crate::cli::estimate::{check_model, read_result};
+use crate::cli::sampled::Samples;
+use crate::estimate::forward::Forward;
+use crate::images::render;
+use crate::images::render::psf::Psf;
+use crate::images::render::sampled::Spotted;
+use crate::images::render::view::View;
+use crate::images::render::{Scale, sampled};
+use crate::images::sheet::Fitted;
+use crate::images::spot::Place;
+use crate::model::kernel::Family;
+use crate::photographs::photo;
+use crate::photographs::photo::{Picture, Transfer, Writing};
+
+/// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The source is any EXR, PNG, TIFF or JPEG, grey or in colour, as it appears in the mid-air image (upright). Its pixels are \
+squares of even light; a pixel of the result is the mean of the mid-air image over its square, in the source's units, as dim \
+as it is: --exposure brightens it as a camera would. What lies outside of the source is black.
+
+Examples:
+  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence 20 --azimuth 30 \
+-o aerial.exr
+  fit render --source content.png --params result.json --table pair.h5 --distance 150 --incidence 0 --azimuth 30 \
+--exposure 10 --ambient 0.002 -o aerial.png --json
+  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence 20 --azimuth 30 \
+--forward render --samples 64 -o sampled.exr --json
+
+With --view, a camera sees the sheet: every pixel has its own incidence, azimuth and distance, and with them its own blur and \
+brightness, so the table must hold directions all around (bake trace --azimuth 0:345:15). All as the camera sees it, the half \
+mirror taken away, in mm:
+    [camera]
+    position_mm = [0, 0, 600]
+    [image]                             # the mid-air image
+    centre_mm = [0, 0, 0]
+    right = [1, 0, 0]                   # of the picture's columns
+    down = [0, -1, 0]                   # of its rows
+    pixel_pitch_mm = 0.2
+    [sheet]
+    position_mm = [0, 0, -300]
+    normal = [0.34, 0, 0.94]            # towards the light
+    first_edge = [0, 1, 0]              # azimuth 0
+    seen_in_mirror = false              # true: the camera sees the sheet in the half mirror
+    [ambient]                           # optional
+    luminance = 0.002
+    [coating]                           # optional: what its front face mirrors is added
+    refractive_index = 1.5")]
+pub struct Arguments {
+    /// The picture
+    #[arg(long, value_name = "IMAGE")]
+    pub source: PathBuf,
+    /// What `fit estimate -o` wrote
+    #[arg(long, value_name = "RESULT.json")]
+    pub params: PathBuf,
+    /// A table of the fitted cell
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// Floating distance (optical path from the sheet), mm
+    #[arg(long, value_name = "MM", value_parser = cli::positive, required_unless_present = "view")]
+    pub distance: Option<f64>,
+    /// Incidence, degrees
+    #[arg(long, value_name = "DEG", value_parser = cli::incidence, required_unless_present = "view")]
+    pub incidence: Option<f64>,
+    /// Camera, image and sheet in space, instead of distance, incidence and azimuth
+    #[arg(long, value_name = "VIEW.toml",
+        conflicts_with_all = ["distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis", "ambient"])]
+    pub view: Option<PathBuf>,
+    /// With --view: largest error between tiles, of the brightest pixel
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = cli::positive)]
+    pub tolerance: f64,
+    /// Azimuth, degrees; the table's own if it holds only one
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pub azimuth: Option<f64>,
+    /// One pixel in the plane of the mid-air image, mm; that of the fitted photographs if left out
+    #[arg(long, value_name = "MM", value_parser = cli::positive)]
+    pub pixel_pitch: Option<f64>,
+    /// Direction of the plane of incidence in the picture, from right towards down, degrees
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub tangential_axis: f64,
+    /// Luminance of the scene behind the image, in units of the source's white
+    #[arg(long, value_name = "L", default_value_t = 0.0, value_parser = cli::not_negative)]
+    pub ambient: f64,
+    /// Factor on the result, as of a camera's exposure
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = cli::positive)]
+    pub exposure: f64,
+    /// What integers in the source mean, linear or srgb, and in a PNG that is written; sRGB for 8 bits if left out
+    #[arg(long, value_name = "NAME", value_parser = cli::transfer)]
+    pub transfer: Option<Transfer>,
+    /// spectral: by transforms; render: by samples, for a check
+    #[arg(long, value_enum, default_value_t)]
+    pub forward: Forward,
+    /// Samples of the blur.
+    #[command(flatten)]
+    pub samples: Samples,
+    /// Whose model the result must be, if any is named: a result knows its own
+    #[arg(long, value_enum)]
+    pub model: Option<Family>,
+    /// Threads; all cores if left out
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// One JSON object about the image on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// The image: .exr (linear, 32-bit float) or .png (16-bit, in the source's transfer)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// Least and greatest over the image.
+type Range = [f64; 2];
+
+#[derive(Serialize)]
+struct Report {
+    width: usize,
+    height: usize,
+    channels: usize,
+    pixel_pitch_mm: f64,
+    incidence_deg: Range,
+    azimuth_deg: Option<Range>,
+    distance_mm: Range,
+    /// Luminance over the source's; null without mu.
+    energy: Option<Range>,
+    /// Largest error of the transfer by what was left out.
+    transfer_error: f64,
+    /// Tiles along columns and rows, and the largest error between their corners; null without a view.
+    tiles: Option<TileReport>,
+    /// Root mean square over the image of the standard error by the samples, before exposure; null without samples.
+    sampling_error: Option<f64>,
+    /// Mean and greatest luminance of the mid-air image over the ambient one; null without ambient light.
+    contrast: Option<Contrast>,
+    seconds: Seconds,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct TileReport {
+    counts: [usize; 2],
+    error: f64,
+}
+
+#[derive(Serialize)]
+struct Contrast {
+    mean: f64,
+    peak: f64,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    read: f64,
+    render: f64,
+    write: f64,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Source, result, table, direction or output.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let inputs = [&arguments.source, &arguments.params, &arguments.table];
+    let inputs = inputs.into_iter().chain(&arguments.view);
+    let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
+    let ending = || render::Error::Ending {
+        path: arguments.output.clone(),
+    };
+    let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
+    let output = outputs.reserve(&arguments.output)?;
+    let result = read_result(&arguments.params)?;
+    check_model(&arguments.params, &result, arguments.model)?;
+    let table = tables::read(&arguments.table)?;
+    let sheet = Fitted::new(&result, &table)?;
+    let pool = cli::pool(arguments.threads)?;
+
+    let started = Instant::now();
+    let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
+    let read = started.elapsed().as_secs_f64();
+
+    let view = arguments.view.as_deref().map(View::load).transpose();
+    let view = view.map_err(render::Error::from)?;
+    let pitch = arguments.pixel_pitch;
+    let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
+    let pitch_mm = view.as_ref().map_or(pitch, View::pitch_mm);
+    let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
+    let seen = pool.install(|| match &view {
+        Some(view) => from_camera(&source, &sheet, view, arguments),
+        None => from_afar(&source, &sheet, pitch_mm, arguments),
+    })?;
+    let mut warnings = warnings(&source, &seen);
+    let mut image = seen.image;
+    let contrast = (ambient > 0.0).then(|| Contrast {
+        mean: image.mean_luminance() / ambient,
+        peak: image.peak_luminance() / ambient,
+    });
+    pool.install(|| image.expose(ambient, arguments.exposure));
+    let rendered = started.elapsed().as_secs_f64();
+
+    let spots = &seen.spots;
+    let clipped = image.above_white();
+    if writing == Writing::Png && clipped > 0 {
+        warnings.push(format!(
+            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller --exposure"
+        ));
+    }
+    let encode = |message| render::Error::Encode {
+        path: arguments.output.clone(),
+        message,
+    };
+    let (width, height, channels) = (image.width, image.height, image.planes.len());
+    let bytes = pool.install(|| image.encode(writing)).map_err(encode)?;
+    output.commit(&bytes)?;
+    let written = started.elapsed().as_secs_f64();
+    for warning in &warnings {
+        cli::warn(warning);
+    }
+    if !arguments.json {
+        return Ok(());
+    }
+    cli::print(&cli::json(&Report {
+        width,
+        height,
+        channels,
+        pixel_pitch_mm: pitch_mm,
+        incidence_deg: range(spots, |spot| spot.place.incidence_deg),
+        azimuth_deg: (!table.axes.is_mean())
+            .then(|| range(spots, |spot| spot.place.azimuth_deg.unwrap_or(f64::NAN))),
+        distance_mm: range(spots, |spot| spot.place.r_mm),
+        energy: (spots.iter().all(|spot| spot.energy.is_some()))
+            .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
+        transfer_error: seen.transfer_error,
+        tiles: seen.tiles,
+        sampling_error: seen.sampling_error,
+        contrast,
+        seconds: Seconds {
+            read,
+            render: rendered - read,
+            write: written - rendered,
+        },
+        warnings,
+    }))
+}
+
+/// The image and what is said about it.
+struct Seen {
+    image: Picture,
+    /// All places that were worked out.
+    spots: Vec<Spotted>,
+    transfer_error: f64,
+    tiles: Option<TileReport>,
+    sampling_error: Option<f64>,
+}
+
+impl Seen {
+    fn by_transforms(image: Picture, places: Vec<Place>, psfs: &[Psf]) -> Seen {
+        let spotted = |(place, psf): (Place, &Psf)| Spotted {
+            place,
+            energy: psf.energy,
+            interpolated: psf.interpolated,
+        };
+        Seen {
+            image,
+            spots: places.into_iter().zip(psfs).map(spotted).collect(),
+            transfer_error: psfs.iter().map(|psf| psf.error).fold(0.0, f64::max),
+            tiles: None,
+            sampling_error: None,
+        }
+    }
+
+    fn by_samples(sampled: sampled::Sampled) -> Seen {
+        Seen {
+            image: sampled.image,
+            spots: sampled.seen,
+            transfer_error: 0.0,
+            tiles: None,
+            sampling_error: sampled.standard_error,
+        }
+    }
+}
+
+/// All pixels at one incidence and distance.
+fn from_afar(
+    source: &Picture,
+    sheet: &Fitted<'_>,
+    pitch_mm: f64,
+    arguments: &Arguments,
+) -> Result<Seen, render::Error> {
+    let place = Place {
+        incidence_deg: arguments.incidence.unwrap_or(0.0),
+        azimuth_deg: arguments.azimuth.or(cli::only_azimuth(sheet.table)),
+        r_mm: arguments.distance.unwrap_or(f64::NAN),
+    };
+    let scale = Scale {
+        pitch_mm,
+        tangential_axis_deg: arguments.tangential_axis,
+    };
+    Ok(match arguments.forward {
+        Forward::Spectral => {
+            let psf = render::uniform_psf(sheet, &place, &scale)?;
+            Seen::by_transforms(render::uniform(source, &psf), vec![place], &[psf])
+        }
+        Forward::Render => {
+            let sampling = arguments.samples.sampling();
+            Seen::by_samples(sampled::uniform(source, sheet, &place, &scale, sampling)?)
+        }
+    })
+}
+
+/// Every pixel at its own.
+fn from_camera(
+    source: &Picture,
+    sheet: &Fitted<'_>,
+    view: &View,
+    arguments: &Arguments,
+) -> Result<Seen, render::Error> {
+    let half_mirror = sheet.result.half_mirror;
+    Ok(match arguments.forward {
+        Forward::Spectral => {
+            let tolerance = arguments.tolerance;
+            let (image, tiles) = render::viewed(source, sheet, view, half_mirror, tolerance)?;
+            let [width, height] = [source.width, source.height].map(|n| n as f64);
+            let places = tiles.corner_places().map(|[x, y]| {
+                let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
+                seen.map(|seen| seen.place)
+            });
+            let places = places.collect::<Result<_, _>>()?;
+            Seen {
+                tiles: Some(TileReport {
+                    counts: tiles.counts(),
+                    error: tiles.error,
+                }),
+                ..Seen::by_transforms(image, places, tiles.corners())
+            }
+        }
+        Forward::Render => {
+            let sampling = arguments.samples.sampling();
+            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling)?;
+            Seen::by_samples(sampled)
+        }
+    })
+}
+
+/// Least and greatest.
+fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
+    let values = all.iter().map(value);
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
+}
+
+fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
+    let mut warnings = source.warnings.clone();
+    let spots = &seen.spots;
+    let [low, high] = range(spots, |spot| spot.place.incidence_deg);
+    let at = if low == high {
+        format!("{low} deg")
+    } else {
+        format!("{low:.2} to {high:.2} deg")
+    };
+    if spots.iter().any(|spot| spot.energy.is_none()) {
+        warnings.push(
+            "the result has no mu (no reference photograph): the image is as bright as the source"
+                .into(),
+        );
+    }
+    if spots.iter().all(|spot| spot.energy == Some(0.0)) {
+        warnings.push(format!(
+            "nothing is returned at incidence {at}: the image is black"
+        ));
+    }
+    if low == high && spots.iter().any(|spot| spot.interpolated) {
+        warnings.push(format!(
+            "interpolated between directions of the table, which costs accuracy: incidence {at}; bake it"
+        ));
+    }
+    if seen.transfer_error > 1e-3 {
+        warnings.push(format!(
+            "the blur is much finer than a pixel: the contrast of single pixels errs by up to {:.1} %",
+            100.0 * seen.transfer_error
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,52 @@
+//! The options of a model by samples.
+
+use crate::estimate::loss::Kind;
+use crate::estimate::select::Candidates;
+use crate::samples::sample::Sequence;
+use crate::samples::sampled::{Sampling, has_samples};
+
+/// Samples of a render.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Samples {
+    /// Samples per pixel of --forward render
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub samples: u32,
+    /// Seed of the samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// How samples are spread
+    #[arg(long, value_enum, default_value_t = Sequence::Sobol)]
+    pub sequence: Sequence,
+}
+
+impl Samples {
+    /// The samples that were asked for.
+    pub fn sampling(&self) -> Sampling {
+        Sampling {
+            samples: self.samples as usize,
+            seed: self.seed,
+            sequence: self.sequence,
+        }
+    }
+}
+
+/// Leaves the candidates that have samples. Ends the program with a usage error where none is left, or another loss was asked
+/// for than those of MTFs.
+pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
+    let refuse = |what: &str| -> ! {
+        clap::Command::new(verb)
+            .error(clap::error::ErrorKind::ArgumentConflict, what)
+            .exit()
+    };
+    if loss == Some(Kind::Edge) {
+        refuse(
+            "--forward render compares MTFs, as published; use --loss mtf or mse, or --forward spectral",
+        );
+    }
+    candidates.kernels.retain(|&kernel| has_samples(kernel));
+    if candidates.kernels.is_empty() {
+        refuse(
+            "this model has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral",
+        );
+    }
+}

@@ -1,0 +1,427 @@
+//! `fit study`: how good the estimates are.
+
+use std::fmt::Write;
+use std::io::IsTerminal;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::prelude::*;
+use tables::{Outputs, Table};
+
+use crate::cli::cli;
+use crate::cli::cli::Failure;
+use crate::cli::terms;
+use crate::cli::terms::Terms;
+use crate::cli::{forward, sampled};
+use crate::estimate::forward::Forward;
+use crate::estimate::loss::Kind;
+use crate::estimate::scene;
+use crate::estimate::scene::Scene;
+use crate::estimate::select::select;
+use crate::photographs::captures;
+use crate::report::picture;
+use crate::study::forward::{Speed, speed};
+use crate::study::ranges::Ranges;
+use crate::study::refused;
+use crate::study::refused::Refused;
+use crate::study::study::{Study, photographs};
+use crate::study::summary::{LOOSE, Summary};
+use crate::study::trial::{LOSSES, PARAMETERS, Trial};
+use crate::study::{choice, trial};
+
+/// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, by samples against the closed form,
+/// or over simulated campaigns.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The Cramer-Rao bound is the smallest standard deviation that any unbiased estimate from the same pixels can have, with \
+place, angle, plateaus and light gradient of every photograph unknown.
+
+With --ranges, campaigns are drawn, photographed in memory, fitted by both losses and compared with their truth; those \
+whose bound on c is below 10 % are counted. The table must be of the ideal cell that the ranges name. All keys of \
+RANGES.toml may be left out; these are the defaults:
+  ior = 1.49
+  pair = true                                  # triangular-pair, else triangular
+  lobe = \"radial\"
+  a_per_mm = { from = 1.5, to = 8.0 }          # every range evenly in the logarithm
+  c_mm = { from = 0.05, to = 0.5 }
+  mu = { from = 0.2, to = 0.8 }
+  photographs = { from = 2, to = 20 }          # at directions of the table, drawn with repetition
+  electrons = { from = 500, to = 40000 }       # at full scale
+  distance_mm = { from = 100, to = 400 }
+  light = { from = 0.001, to = 0.03 }          # uneven light, middle to border; even if left out
+  [camera]                                     # as for `fit simulate`; 192 x 128 pixels of 0.08 mm if left out
+With --choice the terms are drawn too and left open, and the shares of right choices are reported:
+  kernels = [\"eq1\", \"angular\", \"shift\", \"lobe\"]   # with wavelength_nm also \"wave\"
+  a_fall = { from = 0.005, to = 1.5 }          # in half of the campaigns ln of a falls so much from 0 to 45 degrees
+  mu_fall = { from = 0.0005, to = 0.5 }        # likewise ln of mu
+
+Examples:
+  fit study captures.toml --table pair.h5 --per-angle a,mu
+  fit study captures.toml --table pair.h5 --kernel eq1 --plot speed.svg
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv --plot study.svg
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --choice
+  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 --plot forward.svg")]
+pub struct Arguments {
+    /// The manifest of the photographs to study
+    #[arg(required_unless_present = "ranges", conflicts_with = "ranges")]
+    pub captures: Option<PathBuf>,
+    /// The sheet's ray-shift table, made by `bake trace`
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// What the photographs may need.
+    #[command(flatten)]
+    pub terms: Terms,
+    /// Draw campaigns from these ranges instead
+    #[arg(long, value_name = "RANGES.toml")]
+    pub ranges: Option<PathBuf>,
+    /// Campaigns to draw
+    #[arg(long, value_name = "N", default_value_t = 1900, requires = "ranges")]
+    pub campaigns: u64,
+    /// Seed of all draws and samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Draw kernels and sharings too, leave them open (auto), and say how often what was planted is chosen
+    #[arg(long, requires = "ranges")]
+    pub choice: bool,
+    /// Write every campaign there (CSV)
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "ranges",
+        conflicts_with = "choice"
+    )]
+    pub csv: Option<PathBuf>,
+    /// Errors and coverage, or of given photographs and renders seconds against error, as a picture, .svg or .png
+    #[arg(long, value_name = "FILE", conflicts_with = "choice")]
+    pub plot: Option<PathBuf>,
+    /// Samples in place of the closed form.
+    #[command(flatten)]
+    pub forward: forward::Renders,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Threads; one per core if left out
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Manifest, photographs, ranges, table or outputs.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let pool = cli::pool(arguments.threads)?;
+    let text = match (&arguments.ranges, &arguments.captures) {
+        (Some(ranges), _) => drawn(arguments, ranges, &pool)?,
+        (None, Some(captures)) if arguments.forward.forward == Some(Forward::Render) => {
+            rendered(arguments, captures, &pool)?
+        }
+        (None, Some(captures)) => {
+            let campaign = captures::load(captures)?;
+            let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
+            let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+            let table = tables::read(&arguments.table)?;
+            let open = arguments.terms.candidates("fit study");
+            let start = Instant::now();
+            let mut scene = pool.install(|| Scene::load(&campaign, &table))?;
+            let seconds = start.elapsed().as_secs_f64();
+            let open = terms::possible(&open, &mut scene, captures)?;
+            let study = pool.install(|| photographs(&scene, seconds, &open));
+            if let Some((path, output)) = picture {
+                output.commit(&picture::photographs(&study, path)?)?;
+            }
+            if arguments.json {
+                cli::json(&study)
+            } else {
+                bounds(&study)
+            }
+        }
+        (None, None) => String::new(),
+    };
+    cli::print(&text)
+}
+
+/// Speed against error of the estimate by samples.
+fn rendered(
+    arguments: &Arguments,
+    captures: &Path,
+    pool: &rayon::ThreadPool,
+) -> Result<String, Failure> {
+    let mut open = arguments.terms.candidates("fit study");
+    sampled::only(&mut open, None, "fit study");
+    let campaign = captures::load(captures)?;
+    let mut outputs = Outputs::beside([captures, &arguments.table]);
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let table = tables::read(&arguments.table)?;
+    let speed = pool.install(|| -> Result<Speed, Failure> {
+        let mut scene = Scene::load(&campaign, &table)?;
+        let choice = select(&scene, Kind::Mtf, &open).best.choice;
+        let samplings = arguments.forward.samplings(arguments.seed);
+        let randomisations = arguments.forward.randomisations;
+        Ok(speed(
+            &mut scene,
+            &table,
+            choice,
+            &samplings,
+            randomisations,
+        )?)
+    })?;
+    if let Some((path, output)) = picture {
+        output.commit(&forward::picture(&speed, path)?)?;
+    }
+    Ok(if arguments.json {
+        cli::json(&speed)
+    } else {
+        forward::table(&speed)
+    })
+}
+
+fn bounds(study: &Study) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "{} photographs measured in {:.3} s; kernel {}",
+        study.photographs,
+        study.seconds_to_measure,
+        study.kernel.name()
+    );
+    let _ = writeln!(
+        text,
+        "{:<20}{:>11}{:>13}{:>15}{:>15}",
+        "", "estimate", "bound", "edge / bound", "mtf / bound"
+    );
+    for p in &study.parameters {
+        let _ = writeln!(
+            text,
+            "{:<20}{:>11.5}{:>11.4} %{:>15.3}{:>15.3}",
+            p.name,
+            p.value,
+            100.0 * p.bound / p.value,
+            p.edge / p.bound,
+            p.mtf / p.bound
+        );
+    }
+    let _ = writeln!(
+        text,
+        "{:<10}{:<6}{:>9}{:>26}{:>15}",
+        "kernel", "loss", "seconds", "chi-square per freedom", "error / bound"
+    );
+    for fit in &study.fits {
+        let error = fit.error_over_bound;
+        let _ = writeln!(
+            text,
+            "{:<10}{:<6}{:>9.4}{:>26.3}{:>15}",
+            fit.kernel.name(),
+            fit.loss.name(),
+            fit.seconds,
+            fit.reduced_chi2,
+            error.map_or("-".into(), |error| format!("{error:.3}"))
+        );
+    }
+    text
+}
+
+fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result<String, Failure> {
+    let ranges = Ranges::load(file)?;
+    let table = tables::read(&arguments.table)?;
+    let directions = checked_directions(&ranges, &table, &arguments.table)?;
+    let mut outputs = Outputs::beside([file, &arguments.table]);
+    let csv = cli::reserve(arguments.csv.as_deref(), &mut outputs)?;
+    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    if arguments.choice {
+        let (trials, refused) = run_all(arguments, pool, |index| {
+            let params = ranges.open_campaign(arguments.seed, index, &directions);
+            choice::run(&params, index, &table)
+        });
+        let summary = choice::Summary::new(&trials, refused);
+        return Ok(if arguments.json {
+            cli::json(&summary)
+        } else {
+            choices(&summary)
+        });
+    }
+    let (trials, refused) = run_all(arguments, pool, |index| {
+        let params = ranges.campaign(arguments.seed, index, &directions);
+        trial::run(&params, index, &table)
+    });
+    if let Some(output) = csv {
+        output.commit(spreadsheet(&trials).as_bytes())?;
+    }
+    let summary = Summary::new(&trials, refused);
+    if let Some((path, output)) = picture {
+        output.commit(&picture::drawn(&summary, path)?)?;
+    }
+    Ok(if arguments.json {
+        cli::json(&summary)
+    } else {
+        table_of(&summary)
+    })
+}
+
+/// Every campaign, in parallel, and how many came to nothing, by the reason.
+fn run_all<T: Send>(
+    arguments: &Arguments,
+    pool: &rayon::ThreadPool,
+    run: impl Fn(u64) -> Result<T, scene::Error> + Sync,
+) -> (Vec<T>, Vec<Refused>) {
+    let bar = bar(arguments.campaigns);
+    let all: Vec<_> = pool.install(|| {
+        let campaigns = (0..arguments.campaigns).into_par_iter();
+        let one = |index| {
+            let trial = run(index);
+            bar.inc(1);
+            trial
+        };
+        campaigns.map(one).collect()
+    });
+    bar.finish_and_clear();
+    refused::part(all)
+}
+
+fn choices(summary: &choice::Summary) -> String {
+    let mut text = format!(
+        "{} campaigns, {}; told apart: what was planted should win by {} standard deviations\n",
+        summary.campaigns,
+        refused::line(&summary.refused),
+        choice::SURE
+    );
+    let _ = writeln!(
+        text,
+        "{:<22}{:>10}{:>20}{:>20}{:>20}",
+        "planted", "campaigns", "told: chosen", "hidden: simpler", "between: either"
+    );
+    let share = |[all, good]: [usize; 2]| match all {
+        0 => "-".to_owned(),
+        _ => format!("{good}/{all} {:.1} %", 100.0 * good as f64 / all as f64),
+    };
+    for row in &summary.rows {
+        let _ = writeln!(
+            text,
+            "{:<22}{:>10}{:>20}{:>20}{:>20}",
+            row.planted,
+            row.campaigns,
+            share(row.told),
+            share(row.hidden),
+            share(row.between)
+        );
+    }
+    for row in &summary.bounds {
+        let _ = writeln!(
+            text,
+            "{:<22}{:>10} without a number, {} with a bound, which holds in {}",
+            row.name,
+            row.campaigns,
+            row.bounded,
+            share([row.bounded, row.holds])
+        );
+    }
+    text + &refused::examples(&summary.refused)
+}
+
+/// The directions to photograph; the table must hold the shift of the cell that is simulated there.
+fn checked_directions(
+    ranges: &Ranges,
+    table: &Table,
+    path: &Path,
+) -> Result<Vec<[f64; 2]>, Failure> {
+    /// Relative difference of the retroreflected fraction that a table of rays may have.
+    const SAME: f64 = 0.01;
+    let directions = ranges.directions(table);
+    let same = |&[incidence, azimuth]: &[f64; 2]| {
+        let eta = ranges.eta([incidence, azimuth]);
+        table
+            .direction(incidence, Some(azimuth))
+            .is_ok_and(|found| (found.eta / eta - 1.0).abs() < SAME)
+    };
+    if directions.is_empty() || !directions.iter().all(same) {
+        return Err(Failure::OtherCell {
+            table: path.to_owned(),
+            ior: ranges.ior,
+            design: if ranges.pair {
+                "triangular-pair"
+            } else {
+                "triangular"
+            },
+        });
+    }
+    Ok(directions)
+}
+
+fn bar(campaigns: u64) -> ProgressBar {
+    let bar = ProgressBar::new(campaigns);
+    if !std::io::stderr().is_terminal() {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} campaigns, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn table_of(summary: &Summary) -> String {
+    let mut text = format!(
+        "{} campaigns: {} counted (bound on c below {:.0} %; dark pixels cut off at 0 in {}), {}\n",
+        summary.campaigns,
+        summary.counted,
+        100.0 * LOOSE,
+        summary.cut_off,
+        refused::line(&summary.refused)
+    );
+    let _ = writeln!(
+        text,
+        "{:<4}{:<6}{:>20}{:>24}{:>26}",
+        "", "loss", "rmse / bound", "bias / std. error", "coverage of 95 % (%)"
+    );
+    for row in &summary.rows {
+        let (r, b, c) = (
+            row.rmse_over_bound,
+            row.bias_over_standard_error,
+            row.coverage,
+        );
+        let _ = writeln!(
+            text,
+            "{:<4}{:<6}{:>13.3} +- {:.3}{:>17.3} +- {:.3}{:>20.2} +- {:.2}",
+            row.parameter,
+            row.loss.name(),
+            r.value,
+            r.error,
+            b.value,
+            b.error,
+            100.0 * c.value,
+            100.0 * c.error
+        );
+    }
+    text + &refused::examples(&summary.refused)
+}
+
+fn spreadsheet(trials: &[Trial]) -> String {
+    let mut text = String::from("campaign,photographs,electrons,cut_off");
+    for parameter in PARAMETERS {
+        let _ = write!(text, ",{parameter},{parameter}_bound");
+        for loss in LOSSES {
+            let loss = loss.name();
+            let _ = write!(
+                text,
+                ",{parameter}_{loss},{parameter}_{loss}_standard_error"
+            );
+        }
+    }
+    text.push('\n');
+    for trial in trials {
+        let _ = write!(
+            text,
+            "{},{},{},{}",
+            trial.index, trial.photographs, trial.electrons, trial.cut_off
+        );
+        for i in 0..PARAMETERS.len() {
+            let _ = write!(text, ",{},{}", trial.truth[i], trial.bound[i]);
+            for found in &trial.found {
+                let _ = write!(text, ",{},{}", found[i][0], found[i][1]);
+            }
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,419 @@
+//! The likelihood of one photograph's pixels under an edge profile.
+//!
+//! Expected light of a pixel at distance d from the edge and t along it: dark + step (1 + g_d d + g_t t) E(d).
+//!
+//! E is the unit edge through blur and camera. The gradient (g_d, g_t) is of the illumination: it multiplies the light of
+//! the edge, not the camera's offset. Noise is normal with variance read^2 + gain x light, and where the camera cuts it
+//! off at 0, mean and variance are those of what is left. Both noise numbers are the most likely ones for the scatter of
+//! the pixels about a smooth model; the weights that follow from that model stay fixed while the likelihood is climbed,
+//! for weights that follow the data, or the parameters, bias the estimate.
+//!
+//! Position and angle of the edge, both plateaus and the gradient are nuisances of every photograph: for every trial blur
+//! they are put at their optimum and projected out (variable projection), so that what remains is a function of blur and
+//! lens alone.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::compare::pixels::Pixels;
+use crate::compare::place::Place;
+use crate::compare::view::{MODEL_ERROR, Model};
+use crate::model::camera::Camera;
+use crate::model::kernel::Blur;
+use crate::model::spread::{Even, Grid};
+use crate::numerics::clip;
+use crate::numerics::factor;
+use crate::photographs::noise::PixelNoise;
+use crate::photographs::profile::BIN_PX;
+
+/// Nuisances of a photograph, in the order of their columns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nuisances {
+    /// Distance of the edge from the photograph's line, pixels.
+    pub place_px: f64,
+    /// Turn of the edge against the line, rad.
+    pub turn_rad: f64,
+    /// Dark plateau.
+    pub dark: f64,
+    /// Gradient of the light across and along the edge, per pixel.
+    pub gradient: [f64; 2],
+    /// Bright minus dark plateau, > 0; its column is by ln(step).
+    pub step: f64,
+}
+
+/// Columns of the nuisances; that of ln(step) is the last.
+pub const NUISANCES: usize = 6;
+
+/// Column of ln(step).
+pub const STEP: usize = NUISANCES - 1;
+
+/// The edge profile of a trial model and its derivatives by what is fitted: ln spread, ln c, then the lens.
+pub struct Curves {
+    value: Even,
+    by: Vec<Even>,
+}
+
+/// A photograph at the optimum of its nuisances.
+pub struct Fitted {
+    /// Upper triangular R with R^T R = the weighted normal matrix of (nuisances, derivatives, residual).
+    pub factor: DMatrix<f64>,
+    /// Where the nuisances ended.
+    pub nuisances: Nuisances,
+}
+
+/// What is known of one bin's pixels.
+#[derive(Debug, Clone, Copy, Default)]
+struct Weight {
+    /// Square roots of the weights of mean and slope.
+    root: [f64; 2],
+    /// Standard deviation of a pixel before it is cut off.
+    sigma: f64,
+}
+
+/// A photograph whose noise is known.
+pub struct Photograph<'a> {
+    /// Its pixels.
+    pub pixels: &'a Pixels,
+    /// Its noise.
+    pub noise: PixelNoise,
+    grid: Grid,
+    pitch_mm: f64,
+    weights: Vec<Weight>,
+    start: Nuisances,
+}
+
+impl<'a> Photograph<'a> {
+    /// A photograph before anything is known of it but its pixels.
+    pub fn new(pixels: &'a Pixels, pitch_mm: f64) -> Photograph<'a> {
+        Photograph {
+            pixels,
+            noise: PixelNoise {
+                read: 1.0,
+                gain: 0.0,
+            },
+            grid: Grid::new(2 * pixels.reach() + 1, pitch_mm),
+            pitch_mm,
+            weights: Vec::new(),
+            start: Nuisances {
+                place_px: 0.0,
+                turn_rad: 0.0,
+                dark: 0.0,
+                gradient: [0.0; 2],
+                step: 1.0,
+            },
+        }
+    }
+
+    /// Independent numbers in it: a mean and, where a bin is spread along the edge, a slope for every bin.
+    pub fn observations(&self) -> usize {
+        let known = |w: &Weight| w.root.iter().filter(|&&root| root > 0.0).count();
+        self.weights.iter().map(known).sum()
+    }
+
+    /// The edge profile through `camera`, of the source edge itself where there is no `model`; with derivatives by the
+    /// first `lens` of the lens's parameters (ln blur, exponent).
+    pub fn curves(&self, model: Option<(&Model, Blur)>, camera: &Camera, lens: usize) -> Curves {
+        let normal_rad = self.pixels.line.normal_rad;
+        let blurs = model.map_or((false, false), |(model, _)| {
+            (model.kernel.has_lobe(), model.kernel.has_c())
+        });
+        let n = self.grid.frequencies_per_mm().len();
+        // Value, by ln spread, by ln c, by ln(lens blur), by exponent.
+        let mut otf = [const { Vec::new() }; 5];
+        for part in &mut otf {
+            part.reserve(n);
+        }
+        for f in self.grid.frequencies_per_mm() {
+            let camera = camera.otf_and_slopes(f, normal_rad);
+            let [value, by_spread, by_c] = match model {
+                Some((model, blur)) if camera[0].abs() >= 1e-8 => model.otf(blur, f),
+                Some(_) => [0.0.into(); 3],
+                None => [1.0.into(), 0.0.into(), 0.0.into()],
+            };
+            let parts = [
+                value * camera[0],
+                by_spread * camera[0],
+                by_c * camera[0],
+                value * camera[1],
+                value * camera[2],
+            ];
+            for (otf, part) in otf.iter_mut().zip(parts) {
+                otf.push(part);
+            }
+        }
+        let [kink, kink_by_spread, kink_by_c] =
+            model.map_or([0.0; 3], |(model, blur)| model.kink(blur));
+        let wanted = [
+            (blurs.0, 1, kink_by_spread),
+            (blurs.1, 2, kink_by_c),
+            (lens > 0, 3, 0.0),
+            (lens > 1, 4, 0.0),
+        ];
+        Curves {
+            value: self.grid.even(&otf[0], kink),
+            by: wanted
+                .into_iter()
+                .filter(|&(is, ..)| is)
+                .map(|(_, part, kink)| self.grid.even(&otf[part], kink))
+                .collect(),
+        }
+    }
+
+    /// Finds noise, weights and nuisances under a model that is near the truth.
+    ///
+    /// Noise and light hang on one another little, so that the second round is the last, but where noise is cut off: there
+    /// the dark plateau moves with the noise, and every round leaves about a tenth of what was off.
+    pub fn settle(&mut self, curves: &Curves) {
+        let rounds = if self.pixels.cut_off { 5 } else { 2 };
+        self.start = self.first_guess(curves);
+        for _ in 0..rounds {
+            self.weigh(curves);
+            self.start = self.fit(curves).nuisances;
+        }
+        self.weigh(curves);
+    }
+
+    /// Replaces the noise by a known one: for bounds at a planted truth.
+    pub fn with_noise(&mut self, curves: &Curves, noise: PixelNoise) {
+        self.noise = noise;
+        let light = self.light(curves);
+        self.set_weights(&light);
+    }
+
+    fn first_guess(&self, curves: &Curves) -> Nuisances {
+        // The line lies at the half level of the photograph; the model's half level may lie beside its own zero.
+        let reach = self.pixels.reach() as i64;
+        let half = (-reach..reach)
+            .find(|&j| curves.value.around(j)[0] <= 0.5 && curves.value.around(j + 1)[0] > 0.5)
+            .map_or(0.0, |j| {
+                let (low, high) = (curves.value.around(j)[0], curves.value.around(j + 1)[0]);
+                j as f64 + (0.5 - low) / (high - low)
+            });
+        let mut guess = Nuisances {
+            place_px: -half * BIN_PX,
+            dark: 0.0,
+            step: 1.0,
+            ..self.start
+        };
+        let (mut n, mut e, mut y, mut ee, mut ey) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (j, bin) in self.pixels.bins.iter().enumerate() {
+            let unit = Place::new(bin, self.pixels.first + j as i64, [guess.place_px, 0.0])
+                .of(&curves.value)[0];
+            n += bin.count;
+            e += bin.count * unit;
+            y += bin.count * bin.mean;
+            ee += bin.count * unit * unit;
+            ey += bin.count * unit * bin.mean;
+        }
+        guess.step = ((n * ey - e * y) / (n * ee - e * e)).abs();
+        guess.dark = (y - guess.step * e) / n;
+        guess
+    }
+
+    /// Expected light of every bin and its slope per pixel across the edge, at the nuisances of the start.
+    fn light(&self, curves: &Curves) -> Vec<[f64; 2]> {
+        let start = &self.start;
+        let bins = self.pixels.bins.iter().enumerate();
+        bins.map(|(j, bin)| {
+            let place = Place::new(bin, self.pixels.first + j as i64, start.line());
+            let gradient =
+                1.0 + start.gradient[0] * self.pixels.centre_px(j) + start.gradient[1] * bin.along;
+            let [unit, _, across, _] = place.of(&curves.value);
+            [
+                start.dark + start.step * gradient * unit,
+                start.step * gradient * across,
+            ]
+        })
+        .collect()
+    }
+
+    fn weigh(&mut self, curves: &Curves) {
+        let light = self.light(curves);
+        // The variance of a bin's pixels about the model's slope, and its degrees of freedom.
+        let bins = self.pixels.bins.iter().zip(&light);
+        let scatter: Vec<[f64; 3]> = bins
+            .filter(|(bin, _)| bin.count >= 2.0)
+            .map(|(bin, &[light, across])| {
+                let [yy, yu, uu] = bin.scatter;
+                let squares = (yy - 2.0 * across * yu + across * across * uu).max(0.0);
+                [bin.count - 1.0, light, squares / (bin.count - 1.0)]
+            })
+            .collect();
+        // A floor far below any sensor's noise keeps noise-free pictures from dividing by zero.
+        let floor = 1e-12 * self.start.step.powi(2) + f64::MIN_POSITIVE;
+        self.noise = PixelNoise::most_likely(&scatter, self.pixels.cut_off, floor);
+        self.set_weights(&light);
+    }
+
+    fn set_weights(&mut self, light: &[[f64; 2]]) {
+        let model_error = (MODEL_ERROR * self.start.step).powi(2);
+        let bins = self.pixels.bins.iter().zip(light);
+        self.weights = bins
+            .map(|(bin, &[light, _])| {
+                if bin.count == 0.0 {
+                    return Weight::default();
+                }
+                let variance = self.noise.variance(light);
+                let sigma = variance.sqrt();
+                let left = if self.pixels.cut_off {
+                    clip::clipped(light, sigma).2
+                } else {
+                    variance
+                };
+                // The model's own error is one number for a bin, however many pixels it holds.
+                let root = |amount: f64| {
+                    if amount > 0.0 {
+                        (left / amount + model_error * bin.count / amount)
+                            .sqrt()
+                            .recip()
+                    } else {
+                        0.0
+                    }
+                };
+                Weight {
+                    root: [root(bin.count), root(bin.spread)],
+                    sigma,
+                }
+            })
+            .collect();
+    }
+
+    /// Puts the nuisances at their optimum under a model: Gauss-Newton from the start, which lies so near that the problem
+    /// is all but linear.
+    pub fn fit(&self, curves: &Curves) -> Fitted {
+        const MOST: usize = 12;
+        let mut nuisances = self.start;
+        let columns = NUISANCES + curves.by.len();
+        let mut fitted = self.normal(curves, nuisances);
+        for _ in 0..MOST {
+            let rest = fitted.factor.column(columns);
+            let squares = rest.norm_squared();
+            let fall = rest.rows(0, NUISANCES).norm_squared();
+            // The fall that this step promises, in units of chi-square.
+            if fall < 1e-8 + 1e-13 * squares || !fall.is_finite() {
+                break;
+            }
+            let step = factor::back_substituted(&fitted.factor, NUISANCES, columns);
+            nuisances = nuisances.moved(&step);
+            fitted = self.normal(curves, nuisances);
+        }
+        fitted
+    }
+
+    fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
+        let size = NUISANCES + curves.by.len() + 1;
+        let mut normal = DMatrix::zeros(size, size);
+        self.rows(curves, &nuisances, |row| factor::add(&mut normal, row));
+        Fitted {
+            factor: factor::of(normal),
+            nuisances,
+        }
+    }
+
+    /// The weighted rows (derivatives by the nuisances, by the curves' parameters, residual = model - data) of all bins:
+    /// first of the mean, then of the slope along the edge.
+    pub fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
+        let size = NUISANCES + curves.by.len() + 1;
+        let (mut mean, mut slope) = (vec![0.0; size], vec![0.0; size]);
+        let [by_d, by_t] = at.gradient;
+        for (j, (bin, weight)) in self.pixels.bins.iter().zip(&self.weights).enumerate() {
+            if weight.root[0] == 0.0 {
+                continue;
+            }
+            let place = Place::new(bin, self.pixels.first + j as i64, at.line());
+            let d = self.pixels.centre_px(j) + bin.across[0];
+            let light = 1.0 + by_d * d + by_t * bin.along;
+            // Covariance of t with a curve, from the curve's slope along the edge.
+            let share = bin.spread / bin.count;
+            let of_mean = |[unit, along, ..]: [f64; 4]| light * unit + by_t * along * share;
+            let of_slope = |[unit, along, ..]: [f64; 4]| light * along + by_t * unit;
+            let unit = place.of(&curves.value);
+            let [_, _, across, bend] = unit;
+            let expected = at.dark + at.step * of_mean(unit);
+            let (expected, passed) = if self.pixels.cut_off {
+                let (mean, passed, _) = clip::clipped(expected, weight.sigma);
+                (mean, passed)
+            } else {
+                (expected, 1.0)
+            };
+            let [m, s] = weight.root.map(|root| root * passed);
+            let (step_m, step_s) = (at.step * m, at.step * s);
+            let by_place = [-across, -bend * place.along[0], 0.0, 0.0];
+            let by_turn = place.by_turn(across, bend);
+            (mean[0], slope[0]) = (step_m * of_mean(by_place), step_s * of_slope(by_place));
+            (mean[1], slope[1]) = (step_m * of_mean(by_turn), step_s * of_slope(by_turn));
+            mean[2] = m;
+            slope[2] = 0.0;
+            mean[3] = step_m * d * unit[0];
+            slope[3] = step_s * d * unit[1];
+            mean[4] = step_m * (bin.along * unit[0] + unit[1] * share);
+            slope[4] = step_s * (bin.along * unit[1] + unit[0]);
+            (mean[STEP], slope[STEP]) = (step_m * of_mean(unit), step_s * of_slope(unit));
+            for (i, curve) in (NUISANCES..).zip(&curves.by) {
+                let change = place.of(curve);
+                (mean[i], slope[i]) = (step_m * of_mean(change), step_s * of_slope(change));
+            }
+            mean[size - 1] = weight.root[0] * (expected - bin.mean);
+            slope[size - 1] = step_s * of_slope(unit) - weight.root[1] * bin.slope;
+            take(&mean);
+            if weight.root[1] > 0.0 {
+                take(&slope);
+            }
+        }
+    }
+
+    /// The factor of a fitted photograph with the full information of pixels that were cut off at 0; the estimate uses
+    /// their mean alone, which has a little less.
+    pub fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
+        let size = NUISANCES + curves.by.len() + 1;
+        let mut normal = DMatrix::zeros(size, size);
+        let gains: Vec<f64> = self
+            .light(curves)
+            .iter()
+            .zip(&self.pixels.bins)
+            .zip(&self.weights)
+            .filter(|((_, bin), _)| bin.count > 0.0)
+            .flat_map(|((&[light, _], bin), weight)| {
+                let gain = if self.pixels.cut_off {
+                    let (_, passed, left) = clip::clipped(light, weight.sigma);
+                    let used = passed * passed / left;
+                    let all = clip::information(light, weight.sigma) / weight.sigma.powi(2);
+                    (all / used.max(f64::MIN_POSITIVE)).sqrt()
+                } else {
+                    1.0
+                };
+                let rows = if bin.spread > 0.0 { 2 } else { 1 };
+                std::iter::repeat_n(gain, rows)
+            })
+            .collect();
+        let mut gain = gains.into_iter();
+        self.rows(curves, at, |row| {
+            let gain = gain.next().unwrap_or(1.0);
+            let row: Vec<f64> = row.iter().map(|v| v * gain).collect();
+            factor::add(&mut normal, &row);
+        });
+        factor::of(normal)
+    }
+
+    /// One pixel, mm.
+    pub fn pitch_mm(&self) -> f64 {
+        self.pitch_mm
+    }
+}
+
+impl Nuisances {
+    /// Place and turn.
+    fn line(&self) -> [f64; 2] {
+        [self.place_px, self.turn_rad]
+    }
+
+    fn moved(self, step: &DVector<f64>) -> Nuisances {
+        Nuisances {
+            // A step from afar may be far too long: no edge lies more than a few pixels off its half level.
+            place_px: self.place_px - step[0].clamp(-4.0, 4.0),
+            turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
+            dark: self.dark - step[2],
+            gradient: [self.gradient[0] - step[3], self.gradient[1] - step[4]],
+            step: self.step * (-step[STEP].clamp(-1.0, 1.0)).exp(),
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! TODO
+
+pub mod likelihood;
+pub mod pixels;
+pub mod place;
+pub mod reflectance;
+pub mod view;

@@ -1,0 +1,148 @@
+//! The pixels of a window as a likelihood needs them: their sums over bins of the distance from the edge.
+//!
+//! Across a quarter of a pixel an edge is a short Taylor series in the distance d, and whatever else moves a pixel (angle,
+//! gradient of the light) is linear in its position t along the edge. So the pixels of a bin tell what they know by two
+//! numbers, their mean and their slope along the edge, if the moments of their positions are kept beside: the model is
+//! averaged over the pixels' own positions, and nothing is rounded to a bin. What is lost is how the pixels of one bin
+//! differ across it, (1/4 px)^2/12 over the variance of the blur: 1 % of the information on a lens of half a pixel, 0.1 %
+//! on an aerial image.
+
+use crate::photographs::edge::Line;
+use crate::photographs::profile::BIN_PX;
+use crate::photographs::window::{Raster, Window};
+
+/// Pixels of one bin; u = distance from the bin's centre along the normal, t = position along the edge, both in pixels.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bin {
+    /// Number of pixels.
+    pub count: f64,
+    /// Mean of u, u^2 and u^3.
+    pub across: [f64; 3],
+    /// Mean of t.
+    pub along: f64,
+    /// Sum of (t - mean t)^2.
+    pub spread: f64,
+    /// Sum of (t - mean t) u, and of (t - mean t) u^2.
+    pub cross: [f64; 2],
+    /// Mean value.
+    pub mean: f64,
+    /// Slope of the values along t (per pixel); 0 where `spread` is.
+    pub slope: f64,
+    /// Sums of squares of the values about their mean, of their products with u, and of u about its mean.
+    pub scatter: [f64; 3],
+}
+
+/// All pixels of a window about a line.
+#[derive(Debug, Clone)]
+pub struct Pixels {
+    /// Zero of the distances.
+    pub line: Line,
+    /// Bins in ascending order of distance.
+    pub bins: Vec<Bin>,
+    /// Index of the first bin: bin j is centred at (first + j) x [`BIN_PX`].
+    pub first: i64,
+    /// Whether the camera cut its noise off at 0.
+    pub cut_off: bool,
+    /// Where they lie in the window.
+    pub raster: Raster,
+}
+
+impl Pixels {
+    /// Sorts all pixels of a window by their distance from `line`.
+    pub fn new(window: &Window, line: &Line) -> Pixels {
+        let limit = ((window.width() + window.height()) as f64 / BIN_PX) as i64
+            + (line.offset_px.abs() / BIN_PX) as i64;
+        let mut sums = vec![Sums::default(); 2 * limit as usize + 1];
+        let (sin, cos) = line.normal_rad.sin_cos();
+        for p in window.pixels() {
+            let d = p.x * cos + p.y * sin - line.offset_px;
+            let j = (d / BIN_PX).round();
+            sums[(j as i64 + limit) as usize].add(d - j * BIN_PX, p.y * cos - p.x * sin, p.value);
+        }
+        let filled = |sum: &Sums| sum.count > 0.0;
+        let start = sums.iter().position(filled).unwrap_or(0);
+        let end = sums.iter().rposition(filled).map_or(0, |last| last + 1);
+        Pixels {
+            line: *line,
+            bins: sums[start..end.max(start)].iter().map(Sums::bin).collect(),
+            first: start as i64 - limit,
+            cut_off: window.cuts_off_at_zero(),
+            raster: window.raster(),
+        }
+    }
+
+    /// Distance of a bin's centre from the line, pixels.
+    pub fn centre_px(&self, bin: usize) -> f64 {
+        (self.first + bin as i64) as f64 * BIN_PX
+    }
+
+    /// Bins from the line to the farther end.
+    pub fn reach(&self) -> usize {
+        let last = self.first + self.bins.len() as i64 - 1;
+        self.first.abs().max(last.abs()) as usize
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    u: [f64; 3],
+    t: f64,
+    tt: f64,
+    tu: f64,
+    tuu: f64,
+    y: f64,
+    yy: f64,
+    yu: f64,
+    yt: f64,
+}
+
+impl Sums {
+    fn add(&mut self, u: f64, t: f64, y: f64) {
+        self.count += 1.0;
+        self.u[0] += u;
+        self.u[1] += u * u;
+        self.u[2] += u * u * u;
+        self.t += t;
+        self.tt += t * t;
+        self.tu += t * u;
+        self.tuu += t * u * u;
+        self.y += y;
+        self.yy += y * y;
+        self.yu += y * u;
+        self.yt += y * t;
+    }
+
+    fn bin(&self) -> Bin {
+        let n = self.count;
+        if n == 0.0 {
+            return Bin::default();
+        }
+        let across = self.u.map(|sum| sum / n);
+        let (along, mean) = (self.t / n, self.y / n);
+        // Fewer than two distinct positions have no slope; what is left of the difference is rounding.
+        let spread = self.tt - n * along * along;
+        let spread = if spread > 1e-9 * self.tt { spread } else { 0.0 };
+        Bin {
+            count: n,
+            across,
+            along,
+            spread,
+            cross: [
+                self.tu - n * along * across[0],
+                self.tuu - n * along * across[1],
+            ],
+            mean,
+            slope: if spread > 0.0 {
+                (self.yt - n * along * mean) / spread
+            } else {
+                0.0
+            },
+            scatter: [
+                self.yy - n * mean * mean,
+                self.yu - n * mean * across[0],
+                self.u[1] - n * across[0] * across[0],
+            ],
+        }
+    }
+}

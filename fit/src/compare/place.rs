@@ -1,0 +1,75 @@
+//! Where the pixels of a bin lie in an edge profile, and what a profile says of them.
+
+use crate::compare::pixels::Bin;
+use crate::model::spread::Even;
+use crate::photographs::profile::BIN_PX;
+
+/// Where a bin's pixels lie in a profile that was moved and turned.
+pub struct Place {
+    /// The profile's bin whose centre is nearest to theirs.
+    offset: i64,
+    /// Means of u and, in excess of an evenly filled bin, of u^2, and of u^3; bins.
+    moments: [f64; 3],
+    /// Slopes of u and u^2 along the edge, bins per pixel.
+    pub along: [f64; 2],
+    /// Mean of t, and of t u, pixels and bins.
+    turned: [f64; 2],
+}
+
+impl Place {
+    /// The pixels of `bin`, number `index`, about an edge at `place` (pixels off the line) with `turn` (rad).
+    pub fn new(bin: &Bin, index: i64, [place, turn]: [f64; 2]) -> Place {
+        let whole = (place / BIN_PX).round();
+        // u - place + turn t, the turn's own spread kept to second order.
+        let by = turn * bin.along - (place - whole * BIN_PX);
+        let [u, uu, uuu] = bin.across;
+        let n = bin.count.max(1.0);
+        let tu = bin.cross[0] / n;
+        let second = uu + 2.0 * by * u + by * by + turn * (2.0 * tu + turn * bin.spread / n);
+        let third = uuu + 3.0 * by * uu + 3.0 * by * by * u + by.powi(3);
+        let slopes = if bin.spread > 0.0 {
+            [bin.cross[0] / bin.spread, bin.cross[1] / bin.spread]
+        } else {
+            [0.0; 2]
+        };
+        let first_along = slopes[0] + turn;
+        let second_along = slopes[1] + 2.0 * by * slopes[0] + 2.0 * turn * (u + by);
+        Place {
+            offset: index - whole as i64,
+            moments: [
+                (u + by) / BIN_PX,
+                second / (BIN_PX * BIN_PX) - 1.0 / 12.0,
+                third / BIN_PX.powi(3),
+            ],
+            along: [first_along / BIN_PX, second_along / (BIN_PX * BIN_PX)],
+            turned: [
+                bin.along,
+                ((u + by) * bin.along + tu + turn * bin.spread / n) / BIN_PX,
+            ],
+        }
+    }
+
+    /// A curve's mean over the pixels, its slope along the edge (per pixel), and its first two derivatives across it (per
+    /// pixel, and per pixel and bin).
+    pub fn of(&self, curve: &Even) -> [f64; 4] {
+        let [here, first, second, third] = curve.around(self.offset);
+        let [m1, m2, m3] = self.moments;
+        [
+            here + first * m1 + 0.5 * second * m2 + third * m3 / 6.0,
+            first * self.along[0] + 0.5 * second * self.along[1],
+            (first + second * m1) / BIN_PX,
+            second / BIN_PX,
+        ]
+    }
+
+    /// Derivatives of a curve's mean and of its slope along the edge by the turn.
+    pub fn by_turn(&self, across: f64, bend: f64) -> [f64; 4] {
+        let centre = across - bend * self.moments[0];
+        [
+            centre * self.turned[0] + bend * self.turned[1],
+            across + bend * self.turned[0] * self.along[0],
+            0.0,
+            0.0,
+        ]
+    }
+}

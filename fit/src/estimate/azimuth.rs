@@ -1,0 +1,210 @@
+//! The azimuth of the sheet, where the captures do not know it: one angle, added to all of theirs.
+//!
+//! Its profile, the least whitened sum of squares of the MTFs by every other parameter, has several minima: it is looked at
+//! all around the table's period, and its lowest minima are refined. The standard error is the profile's curvature. What the
+//! other parameters owe to it is added to their covariance afterwards, from fits at one standard error to either side.
+
+use nalgebra::DMatrix;
+use tables::Table;
+
+use crate::estimate::estimate::{Choice, Estimate, Optimum, Value, estimate, optimum, refined};
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::scene::Scene;
+use crate::model::kernel::Kernel;
+use crate::model::lobe::Shape;
+
+/// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and more.
+const STEP_DEG: f64 = 5.0;
+
+/// Width to which a minimum is found, degrees: far below the error of any photographs.
+const FOUND_DEG: f64 = 1e-3;
+
+/// Minima refined at most.
+const MINIMA: usize = 4;
+
+/// Minima whose sum of squares is that near the lowest, in units of the misfit, fit as well: two standard deviations.
+const AS_WELL: f64 = 4.0;
+
+/// What the photographs say of the azimuth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Azimuth {
+    /// What is to be added to the captures' azimuths, degrees, from 0 to below [`Azimuth::period_deg`].
+    pub deg: Value,
+    /// Azimuths that differ by this cannot be told apart: 360, or less by the symmetry that the table records.
+    pub period_deg: f64,
+    /// Others that fit as well.
+    pub others_deg: Vec<f64>,
+}
+
+/// The scene as it looks at several azimuths.
+struct Turned<'a> {
+    scene: &'a mut Scene,
+    table: &'a Table,
+    /// The captures' own, degrees.
+    azimuths_deg: Vec<f64>,
+    choice: Choice,
+    /// The last fit, where the next begins.
+    last: Option<Optimum>,
+}
+
+impl Turned<'_> {
+    fn to(&mut self, deg: f64) -> Result<bool, tables::Error> {
+        let turned: Vec<f64> = self.azimuths_deg.iter().map(|own| own + deg).collect();
+        self.scene.turn(self.table, &turned)
+    }
+
+    /// The profile: infinite where the table says that a photograph shows nothing.
+    fn squares(&mut self, deg: f64) -> Result<f64, tables::Error> {
+        if !self.to(deg)? {
+            return Ok(f64::INFINITY);
+        }
+        let fit = match self.last.take() {
+            Some(last) => refined(self.scene, &Loss::Mtf(self.scene), last),
+            None => optimum(self.scene, self.choice),
+        };
+        let squares = fit.solution.sum_of_squares();
+        self.last = Some(fit);
+        Ok(if squares.is_finite() {
+            squares
+        } else {
+            f64::INFINITY
+        })
+    }
+
+    /// The minimum between two azimuths, by the golden section.
+    fn minimum(&mut self, mut low: f64, mut high: f64) -> Result<(f64, f64), tables::Error> {
+        let part = 0.5 * (5_f64.sqrt() - 1.0);
+        let (mut a, mut b) = (high - part * (high - low), low + part * (high - low));
+        let (mut at_a, mut at_b) = (self.squares(a)?, self.squares(b)?);
+        while high - low > FOUND_DEG {
+            if at_a < at_b {
+                (high, b, at_b) = (b, a, at_a);
+                a = high - part * (high - low);
+                at_a = self.squares(a)?;
+            } else {
+                (low, a, at_a) = (a, b, at_b);
+                b = low + part * (high - low);
+                at_b = self.squares(b)?;
+            }
+        }
+        Ok(if at_a < at_b { (a, at_a) } else { (b, at_b) })
+    }
+}
+
+/// The model to look for it with: what may differ by angle does, so that the azimuth does not make up for it.
+pub fn flexible(scene: &Scene) -> Choice {
+    let several = scene.groups.len() > 1;
+    Choice {
+        kernel: Kernel::Eq1,
+        shape: Shape::Radial,
+        per_angle_a: several,
+        per_angle_mu: several,
+    }
+}
+
+/// Finds the azimuth under `choice` and leaves the scene there.
+///
+/// # Errors
+/// The table does not go all around.
+pub fn find(scene: &mut Scene, table: &Table, choice: Choice) -> Result<Azimuth, tables::Error> {
+    let period = 360.0 / f64::from(table.provenance.symmetry.rotations);
+    let azimuths_deg = scene
+        .shots
+        .iter()
+        .map(|shot| shot.azimuth_deg.unwrap_or(0.0))
+        .collect();
+    let observations = Loss::Mtf(scene).observations();
+    let mut turned = Turned {
+        scene,
+        table,
+        azimuths_deg,
+        choice,
+        last: None,
+    };
+    let steps = (period / STEP_DEG).ceil() as usize;
+    let step = period / steps as f64;
+    let around = (0..steps).map(|k| turned.squares(k as f64 * step));
+    let around = around.collect::<Result<Vec<f64>, _>>()?;
+    let mut lows: Vec<usize> = (0..steps)
+        .filter(|&k| {
+            let beside = [around[(k + steps - 1) % steps], around[(k + 1) % steps]];
+            beside.iter().all(|&other| around[k] <= other)
+        })
+        .collect();
+    lows.sort_by(|&a, &b| around[a].total_cmp(&around[b]));
+    let mut minima = Vec::new();
+    for low in lows.into_iter().take(MINIMA) {
+        let middle = low as f64 * step;
+        minima.push(turned.minimum(middle - step, middle + step)?);
+    }
+    minima.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (best, least) = minima.first().copied().unwrap_or((0.0, f64::INFINITY));
+    let misfit = (least / observations.max(1) as f64).max(1.0);
+    // The profile rises by the misfit at one standard error: measured about there.
+    let mut error = 0.5;
+    for _ in 0..3 {
+        let sides = [turned.squares(best - error)?, turned.squares(best + error)?];
+        let rise = 0.5 * (sides[0] + sides[1]) - least;
+        let next = error * (misfit / rise.max(1e-6 * misfit)).sqrt();
+        error = next.clamp(1e-3, 0.25 * period);
+    }
+    turned.to(best)?;
+    let others = minima[1.min(minima.len())..]
+        .iter()
+        .filter(|(deg, squares)| {
+            let apart = (deg - best).rem_euclid(period);
+            squares - least < AS_WELL * misfit && apart.min(period - apart) > error
+        });
+    Ok(Azimuth {
+        deg: Value {
+            value: best.rem_euclid(period),
+            standard_error: error,
+        },
+        period_deg: period,
+        others_deg: others.map(|(deg, _)| deg.rem_euclid(period)).collect(),
+    })
+}
+
+/// What the error of the azimuth, at which the scene is, adds to the covariance of the logarithms of all parameters.
+///
+/// # Errors
+/// As [`find`].
+pub fn scatter(
+    scene: &mut Scene,
+    table: &Table,
+    found: &Azimuth,
+    kind: Kind,
+    choice: Choice,
+) -> Result<DMatrix<f64>, tables::Error> {
+    let own: Vec<f64> = scene
+        .shots
+        .iter()
+        .map(|shot| shot.azimuth_deg.unwrap_or(0.0))
+        .collect();
+    let mut sides = Vec::new();
+    for side in [-1.0, 1.0] {
+        let by = side * found.deg.standard_error;
+        let turned: Vec<f64> = own.iter().map(|own| own + by).collect();
+        scene.turn(table, &turned)?;
+        let near = optimum(scene, choice);
+        let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
+        let fit = estimate(scene, &loss, refined(scene, &loss, near));
+        sides.push(logarithms(&fit));
+    }
+    scene.turn(table, &own)?;
+    let half: Vec<f64> = sides[0]
+        .iter()
+        .zip(&sides[1])
+        .map(|(a, b)| 0.5 * (b - a))
+        .collect();
+    Ok(DMatrix::from_fn(half.len(), half.len(), |i, j| {
+        half[i] * half[j]
+    }))
+}
+
+fn logarithms(fit: &Estimate) -> Vec<f64> {
+    let blur = fit.c_mm.iter().chain(&fit.spread);
+    blur.chain(fit.mu.iter().flatten())
+        .map(|value| value.value.ln())
+        .collect()
+}

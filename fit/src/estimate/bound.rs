@@ -1,0 +1,197 @@
+//! One-sided bounds from the profile likelihood, for what the photographs cannot pin down.
+//!
+//! A term that was left out is bounded only where the criterion left it out, and that happens the more often the more noise
+//! has hidden of it: among such photographs a plain bound of 95 % holds less often. So the level of its bound is conditional
+//! on the choice (Fithian, Sun and Taylor, Optimal inference after model selection, arXiv 1410.2597): the estimate, in
+//! standard deviations, is a normal number below the threshold of the criterion, see `rise_below`.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+
+use crate::estimate::estimate::{Choice, Estimate, estimate, refined, rough, sum_of_squares_with};
+use crate::estimate::loss::Loss;
+use crate::estimate::scene::Scene;
+use crate::estimate::select::{CLEAR, Selection};
+use crate::model::kernel::Kernel;
+use crate::result::report::Bound;
+
+/// Relative standard error beyond which an estimate is a number without meaning.
+const MEANINGLESS: f64 = 0.5;
+
+/// Confidence of the bounds, and the rise of the sum of squares that it stands for (one-sided, one parameter).
+const CONFIDENCE: f64 = 0.95;
+const RISE: f64 = 2.706;
+
+/// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at most, a at least (each is the
+/// direction in which its blur fades away).
+pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bound> {
+    let mut found = BTreeMap::new();
+    for i in 0..fit.blur_parameters() {
+        let relative = fit.covariance[(i, i)].sqrt() / fit.solution.parameters[i].exp();
+        if relative.is_finite() && relative < MEANINGLESS {
+            continue;
+        }
+        found.insert(fit.names[i].clone(), bound(scene, loss, fit, i, RISE));
+    }
+    found
+}
+
+/// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where the shift alone was,
+/// from the literal Eq. (1), which has both; likewise a baseline's rough front. `None` where all is there, or the fuller
+/// model was no candidate.
+pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
+    let choice = selection.best.choice;
+    let (name, with) = match choice.kernel {
+        Kernel::Lobe => ("c_mm", Kernel::Eq1),
+        Kernel::Shift => ("a_per_mm", Kernel::Eq1),
+        Kernel::Saito => ("surface_roughness", Kernel::SaitoSurface),
+        _ => return None,
+    };
+    let rows = &mut selection.compared.iter();
+    rows.find(|row| row.choice.kernel == with)?;
+    let both = Choice {
+        kernel: with,
+        // A lobe keeps an a for every angle, or c would make up for what one a cannot; a shift has one bound.
+        per_angle_a: choice.kernel == Kernel::Lobe && choice.per_angle_a,
+        ..choice
+    };
+    let loss = &selection.loss;
+    let fit = estimate(scene, loss, refined(scene, loss, rough(scene, both)));
+    let i = fit.names.iter().position(|own| own == name)?;
+    // What the term was worth in the sum of squares, and what it would have had to be.
+    let worth = (selection.best.chi2 - fit.chi2).max(0.0) / fit.reduced_chi2().max(1.0);
+    let threshold = (loss.observations() as f64).ln() + CLEAR;
+    let rise = rise_below(worth.sqrt(), threshold.sqrt());
+    Some((name.into(), bound(scene, loss, &fit, i, rise)))
+}
+
+/// Rise of the sum of squares at the bound of a number that was found at `found` standard deviations from 0, where one beyond
+/// `threshold` would not be bounded: the r^2 at which a normal number about found + r, known to lie below the threshold, lies
+/// below `found` in 5 %. [`RISE`] where the threshold is far.
+fn rise_below(found: f64, threshold: f64) -> f64 {
+    // Nearer than that a bound would lie beyond 30 standard deviations, which says nothing.
+    let room = (threshold - found).max(0.1);
+    let below = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
+    let share = |r: f64| below(-r) / below(room - r);
+    // The share falls with r.
+    let (mut low, mut high) = (RISE.sqrt(), 36.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if share(middle) > 1.0 - CONFIDENCE {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high * high
+}
+
+fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bound {
+    let unit = fit.reduced_chi2().max(1.0);
+    let is_a = fit.names[i].starts_with("a_");
+    // c and roughness vanish downwards, so their bound lies above; a vanishes upwards, so its bound lies below. Waves
+    // spread either way.
+    let wave = fit.choice.kernel == Kernel::Wave;
+    let limit = |way| edge(scene, loss, fit, i, way, rise * unit);
+    Bound {
+        at_least: (is_a || wave).then(|| limit(-1.0)).flatten(),
+        at_most: (!is_a).then(|| limit(1.0)).flatten(),
+        confidence: CONFIDENCE,
+    }
+}
+
+/// Where the profile likelihood of parameter `i` has risen by `rise`, walking up or down; `None` where it never does.
+fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f64) -> Option<f64> {
+    let start = &fit.solution.parameters;
+    // The sum of squares at the vanishing end, where the optimum may lie flat.
+    let risen = |x: f64, from: &DVector<f64>| {
+        let (squares, at) = sum_of_squares_with(scene, loss, fit.choice, from, i, x);
+        (squares - fit.chi2 > rise, at)
+    };
+    // Where nothing depends on a parameter the solver may leave it anywhere: the walk begins within what a photograph
+    // could ever show, c = 0.1 um, a = 10^9 and a roughness of 10^-7.
+    let faint: f64 = if fit.choice.kernel.is_baseline() {
+        1e-7
+    } else {
+        1e-4
+    };
+    let begin = if way > 0.0 {
+        start[i].max(faint.ln())
+    } else {
+        start[i].min(1e9_f64.ln())
+    };
+    let (mut inside, mut outside) = (begin, None);
+    let mut at = start.clone();
+    let mut step = 0.2;
+    for _ in 0..12 {
+        let x = inside + way * step;
+        let (beyond, parameters) = risen(x, &at);
+        if beyond {
+            outside = Some(x);
+            break;
+        }
+        inside = x;
+        at = parameters;
+        step *= 1.5;
+    }
+    let mut outside = outside?;
+    // To 1 % of the parameter: a bound needs no more.
+    while (outside - inside).abs() > 0.01 {
+        let middle = 0.5 * (inside + outside);
+        let (beyond, _) = risen(middle, &at);
+        if beyond {
+            outside = middle
+        } else {
+            inside = middle
+        }
+    }
+    Some(outside.exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normal numbers about a truth, those beyond the threshold left out: the bound found + r holds the truth in 95 % of the
+    /// rest, wherever the truth lies. Of n the share scatters by sqrt(0.95 x 0.05 / n), and the limit is 4 of these.
+    #[test]
+    fn conditional_bounds_hold_wherever_the_truth_lies() {
+        let threshold = 3.5;
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut cases = 0;
+        for truth in [2.0, 3.0, 3.5, 4.0, 5.0] {
+            let (mut all, mut held, mut plain) = (0, 0, 0);
+            while all < 10_000 {
+                let radius = (-2.0 * (1.0 - uniform()).ln()).sqrt();
+                let found = truth + radius * (std::f64::consts::TAU * uniform()).cos();
+                if found >= threshold {
+                    continue;
+                }
+                all += 1;
+                held += usize::from(truth <= found + rise_below(found, threshold).sqrt());
+                plain += usize::from(truth <= found + RISE.sqrt());
+            }
+            let share = f64::from(held as u32) / 1e4;
+            println!(
+                "truth {truth}: {share:.4}, plain {:.4}",
+                f64::from(plain as u32) / 1e4
+            );
+            assert!(
+                (share - 0.95).abs() < 4.0 * (0.95 * 0.05 / 1e4_f64).sqrt(),
+                "{share}"
+            );
+            cases += 1;
+        }
+        assert_eq!(cases, 5);
+        // Far below the threshold nothing is conditional.
+        assert!((rise_below(0.0, 10.0) - RISE).abs() < 0.01);
+    }
+}

@@ -1,0 +1,294 @@
+//! The likelihood of all photographs together: blur and lens shared, the reference's pixels beside the aerial ones.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::compare::likelihood::{Curves, Fitted, NUISANCES, Photograph, STEP};
+use crate::estimate::covariance::{Mu, Noise};
+use crate::estimate::estimate::{Choice, model};
+use crate::estimate::layout::Layout;
+use crate::estimate::reference::camera_of;
+use crate::estimate::scene::Scene;
+use crate::model::camera::Camera;
+use crate::numerics::solve::Evaluation;
+use crate::photographs::noise::PixelNoise;
+
+/// The photographs of a scene with their noise; fixed while candidates are compared.
+pub struct Joint<'a> {
+    scene: &'a Scene,
+    shots: Vec<Photograph<'a>>,
+    reference: Option<Photograph<'a>>,
+    /// ln(blur / mm) of the lens and, where the reference needed it, its exponent.
+    lens: DVector<f64>,
+}
+
+/// Whose information a covariance is the inverse of. The two differ only where pixels were cut off at 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Used {
+    /// What the estimate uses: of cut-off pixels their mean.
+    ByTheEstimate,
+    /// All that there is: the covariance is the Cramer-Rao bound.
+    ByAnyEstimate,
+}
+
+impl<'a> Joint<'a> {
+    /// Noise and nuisances of every photograph, found under the model of `choice` at `parameters` (logarithms of c and of
+    /// the spreads), which should be near the truth.
+    pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
+        let pitch_mm = scene.camera.pitch_mm;
+        let layout = Layout::new(choice, scene.groups.len());
+        let shots = scene
+            .shots
+            .par_iter()
+            .map(|shot| {
+                let mut photograph = Photograph::new(&shot.pixels, pitch_mm);
+                let model = model(shot, choice);
+                let blur = layout.blur(parameters, shot.group);
+                let curves = photograph.curves(Some((&model, blur)), &scene.camera, 0);
+                photograph.settle(&curves);
+                photograph
+            })
+            .collect();
+        let reference = scene.reference.as_ref().map(|reference| {
+            let mut photograph = Photograph::new(&reference.pixels, pitch_mm);
+            photograph.settle(&photograph.curves(None, &scene.camera, 0));
+            photograph
+        });
+        let lens = scene
+            .reference
+            .as_ref()
+            .map_or(DVector::zeros(0), |r| r.lens.clone());
+        Joint {
+            scene,
+            shots,
+            reference,
+            lens,
+        }
+    }
+
+    /// Replaces the noise of all photographs by a known one.
+    pub fn with_noise(&mut self, choice: Choice, at: &DVector<f64>, noise: PixelNoise) {
+        let layout = Layout::new(choice, self.scene.groups.len());
+        let camera = self.camera(&layout, at);
+        for (shot, photograph) in self.scene.shots.iter().zip(&mut self.shots) {
+            let (model, blur) = (model(shot, choice), layout.blur(at, shot.group));
+            let curves = photograph.curves(Some((&model, blur)), &camera, 0);
+            photograph.with_noise(&curves, noise);
+        }
+        if let Some(photograph) = &mut self.reference {
+            let curves = photograph.curves(None, &camera, 0);
+            photograph.with_noise(&curves, noise);
+        }
+    }
+
+    /// Parameters of blur and lens from those of the blur.
+    pub fn start(&self, blur: &DVector<f64>) -> DVector<f64> {
+        let all = blur.iter().chain(&self.lens).copied();
+        DVector::from_iterator(blur.len() + self.lens.len(), all)
+    }
+
+    /// The camera at a point.
+    pub fn camera(&self, layout: &Layout, at: &DVector<f64>) -> Camera {
+        if self.lens.is_empty() {
+            return self.scene.camera;
+        }
+        let lens = at.rows(layout.parameters(), self.lens.len()).into_owned();
+        camera_of(self.scene.camera.pitch_mm, &lens)
+    }
+
+    /// Independent numbers in the photographs, less the nuisances and the lens.
+    pub fn observations(&self) -> usize {
+        let of = |p: &Photograph| p.observations().saturating_sub(NUISANCES);
+        let all: usize = self.shots.iter().chain(&self.reference).map(of).sum();
+        all.saturating_sub(self.lens.len())
+    }
+
+    /// Sum of squares and its derivatives at a point, nuisances at their optimum: a few rows for every photograph, whose
+    /// products are those of all its pixels.
+    pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
+        let factors: Vec<DMatrix<f64>> = self
+            .fitted(layout, at)
+            .into_iter()
+            .map(|(fitted, _)| fitted.factor)
+            .collect();
+        let width = layout.parameters() + self.lens.len();
+        let rows: usize = factors.iter().map(|f| f.nrows() - NUISANCES).sum();
+        let (mut residuals, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, width));
+        let mut row = 0;
+        for (i, factor) in factors.iter().enumerate() {
+            let (n, last) = (factor.nrows() - NUISANCES, factor.ncols() - 1);
+            residuals
+                .rows_mut(row, n)
+                .copy_from(&factor.view((NUISANCES, last), (n, 1)));
+            for (k, column) in self.columns(layout, i).into_iter().enumerate() {
+                jacobian
+                    .view_mut((row, column), (n, 1))
+                    .copy_from(&factor.view((NUISANCES, NUISANCES + k), (n, 1)));
+            }
+            row += n;
+        }
+        (residuals, jacobian)
+    }
+
+    /// Every photograph at the optimum of its nuisances, the reference last, with the curves it was fitted to.
+    fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(Fitted, Curves)> {
+        let camera = self.camera(layout, at);
+        let lens = self.lens.len();
+        let mut all: Vec<(Fitted, Curves)> = self
+            .shots
+            .par_iter()
+            .zip(&self.scene.shots)
+            .map(|(photograph, shot)| {
+                let model = model(shot, layout.choice);
+                let blur = layout.blur(at, shot.group);
+                let curves = photograph.curves(Some((&model, blur)), &camera, lens);
+                (photograph.fit(&curves), curves)
+            })
+            .collect();
+        all.extend(self.reference.as_ref().map(|photograph| {
+            let curves = photograph.curves(None, &camera, lens);
+            (photograph.fit(&curves), curves)
+        }));
+        all
+    }
+
+    /// Columns of the derivatives of photograph `i`, the reference being the last.
+    fn columns(&self, layout: &Layout, i: usize) -> Vec<usize> {
+        let lens = layout.parameters()..layout.parameters() + self.lens.len();
+        let blur = self
+            .scene
+            .shots
+            .get(i)
+            .map(|shot| layout.columns(shot.group));
+        blur.into_iter().flatten().chain(lens).collect()
+    }
+
+    /// Covariance of the estimates, and mu, at an optimum: the inverse Fisher information of the pixels.
+    ///
+    /// c and the spreads leave every photograph its own plateaus, so that a wrong exposure cannot bias them. mu is where
+    /// the steps of all photographs, tied to the reference's by exposure and retroreflected fraction, are most likely:
+    /// generalised least squares on the same pixels. Its covariance carries the table's rays, as one error for every
+    /// incidence. All is multiplied by `inflation`.
+    pub fn information(
+        &self,
+        layout: &Layout,
+        at: &DVector<f64>,
+        inflation: f64,
+        used: Used,
+    ) -> Noise {
+        let fitted = self.fitted(layout, at);
+        let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.reference).collect();
+        let steps: Vec<f64> = fitted.iter().map(|(f, _)| f.nuisances.step).collect();
+        // Rows over (ln step, derivatives, residual), the other nuisances taken out.
+        let factors: Vec<DMatrix<f64>> = fitted
+            .into_iter()
+            .zip(photographs)
+            .map(|((fitted, curves), photograph)| {
+                let factor = if used == Used::ByAnyEstimate {
+                    photograph.information(&curves, &fitted.nuisances)
+                } else {
+                    fitted.factor
+                };
+                let n = factor.nrows() - STEP;
+                factor.view((STEP, STEP), (n, n)).into_owned()
+            })
+            .collect();
+        let p = layout.parameters();
+        let width = p + self.lens.len();
+        let mut normal = DMatrix::zeros(width, width);
+        for (i, factor) in factors.iter().enumerate() {
+            let columns = self.columns(layout, i);
+            let free = factor.view((1, 1), (factor.nrows() - 1, columns.len()));
+            scatter(&mut normal, &columns, &(free.transpose() * free));
+        }
+        let blur = inverse(&normal).view((0, 0), (p, p)) * inflation;
+        let mu = self
+            .reference
+            .is_some()
+            .then(|| self.mu(layout, &factors, &steps, &blur, inflation));
+        Noise { blur, mu }
+    }
+
+    fn mu(
+        &self,
+        layout: &Layout,
+        factors: &[DMatrix<f64>],
+        steps: &[f64],
+        blur: &DMatrix<f64>,
+        inflation: f64,
+    ) -> Mu {
+        let scene = self.scene;
+        let (p, own) = (layout.parameters(), layout.choice.per_angle_mu);
+        let groups = if own { scene.groups.len() } else { 1 };
+        // Columns: blur, lens, ln mu, ln step of the reference.
+        let first = p + self.lens.len();
+        let width = first + groups + 1;
+        let reference_step = steps[steps.len() - 1].ln();
+        let exposure = scene.reference.as_ref().map_or(1.0, |r| r.exposure);
+        let mut normal = DMatrix::zeros(width, width);
+        let mut gradient = DVector::zeros(width);
+        let mut by_eta = DMatrix::<f64>::zeros(width, scene.groups.len());
+        for (i, factor) in factors.iter().enumerate() {
+            let step = factor.column(0);
+            let mut columns = self.columns(layout, i);
+            columns.push(width - 1);
+            let shot = scene.shots.get(i);
+            columns.extend(shot.map(|shot| first + if own { shot.group } else { 0 }));
+            // Blur and lens as they are; mu and the reference's step through the step of this photograph.
+            let blurs = self.columns(layout, i).len();
+            let rows = DMatrix::from_fn(factor.nrows(), columns.len(), |r, k| {
+                factor[(r, if k < blurs { k + 1 } else { 0 })]
+            });
+            if let Some(shot) = shot {
+                // Starting from mu = 1: how far the step that this says lies from the photograph's own.
+                let known = (shot.eta * scene.half_mirror * shot.exposure / exposure).ln();
+                let off = known + reference_step - steps[i].ln();
+                let pull = rows.tr_mul(&(step * off));
+                let of_eta = rows.tr_mul(&step) * shot.eta_relative_error();
+                for (k, &column) in columns.iter().enumerate() {
+                    gradient[column] += pull[k];
+                    by_eta[(column, shot.group)] += of_eta[k];
+                }
+            }
+            scatter(&mut normal, &columns, &rows.tr_mul(&rows));
+        }
+        let tied = inverse(&normal);
+        let ln_mu = -(&tied * gradient).rows(first, groups).into_owned();
+        let values = ln_mu.iter().map(|v| v.exp()).collect();
+        let rays = &tied * by_eta;
+        let mut covariance = DMatrix::zeros(p + groups, p + groups);
+        covariance.view_mut((0, 0), (p, p)).copy_from(blur);
+        let place = |k: usize| if k < p { k } else { first + k - p };
+        for i in 0..p + groups {
+            for j in p.max(i)..p + groups {
+                let (a, b) = (place(i), place(j));
+                let mut value = tied[(a, b)] * inflation;
+                if i >= p {
+                    value += rays.row(a).dot(&rays.row(b));
+                }
+                covariance[(i, j)] = value;
+                covariance[(j, i)] = value;
+            }
+        }
+        Mu { values, covariance }
+    }
+}
+
+/// Adds a small matrix to the rows and columns that it is about.
+fn scatter(normal: &mut DMatrix<f64>, columns: &[usize], part: &DMatrix<f64>) {
+    for (i, &a) in columns.iter().enumerate() {
+        for (j, &b) in columns.iter().enumerate() {
+            normal[(a, b)] += part[(i, j)];
+        }
+    }
+}
+
+/// The inverse of a normal matrix; infinite variances where the photographs do not tell everything.
+fn inverse(normal: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = normal.nrows();
+    normal
+        .clone()
+        .try_inverse()
+        .filter(|i| i.iter().all(|v| v.is_finite()))
+        .unwrap_or_else(|| DMatrix::from_diagonal_element(n, n, f64::INFINITY))
+}

@@ -1,0 +1,141 @@
+//! The reference photograph: what the camera alone does to an edge, and how bright the source is.
+
+use nalgebra::{DMatrix, DVector, Matrix2};
+
+use crate::compare::pixels::Pixels;
+use crate::compare::reflectance::Contrast;
+use crate::compare::view::View;
+use crate::model::camera::{Camera, Lens};
+use crate::numerics::solve::{CONVERGED, Solution, least_squares};
+
+/// A measured reference.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// The camera, lens included.
+    pub camera: Camera,
+    /// Covariance of ln(blur) and of the exponent.
+    pub lens_covariance: Matrix2<f64>,
+    /// What the reference told of the lens: ln(blur / mm), and the exponent where it is not 2.
+    pub lens: DVector<f64>,
+    /// Its pixels.
+    pub pixels: Pixels,
+    /// Its exposure.
+    pub exposure: f64,
+    /// Bright minus dark of the source edge, per unit of exposure.
+    pub step: f64,
+    /// Relative standard error of `step`.
+    pub step_relative_error: f64,
+    /// Whitened sum of squares per degree of freedom of the lens fit: 1 where the lens model describes the camera.
+    pub reduced_chi2: f64,
+}
+
+/// Improvement of the sum of squares for which a free exponent is kept (a superfluous one reaches it in 1 of 1000 cases).
+const KEEP_EXPONENT: f64 = 10.8;
+
+/// Steps of the parameters for derivatives of a camera.
+const STEP: f64 = 1e-4;
+
+/// Measures the camera with a photograph of the source edge. `view` carries the pixel box as its camera.
+pub fn measure(view: &mut View, pixels: Pixels, exposure: f64) -> Reference {
+    let pitch_mm = view.pitch_mm();
+    // A Gaussian of half a pixel: 1/f0 = sqrt 2 pi sigma.
+    let start = (std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.5 * pitch_mm).ln();
+    let gaussian = fit(view, pitch_mm, DVector::from_vec(vec![start]));
+    let free = fit(
+        view,
+        pitch_mm,
+        DVector::from_vec(vec![gaussian.parameters[0], 2.0]),
+    );
+    let keep = gaussian.sum_of_squares() - free.sum_of_squares() > KEEP_EXPONENT;
+    let solution = if keep { free } else { gaussian };
+    let parameters = solution.parameters.len();
+    let freedom = solution.residuals.len().saturating_sub(parameters).max(1) as f64;
+    let reduced_chi2 = solution.sum_of_squares() / freedom;
+    let normal = solution.jacobian.transpose() * &solution.jacobian;
+    let mut lens_covariance = Matrix2::zeros();
+    if let Some(inverse) = normal.try_inverse() {
+        lens_covariance
+            .view_mut((0, 0), (parameters, parameters))
+            .copy_from(&(inverse * reduced_chi2.max(1.0)));
+    }
+    let camera = camera_of(pitch_mm, &solution.parameters);
+    view.set_camera(&camera);
+    let contrast = Contrast::fit(&view.profile, &view.reference_curve());
+    Reference {
+        camera,
+        lens_covariance,
+        lens: solution.parameters,
+        pixels,
+        exposure,
+        step: contrast.step / exposure,
+        step_relative_error: contrast.variance(&view.profile).sqrt() / contrast.step.abs(),
+        reduced_chi2,
+    }
+}
+
+impl Reference {
+    /// The cameras one step of each lens parameter away, with the size of the step: for carrying the lens's error.
+    pub fn neighbours(&self) -> Vec<(Camera, f64)> {
+        let Some(lens) = self.camera.lens else {
+            return Vec::new();
+        };
+        let blur = Lens {
+            blur_mm: lens.blur_mm * STEP.exp(),
+            ..lens
+        };
+        let exponent = Lens {
+            exponent: lens.exponent + STEP,
+            ..lens
+        };
+        [blur, exponent]
+            .map(|lens| {
+                (
+                    Camera {
+                        lens: Some(lens),
+                        ..self.camera
+                    },
+                    STEP,
+                )
+            })
+            .to_vec()
+    }
+}
+
+/// The camera of lens parameters: ln(blur / mm), and the exponent where it is not 2.
+pub fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
+    let exponent = parameters.get(1).copied().unwrap_or(2.0).clamp(0.5, 4.0);
+    // A lens blur below a thousandth of a pixel is none, one beyond 100 pixels no camera.
+    let blur_mm = parameters[0].exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm);
+    Camera {
+        pitch_mm,
+        lens: Some(Lens { blur_mm, exponent }),
+    }
+}
+
+fn fit(view: &mut View, pitch_mm: f64, start: DVector<f64>) -> Solution {
+    let view = std::cell::RefCell::new(view);
+    let residuals = |parameters: &DVector<f64>| {
+        let mut view = view.borrow_mut();
+        view.set_camera(&camera_of(pitch_mm, parameters));
+        let (modelled, _) = view.predict(&view.reference_curve(), &[]);
+        let difference: Vec<f64> = modelled
+            .iter()
+            .zip(&view.mtf.modulus)
+            .map(|(m, d)| m - d)
+            .collect();
+        view.whiten(&difference)
+    };
+    least_squares(start, CONVERGED, |parameters| {
+        let here = residuals(parameters);
+        // Central differences: the model is smooth and its rounding 1e-13, so a step of 1e-4 is good to 1e-8.
+        let columns: Vec<DVector<f64>> = (0..parameters.len())
+            .map(|i| {
+                let (mut low, mut high) = (parameters.clone(), parameters.clone());
+                low[i] -= STEP;
+                high[i] += STEP;
+                (residuals(&high) - residuals(&low)) / (2.0 * STEP)
+            })
+            .collect();
+        (here, DMatrix::from_columns(&columns))
+    })
+}

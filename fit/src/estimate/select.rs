@@ -1,0 +1,239 @@
+//! Which terms the photographs need: candidates side by side, the simplest that none clearly beats.
+//!
+//! The criterion is Bayes' (BIC). Its n counts independent numbers: MTF differences after whitening with their noise
+//! covariance, so that neighbouring frequencies, which share pixels, are not counted twice; or under `edge` two numbers for
+//! every bin of pixels, not every pixel, for most pixels of a bin repeat one another. A further term must lower it by more
+//! than [`CLEAR`].
+//!
+//! Where no candidate describes the photographs to their noise, all sums of squares are divided by the least chi-square per
+//! degree of freedom (Burnham and Anderson, Model Selection, 2002, 2.5): what is wrong with all of them would else buy terms.
+
+use crate::estimate::estimate::{
+    Choice, Estimate, Optimum, estimate, refined, rough, rough_from, unrefined,
+};
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::scene::Scene;
+use crate::estimate::start;
+use crate::model::kernel::Kernel;
+use crate::model::lobe::Shape;
+
+use nalgebra::{DMatrix, DVector};
+
+/// Fall of the criterion below which the simpler candidate stays.
+pub const CLEAR: f64 = 4.0;
+
+/// Candidates whose criterion is so many times the best at first sight are not refined: theirs in the report is good to a
+/// thousandth.
+const HOPELESS: f64 = 3.0;
+
+/// What the user leaves open: every combination is a candidate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Candidates {
+    /// Kernels, in the order of preference among equals.
+    pub kernels: Vec<Kernel>,
+    /// Lobe shapes.
+    pub shapes: Vec<Shape>,
+    /// `Some(true)`: one spread per incidence angle; `None`: both are tried.
+    pub per_angle_a: Option<bool>,
+    /// Likewise for mu.
+    pub per_angle_mu: Option<bool>,
+}
+
+/// The chosen candidate, and all that were compared, best criterion first.
+pub struct Selection<'a> {
+    /// What was minimised.
+    pub loss: Loss<'a>,
+    /// The estimate to report.
+    pub best: Estimate,
+    /// Every candidate's choice, criterion, sum of squares and parameters.
+    pub compared: Vec<Compared>,
+}
+
+/// One row of the comparison.
+#[derive(Debug, Clone)]
+pub struct Compared {
+    /// The candidate.
+    pub choice: Choice,
+    /// Bayes' criterion.
+    pub criterion: f64,
+    /// Sum of squares of the residuals in units of their noise.
+    pub chi2: f64,
+    /// Parameters of the blur.
+    pub parameters: usize,
+    /// Where they ended: ln c, ln spread.
+    pub at: DVector<f64>,
+}
+
+impl Compared {
+    /// Whether a candidate is simpler than a choice of so many parameters, or as simple and preferred: it wins where
+    /// neither is clearly better.
+    pub fn precedes(&self, choice: Choice, parameters: usize) -> bool {
+        let rank = |kernel| Kernel::ALL.iter().position(|&other| other == kernel);
+        (self.parameters, rank(self.choice.kernel)) < (parameters, rank(choice.kernel))
+    }
+}
+
+/// By how much every sum of squares is too large: the least chi-square per degree of freedom, at least 1.
+fn misfit(fits: &[Optimum]) -> f64 {
+    let all = fits.iter().map(Optimum::reduced_chi2);
+    all.fold(f64::INFINITY, f64::min).max(1.0)
+}
+
+/// Fits all candidates and picks one. The MTFs come first whatever the loss: they find the neighbourhood of every candidate's
+/// optimum, and the pixels' noise is taken about the best of them.
+pub fn select<'a>(scene: &'a Scene, kind: Kind, open: &Candidates) -> Selection<'a> {
+    let mut fits: Vec<Optimum> = choices(scene, open)
+        .into_iter()
+        .map(|choice| rough(scene, choice))
+        .collect();
+    share_c(scene, &mut fits);
+    let scale = misfit(&fits);
+    let nearest = fits
+        .iter()
+        .min_by(|a, b| a.criterion(scale).total_cmp(&b.criterion(scale)))
+        .expect("there is at least one candidate");
+    let least = nearest.criterion(scale);
+    let near = nearest.solution.parameters.clone();
+    let loss = Loss::new(kind, scene, (nearest.choice, &near));
+    for fit in &mut fits {
+        let hopeful = fit.criterion(scale) <= HOPELESS * least + CLEAR;
+        let finish = if hopeful { refined } else { unrefined };
+        *fit = finish(scene, &loss, fit.clone());
+    }
+    let scale = misfit(&fits);
+    let mut compared: Vec<Compared> = fits
+        .iter()
+        .map(|fit| {
+            let parameters = Layout::new(fit.choice, scene.groups.len()).parameters();
+            Compared {
+                choice: fit.choice,
+                criterion: fit.criterion(scale),
+                chi2: fit.solution.sum_of_squares(),
+                parameters,
+                at: fit.solution.parameters.rows(0, parameters).into_owned(),
+            }
+        })
+        .collect();
+    compared.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let least = compared[0].criterion;
+    // A stable sort: among equals the order of preference stays.
+    fits.sort_by_key(|fit| fit.solution.parameters.len());
+    let chosen = fits
+        .iter()
+        .position(|fit| fit.criterion(scale) <= least + CLEAR)
+        .unwrap_or(0);
+    let chosen = fits.swap_remove(chosen);
+    let shared_mu = Optimum {
+        choice: Choice {
+            per_angle_mu: false,
+            ..chosen.choice
+        },
+        ..chosen.clone()
+    };
+    let mut best = estimate(scene, &loss, chosen);
+    if open.per_angle_mu.is_none() && best.choice.per_angle_mu && !needs_own_mu(scene, &best) {
+        best = estimate(scene, &loss, shared_mu);
+    }
+    Selection {
+        loss,
+        best,
+        compared,
+    }
+}
+
+/// Tries every candidate from the c of the best one, where its own c lies elsewhere: c is a length of the sheet whatever
+/// the other terms, and a far c may be a local optimum.
+fn share_c(scene: &Scene, fits: &mut [Optimum]) {
+    const ELSEWHERE: f64 = 0.1;
+    let scale = misfit(fits);
+    let ln_c = |fit: &Optimum| {
+        fit.choice
+            .kernel
+            .has_c()
+            .then(|| fit.solution.parameters[0])
+    };
+    let best = fits
+        .iter()
+        .filter(|fit| fit.choice.kernel.has_c())
+        .min_by(|a, b| a.criterion(scale).total_cmp(&b.criterion(scale)));
+    let Some(shared) = best.and_then(ln_c) else {
+        return;
+    };
+    for fit in fits {
+        if ln_c(fit).is_some_and(|own| (own - shared).abs() > ELSEWHERE) {
+            let start = start::at(scene, fit.choice, shared.exp());
+            let other = rough_from(scene, fit.choice, vec![start]);
+            if other.criterion(scale) < fit.criterion(scale) {
+                *fit = other;
+            }
+        }
+    }
+}
+
+fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
+    let several = scene.groups.len() > 1;
+    let sharings = match open.per_angle_a {
+        Some(per_angle) => vec![per_angle],
+        None if several => vec![false, true],
+        None => vec![false],
+    };
+    let mut choices = Vec::new();
+    for &kernel in &open.kernels {
+        // Without a lobe its shape and sharing mean nothing: one candidate.
+        let shapes = if kernel.has_lobe() {
+            &open.shapes[..]
+        } else {
+            &open.shapes[..1]
+        };
+        let sharings = if kernel.has_lobe() {
+            &sharings[..]
+        } else {
+            &sharings[..1]
+        };
+        for &shape in shapes {
+            for &per_angle_a in sharings {
+                choices.push(Choice {
+                    kernel,
+                    shape,
+                    per_angle_a,
+                    per_angle_mu: open.per_angle_mu.unwrap_or(several),
+                });
+            }
+        }
+    }
+    choices
+}
+
+/// Whether the mu of the incidence groups differ by more than their errors, by the same criterion.
+fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
+    let Some(mu) = fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
+        return false;
+    };
+    let first = fit.names.len() - mu.len();
+    let values: Vec<f64> = mu.iter().map(|mu| mu.value).collect();
+    let covariance = DMatrix::from_fn(mu.len(), mu.len(), |i, j| {
+        fit.covariance[(first + i, first + j)] / (values[i] * values[j])
+    });
+    let limit = own_mu_limit(mu.len(), scene.shots.len());
+    scatter_of_mu(&values, &covariance).is_none_or(|squares| squares > limit)
+}
+
+/// Sum of squares of the differences of ln mu between the incidence groups, in units of their noise; `covariance` is that of
+/// ln mu. `None` where it is singular.
+pub fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
+    let rest = mu.len() - 1;
+    // Differences to the first: the errors that all share (reference, lens) fall out.
+    let difference = DVector::from_fn(rest, |i, _| (mu[i + 1] / mu[0]).ln());
+    let covariance = DMatrix::from_fn(rest, rest, |i, j| {
+        let of = |i, j| covariance[(i, j)];
+        of(i + 1, j + 1) - of(i + 1, 0) - of(0, j + 1) + of(0, 0)
+    });
+    let factor = covariance.cholesky()?;
+    Some(difference.dot(&factor.solve(&difference)))
+}
+
+/// The sum of squares from which so many groups have a mu each: ln(photographs) for each further parameter.
+pub fn own_mu_limit(groups: usize, photographs: usize) -> f64 {
+    (groups - 1) as f64 * (photographs as f64).ln() + CLEAR
+}

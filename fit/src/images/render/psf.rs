@@ -1,0 +1,211 @@
+//! A spot on the pixels of a picture: what one square of even light sends to the square of every other pixel.
+//!
+//! Pixels are squares of even light, and a pixel of the image is the mean over its square. So the weight between two pixels d
+//! apart is the point spread averaged over both squares, whose transform is the OTF times sinc^2 along both axes, summed
+//! over the frequencies that look alike on whole pixels:
+//!
+//! `K(d) = sum over k of exp(2 pi i k.d) sum over m of sinc^2(k + m) OTF(k + m)`, frequencies in cycles per pixel.
+//!
+//! No weight is negative for a spread that is not, none rings, without blur K is one pixel, and the weights sum to OTF(0) = 1.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+use realfft::RealFftPlanner;
+use rustfft::FftPlanner;
+
+use crate::images::render::transform::smooth_odd;
+use crate::images::spot::{Error, Place, Sheet};
+use crate::photographs::sfr::sinc;
+
+/// Error of the transfer at any frequency that the sum over m may leave.
+const TOLERANCE: f64 = 1e-4;
+
+/// Frequencies per pixel at which the sum over m ends at last.
+const WIDEST: usize = 32;
+
+/// Largest size of a kernel, pixels: wider ones hold half a gigabyte.
+pub const LARGEST: usize = 8191;
+
+/// Weights between pixels, and the energy of the place.
+#[derive(Debug, Clone)]
+pub struct Psf {
+    /// Columns and rows reached on either side.
+    pub reach: [usize; 2],
+    /// Weights, rows from -reach\[1\] to reach\[1\], each from -reach\[0\] to reach\[0\]; they sum to 1, to 0 where nothing
+    /// returns.
+    pub weights: Vec<f32>,
+    /// Luminance over the source's; `None` without mu.
+    pub energy: Option<f64>,
+    /// Bound of the error of the transfer by the sum that was cut off.
+    pub error: f64,
+    /// Whether the place lies between the directions of the table.
+    pub interpolated: bool,
+}
+
+/// Why there are no weights.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The sheet has none.
+    #[error(transparent)]
+    Sheet(#[from] Error),
+    /// Too wide.
+    #[error(
+        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm reaches {reach} pixels, more than {LARGEST}; give a larger \
+         --pixel-pitch and a smaller picture"
+    )]
+    Wide {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+        /// Distance, mm.
+        r_mm: f64,
+        /// Pixels on either side.
+        reach: usize,
+    },
+}
+
+impl Psf {
+    /// At one place. `pixels_from_mm` takes (tangential, sagittal) mm across the viewing ray to (columns, rows).
+    ///
+    /// # Errors
+    /// [`Fault`].
+    pub fn new(
+        sheet: &dyn Sheet,
+        place: &Place,
+        pixels_from_mm: [[f64; 2]; 2],
+    ) -> Result<Psf, Fault> {
+        let [[a, b], [c, d]] = pixels_from_mm;
+        let mut half = 1;
+        loop {
+            // The farthest corner of the square of frequencies, |f| <= half / 2 per pixel, with its rim.
+            let finest = 0.5 * (half as f64 + 1.0) * (a.abs() + c.abs()).max(b.abs() + d.abs());
+            let spot = sheet.spot(place, finest)?;
+            let energy = spot.energy();
+            if energy == Some(0.0) {
+                return Ok(Psf {
+                    reach: [0; 2],
+                    weights: vec![0.0],
+                    energy,
+                    error: 0.0,
+                    interpolated: spot.interpolated(),
+                });
+            }
+            // One pixel more for the squares, one for the rounding.
+            let reach = [a.hypot(b), c.hypot(d)].map(|by| (spot.reach_mm() * by) as usize + 2);
+            let size = reach.map(|reach| smooth_odd(2 * reach + 1));
+            if size.iter().any(|&size| size > LARGEST) {
+                return Err(Fault::Wide {
+                    incidence_deg: place.incidence_deg,
+                    r_mm: place.r_mm,
+                    reach: reach[0].max(reach[1]),
+                });
+            }
+            let otf = |x: f64, y: f64| spot.otf([a * x + c * y, b * x + d * y]);
+            let error = cut_off(&otf, size, half);
+            if error > TOLERANCE && half < WIDEST {
+                half *= 2;
+                continue;
+            }
+            return Ok(Psf {
+                reach: size.map(|size| size / 2),
+                weights: weights(&otf, size, half),
+                energy,
+                error,
+                interpolated: spot.interpolated(),
+            });
+        }
+    }
+}
+
+/// Bound of what lies beyond |f| = half/2 along either axis, from the OTF on that rim, which it does not exceed beyond: twice
+/// the sum of 1/(pi (half/2 + m))^2 over m >= 0, sinc^2 at its greatest.
+fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half: usize) -> f64 {
+    let rim = 0.5 * half as f64;
+    let tail = 2.0 / (PI * PI) * (1.0 / rim + 0.5 / (rim * rim) + 1.0 / (6.0 * rim.powi(3)));
+    let largest = |axis: usize| {
+        let count = size[1 - axis].min(128) as i64;
+        (-count..=count)
+            .map(|i| {
+                let along = 0.5 * i as f64 / count as f64;
+                let weight = sinc(PI * along).powi(2);
+                // A little to both sides: the OTF may pass through 0 on the rim itself.
+                let beside = [0.0, 0.13, 0.29, 0.41].map(|more| {
+                    let [x, y] = if axis == 0 {
+                        [rim + more, along]
+                    } else {
+                        [along, rim + more]
+                    };
+                    otf(x, y).norm()
+                });
+                weight * beside.into_iter().fold(0.0, f64::max)
+            })
+            .fold(0.0, f64::max)
+    };
+    tail * (largest(0) + largest(1))
+}
+
+/// The weights on a period of `size` pixels, odd in both axes.
+fn weights(
+    otf: &(impl Fn(f64, f64) -> Complex64 + Sync),
+    size: [usize; 2],
+    half: usize,
+) -> Vec<f32> {
+    let [width, height] = size;
+    let columns = width / 2 + 1;
+    let spread = half as i64 / 2 + 1;
+    // Frequencies that look alike, each with its sinc^2.
+    let alike = |k: usize, size: usize| -> Vec<(f64, f64)> {
+        let k = k as f64 / size as f64;
+        (-spread..=spread)
+            .map(|m| k + m as f64)
+            .filter(|f| f.abs() <= 0.5 * half as f64)
+            .map(|f| (f, sinc(PI * f).powi(2)))
+            .filter(|&(_, weight)| weight > 1e-12)
+            .collect()
+    };
+    let across: Vec<_> = (0..columns).map(|k| alike(k, width)).collect();
+    let mut rows: Vec<Vec<Complex64>> = (0..height)
+        .into_par_iter()
+        .map(|row| {
+            let down = alike(row, height);
+            let at = |columns: &Vec<(f64, f64)>| {
+                let mut sum = Complex64::ZERO;
+                for &(y, by_y) in &down {
+                    for &(x, by_x) in columns {
+                        sum += otf(x, y) * (by_x * by_y);
+                    }
+                }
+                sum
+            };
+            across.iter().map(at).collect()
+        })
+        .collect();
+    // Inverse transform: columns, then rows.
+    let inverse = FftPlanner::new().plan_fft_inverse(height);
+    for column in 0..columns {
+        let mut line: Vec<Complex64> = rows.iter().map(|row| row[column]).collect();
+        inverse.process(&mut line);
+        for (row, value) in rows.iter_mut().zip(line) {
+            row[column] = value;
+        }
+    }
+    let inverse = RealFftPlanner::new().plan_fft_inverse(width);
+    let scale = 1.0 / (width * height) as f64;
+    let mut weights = vec![0.0; width * height];
+    for (row, mut half) in rows.into_iter().enumerate() {
+        // The first is real but for rounding.
+        half[0].im = 0.0;
+        let mut line = vec![0.0; width];
+        inverse
+            .process(&mut half, &mut line)
+            .expect("the lengths are the planner's, and the first value is real");
+        let row = (row + height / 2) % height;
+        for (column, value) in line.iter().enumerate() {
+            let column = (column + width / 2) % width;
+            weights[row * width + column] = (value * scale) as f32;
+        }
+    }
+    weights
+}

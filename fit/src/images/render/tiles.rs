@@ -1,0 +1,229 @@
+//! A picture whose blur changes from pixel to pixel: exact at the corners of tiles, and between them blended.
+//!
+//! A pixel of the image gathers the source with its own weights E K. They are worked out at the corners of a grid of tiles; in a
+//! tile the image is the mixture of the four blurred images, bilinear in the place, so that the shares of all corners sum to 1
+//! everywhere. Tiles are halved until in the middle of every one, where the mixture is farthest from its corners, it differs from the
+//! middle's own weights by less than the tolerance in the sum of all absolute differences: times the brightest
+//! source, a bound of the error there.
+
+use rayon::prelude::*;
+
+use crate::images::render::psf::{Fault, Psf};
+use crate::images::render::transform::Convolver;
+
+/// Most tiles along an axis.
+const MOST: usize = 64;
+
+/// Weights on a grid of corners.
+pub struct Tiles {
+    /// Corners along both axes, in pixels from the picture's left and top: the first at -0.5, the last at the far end.
+    places: [Vec<f64>; 2],
+    /// Row-major, energy included.
+    corners: Vec<Psf>,
+    /// Greatest difference in the middle of a tile, relative to the greatest energy.
+    pub error: f64,
+}
+
+impl Tiles {
+    /// For a picture of `size`. `at` gives the weights at a place, columns and rows from the middle of the picture's first
+    /// pixel; `tolerance` is relative to the greatest energy.
+    ///
+    /// # Errors
+    /// Those of `at`.
+    pub fn new<E: From<Fault> + Send>(
+        size: [usize; 2],
+        tolerance: f64,
+        at: impl Fn([f64; 2]) -> Result<Psf, E> + Sync,
+    ) -> Result<Tiles, E> {
+        let mut counts = [1, 1];
+        loop {
+            let places = [0, 1].map(|axis| {
+                let step = size[axis] as f64 / counts[axis] as f64;
+                let place = |i: usize| i as f64 * step - 0.5;
+                (0..=counts[axis]).map(place).collect::<Vec<f64>>()
+            });
+            let scaled = |place: [f64; 2]| -> Result<Psf, E> {
+                let mut psf = at(place)?;
+                let energy = psf.energy.unwrap_or(1.0) as f32;
+                psf.weights.iter_mut().for_each(|weight| *weight *= energy);
+                Ok(psf)
+            };
+            let [columns, rows] = counts;
+            let corner =
+                |i: usize| scaled([places[0][i % (columns + 1)], places[1][i / (columns + 1)]]);
+            let count = (columns + 1) * (rows + 1);
+            let corners: Vec<Psf> = (0..count)
+                .into_par_iter()
+                .map(corner)
+                .collect::<Result<_, E>>()?;
+            let mut tiles = Tiles {
+                places,
+                corners,
+                error: 0.0,
+            };
+            let greatest = |most: f64, psf: &Psf| most.max(psf.energy.unwrap_or(1.0));
+            let energy = tiles.corners.iter().fold(0.0, greatest);
+            let middle = |i: usize| -> Result<f64, E> {
+                let tile = [i % columns, i / columns];
+                let middle = [0, 1].map(|axis| {
+                    0.5 * (tiles.places[axis][tile[axis]] + tiles.places[axis][tile[axis] + 1])
+                });
+                Ok(difference(&scaled(middle)?, tiles.around(tile)))
+            };
+            let middles = (0..columns * rows).into_par_iter().map(middle);
+            let worst = middles.collect::<Result<Vec<f64>, E>>()?;
+            let worst = worst.into_iter().fold(0.0, f64::max);
+            tiles.error = if energy > 0.0 { worst / energy } else { worst };
+            if tiles.error <= tolerance || counts.iter().all(|&count| count >= MOST) {
+                return Ok(tiles);
+            }
+            // Tiles stay about square.
+            let wide = size[0] * rows > size[1] * columns * 3 / 2;
+            let high = size[1] * columns > size[0] * rows * 3 / 2;
+            counts = [
+                if high { columns } else { 2 * columns },
+                if wide { rows } else { 2 * rows },
+            ]
+            .map(|count| count.min(MOST));
+        }
+    }
+
+    /// Number of tiles along both axes.
+    pub fn counts(&self) -> [usize; 2] {
+        self.places.each_ref().map(|places| places.len() - 1)
+    }
+
+    /// Columns and rows of all corners, from the middle of the picture's first pixel.
+    pub fn corner_places(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let [columns, rows] = &self.places;
+        rows.iter()
+            .flat_map(|&y| columns.iter().map(move |&x| [x, y]))
+    }
+
+    /// Weights at all corners.
+    pub fn corners(&self) -> &[Psf] {
+        &self.corners
+    }
+
+    fn around(&self, [column, row]: [usize; 2]) -> [&Psf; 4] {
+        let columns = self.places[0].len();
+        let first = row * columns + column;
+        [first, first + 1, first + columns, first + columns + 1].map(|i| &self.corners[i])
+    }
+
+    /// The image of planes of one size, `size` columns and rows.
+    pub fn render(&self, planes: &[Vec<f32>], [width, height]: [usize; 2]) -> Vec<Vec<f32>> {
+        let mut images = vec![vec![0.0; width * height]; planes.len()];
+        let [columns, rows] = self.counts();
+        // Tiles are put in in order, each made by itself.
+        for row in 0..rows {
+            let tiles = (0..columns).into_par_iter();
+            let made: Vec<_> = tiles
+                .map(|column| self.tile(planes, [width, height], [column, row]))
+                .collect();
+            for (from, size, parts) in made {
+                for (image, part) in images.iter_mut().zip(parts) {
+                    for (y, line) in part.chunks_exact(size[0]).enumerate() {
+                        image[(from[1] + y) * width + from[0]..][..size[0]].copy_from_slice(line);
+                    }
+                }
+            }
+        }
+        images
+    }
+
+    /// First pixel, size and planes of one tile.
+    fn tile(
+        &self,
+        planes: &[Vec<f32>],
+        picture: [usize; 2],
+        tile: [usize; 2],
+    ) -> ([usize; 2], [usize; 2], Vec<Vec<f32>>) {
+        // A pixel belongs to the tile that its middle lies in.
+        let pixel = |axis: usize, i: usize| {
+            (self.places[axis][i].ceil().max(0.0) as usize).min(picture[axis])
+        };
+        let from = [0, 1].map(|axis| pixel(axis, tile[axis]));
+        let size = [0, 1].map(|axis| pixel(axis, tile[axis] + 1) - from[axis]);
+        if size.contains(&0) {
+            return (from, [1, 0], vec![Vec::new(); planes.len()]);
+        }
+        let corners = self.around(tile);
+        let reach = [0, 1].map(|axis| corners.iter().map(|psf| psf.reach[axis]).max().unwrap_or(0));
+        let margin = [0, 1].map(|axis| reach[axis].min(picture[axis]));
+        let crop = [0, 1].map(|axis| size[axis] + 2 * margin[axis]);
+        // The crop brings its own margin; only what comes round into that may be wrong.
+        let convolver = Convolver::new(crop, [0, 1].map(|axis| reach[axis] - margin[axis]));
+        let weights = corners.map(|psf| convolver.weights(psf));
+        let part = |axis: usize, i: usize| {
+            let places = &self.places[axis];
+            let (low, high) = (places[tile[axis]], places[tile[axis] + 1]);
+            ((from[axis] + i) as f64 - low) / (high - low)
+        };
+        let made = planes.iter().map(|plane| {
+            let spectrum = convolver.spectrum(&cut(plane, picture, from, margin, crop));
+            let mut sum = vec![0.0_f32; size[0] * size[1]];
+            for (corner, weights) in weights.iter().enumerate() {
+                let blurred = convolver.blurred(spectrum.times(weights));
+                for (y, line) in sum.chunks_exact_mut(size[0]).enumerate() {
+                    let blurred = &blurred[(y + margin[1]) * crop[0] + margin[0]..];
+                    let down = part(1, y);
+                    let down = if corner < 2 { 1.0 - down } else { down };
+                    for (x, (sum, value)) in line.iter_mut().zip(blurred).enumerate() {
+                        let across = part(0, x);
+                        let across = if corner % 2 == 0 {
+                            1.0 - across
+                        } else {
+                            across
+                        };
+                        *sum += (across * down) as f32 * value;
+                    }
+                }
+            }
+            sum
+        });
+        (from, size, made.collect())
+    }
+}
+
+/// A part of a plane with a margin, black where it leaves the picture.
+fn cut(
+    plane: &[f32],
+    [width, height]: [usize; 2],
+    from: [usize; 2],
+    margin: [usize; 2],
+    crop: [usize; 2],
+) -> Vec<f32> {
+    let mut part = vec![0.0; crop[0] * crop[1]];
+    let left = margin[0].saturating_sub(from[0]);
+    let first = (from[0] + left) - margin[0];
+    for (y, line) in part.chunks_exact_mut(crop[0]).enumerate() {
+        let Some(row) = (from[1] + y)
+            .checked_sub(margin[1])
+            .filter(|&row| row < height)
+        else {
+            continue;
+        };
+        let count = (crop[0] - left).min(width - first);
+        line[left..][..count].copy_from_slice(&plane[row * width + first..][..count]);
+    }
+    part
+}
+
+/// Sum of the absolute differences of weights and the mean of four others.
+fn difference(own: &Psf, others: [&Psf; 4]) -> f64 {
+    let all = [own, others[0], others[1], others[2], others[3]];
+    let reach = [0, 1].map(|axis| all.iter().map(|psf| psf.reach[axis]).max().unwrap_or(0));
+    let columns = 2 * reach[0] + 1;
+    let mut sums = vec![0.0_f64; columns * (2 * reach[1] + 1)];
+    for (psf, share) in all.iter().zip([1.0, -0.25, -0.25, -0.25, -0.25]) {
+        let own = 2 * psf.reach[0] + 1;
+        let offset = (reach[1] - psf.reach[1]) * columns + reach[0] - psf.reach[0];
+        for (y, line) in psf.weights.chunks_exact(own).enumerate() {
+            for (sum, weight) in sums[offset + y * columns..].iter_mut().zip(line) {
+                *sum += share * f64::from(*weight);
+            }
+        }
+    }
+    sums.iter().map(|sum| sum.abs()).sum()
+}

@@ -1,0 +1,267 @@
+//! The fitted sheet: a result and a table of its cell, as [`Spot`]s at any place.
+
+use num_complex::Complex64;
+use tables::{Direction, Table};
+
+use crate::images::plane::ShiftPlane;
+use crate::images::spot::{Error, Place, Sampler, Sheet, Spot, TAIL};
+use crate::model::baseline;
+use crate::model::baseline::Baseline;
+use crate::model::kernel::{Blur, Kernel};
+use crate::model::lobe::{CUT, Shape};
+use crate::model::shift::seen_from;
+use crate::model::wave::WaveLine;
+use crate::result::report::{ResultFile, TableResult};
+use crate::samples::sample::{LobeSampler, ShiftSampler};
+use crate::samples::sampled::has_samples;
+
+/// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly in the incidence and
+/// held constant beyond the fitted angles.
+#[derive(Debug, Clone, Copy)]
+pub struct Fitted<'a> {
+    /// What was fitted.
+    pub result: &'a ResultFile,
+    /// A table of the same cell, perhaps with other directions.
+    pub table: &'a Table,
+}
+
+impl<'a> Fitted<'a> {
+    /// Pairs them.
+    ///
+    /// # Errors
+    /// [`Error::OtherCell`].
+    pub fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
+        let given = TableResult::of(table);
+        if result.table.same_cell(&given) {
+            return Ok(Fitted { result, table });
+        }
+        let name = |table: &TableResult| format!("{} {}", table.design, table.content_hash);
+        Err(Error::OtherCell {
+            fitted: name(&result.table),
+            given: name(&given),
+        })
+    }
+
+    /// Spread and corner size, or roughnesses, at an incidence. A roughness that the photographs only bound is 0: what they do
+    /// not show is left out.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`].
+    pub fn blur(&self, incidence_deg: f64) -> Result<Blur, Error> {
+        let result = self.result;
+        let at = |parameter, values: &Option<crate::result::report::Parameter>| {
+            let value = values.as_ref().and_then(|values| values.at(incidence_deg));
+            value.ok_or(Error::Unknown { parameter })
+        };
+        let spread = match result.kernel {
+            Kernel::Shift | Kernel::Wave => 1.0,
+            Kernel::Eq1 | Kernel::Lobe => at("a_per_mm", &result.a_per_mm)?,
+            Kernel::Angular => at("a_times_r", &result.a_times_r)?,
+            Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo | Kernel::Mrm => {
+                at("roughness", &result.roughness).unwrap_or(0.0)
+            }
+        };
+        let c_mm = if result.kernel.has_c() {
+            let value = result.c_mm.and_then(|c| c.value);
+            let smooth = result.surface_roughness.map(|c| c.value.unwrap_or(0.0));
+            let parameter = result.kernel.c_name();
+            value.or(smooth).ok_or(Error::Unknown { parameter })?
+        } else {
+            1.0
+        };
+        Ok(Blur { spread, c_mm })
+    }
+
+    /// What the model makes of the fraction `eta` that the table returns; itself but for baselines.
+    pub fn returned(&self, incidence_deg: f64, eta: f64) -> f64 {
+        let index = self.table.provenance.refractive_index;
+        baseline::returned(self.result.kernel, eta, incidence_deg.to_radians(), index)
+    }
+
+    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and Fresnel's or other shares of
+    /// a baseline; `None` without mu.
+    pub fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
+        let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
+        mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)
+    }
+}
+
+impl Sheet for Fitted<'_> {
+    fn spot(&self, place: &Place, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
+        let direction = self
+            .table
+            .direction(place.incidence_deg, place.azimuth_deg)?;
+        let blur = self.blur(place.incidence_deg)?;
+        let returns = self.returned(place.incidence_deg, direction.eta) > 0.0;
+        let energy = if returns {
+            self.luminance(place.incidence_deg, direction.eta)
+        } else {
+            Some(0.0)
+        };
+        let cosine = place.incidence_deg.to_radians().cos();
+        let kernel = self.result.kernel;
+        let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
+        let direction = if shifts {
+            seen_from(direction, place.r_mm, blur.c_mm, cosine)?
+        } else {
+            direction
+        };
+        let shift = (shifts && returns)
+            .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
+        let shape = self.result.lobe.unwrap_or(Shape::Radial);
+        let lobe = kernel
+            .has_lobe()
+            .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
+        let mut spot = FittedSpot {
+            sheet: *self,
+            place: *place,
+            direction,
+            blur,
+            energy,
+            returns,
+            shift,
+            lobe,
+            reach_mm: 0.0,
+        };
+        spot.reach_mm = spot.reach()?;
+        Ok(Box::new(spot))
+    }
+}
+
+/// The fitted sheet at one place.
+struct FittedSpot<'a> {
+    sheet: Fitted<'a>,
+    place: Place,
+    direction: Direction,
+    blur: Blur,
+    energy: Option<f64>,
+    returns: bool,
+    /// `None` for kernels without a shift of their own.
+    shift: Option<ShiftPlane>,
+    /// Shape and a, 1/mm.
+    lobe: Option<(Shape, f64)>,
+    reach_mm: f64,
+}
+
+impl FittedSpot<'_> {
+    fn wave(&self, normal: [f64; 2]) -> Result<WaveLine, Error> {
+        let incidence_rad = self.place.incidence_deg.to_radians();
+        let spectrum = self.sheet.result.wavelength_nm.as_ref();
+        Ok(WaveLine::new(
+            &self.direction,
+            incidence_rad,
+            normal,
+            spectrum,
+        )?)
+    }
+
+    /// The facets of a baseline along a line.
+    fn facets(&self, normal: [f64; 2]) -> Option<Baseline> {
+        let incidence_rad = self.place.incidence_deg.to_radians();
+        let index = self.sheet.table.provenance.refractive_index;
+        Baseline::new(self.sheet.result.kernel, incidence_rad, index, normal)
+    }
+
+    /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x on both sides together.
+    fn reach(&self) -> Result<f64, Error> {
+        use std::f64::consts::PI;
+        if !self.returns {
+            return Ok(0.0);
+        }
+        if let (Some(tangential), Some(sagittal), Some((shape, _))) =
+            (self.facets([1.0, 0.0]), self.facets([0.0, 1.0]), self.lobe)
+        {
+            let reach = |facets: Baseline| facets.reach_mm(shape, self.blur, self.place.r_mm, TAIL);
+            return Ok(reach(tangential).max(reach(sagittal)));
+        }
+        let shift = self.shift.as_ref().map_or(0.0, ShiftPlane::reach_mm);
+        if self.sheet.result.kernel == Kernel::Wave {
+            let cosine = self.place.incidence_deg.to_radians().cos();
+            let plane = ShiftPlane::new(&self.direction, cosine, self.blur.c_mm, 0.0);
+            let mut kink: f64 = 0.0;
+            for normal in [[1.0, 0.0], [0.0, 1.0]] {
+                let line = self.wave(normal)?;
+                kink = kink.max(line.kink(self.blur.c_mm, self.place.r_mm));
+            }
+            return Ok(plane.reach_mm() + kink / (PI * PI * TAIL));
+        }
+        let lobe = match self.lobe {
+            None => 0.0,
+            Some((Shape::Radial, a)) => CUT / a,
+            // Lobes of rough facets: see above.
+            Some((Shape::Beckmann | Shape::Ggx, _)) => 0.0,
+            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies beyond x.
+            Some((Shape::Separable, a)) => 1.0 / (PI * a * TAIL),
+        };
+        Ok(shift + lobe)
+    }
+}
+
+impl Spot for FittedSpot<'_> {
+    fn energy(&self) -> Option<f64> {
+        self.energy
+    }
+
+    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
+        if !self.returns {
+            return Complex64::ZERO;
+        }
+        let modulus = frequency[0].hypot(frequency[1]);
+        let normal = if modulus > 0.0 {
+            frequency.map(|f| f / modulus)
+        } else {
+            [1.0, 0.0]
+        };
+        if let (Some(facets), Some((shape, _))) = (self.facets(normal), self.lobe) {
+            return facets.otf(shape, self.blur, self.place.r_mm, modulus)[0];
+        }
+        if self.sheet.result.kernel == Kernel::Wave {
+            // Both axes were prepared for `reach`; what stops them stops every line.
+            return self.wave(normal).map_or(Complex64::ZERO, |line| {
+                line.otf(self.blur.c_mm, self.place.r_mm, modulus).0.into()
+            });
+        }
+        let lobe = self
+            .lobe
+            .map_or(1.0, |(shape, a)| shape.otf(a, modulus, normal).0);
+        if lobe == 0.0 {
+            return Complex64::ZERO;
+        }
+        let shift = self.shift.as_ref();
+        shift.map_or(Complex64::ONE, |shift| shift.otf(frequency)) * lobe
+    }
+
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+
+    fn samples(&self) -> Option<Box<Sampler<'_>>> {
+        if !self.returns || !has_samples(self.sheet.result.kernel) {
+            return None;
+        }
+        let shift = match self.shift {
+            Some(_) => Some(ShiftSampler::new(&self.direction)?),
+            None => None,
+        };
+        let lobe = self.lobe.map(|(shape, a)| (LobeSampler::new(shape), a));
+        let c_mm = self.blur.c_mm;
+        let tangential_mm = c_mm * self.place.incidence_deg.to_radians().cos();
+        Some(Box::new(move |[u, v, w, z]| {
+            let mut at = [0.0; 2];
+            if let Some(shift) = &shift {
+                // Deviations are part of the shift here.
+                let [along, across] = shift.at([u, v]).shift;
+                at = [tangential_mm * along, c_mm * across];
+            }
+            if let Some((lobe, a)) = &lobe {
+                let [along, across] = lobe.at([w, z]);
+                at = [at[0] + along / a, at[1] + across / a];
+            }
+            at
+        }))
+    }
+
+    fn interpolated(&self) -> bool {
+        self.direction.interpolated
+    }
+}

@@ -1,0 +1,103 @@
+//! What a sheet makes of a point of light at one place of the mid-air image: where its light goes, and how much arrives.
+//!
+//! Whatever renders takes its blur from here, so that every model of a sheet (the fitted one: [`crate::images::sheet`]) is rendered
+//! in the same ways.
+
+use num_complex::Complex64;
+
+use crate::model::wave;
+use crate::samples::sequence::DIMENSIONS;
+
+/// Where a point of the mid-air image is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Incidence on the sheet, degrees from its normal.
+    pub incidence_deg: f64,
+    /// Azimuth about the normal, degrees; `None` for a table that is a mean over azimuths.
+    pub azimuth_deg: Option<f64>,
+    /// Optical path from the sheet to the image, mm.
+    pub r_mm: f64,
+}
+
+/// The image of one point, in the plane across the viewing ray: (tangential, sagittal) in mm, frequencies in 1/mm.
+pub trait Spot: Send + Sync {
+    /// Luminance over that of the source, half mirror included: mu eta T R. 0 where nothing returns; `None` where mu is
+    /// not known but something returns.
+    fn energy(&self) -> Option<f64>;
+
+    /// Optical transfer function, the transform E[exp(-2 pi i f.r)] of where the light goes: 1 at zero frequency, 0
+    /// everywhere where nothing returns.
+    fn otf(&self, frequency: [f64; 2]) -> Complex64;
+
+    /// How far from the point its light goes, mm; where a lobe has no end, what contains all but [`TAIL`] of the light
+    /// along each axis.
+    fn reach_mm(&self) -> f64;
+
+    /// Where the light goes (tangential, sagittal), mm, as a function of four coordinates of the unit cube; `None` for a model
+    /// that is known by its transform alone, and where nothing returns.
+    fn samples(&self) -> Option<Box<Sampler<'_>>> {
+        None
+    }
+
+    /// Whether the place lies between the directions of the table, which costs accuracy.
+    fn interpolated(&self) -> bool {
+        false
+    }
+}
+
+/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::sample::Points`].
+pub type Sampler<'a> = dyn Fn([f64; DIMENSIONS]) -> [f64; 2] + Sync + 'a;
+
+/// Share of the light that may fall outside of [`Spot::reach_mm`].
+pub const TAIL: f64 = 0.002;
+
+/// A model of a sheet that makes spots.
+pub trait Sheet: Sync {
+    /// The spot at one place. `finest_per_mm` is the highest frequency at which its OTF will be asked, which lets it
+    /// tabulate; beyond it the OTF may be 0.
+    ///
+    /// # Errors
+    /// [`Error`].
+    fn spot(&self, place: &Place, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error>;
+}
+
+/// Why a sheet shows nothing that could be predicted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The result holds only a bound where a number is needed.
+    #[error(
+        "the result gives no number for {parameter} (its photographs only bound it); \
+             fit with a --kernel without it, or add photographs"
+    )]
+    Unknown {
+        /// The parameter.
+        parameter: &'static str,
+    },
+    /// The table is one of another cell than the fit's.
+    #[error(
+        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): mesh, edge length, \
+             azimuth zero, refractive index, back, losses or options such as --roughness differ; bake the fitted cell, or fit \
+             again"
+    )]
+    OtherCell {
+        /// Design and content hash in the result.
+        fitted: String,
+        /// Those of the table given.
+        given: String,
+    },
+    /// Nothing returns, so that there is nothing to be like.
+    #[error(
+        "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"
+    )]
+    Dark {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+    },
+    /// The table has no such direction.
+    #[error(transparent)]
+    Direction(#[from] tables::Error),
+    /// The table has the direction, but not for the `wave` kernel.
+    #[error(transparent)]
+    Wave(#[from] wave::Fault),
+}

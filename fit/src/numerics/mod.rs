@@ -1,0 +1,7 @@
+//! TODO
+
+pub mod clip;
+pub mod factor;
+pub mod fourier;
+pub mod hermite;
+pub mod solve;

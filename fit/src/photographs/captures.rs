@@ -1,0 +1,434 @@
+//! The manifest of a measured campaign, captures.toml: which photograph was taken how.
+//!
+//! Lengths are in mm, angles are kept in degrees as the manifest gives them and handed out in radians. In a photograph
+//! x runs along columns to the right and y along rows downward; angles in it run from +x towards +y. Every key is
+//! checked here, so that whatever comes out is finite and in range and every image exists.
+
+mod bounds;
+mod error;
+pub mod keys;
+mod spectrum;
+pub(crate) mod text;
+
+use std::path::{Path, PathBuf};
+
+pub use crate::photographs::captures::error::Error;
+use crate::photographs::captures::keys::{Bounds, Document, Place, Section};
+pub use crate::photographs::captures::spectrum::{Line, Spectrum, SpectrumError};
+use crate::photographs::edge::Accepted;
+use crate::photographs::photo;
+use crate::photographs::photo::{Channel, Decode, Photo, Settings, Transfer};
+
+/// Keys of [setup] that every capture may override, then those of a photograph, then those of a capture.
+const SHARED: [&str; 6] = [
+    "path_mm",
+    "roi",
+    "tangential_axis_deg",
+    "transfer",
+    "channel",
+    "accept",
+];
+const SETUP: [&str; 4] = [
+    "pixel_pitch_mm",
+    "half_mirror_transmittance",
+    "half_mirror_reflectance",
+    "wavelength_nm",
+];
+const SHOT: [&str; 6] = ["image", "exposure", "roi", "transfer", "channel", "accept"];
+const CAPTURE: [&str; 5] = [
+    "floating_distance_mm",
+    "incidence_deg",
+    "azimuth_deg",
+    "path_mm",
+    "tangential_axis_deg",
+];
+
+/// A rectangle of a photograph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Roi {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns, at least 1.
+    pub width: usize,
+    /// Rows, at least 1.
+    pub height: usize,
+}
+
+impl Roi {
+    /// Whether all of it lies in a picture of `width` x `height` pixels.
+    pub fn fits(&self, width: usize, height: usize) -> bool {
+        let within = |first: usize, size: usize, whole| {
+            first.checked_add(size).is_some_and(|end| end <= whole)
+        };
+        within(self.x, self.width, width) && within(self.y, self.height, height)
+    }
+}
+
+impl std::fmt::Display for Roi {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            formatter,
+            "roi = [{}, {}, {}, {}]",
+            self.x, self.y, self.width, self.height
+        )
+    }
+}
+
+/// What all captures have in common.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Side of one pixel in the aerial-image plane, mm, > 0.
+    pub pixel_pitch_mm: f64,
+    /// Transmittance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a warning.
+    pub half_mirror_transmittance: f64,
+    /// Reflectance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a warning.
+    pub half_mirror_reflectance: f64,
+    /// Wavelengths of the source, for the `wave` kernel.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// One photograph and how to read it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// The file, resolved against the manifest's folder; it existed when the manifest was read.
+    pub image: PathBuf,
+    /// Exposure relative to the reference, > 0.
+    pub exposure: f64,
+    /// Region that holds the edge; the whole picture, or an edge found in it, where left out.
+    pub roi: Option<Roi>,
+    /// Faults of its edge that are taken as they are (the key `accept`).
+    pub accepted: Vec<Accepted>,
+    /// Transfer and channel.
+    pub decode: Decode,
+    /// Line of the manifest that names the image.
+    pub place: Place,
+}
+
+impl Shot {
+    /// Reads the photograph and checks that the region lies in it.
+    ///
+    /// # Errors
+    /// [`Error::Photo`], [`Error::RoiOutside`].
+    pub fn load(&self) -> Result<Photo, Error> {
+        let photo = photo::load(&self.image, &self.decode)?;
+        match self.roi {
+            Some(roi) if !roi.fits(photo.width, photo.height) => Err(Error::RoiOutside {
+                place: self.place.clone(),
+                roi,
+                image: self.image.clone(),
+                width: photo.width,
+                height: photo.height,
+            }),
+            _ => Ok(photo),
+        }
+    }
+}
+
+/// One photograph of the mid-air edge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capture {
+    /// The photograph.
+    pub shot: Shot,
+    /// Floating distance, mm, > 0.
+    pub floating_distance_mm: f64,
+    /// Optical path from the sheet to the image along the principal ray, mm, > 0, where it differs from the floating
+    /// distance; see [`Capture::range_mm`].
+    pub path_mm: Option<f64>,
+    /// Incidence on the sheet, outside, degrees, 0 <= theta < 90.
+    pub incidence_deg: f64,
+    /// Azimuth about the sheet's normal, degrees; `None` for a table that is a mean over azimuths.
+    pub azimuth_deg: Option<f64>,
+    /// Direction of the tangential axis (in the plane of incidence) in the photograph, degrees from +x towards +y.
+    pub tangential_axis_deg: f64,
+}
+
+impl Capture {
+    /// R of the model, mm: `path_mm` where given, else the floating distance.
+    pub fn range_mm(&self) -> f64 {
+        self.path_mm.unwrap_or(self.floating_distance_mm)
+    }
+
+    /// Incidence, radians.
+    pub fn incidence_rad(&self) -> f64 {
+        self.incidence_deg.to_radians()
+    }
+
+    /// Azimuth, radians.
+    pub fn azimuth_rad(&self) -> Option<f64> {
+        self.azimuth_deg.map(f64::to_radians)
+    }
+
+    /// Direction of the tangential axis, radians.
+    pub fn tangential_axis_rad(&self) -> f64 {
+        self.tangential_axis_deg.to_radians()
+    }
+}
+
+/// A checked campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// The manifest.
+    pub file: PathBuf,
+    /// What all captures share.
+    pub setup: Setup,
+    /// The source edge itself, with no retroreflector in the path.
+    pub reference: Option<Shot>,
+    /// The captures, in the order of the manifest; never empty.
+    pub captures: Vec<Capture>,
+    /// What was assumed, one sentence each, for the user.
+    pub warnings: Vec<String>,
+}
+
+impl Campaign {
+    /// The same campaign, with one channel of every photograph.
+    pub fn in_channel(&self, channel: &Channel) -> Campaign {
+        let mut campaign = self.clone();
+        let captures = campaign
+            .captures
+            .iter_mut()
+            .map(|capture| &mut capture.shot);
+        for shot in campaign.reference.iter_mut().chain(captures) {
+            shot.decode.channel = channel.clone();
+        }
+        campaign
+    }
+}
+
+/// Reads and checks a manifest. Photographs are not decoded here, only looked for: see [`Shot::load`].
+///
+/// `exposure` is 1 for the reference where left out. Where a capture leaves it out, it is that of the camera's settings
+/// (Exif) over those of the reference, because mu is a ratio of the two; without a reference it has no use and is 1.
+///
+/// # Errors
+/// The first thing that is wrong, as an [`Error`] that names the line.
+pub fn load(file: &Path) -> Result<Campaign, Error> {
+    let document = Document::read(file)?;
+    let table = document.parse()?;
+    let root = Section::root(&document, &table, &["setup", "reference", "capture"])?;
+    let known: Vec<_> = SETUP.iter().chain(&SHARED).copied().collect();
+    let setup_keys = root.required("setup", root.section("setup", &known)?)?;
+    let mut warnings = Vec::new();
+    let setup = read_setup(&setup_keys, file, &mut warnings)?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let shared = Shared {
+        keys: &setup_keys,
+        folder,
+    };
+
+    let reference = match root.section("reference", &SHOT)? {
+        Some(keys) => {
+            let exposure = keys.number("exposure", Bounds::POSITIVE)?.unwrap_or(1.0);
+            Some(shared.shot(&keys, exposure)?)
+        }
+        None => {
+            warnings.push(format!(
+                "{} has no [reference]: the camera is taken for its pixel box alone, and mu cannot be found.",
+                file.display()
+            ));
+            None
+        }
+    };
+    let known: Vec<_> = SHOT.iter().chain(&CAPTURE).copied().collect();
+    let mut captures: Vec<Capture> = Vec::new();
+    for keys in root.sections("capture", &known)? {
+        let given = keys.number("exposure", Bounds::POSITIVE)?;
+        let mut capture = shared.capture(&keys, given.unwrap_or(1.0))?;
+        if let (None, Some(reference)) = (given, &reference) {
+            let (exposure, warning) = exposure_by_camera(&keys, reference, &capture.shot)?;
+            capture.shot.exposure = exposure;
+            warnings.push(warning);
+        }
+        captures.push(capture);
+    }
+    if captures.is_empty() {
+        return Err(Error::NoCaptures {
+            file: file.to_owned(),
+        });
+    }
+    for (index, capture) in captures.iter().enumerate() {
+        if let Some(path) = capture
+            .path_mm
+            .filter(|&path| path < capture.floating_distance_mm)
+        {
+            warnings.push(format!(
+                "{}: path_mm {path} is shorter than floating_distance_mm {}, which is a part of it; the fit takes path_mm.",
+                capture.shot.place, capture.floating_distance_mm
+            ));
+        }
+        if captures[..index]
+            .iter()
+            .any(|other| other.shot.image == capture.shot.image)
+        {
+            warnings.push(format!(
+                "{}: image {} is named by an earlier capture too, and counts twice.",
+                capture.shot.place,
+                capture.shot.image.display()
+            ));
+        }
+    }
+    Ok(Campaign {
+        file: file.to_owned(),
+        setup,
+        reference,
+        captures,
+        warnings,
+    })
+}
+
+/// The exposure of a capture relative to its reference from the settings of the camera, and what to say about it.
+fn exposure_by_camera(
+    keys: &Section<'_>,
+    reference: &Shot,
+    shot: &Shot,
+) -> Result<(f64, String), Error> {
+    let settings = |image: &Path| {
+        Settings::of(image).map_err(|lack| Error::NoExposure {
+            place: keys.place().clone(),
+            image: image.to_owned(),
+            lack,
+        })
+    };
+    let (own, source) = (settings(&shot.image)?, settings(&reference.image)?);
+    let exposure = reference.exposure * own.exposure() / source.exposure();
+    let warning = format!(
+        "{}: exposure {exposure:.5} was taken from the camera's Exif data ({own}; reference {source}): such settings are \
+         rounded, often by some percent, and mu is off by as much; give `exposure` if you know it better",
+        shot.place
+    );
+    Ok((exposure, warning))
+}
+
+fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Result<Setup, Error> {
+    let pixel_pitch_mm = keys.required(
+        "pixel_pitch_mm",
+        keys.number("pixel_pitch_mm", Bounds::POSITIVE)?,
+    )?;
+    let transmittance = keys.number("half_mirror_transmittance", Bounds::SHARE)?;
+    let reflectance = keys.number("half_mirror_reflectance", Bounds::SHARE)?;
+    if transmittance.is_none() || reflectance.is_none() {
+        warnings.push(format!(
+            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it counts as 1, and mu includes it.",
+            file.display()
+        ));
+    }
+    if let (Some(t), Some(r)) = (transmittance, reflectance)
+        && t + r > 1.0
+    {
+        warnings.push(format!(
+            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} are more than all light; measure them again",
+            file.display()
+        ));
+    }
+    Ok(Setup {
+        pixel_pitch_mm,
+        half_mirror_transmittance: transmittance.unwrap_or(1.0),
+        half_mirror_reflectance: reflectance.unwrap_or(1.0),
+        spectrum: spectrum(keys)?,
+    })
+}
+
+/// The key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads it.
+///
+/// # Errors
+/// [`Error::Spectrum`], or that the value is neither.
+pub(crate) fn spectrum(keys: &Section<'_>) -> Result<Option<Spectrum>, Error> {
+    let key = "wavelength_nm";
+    let spectrum = match keys.text(key) {
+        Ok(None) => None,
+        Ok(Some(text)) => Some(Spectrum::parse(text)),
+        // Not a string: a number is as good, and the message of `number` covers the rest.
+        Err(_) => keys
+            .number(key, Bounds::FINITE)?
+            .map(Spectrum::monochromatic),
+    };
+    spectrum.transpose().map_err(|source| Error::Spectrum {
+        place: keys.place_of(key),
+        source,
+    })
+}
+
+/// What a photograph takes from [setup] where its own table does not say.
+struct Shared<'k, 'd> {
+    keys: &'k Section<'d>,
+    folder: &'k Path,
+}
+
+impl Shared<'_, '_> {
+    fn shot(&self, keys: &Section<'_>, exposure: f64) -> Result<Shot, Error> {
+        let image = self
+            .folder
+            .join(keys.required("image", keys.text("image")?)?);
+        let place = keys.place_of("image");
+        if !image.is_file() {
+            return Err(Error::ImageMissing { place, image });
+        }
+        let roi = read_roi(keys)?.or(read_roi(self.keys)?);
+        let accepted = read_accepted(keys)?.or(read_accepted(self.keys)?);
+        let transfer = read_transfer(keys)?.or(read_transfer(self.keys)?);
+        let channel = keys
+            .text("channel")?
+            .or(self.keys.text("channel")?)
+            .map(Channel::from_name)
+            .unwrap_or_default();
+        Ok(Shot {
+            image,
+            exposure,
+            roi,
+            accepted: accepted.unwrap_or_default(),
+            decode: Decode { transfer, channel },
+            place,
+        })
+    }
+
+    fn capture(&self, keys: &Section<'_>, exposure: f64) -> Result<Capture, Error> {
+        let number = |key, bounds| keys.number(key, bounds);
+        let own_or_shared = |key, bounds| {
+            Ok::<_, Error>(keys.number(key, bounds)?.or(self.keys.number(key, bounds)?))
+        };
+        let distance = number("floating_distance_mm", Bounds::POSITIVE)?;
+        let incidence = number("incidence_deg", Bounds::INCIDENCE)?;
+        Ok(Capture {
+            floating_distance_mm: keys.required("floating_distance_mm", distance)?,
+            incidence_deg: keys.required("incidence_deg", incidence)?,
+            azimuth_deg: number("azimuth_deg", Bounds::TURN)?,
+            path_mm: own_or_shared("path_mm", Bounds::POSITIVE)?,
+            tangential_axis_deg: own_or_shared("tangential_axis_deg", Bounds::TURN)?.unwrap_or(0.0),
+            shot: self.shot(keys, exposure)?,
+        })
+    }
+}
+
+fn read_accepted(keys: &Section<'_>) -> Result<Option<Vec<Accepted>>, Error> {
+    keys.choices("accept", &Accepted::NAMES, Accepted::from_name)
+}
+
+fn read_transfer(keys: &Section<'_>) -> Result<Option<Transfer>, Error> {
+    keys.choice("transfer", &Transfer::NAMES, Transfer::from_name)
+}
+
+fn read_roi(keys: &Section<'_>) -> Result<Option<Roi>, Error> {
+    let Some([x, y, width, height]) =
+        keys.whole_array::<4>("roi", "four whole numbers [x, y, width, height]")?
+    else {
+        return Ok(None);
+    };
+    for (side, name) in [(width, "width of roi"), (height, "height of roi")] {
+        if side == 0 {
+            let must_be = Bounds::POSITIVE.words;
+            return Err(Error::OutOfRange {
+                place: keys.place_of("roi"),
+                key: name.to_owned(),
+                value: 0.0,
+                must_be,
+            });
+        }
+    }
+    Ok(Some(Roi {
+        x,
+        y,
+        width,
+        height,
+    }))
+}

@@ -1,0 +1,148 @@
+//! Whether what was found is one straight edge, sharp enough for its window.
+
+use crate::photographs::edge::{Accepted, Fault, Line, smoothed};
+use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::window::Window;
+
+/// Steepness of a second edge, over that of the first, from which the edge counts as doubled. The line spread of an ideal
+/// lens has side lobes below 0.05, those of a box and a sinc^2 none.
+const DOUBLED: f64 = 0.1;
+
+/// Depth of the valley between two edges, over the lesser.
+const VALLEY: f64 = 0.7;
+
+/// Share of the profile's length that the rise from 10 to 90 % may take: a ramp across the whole window takes 0.8.
+const LONGEST_RISE: f64 = 0.55;
+
+/// Height of an arc (pixels) that is said, and that is refused. Spread over the pixels, 0.1 px lowers the MTF at half the
+/// sampling frequency by 0.4 %, 1 px by a third.
+const BOW: [f64; 2] = [0.1, 1.0];
+
+/// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of these, and of what is
+/// accepted.
+pub fn check(
+    window: &Window,
+    line: &Line,
+    profile: &Profile,
+    accepted: &[Accepted],
+) -> Result<Vec<String>, Fault> {
+    let mut warnings = Vec::new();
+    let smooth = smoothed(&profile.mean, 2);
+    let (dark, bright) = profile.plateaus();
+    let step = bright - dark;
+    let last_below = |level: f64| smooth.iter().rposition(|&v| v <= dark + level * step);
+    let first_above = |level: f64| smooth.iter().position(|&v| v >= dark + level * step);
+    // The inner of the two crossings: noise on a plateau must not lengthen the rise.
+    if let (Some(start), Some(end)) = (last_below(0.1), first_above(0.9)) {
+        let rise_px = end.saturating_sub(start) as f64 * BIN_PX;
+        let length_px = profile.len() as f64 * BIN_PX;
+        if rise_px > LONGEST_RISE * length_px {
+            return Err(Fault::Blurred { rise_px, length_px });
+        }
+    }
+    if let Some((share, distance_px)) = double(profile) {
+        if !accepted.contains(&Accepted::Doubled) {
+            return Err(Fault::Doubled { share, distance_px });
+        }
+        warnings.push(format!(
+            "the edge is doubled ({:.0} % of it comes again {distance_px:.1} pixels away) and accepted as such: \
+             what is no blur of the sheet counts as one",
+            100.0 * share
+        ));
+    }
+    let arc_px = arc(window, line, profile)?;
+    if arc_px > BOW[0] {
+        warnings.push(format!(
+            "the edge is bowed by {arc_px:.2} pixels, which lowers the MTF; give a shorter roi, or correct the lens distortion"
+        ));
+    }
+    Ok(warnings)
+}
+
+/// Height of the edge's arc (pixels), 0 where noise explains it.
+///
+/// # Errors
+/// [`Fault::Bowed`].
+pub fn arc(window: &Window, line: &Line, profile: &Profile) -> Result<f64, Fault> {
+    let (sagitta_px, error) = bow(window, line, profile);
+    let sagitta_px = sagitta_px.abs();
+    if sagitta_px <= 5.0 * error {
+        return Ok(0.0);
+    }
+    if sagitta_px > BOW[1] {
+        return Err(Fault::Bowed { sagitta_px });
+    }
+    Ok(sagitta_px)
+}
+
+/// Steepness (over the first's) and distance (pixels) of a second edge. A ripple of the blur itself, as waves make it, is
+/// alike on both sides of the edge; a ghost is not.
+fn double(profile: &Profile) -> Option<(f64, f64)> {
+    const HALF: usize = 4;
+    let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, HALF)).collect();
+    let first = (0..slopes.len()).max_by(|&a, &b| slopes[a].total_cmp(&slopes[b]))?;
+    let most = profile.variance.iter().copied().fold(0.0, f64::max);
+    let noise = (2.0 * most).sqrt() / (2.0 * HALF as f64 * BIN_PX);
+    let sides = [-1_isize, 1].map(|outward| {
+        let mut found: Option<(f64, f64)> = None;
+        // Outward from the first: the lowest point so far, and whatever rises from it.
+        let mut valley = slopes[first];
+        let mut at = first as isize + outward;
+        while let Some(&slope) = usize::try_from(at).ok().and_then(|j| slopes.get(j)) {
+            valley = valley.min(slope);
+            // Half as steep as a second edge must be: what it is compared with on the other side.
+            let enough = slope > 0.5 * DOUBLED * slopes[first]
+                && slope > 8.0 * noise + valley.max(0.0)
+                && valley < VALLEY * slope;
+            if enough && found.is_none_or(|(share, _)| slope > share * slopes[first]) {
+                let distance_px = (at - first as isize).unsigned_abs() as f64 * BIN_PX;
+                found = Some((slope / slopes[first], distance_px));
+            }
+            at += outward;
+        }
+        found
+    });
+    let alike = |a: f64, b: f64| a.min(b) > 0.5 * a.max(b);
+    if let [Some(left), Some(right)] = sides
+        && alike(left.0, right.0)
+        && alike(left.1, right.1)
+    {
+        return None;
+    }
+    let steepest = sides
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    steepest.filter(|&(share, _)| share > DOUBLED)
+}
+
+/// Height of the edge's arc over the chord of the window (pixels), and its standard error: the pixels' distances from the
+/// profile, regressed on its slope times the square of the place along the edge.
+fn bow(window: &Window, line: &Line, profile: &Profile) -> (f64, f64) {
+    let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
+    let mut sums = [0.0; 6];
+    let mut farthest = 0.0_f64;
+    for pixel in window.pixels() {
+        let (s, t) = line.place(&pixel);
+        let Some(expected) = profile.at(s) else {
+            continue;
+        };
+        let j = (s / BIN_PX).round() + profile.reach as f64;
+        let slope = slopes[j as usize];
+        let (w, r, tt) = (slope * slope, pixel.value - expected, t * t);
+        let terms = [w, w * tt, w * tt * tt, slope * r, slope * r * tt, r * r * w];
+        sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += x);
+        farthest = farthest.max(tt);
+    }
+    let [w, wt, wtt, r, rt, scatter] = sums;
+    let spread = wtt - wt * wt / w;
+    if spread.is_nan() || spread <= 0.0 {
+        return (0.0, f64::INFINITY);
+    }
+    let curvature = (rt - r * wt / w) / spread;
+    // The scatter is weighted with the slope: it is that of the pixels on the edge.
+    let error = (scatter / w / spread).sqrt();
+    let height = wt / w * 3.0;
+    let height = height.min(farthest);
+    (curvature * height, error * height)
+}

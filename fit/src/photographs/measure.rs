@@ -1,0 +1,164 @@
+//! One photograph measured: its edge found, what spoils it repaired and said, or refused.
+//!
+//! Every repair is made only where its cause is seen, and is a warning. A veil (light that reaches both sides alike) needs
+//! none: both plateaus are free in everything that follows.
+
+use crate::photographs::captures::Roi;
+use crate::photographs::edge;
+use crate::photographs::edge::{Accepted, Fault, Line, shape};
+use crate::photographs::illumination;
+use crate::photographs::illumination::Light;
+use crate::photographs::photo::Photo;
+use crate::photographs::profile::Profile;
+use crate::photographs::window::Window;
+use crate::photographs::{chart, defects, saturation};
+
+/// Share of a window's pixels that may be off the edge's profile: more are no defects of a sensor.
+const MOST_OFF: f64 = 0.01;
+
+/// Unevenness of the light beyond which a polynomial of second order no longer describes it.
+const MOST_UNEVEN: f64 = 1.0;
+
+/// Rounds of repair: each finds the edge again with what the last one cleared; none is needed after the second.
+const ROUNDS: usize = 4;
+
+/// A measured edge.
+#[derive(Debug, Clone)]
+pub struct Measurement {
+    /// Where the window lies in the photograph: all of it, the region that was given, or the one that was found.
+    pub region: Roi,
+    /// The window, repaired.
+    pub window: Window,
+    /// Where the edge lies in it.
+    pub line: Line,
+    /// Its pixels, sorted.
+    pub profile: Profile,
+    /// What was assumed, repaired or is doubtful, one sentence each, those of the photograph first.
+    pub warnings: Vec<String>,
+}
+
+/// Measures the edge in a region of a photograph, or, without one, the photograph's only edge: all of it is taken where
+/// it holds nothing else, or the region of the only slanted edge among other marks. What is `accepted` is no fault but a
+/// warning.
+///
+/// # Errors
+/// A [`Fault`] for everything that would make the result wrong.
+pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
+    let region = |photo, roi| region(photo, roi, accepted);
+    if roi.is_some() {
+        return region(photo, roi);
+    }
+    let fault = match region(photo, None) {
+        Ok(measurement) => return Ok(measurement),
+        Err(fault) => fault,
+    };
+    let candidates = chart::regions(photo);
+    let marks = candidates.len();
+    let mut edges: Vec<(Roi, Measurement)> = Vec::new();
+    for roi in candidates {
+        let Ok(measurement) = region(photo, Some(chart::middle(&roi))) else {
+            continue;
+        };
+        let new = |(other, found): &(Roi, Measurement)| {
+            !chart::one_line((other, &found.line), (&roi, &measurement.line))
+        };
+        if measurement.line.is_slanted() && edges.iter().all(new) {
+            edges.push((roi, measurement));
+        }
+    }
+    if edges.len() > 1 {
+        return Err(Fault::Choice {
+            rois: edges.into_iter().map(|(roi, _)| roi).collect(),
+        });
+    }
+    match (edges.pop(), fault) {
+        (Some((roi, _)), _) => {
+            let mut measurement = region(photo, Some(roi))?;
+            measurement.warnings.push(format!(
+                "the edge was found among other marks; give {roi} to name it"
+            ));
+            Ok(measurement)
+        }
+        (None, Fault::SeveralEdges { .. } | Fault::NotAlone { .. }) if marks > 1 => {
+            Err(Fault::NoSlantedEdge { marks })
+        }
+        (None, fault) => Err(fault),
+    }
+}
+
+/// Measures the one edge of a region, or of all of a photograph.
+fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
+    let mut warnings = photo.warnings.clone();
+    let region = roi.unwrap_or(Roi {
+        x: 0,
+        y: 0,
+        width: photo.width,
+        height: photo.height,
+    });
+    let Roi {
+        x,
+        y,
+        width,
+        height,
+    } = region;
+    let mut window = Window::of(photo, Some([x, y, width, height])).ok_or(Fault::TooSmall)?;
+    warnings.extend(saturation::check(photo, &window)?);
+    let pixels = window.pixels().count() as f64;
+    let mut off = defects::exclude_gross(&mut window);
+    let mut lights: Vec<Light> = Vec::new();
+    let mut line = edge::locate(&window)?;
+    let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
+    for _ in 0..ROUNDS {
+        let light = illumination::find(&window, &line, &profile);
+        if let Some(light) = light {
+            lights.push(light);
+            let unevenness = illumination::unevenness(&lights, &window);
+            if unevenness > MOST_UNEVEN {
+                return Err(Fault::Uneven { unevenness });
+            }
+            window.change(|pixel| pixel.value / light.at(pixel));
+            (line, profile) = refined(&window, line)?;
+        }
+        let arc = shape::arc(&window, &line, &profile)?;
+        let taken_out = defects::exclude(&mut window, &line, &profile, arc);
+        if taken_out > 0 {
+            off += taken_out;
+            (line, profile) = refined(&window, line)?;
+        }
+        let share = off as f64 / pixels;
+        if share > MOST_OFF {
+            return Err(Fault::NotAlone { share });
+        }
+        if light.is_none() && taken_out == 0 {
+            break;
+        }
+    }
+    if off > 0 {
+        warnings.push(format!(
+            "{off} hot, dead or dirty pixels ({:.3} %) were left out",
+            100.0 * off as f64 / pixels
+        ));
+    }
+    if !lights.is_empty() {
+        warnings.push(format!(
+            "the light varies by {:.1} % over the window (vignetting or an uneven source) and was evened out; \
+             the luminance is that of the edge in the window's middle",
+            100.0 * illumination::unevenness(&lights, &window)
+        ));
+    }
+    warnings.extend(shape::check(&window, &line, &profile, accepted)?);
+    warnings.extend(profile.warnings(&line));
+    Ok(Measurement {
+        region,
+        window,
+        line,
+        profile,
+        warnings,
+    })
+}
+
+fn refined(window: &Window, line: Line) -> Result<(Line, Profile), Fault> {
+    let line = edge::refine(window, line)?;
+    let profile = Profile::new(window, &line).ok_or(Fault::TooSmall)?;
+    Ok((line, profile))
+}

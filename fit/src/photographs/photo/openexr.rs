@@ -1,0 +1,370 @@
+//! EXR photographs: picks the layer and channels, streams their blocks into one plane.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use exr::block::UncompressedBlock;
+use exr::block::reader::ChunksReader;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
+use exr::prelude::f16;
+
+use crate::photographs::photo::{
+    Channel, Decode, Error, Photo, Picture, REC709, Transfer, check_packed, check_size,
+};
+
+/// Bit of the version field that says "deep data inside" (OpenEXR file layout, version field).
+const DEEP_FLAG: u8 = 0x08;
+
+/// One channel of the file and its weight in the plane.
+#[derive(Debug, Clone, PartialEq)]
+struct Term {
+    index: usize,
+    weight: f32,
+}
+
+/// The channels that make the plane asked for.
+#[derive(Debug)]
+struct Selection {
+    header: usize,
+    terms: Vec<Term>,
+    warnings: Vec<String>,
+}
+
+/// Reads the plane that `options` ask for. `first` are the first bytes of the file.
+pub(crate) fn read(
+    path: &Path,
+    reader: BufReader<File>,
+    first: &[u8],
+    options: &Decode,
+) -> Result<Photo, Error> {
+    let mut half_only = false;
+    let transfer = options.transfer.unwrap_or(Transfer::Linear);
+    let (width, height, mut planes, warnings) =
+        read_planes(path, reader, first, transfer, |headers| {
+            let Selection {
+                header,
+                terms,
+                warnings,
+            } = select(path, headers, &options.channel)?;
+            let stored = &headers[header].channels.list;
+            half_only = terms
+                .iter()
+                .all(|term| stored[term.index].sample_type == SampleType::F16);
+            Ok((header, vec![terms], warnings))
+        })?;
+    let luminance = planes.swap_remove(0);
+    let largest = luminance.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let clip_level = if largest == 1.0 {
+        Some(1.0)
+    } else if half_only && transfer == Transfer::Linear {
+        Some(f16::MAX.to_f32())
+    } else {
+        None
+    };
+    Ok(Photo {
+        width,
+        height,
+        luminance,
+        clip_level,
+        warnings,
+    })
+}
+
+/// Reads red, green and blue, or the luminance where the file has no colour.
+pub(crate) fn read_colour(
+    path: &Path,
+    reader: BufReader<File>,
+    first: &[u8],
+) -> Result<Picture, Error> {
+    let (width, height, planes, warnings) =
+        read_planes(path, reader, first, Transfer::Linear, |headers| {
+            let mut coloured = layers(headers).into_iter().filter_map(|layer| {
+                let [Some(red), Some(green), Some(blue)] = layer.primaries() else {
+                    return None;
+                };
+                Some((layer.header, [red, green, blue]))
+            });
+            let Some((header, indices)) = coloured.next() else {
+                let grey = select(path, headers, &Channel::Luminance)?;
+                return Ok((grey.header, vec![grey.terms], grey.warnings));
+            };
+            let single = |index| vec![Term { index, weight: 1.0 }];
+            Ok((header, indices.map(single).to_vec(), Vec::new()))
+        })?;
+    Ok(Picture {
+        width,
+        height,
+        planes,
+        transfer: Transfer::Linear,
+        warnings,
+    })
+}
+
+/// Width, height, planes, warnings.
+type Planes = (usize, usize, Vec<Vec<f32>>, Vec<String>);
+
+/// Reads planes, each the sum of its terms; `choose` picks the header and them.
+fn read_planes(
+    path: &Path,
+    reader: BufReader<File>,
+    first: &[u8],
+    transfer: Transfer,
+    choose: impl FnOnce(&[Header]) -> Result<(usize, Vec<Vec<Term>>, Vec<String>), Error>,
+) -> Result<Planes, Error> {
+    let file = || path.to_owned();
+    if first.get(5).is_some_and(|flags| flags & DEEP_FLAG != 0) {
+        return Err(Error::Deep { file: file() });
+    }
+    let blocks = exr::block::read(reader, false).map_err(|source| Error::Exr {
+        file: file(),
+        source,
+    })?;
+    let (chosen, terms, warnings) = choose(blocks.headers())?;
+    let header = &blocks.headers()[chosen];
+    if header.deep {
+        return Err(Error::Deep { file: file() });
+    }
+    if let Some(channel) = header
+        .channels
+        .list
+        .iter()
+        .find(|channel| channel.sampling != exr::math::Vec2(1, 1))
+    {
+        return Err(Error::Subsampled {
+            file: file(),
+            channel: channel.name.to_string(),
+        });
+    }
+    let (width, height) = (header.layer_size.width(), header.layer_size.height());
+    check_size(path, width as u64, height as u64)?;
+    let bytes = header.channels.bytes_per_pixel as u64;
+    check_packed(path, [width as u64, height as u64], bytes)?;
+    let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
+    blocks
+        .filter_chunks(false, |_, tile, block| {
+            block.layer == chosen && tile.is_largest_resolution_level()
+        })
+        .and_then(|chunks| {
+            chunks.decompress_parallel(false, |meta, block| {
+                let header = &meta.headers[chosen];
+                let mut pairs = planes.iter_mut().zip(&terms);
+                pairs.try_for_each(|(plane, terms)| {
+                    add_block(plane, width, header, &block, terms, transfer)
+                })
+            })
+        })
+        .map_err(|source| Error::Exr {
+            file: file(),
+            source,
+        })?;
+
+    Ok((width, height, planes, warnings))
+}
+
+/// Adds the lines of the wanted channels to the plane.
+fn add_block(
+    plane: &mut [f32],
+    width: usize,
+    header: &Header,
+    block: &UncompressedBlock,
+    terms: &[Term],
+    transfer: Transfer,
+) -> exr::error::UnitResult {
+    for line in block.lines(&header.channels) {
+        let at = line.location;
+        let Some(term) = terms.iter().find(|term| term.index == at.channel) else {
+            continue;
+        };
+        let start = at.position.y() * width + at.position.x();
+        let outside = || exr::error::Error::Invalid("a block lies outside the data window".into());
+        let pixels = plane
+            .get_mut(start..start + at.sample_count)
+            .ok_or_else(outside)?;
+        let add = |pixel: &mut f32, stored: f32| *pixel += term.weight * transfer.to_linear(stored);
+        match header.channels.list[at.channel].sample_type {
+            SampleType::F16 => {
+                for (pixel, sample) in pixels.iter_mut().zip(line.read_samples::<f16>()) {
+                    add(pixel, sample?.to_f32());
+                }
+            }
+            SampleType::F32 => {
+                for (pixel, sample) in pixels.iter_mut().zip(line.read_samples::<f32>()) {
+                    add(pixel, sample?);
+                }
+            }
+            SampleType::U32 => {
+                for (pixel, sample) in pixels.iter_mut().zip(line.read_samples::<u32>()) {
+                    add(pixel, sample? as f32);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Channels of one layer: those of one header that share the part of the name before the last dot.
+struct Layer {
+    header: usize,
+    name: String,
+    /// (index in the header, last part of the name).
+    channels: Vec<(usize, String)>,
+}
+
+impl Layer {
+    fn find(&self, names: [&str; 2]) -> Option<usize> {
+        let (index, _) = self
+            .channels
+            .iter()
+            .find(|(_, name)| names.iter().any(|wanted| name.eq_ignore_ascii_case(wanted)))?;
+        Some(*index)
+    }
+
+    fn primaries(&self) -> [Option<usize>; 3] {
+        [
+            self.find(["R", "red"]),
+            self.find(["G", "green"]),
+            self.find(["B", "blue"]),
+        ]
+    }
+
+    /// The only channel that is not transparency, where there is just one.
+    fn only(&self) -> Option<usize> {
+        let mut colours = self.channels.iter().filter(|(_, name)| !is_alpha(name));
+        match (colours.next(), colours.next()) {
+            (Some((index, _)), None) => Some(*index),
+            _ => None,
+        }
+    }
+
+    fn terms(&self, channel: &Channel) -> Option<Vec<Term>> {
+        let one = |index: Option<usize>| index.map(|index| vec![Term { index, weight: 1.0 }]);
+        match (channel, self.primaries()) {
+            (Channel::Luminance, [Some(red), Some(green), Some(blue)]) => {
+                let indices = [red, green, blue];
+                Some(
+                    indices
+                        .iter()
+                        .zip(REC709)
+                        .map(|(&index, weight)| Term { index, weight })
+                        .collect(),
+                )
+            }
+            (Channel::Luminance, _) => one(self.find(["Y", "luminance"]).or_else(|| self.only())),
+            (Channel::Red, [red, _, _]) => one(red),
+            (Channel::Green, [_, green, _]) => one(green),
+            (Channel::Blue, [_, _, blue]) => one(blue),
+            (Channel::Named(_), _) => None,
+        }
+    }
+}
+
+fn is_alpha(name: &str) -> bool {
+    name.eq_ignore_ascii_case("A") || name.eq_ignore_ascii_case("alpha")
+}
+
+fn layers(headers: &[Header]) -> Vec<Layer> {
+    let mut layers: Vec<Layer> = Vec::new();
+    for (header, contents) in headers.iter().enumerate() {
+        let part = contents
+            .own_attributes
+            .layer_name
+            .as_ref()
+            .map(ToString::to_string)
+            .unwrap_or_default();
+        for (index, channel) in contents.channels.list.iter().enumerate() {
+            let full = channel.name.to_string();
+            let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
+            let name = [part.as_str(), prefix]
+                .into_iter()
+                .filter(|word| !word.is_empty())
+                .collect::<Vec<_>>()
+                .join(".");
+            match layers
+                .iter_mut()
+                .find(|layer| layer.header == header && layer.name == name)
+            {
+                Some(layer) => layer.channels.push((index, last.to_owned())),
+                None => layers.push(Layer {
+                    header,
+                    name,
+                    channels: vec![(index, last.to_owned())],
+                }),
+            }
+        }
+    }
+    layers
+}
+
+/// Finds the first layer that has the plane asked for.
+fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection, Error> {
+    let layers = layers(headers);
+    let mut warnings = Vec::new();
+    if let Channel::Named(name) = wanted {
+        for (header, contents) in headers.iter().enumerate() {
+            if let Some(index) = contents
+                .channels
+                .list
+                .iter()
+                .position(|channel| channel.name.to_string() == *name)
+            {
+                return Ok(Selection {
+                    header,
+                    terms: vec![Term { index, weight: 1.0 }],
+                    warnings,
+                });
+            }
+        }
+    }
+    let able: Vec<_> = layers
+        .iter()
+        .filter_map(|layer| Some((layer, layer.terms(wanted)?)))
+        .collect();
+    let Some((layer, terms)) = able.first() else {
+        let found = headers
+            .iter()
+            .flat_map(|header| header.channels.list.iter().map(|it| it.name.to_string()))
+            .collect();
+        return Err(Error::NoChannel {
+            file: path.to_owned(),
+            wanted: wanted.clone(),
+            found,
+        });
+    };
+    if able.len() > 1 {
+        let name = if layer.name.is_empty() {
+            "the one without a name"
+        } else {
+            &layer.name
+        };
+        warnings.push(format!(
+            "{} layers hold a picture; {name} was used: set `channel` to a full channel name for another",
+            able.len()
+        ));
+    }
+    if layer.channels.iter().any(|(_, name)| is_alpha(name)) {
+        warnings.push("the alpha channel was ignored".into());
+    }
+    let stored = &headers[layer.header].channels.list;
+    if *wanted == Channel::Luminance && terms.len() == 1 && layer.find(["Y", "luminance"]).is_none()
+    {
+        warnings.push(format!(
+            "there is no Y and no R, G, B; the only channel, {}, was taken for luminance",
+            stored[terms[0].index].name
+        ));
+    }
+    if terms.len() == 3
+        && headers[layer.header]
+            .shared_attributes
+            .chromaticities
+            .is_some()
+    {
+        warnings.push("the file names its own primaries; luminance was formed with the Rec. 709 weights all the same".into());
+    }
+    Ok(Selection {
+        header: layer.header,
+        terms: terms.clone(),
+        warnings,
+    })
+}

@@ -1,0 +1,90 @@
+//! Clipped highlights and cut-off darks: many pixels at exactly the same extreme value.
+//!
+//! A clipped pixel says less than it seems to, and leaving it out would keep only the dark half of the noise. So clipping
+//! is said where it is harmless and refused where it is not. Where a share p of a plateau's pixels is clipped, the mean
+//! falls by (density - p z) standard deviations of a pixel, z the normal quantile of p: 0.02 at p = 0.05, and at 1 % noise
+//! 0.02 % of the step; at p = 0.5 it is 0.4.
+
+use crate::photographs::edge::Fault;
+use crate::photographs::photo::Photo;
+use crate::photographs::window::Window;
+
+/// Share of the bright pixels from which clipping is refused.
+const MOST_CLIPPED: f64 = 0.05;
+
+/// Share of the dark pixels that may be exactly 0. Noise about a dark of 0 is cut off in half of the pixels.
+const MOST_ZERO: f64 = 2.0 / 3.0;
+
+/// Most pixels that are looked at, evenly spaced.
+const SAMPLE: usize = 65_536;
+
+/// Refuses a window without plateaus; returns what the user should know of a lesser degree of that.
+pub fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault> {
+    let (low, high) = window.bulk();
+    let middle = (0.5 * (low + high)) as f32;
+    let values = window.sample(SAMPLE);
+    let (mut dark, mut bright): (Vec<f32>, Vec<f32>) =
+        values.into_iter().partition(|&v| v < middle);
+    dark.sort_unstable_by(f32::total_cmp);
+    bright.sort_unstable_by(f32::total_cmp);
+    let share = |side: &[f32], holds: &dyn Fn(f32) -> bool| {
+        side.iter().filter(|&&v| holds(v)).count() as f64 / side.len().max(1) as f64
+    };
+    if let Some(level) = photo.clip_level {
+        let clipped = share(&bright, &|v| v >= level);
+        if clipped > MOST_CLIPPED {
+            return Err(Fault::Clipped {
+                share: clipped,
+                level: f64::from(level),
+            });
+        }
+    }
+    let (darks, brights) = (common(&dark), common(&bright));
+    // The camera's own ceiling, below that of the format: a pile with nothing above it and no neighbour of its size, in a
+    // picture whose dark side shows noise.
+    let ceiling = brights[0].value;
+    let above = share(&bright, &|v| v > ceiling);
+    if brights[0].share > MOST_CLIPPED
+        && above < 0.1 * brights[0].share
+        && brights[1].share < 0.125 * brights[0].share
+        && darks[0].share < 0.1
+    {
+        return Err(Fault::Clipped {
+            share: brights[0].share,
+            level: f64::from(ceiling),
+        });
+    }
+    let zero = share(&dark, &|v| v == 0.0);
+    let integers = photo.clip_level == Some(1.0);
+    if zero > MOST_ZERO && low >= 0.0 && high > 0.0 && (integers || brights[0].share < 0.5) {
+        return Err(Fault::CutOff { share: zero });
+    }
+    let clipping = photo
+        .clip_level
+        .and_then(|level| window.clipping_warning(level));
+    Ok(clipping.into_iter().chain(window.floor_warning()).collect())
+}
+
+/// A value and the share of the pixels that have it.
+#[derive(Clone, Copy, Default)]
+struct Pile {
+    value: f32,
+    share: f64,
+}
+
+/// The two most common of sorted values.
+fn common(sorted: &[f32]) -> [Pile; 2] {
+    let mut most = [Pile::default(); 2];
+    for run in sorted.chunk_by(|a, b| a == b) {
+        let pile = Pile {
+            value: run[0],
+            share: run.len() as f64 / sorted.len() as f64,
+        };
+        if pile.share > most[0].share {
+            most = [pile, most[0]];
+        } else if pile.share > most[1].share {
+            most[1] = pile;
+        }
+    }
+    most
+}

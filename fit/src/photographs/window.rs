@@ -1,0 +1,255 @@
+//! The part of a photograph that an edge is looked for in: linear light, pixel units, origin at its centre.
+
+use crate::photographs::photo::Photo;
+
+/// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, x to the right, y down.
+#[derive(Debug, Clone)]
+pub struct Window {
+    width: usize,
+    height: usize,
+    values: Vec<f32>,
+}
+
+/// One pixel: its position (pixels, from the window's centre) and its value.
+#[derive(Debug, Clone, Copy)]
+pub struct Pixel {
+    /// To the right of the centre, pixels.
+    pub x: f64,
+    /// Below the centre, pixels.
+    pub y: f64,
+    /// Linear light.
+    pub value: f64,
+}
+
+/// Where the pixels of a window lie that are not taken out, without their values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    width: usize,
+    height: usize,
+    /// Row by row, ascending.
+    taken_out: Vec<usize>,
+}
+
+impl Raster {
+    /// Positions (x to the right, y down, pixels from the window's centre) in the order of [`Window::pixels`].
+    pub fn positions(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let (cx, cy) = centre(self.width, self.height);
+        let mut taken_out = self.taken_out.iter().peekable();
+        (0..self.width * self.height)
+            .filter(move |index| taken_out.next_if_eq(&index).is_none())
+            .map(move |index| {
+                let (x, y) = (index % self.width, index / self.width);
+                [x as f64 - cx, y as f64 - cy]
+            })
+    }
+}
+
+fn centre(width: usize, height: usize) -> (f64, f64) {
+    (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0))
+}
+
+impl Window {
+    /// The rectangle `[x, y, width, height]` of a photograph, or all of it; `None` where the rectangle is empty or does
+    /// not fit.
+    pub fn of(photo: &Photo, roi: Option<[usize; 4]>) -> Option<Window> {
+        let [x, y, width, height] = roi.unwrap_or([0, 0, photo.width, photo.height]);
+        let fits = |at: usize, size: usize, all: usize| {
+            size > 0 && at.checked_add(size).is_some_and(|end| end <= all)
+        };
+        if !fits(x, width, photo.width) || !fits(y, height, photo.height) {
+            return None;
+        }
+        let values = (y..y + height)
+            .flat_map(|row| &photo.luminance[row * photo.width + x..][..width])
+            .copied()
+            .collect();
+        Some(Window {
+            width,
+            height,
+            values,
+        })
+    }
+
+    /// Width, pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height, pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// All pixels that are not taken out, row by row.
+    pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
+        let (cx, cy) = self.centre();
+        self.values
+            .chunks_exact(self.width)
+            .enumerate()
+            .flat_map(move |(j, row)| {
+                let held = row.iter().enumerate().filter(|(_, value)| !value.is_nan());
+                held.map(move |(i, &value)| Pixel {
+                    x: i as f64 - cx,
+                    y: j as f64 - cy,
+                    value: f64::from(value),
+                })
+            })
+    }
+
+    /// Changes every pixel to what `value` makes of it.
+    pub fn change(&mut self, value: impl Fn(&Pixel) -> f64) {
+        let (cx, cy) = self.centre();
+        for (j, row) in self.values.chunks_exact_mut(self.width).enumerate() {
+            for (i, held) in row.iter_mut().enumerate().filter(|(_, v)| !v.is_nan()) {
+                *held = value(&Pixel {
+                    x: i as f64 - cx,
+                    y: j as f64 - cy,
+                    value: f64::from(*held),
+                }) as f32;
+            }
+        }
+    }
+
+    /// Takes out the pixels for which `good` says no; returns their number.
+    pub fn keep(&mut self, good: impl Fn(&Pixel) -> bool) -> usize {
+        let out = std::cell::Cell::new(0);
+        self.change(|pixel| {
+            if good(pixel) {
+                return pixel.value;
+            }
+            out.set(out.get() + 1);
+            f64::NAN
+        });
+        out.get()
+    }
+
+    /// Positions of the pixels along the border, in steps of an eighth of a side; their values are 0.
+    pub fn outline(&self) -> impl Iterator<Item = Pixel> {
+        let (cx, cy) = self.centre();
+        (0..=8).flat_map(move |k| {
+            let part = f64::from(k) / 4.0 - 1.0;
+            [(part, -1.0), (part, 1.0), (-1.0, part), (1.0, part)].map(|(x, y)| Pixel {
+                x: x * cx,
+                y: y * cy,
+                value: 0.0,
+            })
+        })
+    }
+
+    /// At most about `most` of the values, evenly spaced.
+    pub fn sample(&self, most: usize) -> Vec<f32> {
+        // An odd step meets all columns of a picture whose width is a power of 2.
+        let step = (self.values.len() / most) | 1;
+        let held = self.values.iter().step_by(step).filter(|v| !v.is_nan());
+        held.copied().collect()
+    }
+
+    /// The values below and above which 1 in 100 pixels lie.
+    pub fn bulk(&self) -> (f64, f64) {
+        let mut sample = self.sample(65_536);
+        if sample.is_empty() {
+            return (0.0, 0.0);
+        }
+        let last = sample.len() - 1;
+        let mut at = |index: usize| {
+            let (_, &mut value, _) = sample.select_nth_unstable_by(index, f32::total_cmp);
+            f64::from(value)
+        };
+        (at(last / 100), at(last - last / 100))
+    }
+
+    /// The window averaged over blocks of `side` x `side` pixels; what does not fill a block at the right and lower border is
+    /// left out. Of a block the pixels that are not taken out count; one without any is taken out.
+    pub fn reduced(&self, side: usize) -> Window {
+        let (width, height) = (self.width / side, self.height / side);
+        let mut sums = vec![(0.0_f32, 0.0_f32); width * height];
+        let rows = self.values.chunks_exact(self.width);
+        for (y, row) in rows.take(height * side).enumerate() {
+            let sums = &mut sums[y / side * width..][..width];
+            for ((sum, count), part) in sums.iter_mut().zip(row.chunks_exact(side)) {
+                let whole = part.iter().sum::<f32>();
+                if whole.is_nan() {
+                    let held = part.iter().filter(|value| !value.is_nan());
+                    *count += held.clone().count() as f32;
+                    *sum += held.sum::<f32>();
+                } else {
+                    *count += side as f32;
+                    *sum += whole;
+                }
+            }
+        }
+        Window {
+            width,
+            height,
+            values: sums.into_iter().map(|(sum, count)| sum / count).collect(),
+        }
+    }
+
+    /// The value at column `x`, row `y` of the window; NaN where it is taken out.
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        self.values[y * self.width + x]
+    }
+
+    /// Where its pixels lie.
+    pub fn raster(&self) -> Raster {
+        let out = |(index, value): (usize, &f32)| value.is_nan().then_some(index);
+        Raster {
+            width: self.width,
+            height: self.height,
+            taken_out: self.values.iter().enumerate().filter_map(out).collect(),
+        }
+    }
+
+    fn centre(&self) -> (f64, f64) {
+        centre(self.width, self.height)
+    }
+
+    /// Smallest and largest value.
+    pub fn extremes(&self) -> (f64, f64) {
+        let (low, high) = self
+            .values
+            .iter()
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| {
+                (l.min(v), h.max(v))
+            });
+        (f64::from(low), f64::from(high))
+    }
+
+    /// Pixels that are exactly 0, and their share of the dark ones.
+    fn zeros(&self) -> (usize, f64) {
+        let dark = 0.05 * self.extremes().1 as f32;
+        let count =
+            |holds: fn(f32, f32) -> bool| self.values.iter().filter(|&&v| holds(v, dark)).count();
+        let (zero, dark) = (count(|v, _| v == 0.0), count(|v, dark| v < dark));
+        (zero, zero as f64 / dark.max(1) as f64)
+    }
+
+    /// Whether the noise is cut off at 0: some pixels are exactly 0, none is below, and the dark is no flat 0 (a picture
+    /// without noise).
+    pub fn cuts_off_at_zero(&self) -> bool {
+        let (zero, share) = self.zeros();
+        zero > 0 && share < 0.95 && self.extremes().0 == 0.0
+    }
+
+    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 100
+    /// are, or all are (a picture without noise).
+    pub fn floor_warning(&self) -> Option<String> {
+        let (zero, share) = self.zeros();
+        (0.01..0.95).contains(&share).then(|| {
+            format!(
+                "{zero} pixels ({:.1} % of the dark ones) are exactly 0: cut-off noise raises the dark plateau and \
+                 lowers mu; keep the camera's black offset, or expose more",
+                100.0 * share
+            )
+        })
+    }
+
+    /// What to say of pixels at or above the level where the format saturates; `None` where there are none.
+    pub fn clipping_warning(&self, level: f32) -> Option<String> {
+        let clipped = self.values.iter().filter(|&&v| v >= level).count();
+        (clipped > 0).then(|| {
+            let share = 100.0 * clipped as f64 / self.values.len() as f64;
+            format!("{clipped} pixels ({share:.2} %) are clipped: the plateau and mu are biased; expose less")
+        })
+    }
+}

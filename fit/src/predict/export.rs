@@ -1,0 +1,226 @@
+//! The nearest lobe for renderers that know no ray shift: one retroreflective GGX lobe, in the forms that carry it.
+//!
+//! OpenPBR 1.2 (draft), MaterialX (from 1.39.5) and glTF (KHR_materials_retroreflection, draft) share the minimal
+//! retroreflective microfacet model (`baseline`, mrm). Its roughness is the one whose MTF, along both axes, has the least
+//! squared difference from the sheet's at one distance and incidence; its reflectance is what the sheet returns there. At
+//! another distance the true blur differs: a ray shift does not grow with the distance, a lobe does.
+
+use serde_json::{Value, json};
+use tables::Table;
+
+use crate::model::baseline::Baseline;
+use crate::model::kernel::{Blur, Kernel};
+use crate::model::lobe::Shape;
+use crate::predict::predict::{Error, Places, Prediction, predict};
+use crate::result::report::ResultFile;
+
+/// Forms of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Form {
+    /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2), as MaterialX
+    Openpbr,
+    /// generalized_schlick_bsdf with retroreflective (MaterialX 1.39.5)
+    Materialx,
+    /// KHR_materials_retroreflection (draft)
+    Gltf,
+}
+
+/// A retroreflective lobe, and what it stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearest {
+    /// Roughness alpha of GGX, the width of its slopes.
+    pub alpha: f64,
+    /// Share of the light that comes back, half mirror left out.
+    pub reflectance: f64,
+    /// Root mean square difference of the MTFs, over both axes and the frequencies of comparison.
+    pub rms: f64,
+    /// Highest of these frequencies, 1/mm: where the sheet's MTF is below [`FAINT`] along both axes.
+    pub end_per_mm: f64,
+    /// Optical path, mm.
+    pub distance_mm: f64,
+    /// Incidence, degrees.
+    pub incidence_deg: f64,
+    /// Azimuth, degrees; `None` for a mean table.
+    pub azimuth_deg: Option<f64>,
+}
+
+/// MTF below which the comparison ends.
+pub const FAINT: f64 = 0.05;
+
+/// What no form carries.
+pub const LOST: &str = "ray shift is not carried: the blur of this lobe grows with the distance, that of the sheet does not all; \
+                        nor is the fall of the reflectance with incidence";
+
+/// Finds the lobe at one place.
+///
+/// # Errors
+/// As [`predict`]; [`Error::Unknown`] without mu; [`Error::Dark`] where nothing returns.
+pub fn nearest(
+    result: &ResultFile,
+    table: &Table,
+    distance_mm: f64,
+    incidence_deg: f64,
+    azimuth_deg: Option<f64>,
+) -> Result<Nearest, Error> {
+    // 4,000 frequencies to 40 /mm: a lobe of 0.05 mm is resolved, one of 3 mm has 30 of them.
+    let frequency_per_mm: Vec<f64> = (1..=4000).map(|i| 0.01 * f64::from(i)).collect();
+    let places = Places {
+        distance_mm: vec![distance_mm],
+        incidence_deg: vec![incidence_deg],
+        azimuth_deg,
+        frequency_per_mm,
+    };
+    let axes = predict(result, table, &places)?;
+    let luminance = axes.first().and_then(|axis| axis.luminance);
+    let luminance = luminance.ok_or(Error::Unknown { parameter: "mu" })?;
+    if axes.iter().any(|axis| axis.mtf.is_empty()) {
+        return Err(Error::Dark { incidence_deg });
+    }
+    let faint = |axis: &Prediction| axis.mtf.iter().position(|&m| m < FAINT);
+    let end = axes.iter().map(faint).max().flatten();
+    let end = end.map_or(places.frequency_per_mm.len(), |end| end.max(8));
+    let frequencies = &places.frequency_per_mm[..end];
+    let index = table.provenance.refractive_index;
+    let squares = |ln_alpha: f64| -> f64 {
+        let blur = Blur {
+            spread: ln_alpha.exp(),
+            c_mm: 1.0,
+        };
+        let along = |axis: &Prediction| -> f64 {
+            let normal = axis.axis.normal();
+            let lobe = Baseline::new(Kernel::Mrm, incidence_deg.to_radians(), index, normal);
+            let difference = |(f, m): (&f64, &f64)| {
+                lobe.map_or(f64::NAN, |lobe| {
+                    lobe.otf(Shape::Ggx, blur, distance_mm, *f)[0].re - m
+                })
+            };
+            frequencies
+                .iter()
+                .zip(&axis.mtf)
+                .map(|pair| difference(pair).powi(2))
+                .sum()
+        };
+        axes.iter().map(along).sum()
+    };
+    let ln_alpha = least(squares, 1e-7_f64.ln(), 0.0);
+    Ok(Nearest {
+        alpha: ln_alpha.exp(),
+        reflectance: luminance / result.half_mirror,
+        rms: (squares(ln_alpha) / (axes.len() * end) as f64).sqrt(),
+        end_per_mm: frequencies[end - 1],
+        distance_mm,
+        incidence_deg,
+        azimuth_deg,
+    })
+}
+
+/// Where a function of one valley is least: the best of 64 points, then golden sections to 1e-6.
+fn least(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    const POINTS: usize = 64;
+    let step = (high - low) / POINTS as f64;
+    let point = |i: usize| low + i as f64 * step;
+    let best = (0..=POINTS).min_by(|&a, &b| f(point(a)).total_cmp(&f(point(b))));
+    let middle = point(best.unwrap_or(0));
+    let (mut a, mut b) = (middle - step, middle + step);
+    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
+    while b - a > 1e-6 {
+        let (left, right) = (b - share * (b - a), a + share * (b - a));
+        if f(left) < f(right) {
+            b = right;
+        } else {
+            a = left;
+        }
+    }
+    0.5 * (a + b)
+}
+
+impl Nearest {
+    /// What it stands for, in one sentence.
+    pub fn criterion(&self) -> String {
+        let azimuth = self
+            .azimuth_deg
+            .map_or(String::new(), |a| format!(", azimuth {a} deg"));
+        format!(
+            "least squares of the MTF to {:.2} /mm at {} mm, incidence {} deg{azimuth}: rms difference {:.4}",
+            self.end_per_mm, self.distance_mm, self.incidence_deg, self.rms
+        )
+    }
+
+    /// The material as text.
+    pub fn text(&self, form: Form) -> String {
+        match form {
+            Form::Openpbr => self.materialx(&self.openpbr_node()),
+            Form::Materialx => self.materialx(&self.bsdf_node()),
+            Form::Gltf => {
+                let mut text = format!("{:#}", self.gltf());
+                text.push('\n');
+                text
+            }
+        }
+    }
+
+    /// A document about a surface shader named "shader".
+    fn materialx(&self, shader: &str) -> String {
+        format!(
+            "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\">\n  <!-- {}. {LOST}. -->\n{shader}  \
+             <surfacematerial name=\"retroreflective_sheet\" type=\"material\">\n    \
+             <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"shader\" />\n  </surfacematerial>\n</materialx>\n",
+            self.criterion()
+        )
+    }
+
+    /// The BSDF itself: roughness is alpha, and equal colours make the reflectance the same at every angle.
+    fn bsdf_node(&self) -> String {
+        let (alpha, colour) = (self.alpha, self.reflectance);
+        let colours: String = ["color0", "color82", "color90"]
+            .map(|name| {
+                format!("    <input name=\"{name}\" type=\"color3\" value=\"{colour:.6}, {colour:.6}, {colour:.6}\" />\n")
+            })
+            .concat();
+        format!(
+            "  <generalized_schlick_bsdf name=\"lobe\" type=\"BSDF\">\n{colours}    \
+             <input name=\"roughness\" type=\"vector2\" value=\"{alpha:.8}, {alpha:.8}\" />\n    \
+             <input name=\"retroreflective\" type=\"boolean\" value=\"true\" />\n    \
+             <input name=\"distribution\" type=\"string\" value=\"ggx\" />\n    \
+             <input name=\"scatter_mode\" type=\"string\" value=\"R\" />\n  </generalized_schlick_bsdf>\n  \
+             <surface name=\"shader\" type=\"surfaceshader\">\n    \
+             <input name=\"bsdf\" type=\"BSDF\" nodename=\"lobe\" />\n  </surface>\n"
+        )
+    }
+
+    /// A metal, whose roughness r makes alpha = r^2.
+    fn openpbr_node(&self) -> String {
+        let (roughness, colour) = (self.alpha.sqrt(), self.reflectance);
+        format!(
+            "  <!-- OpenPBR 1.2 (draft): specular_retroreflectivity is not yet in the libraries of MaterialX 1.39.5. -->\n  \
+             <open_pbr_surface name=\"shader\" type=\"surfaceshader\">\n    \
+             <input name=\"base_color\" type=\"color3\" value=\"{colour:.6}, {colour:.6}, {colour:.6}\" />\n    \
+             <input name=\"base_metalness\" type=\"float\" value=\"1\" />\n    \
+             <input name=\"specular_roughness\" type=\"float\" value=\"{roughness:.8}\" />\n    \
+             <input name=\"specular_retroreflectivity\" type=\"float\" value=\"1\" />\n  </open_pbr_surface>\n"
+        )
+    }
+
+    /// A metal again; glTF's roughnessFactor is OpenPBR's.
+    fn gltf(&self) -> Value {
+        let colour = self.reflectance;
+        json!({
+            "asset": { "version": "2.0", "generator": "fit export" },
+            "extensionsUsed": ["KHR_materials_retroreflection"],
+            "materials": [{
+                "name": "retroreflective sheet",
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [colour, colour, colour, 1.0],
+                    "metallicFactor": 1.0,
+                    "roughnessFactor": self.alpha.sqrt(),
+                },
+                "extensions": { "KHR_materials_retroreflection": { "retroreflectionFactor": 1.0 } },
+                "extras": {
+                    "criterion": self.criterion(),
+                    "lost": LOST,
+                    "extension": "KHR_materials_retroreflection is a draft",
+                },
+            }],
+        })
+    }
+}

@@ -1,0 +1,4 @@
+//! TODO
+
+pub mod export;
+pub mod predict;

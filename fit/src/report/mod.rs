@@ -1,0 +1,5 @@
+//! TODO
+
+pub mod page;
+pub mod picture;
+pub mod plot;

@@ -1,0 +1,97 @@
+//! What an estimate rests on: profile likelihoods, how much worse the best fit becomes as one parameter is moved away.
+
+use std::collections::BTreeMap;
+
+use crate::estimate::estimate::sum_of_squares_with;
+use crate::estimate::loss::Kind;
+use crate::estimate::scene::Scene;
+use crate::estimate::select::Selection;
+use crate::result::report::Bound;
+
+/// Most parameters that are followed: of a campaign with many angles the first.
+const MOST: usize = 4;
+
+/// Points to either side of the estimate.
+const SIDE: usize = 12;
+
+/// Standard errors to either side of an estimate.
+const REACH: f64 = 3.0;
+
+/// The profile likelihood of one parameter.
+#[derive(Debug, Clone)]
+pub struct Profile {
+    /// `c_mm`, `a_per_mm`..., as in the covariance.
+    pub name: String,
+    /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per degree of freedom, at least 1).
+    pub points: Vec<[f64; 2]>,
+    /// Whether the photographs only bound the parameter; its values are then spread by powers.
+    pub bounded: bool,
+}
+
+/// What an estimate rests on, beyond its numbers.
+#[derive(Debug, Clone)]
+pub struct Evidence {
+    /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
+    pub reduced_chi2: f64,
+    /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four. None under `mse`, which is no
+    /// likelihood.
+    pub profiles: Vec<Profile>,
+}
+
+impl Evidence {
+    /// Follows the profiles of a fit: each point is a least-squares fit of all other parameters.
+    pub fn of(scene: &Scene, selection: &Selection, bounds: &BTreeMap<String, Bound>) -> Evidence {
+        let fit = &selection.best;
+        let wanted = |i: &usize| {
+            let name = &fit.names[*i];
+            name == fit.choice.kernel.c_name() || fit.spread.len() == 1 || bounds.contains_key(name)
+        };
+        let likelihood = selection.loss.kind() != Kind::Mse;
+        let profiles = (0..fit.blur_parameters())
+            .filter(wanted)
+            .take(if likelihood { MOST } else { 0 })
+            .map(|i| profile(scene, selection, bounds.get(&fit.names[i]), i))
+            .collect();
+        Evidence {
+            reduced_chi2: fit.reduced_chi2(),
+            profiles,
+        }
+    }
+}
+
+fn profile(scene: &Scene, selection: &Selection, bound: Option<&Bound>, i: usize) -> Profile {
+    let (fit, loss) = (&selection.best, &selection.loss);
+    let unit = fit.reduced_chi2().max(1.0);
+    let estimate = fit.solution.parameters[i];
+    let error = fit.covariance[(i, i)].sqrt() / estimate.exp();
+    // Parameters are logarithms.
+    let [low, high] = match bound.map(|b| (b.at_most, b.at_least)) {
+        None => [estimate - REACH * error, estimate + REACH * error],
+        // From well inside of what is allowed to a little beyond the bound.
+        Some((Some(most), Some(least))) => [(least / 1.4).ln(), (most * 1.4).ln()],
+        Some((Some(most), _)) => [(most / 12.0).ln(), (most * 1.4).ln()],
+        Some((_, Some(least))) => [(least / 1.4).ln(), (least * 12.0).ln()],
+        Some((None, None)) => [estimate - 2.0, estimate + 2.0],
+    };
+    let middle = estimate.clamp(low, high);
+    let mut points = Vec::with_capacity(2 * SIDE + 1);
+    // Outwards on both sides; the other parameters start where the last two points lead them.
+    for (end, first) in [(low, 0), (high, 1)] {
+        let mut last = fit.solution.parameters.clone();
+        let mut from = last.clone();
+        for k in first..=SIDE {
+            let x = middle + (end - middle) * k as f64 / SIDE as f64;
+            let (squares, next) = sum_of_squares_with(scene, loss, fit.choice, &from, i, x);
+            points.push([x.exp(), (squares - fit.chi2) / unit]);
+            from = 2.0 * &next - &last;
+            last = next;
+        }
+    }
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    points.dedup_by(|a, b| a[0] == b[0]);
+    Profile {
+        name: fit.names[i].clone(),
+        points,
+        bounded: bound.is_some(),
+    }
+}

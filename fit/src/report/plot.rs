@@ -1,0 +1,393 @@
+//! Pictures: MTF curves, measured and modelled.
+
+use std::path::{Path, PathBuf};
+
+use kuva::prelude::*;
+
+use crate::predict::predict::{Around, Axis, Prediction};
+use crate::result::report::ResultFile;
+
+/// Why a picture cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Neither .svg nor .png.
+    #[error("{}: a plot is written as .svg or .png; give one of these endings", path.display())]
+    Ending {
+        /// The file asked for.
+        path: PathBuf,
+    },
+    /// The drawing library failed.
+    #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png", path.display())]
+    Drawing {
+        /// The file asked for.
+        path: PathBuf,
+        /// What the library said.
+        message: String,
+    },
+}
+
+/// Picture formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Vector.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// The format that a file's ending names.
+    ///
+    /// # Errors
+    /// [`Error::Ending`].
+    pub fn of(path: &Path) -> Result<Format, Error> {
+        match path
+            .extension()
+            .and_then(|e| e.to_str())
+            .map(str::to_ascii_lowercase)
+            .as_deref()
+        {
+            Some("svg") => Ok(Format::Svg),
+            Some("png") => Ok(Format::Png),
+            _ => Err(Error::Ending {
+                path: path.to_owned(),
+            }),
+        }
+    }
+}
+
+/// Curves of one panel in these colours, by floating distance.
+const COLOURS: [&str; 6] = [
+    "#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf",
+];
+
+/// Measured MTF (dots, with one standard error) and model (line): one panel per incidence angle.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
+    let mut incidences: Vec<f64> = result.captures.iter().map(|c| c.incidence_deg).collect();
+    incidences.sort_by(f64::total_cmp);
+    incidences.dedup();
+    let farthest = result
+        .captures
+        .iter()
+        .flat_map(|c| c.curves.frequency_per_mm.iter().zip(&c.curves.modelled))
+        .filter(|(_, m)| **m > 0.02)
+        .map(|(&f, _)| f)
+        .fold(0.5, f64::max);
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for &incidence in &incidences {
+        let mut plots = Vec::new();
+        let shots = result
+            .captures
+            .iter()
+            .filter(|c| c.incidence_deg == incidence);
+        for (i, shot) in shots.enumerate() {
+            let colour = COLOURS[i % COLOURS.len()];
+            let curves = &shot.curves;
+            let shown = curves
+                .frequency_per_mm
+                .iter()
+                .take_while(|&&f| f <= farthest)
+                .count();
+            let points = |y: &[f64]| -> Vec<(f64, f64)> {
+                curves.frequency_per_mm[..shown]
+                    .iter()
+                    .copied()
+                    .zip(y.iter().copied())
+                    .collect()
+            };
+            let name = format!(
+                "{} mm, edge {:.0}°",
+                shot.floating_distance_mm, shot.edge_angle_deg
+            );
+            plots.push(Plot::Scatter(
+                ScatterPlot::new()
+                    .with_data(points(&curves.measured))
+                    .with_y_err(curves.standard_error[..shown].iter().copied())
+                    .with_color(colour)
+                    .with_size(2.0),
+            ));
+            let line = LinePlot::new()
+                .with_data(points(&curves.modelled))
+                .with_color(colour)
+                .with_stroke_width(1.5);
+            plots.push(Plot::Line(line.with_legend(name)));
+        }
+        let layout = Layout::auto_from_plots(&plots)
+            .with_title(format!("incidence {incidence}°"))
+            .with_x_label("frequency (1/mm)")
+            .with_y_label("MTF")
+            .with_x_axis_min(0.0)
+            .with_x_axis_max(farthest)
+            .with_y_axis_min(0.0)
+            .with_y_axis_max(1.0)
+            .with_legend_position(LegendPosition::InsideTopRight);
+        panels.push(plots);
+        layouts.push(layout);
+    }
+    let title = format!(
+        "MTF measured (dots) and modelled (lines), kernel {}",
+        result.kernel.name()
+    );
+    draw(panels, layouts, &title, path)
+}
+
+/// Predicted MTF: one panel per distance and axis, one curve per incidence.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn predicted(
+    predictions: &[Prediction],
+    frequency_per_mm: &[f64],
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let mut distances: Vec<f64> = predictions.iter().map(|p| p.distance_mm).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.dedup();
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for axis in [Axis::Tangential, Axis::Sagittal] {
+        for &distance in &distances {
+            let chosen: Vec<&Prediction> = predictions
+                .iter()
+                .filter(|p| p.axis == axis && p.distance_mm == distance && !p.mtf.is_empty())
+                .collect();
+            let last = chosen.len().max(2) - 1;
+            let plots: Vec<Plot> = chosen
+                .iter()
+                .enumerate()
+                .map(|(i, p)| {
+                    let points: Vec<(f64, f64)> = frequency_per_mm
+                        .iter()
+                        .copied()
+                        .zip(p.mtf.iter().copied())
+                        .collect();
+                    let line = LinePlot::new()
+                        .with_data(points)
+                        .with_color(ramp(i as f64 / last as f64));
+                    Plot::Line(
+                        line.with_stroke_width(1.5)
+                            .with_legend(format!("{}°", p.incidence_deg)),
+                    )
+                })
+                .collect();
+            let name = if axis == Axis::Tangential {
+                "tangential"
+            } else {
+                "sagittal"
+            };
+            let layout = Layout::auto_from_plots(&plots)
+                .with_title(format!("{distance} mm, {name}"))
+                .with_x_label("frequency (1/mm)")
+                .with_y_label("MTF")
+                .with_x_axis_min(0.0)
+                .with_y_axis_min(0.0)
+                .with_y_axis_max(1.0)
+                .with_legend_position(LegendPosition::InsideTopRight);
+            panels.push(plots);
+            layouts.push(layout);
+        }
+    }
+    draw(
+        panels,
+        layouts,
+        "MTF of the mid-air image by incidence",
+        path,
+    )
+}
+
+/// What the MTF at single frequencies is drawn against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Variable {
+    /// Incidence angle
+    Incidence,
+    /// Azimuth
+    Azimuth,
+    /// Floating distance
+    Distance,
+    /// Direction of contrast, all around, as polar curves
+    Direction,
+}
+
+impl Variable {
+    /// Its value at a place; `None` for the azimuth of a mean table.
+    fn of(self, p: &Prediction) -> Option<f64> {
+        match self {
+            Variable::Incidence => Some(p.incidence_deg),
+            Variable::Azimuth => p.azimuth_deg,
+            Variable::Distance => Some(p.distance_mm),
+            Variable::Direction => None,
+        }
+    }
+
+    /// The same in words.
+    fn words(self, p: &Prediction) -> Option<String> {
+        let value = self.of(p)?;
+        Some(match self {
+            Variable::Incidence => format!("incidence {value}°"),
+            Variable::Azimuth => format!("azimuth {value}°"),
+            Variable::Distance => format!("{value} mm"),
+            Variable::Direction => return None,
+        })
+    }
+}
+
+/// Predicted MTF at each frequency against one variable, as in Kakinuma et al. 2021 (OSA Continuum 4, 865): one panel per
+/// axis, one curve per frequency and place that the other variables make. Where nothing returns there is no point.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn against(
+    predictions: &[Prediction],
+    frequency_per_mm: &[f64],
+    variable: Variable,
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let varies = |v: &Variable| predictions.windows(2).any(|p| v.of(&p[0]) != v.of(&p[1]));
+    let others: Vec<Variable> = [Variable::Distance, Variable::Incidence, Variable::Azimuth]
+        .into_iter()
+        .filter(|v| *v != variable && varies(v))
+        .collect();
+    // What names a curve beside its frequency.
+    let place = |p: &Prediction| -> String {
+        let words = others.iter().filter_map(|v| v.words(p));
+        words.map(|words| format!(", {words}")).collect()
+    };
+    let mut places: Vec<String> = Vec::new();
+    for name in predictions.iter().map(place) {
+        if !places.contains(&name) {
+            places.push(name);
+        }
+    }
+    let mut panels = Vec::new();
+    let mut layouts = Vec::new();
+    for (axis, name) in [
+        (Axis::Tangential, "tangential"),
+        (Axis::Sagittal, "sagittal"),
+    ] {
+        let curves = places
+            .iter()
+            .flat_map(|name| (0..frequency_per_mm.len()).map(move |k| (name, k)));
+        let last = (places.len() * frequency_per_mm.len()).max(2) - 1;
+        let plots: Vec<Plot> = curves
+            .enumerate()
+            .map(|(i, (name, k))| {
+                let chosen = predictions
+                    .iter()
+                    .filter(|p| p.axis == axis && place(p) == *name);
+                let mut points: Vec<(f64, f64)> = chosen
+                    .filter_map(|p| Some((variable.of(p)?, *p.mtf.get(k)?)))
+                    .collect();
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let line = LinePlot::new()
+                    .with_data(points)
+                    .with_color(ramp(i as f64 / last as f64));
+                let legend = format!("{} /mm{name}", frequency_per_mm[k]);
+                Plot::Line(line.with_stroke_width(1.5).with_legend(legend))
+            })
+            .collect();
+        let label = match variable {
+            Variable::Incidence => "incidence (°)",
+            Variable::Azimuth => "azimuth (°)",
+            Variable::Distance => "floating distance (mm)",
+            Variable::Direction => "direction (°)",
+        };
+        let layout = Layout::auto_from_plots(&plots)
+            .with_title(name)
+            .with_x_label(label)
+            .with_y_label("MTF")
+            .with_y_axis_min(0.0)
+            .with_y_axis_max(1.0)
+            .with_legend_position(LegendPosition::OutsideRightTop);
+        panels.push(plots);
+        layouts.push(layout);
+    }
+    draw(panels, layouts, "MTF of the mid-air image", path)
+}
+
+/// Predicted MTF at each frequency over the direction of contrast: a polar panel per place, 0° (tangential) to the right, 90°
+/// (sagittal) up. A circle is a blur that is alike in all directions.
+///
+/// # Errors
+/// [`Error::Drawing`].
+pub fn around(all: &[Around], frequency_per_mm: &[f64], path: &Path) -> Result<Vec<u8>, Error> {
+    let last = frequency_per_mm.len().max(2) - 1;
+    let panel = |place: &Around| {
+        let polar = PolarPlot::new()
+            .with_theta_start(90.0)
+            .with_clockwise(false)
+            .with_r_max(1.0)
+            .with_r_grid_lines(2)
+            .with_legend(true);
+        let curves = place.mtf.iter().zip(frequency_per_mm).enumerate();
+        let polar = curves.fold(polar, |polar, (k, (mtf, frequency))| {
+            let name = format!("{frequency} /mm");
+            let (r, theta) = (mtf.iter().copied(), place.direction_deg.iter().copied());
+            polar
+                .with_series_labeled(r, theta, name, PolarMode::Line)
+                .with_color(ramp(k as f64 / last as f64))
+        });
+        vec![Plot::Polar(polar)]
+    };
+    let panels: Vec<Vec<Plot>> = all.iter().map(panel).collect();
+    let layout = |(plots, place): (&Vec<Plot>, &Around)| {
+        let azimuth = place
+            .azimuth_deg
+            .map_or(String::new(), |a| format!(", azimuth {a}°"));
+        let (distance, incidence) = (place.distance_mm, place.incidence_deg);
+        let returns = if place.mtf.is_empty() {
+            ": nothing returns"
+        } else {
+            ""
+        };
+        let title = format!("{distance} mm, incidence {incidence}°{azimuth}{returns}");
+        Layout::auto_from_plots(plots).with_title(title)
+    };
+    let layouts = panels.iter().zip(all).map(layout).collect();
+    let title = "MTF by direction of contrast: 0° tangential, 90° sagittal";
+    draw(panels, layouts, title, path)
+}
+
+/// A colour from blue (0) to red (1).
+fn ramp(x: f64) -> String {
+    let mix = |a: f64, b: f64| (a + (b - a) * x).round() as u8;
+    format!(
+        "#{:02x}{:02x}{:02x}",
+        mix(31.0, 214.0),
+        mix(119.0, 39.0),
+        mix(180.0, 40.0)
+    )
+}
+
+/// Panels under one title.
+///
+/// # Errors
+/// [`Error::Drawing`], [`Error::Ending`].
+pub fn draw(
+    panels: Vec<Vec<Plot>>,
+    layouts: Vec<Layout>,
+    title: &str,
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
+    let columns = panels.len().clamp(1, if panels.len() > 4 { 5 } else { 2 });
+    let rows = panels.len().div_ceil(columns);
+    let scene = Figure::new(rows, columns)
+        .with_title(title)
+        .with_plots(panels)
+        .with_layouts(layouts)
+        .with_cell_size(380.0, 320.0)
+        .render();
+    match Format::of(path)? {
+        Format::Svg => Ok(SvgBackend.render_scene(&scene).into_bytes()),
+        Format::Png => PngBackend::new()
+            .render_scene(&scene)
+            .map_err(|message| Error::Drawing {
+                path: path.to_owned(),
+                message: message.to_string(),
+            }),
+    }
+}

@@ -1,0 +1,166 @@
+//! Synthetic campaigns with a planted answer: photographs with noise, their manifest and the truth.
+//!
+//! Deliberately independent of the estimator: shifts in closed form rather than from a table, convolutions in the
+//! spatial domain rather than products of transfer functions, one profile per photograph evaluated at pixel centres.
+//!
+//! Photograph: x to the right, y downward, origin at the centre of the picture. The edge normal points from dark to
+//! bright; `offset_px` moves the edge along the rows by that many columns to the left. Level of a pixel = veil +
+//! exposure x contrast x light x (dark_ratio + (1 - dark_ratio) E(s)), contrast = source_level
+//! for the reference and source_level x mu x eta x T x R of the half mirror for a capture; then shot noise and reading
+//! noise in electrons, rounding to the converter's steps, and clipping to [0, 1].
+
+use crate::model::kernel::Kernel;
+use crate::model::lobe::Shape;
+use crate::photographs::captures::{Line, Spectrum};
+use crate::simulate::cell;
+use crate::simulate::cell::CubeShift;
+pub use crate::simulate::error::Error;
+use crate::simulate::noise::PixelNoise;
+pub use crate::simulate::params::{ByIncidence, Camera, Edge, Params, Shot, Truth};
+pub(crate) use crate::simulate::params::{CAMERA, camera};
+use crate::simulate::profile::{Blur, Profile, STEPS_PER_PIXEL, Spread};
+pub use crate::simulate::write::{Report, run};
+
+/// Light on each pixel without noise, rounding or clipping, full scale 1, row-major: of capture `index`, or of the
+/// reference (`None`; a default edge where the campaign has no reference). Accurate to 1e-6 of the contrast.
+///
+/// # Errors
+/// [`Error::NoEntry`] where a table by incidence lacks the capture's; never after [`Params::load`].
+///
+/// # Panics
+/// Where `index` is not below the number of captures.
+pub fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
+    let camera = &params.camera;
+    let (edge, blur, contrast) = match index {
+        None => {
+            let edge = params.reference.unwrap_or(Edge::SOURCE);
+            (edge, source_blur(camera, &edge), camera.source_level)
+        }
+        Some(index) => {
+            let (blur, contrast) = aerial_blur(params, index)?;
+            (params.captures[index].edge, blur, contrast)
+        }
+    };
+    let pitch = camera.pixel_pitch_mm;
+    let (sin, cos) = edge.normal_deg.to_radians().sin_cos();
+    let (centre_x, centre_y) = (
+        0.5 * (camera.width as f64 - 1.0),
+        0.5 * (camera.height as f64 - 1.0),
+    );
+    let distance_mm = |x: usize, y: usize| {
+        ((x as f64 - centre_x + edge.offset_px) * cos + (y as f64 - centre_y) * sin) * pitch
+    };
+    let reach_mm = (centre_x.hypot(centre_y) + edge.offset_px.abs()) * pitch;
+    let profile = Profile::new(&blur, reach_mm, STEPS_PER_PIXEL);
+    let [to_right, to_bottom] = edge.light;
+    let level = |(x, y): (usize, usize)| {
+        let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * profile.at(distance_mm(x, y));
+        let light = 1.0
+            + to_right * (x as f64 - centre_x) / centre_x
+            + to_bottom * (y as f64 - centre_y) / centre_y;
+        camera.veil + edge.exposure * contrast * light * share
+    };
+    Ok((0..camera.height)
+        .flat_map(|y| (0..camera.width).map(move |x| (x, y)))
+        .map(level)
+        .collect())
+}
+
+/// The photograph of the same: with noise, rounded and clipped. A function of the parameters and `index` alone.
+///
+/// # Errors
+/// As [`light`].
+///
+/// # Panics
+/// As [`light`].
+pub fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
+    let camera = &params.camera;
+    let steps = ((1_u64 << camera.bits) - 1) as f64;
+    let number = index.map_or(0, |index| index as u64 + 1);
+    let expose = |(pixel, level): (usize, f64)| {
+        let mut noise = PixelNoise::new(params.seed, number, pixel as u64);
+        let electrons =
+            noise.poisson(level * camera.full_well_e) + camera.read_noise_e * noise.normal();
+        ((electrons / camera.full_well_e).clamp(0.0, 1.0) * steps).round() / steps
+    };
+    Ok(light(params, index)?
+        .into_iter()
+        .enumerate()
+        .map(|pixel| expose(pixel) as f32)
+        .collect())
+}
+
+fn source_blur(camera: &Camera, edge: &Edge) -> Blur {
+    let normal_rad = edge.normal_deg.to_radians();
+    Blur {
+        normal_rad,
+        normal_in_picture_rad: normal_rad,
+        spread: Spread::None,
+        shifts: Vec::new(),
+        scale_mm: [0.0, 0.0],
+        pixel_pitch_mm: camera.pixel_pitch_mm,
+        sigma_mm: camera.sigma_px * camera.pixel_pitch_mm,
+    }
+}
+
+/// Blur of a capture, and its bright level at exposure 1 without the veil.
+fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
+    let (camera, truth, shot) = (&params.camera, &params.truth, &params.captures[index]);
+    let look_up = |key: &'static str, values: &ByIncidence| {
+        values.at(shot.incidence_deg).ok_or_else(|| Error::NoEntry {
+            place: crate::photographs::captures::keys::Place {
+                file: "parameters".into(),
+                line: index + 1,
+            },
+            key,
+            incidence_deg: shot.incidence_deg,
+        })
+    };
+    let (a, mu) = (look_up("a", &truth.a)?, look_up("mu", &truth.mu)?);
+    let incidence_rad = shot.incidence_deg.to_radians();
+    let sum = |shifts: &[CubeShift]| shifts.iter().map(|part| part.eta).sum::<f64>();
+    let (shifts, eta) = match &shot.shifts {
+        Some(shifts) => (shifts.clone(), sum(shifts)),
+        None => {
+            let azimuth_rad = shot.azimuth_deg.to_radians();
+            let cubes = cell::shifts(incidence_rad, azimuth_rad, truth.ior, truth.pair);
+            let eta = sum(&cubes) / cubes.len() as f64;
+            (cubes, eta)
+        }
+    };
+    let half_mirror = camera.half_mirror_transmittance * camera.half_mirror_reflectance;
+    let contrast = camera.source_level * mu * eta * half_mirror;
+    let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
+    let a_per_mm = match truth.kernel {
+        Kernel::Angular => a / r_mm,
+        _ => a,
+    };
+    let spread = match (truth.kernel, truth.lobe) {
+        (Kernel::Shift, _) => Spread::None,
+        (Kernel::Wave, _) => {
+            let lines = truth.spectrum.iter().flat_map(Spectrum::lines);
+            let total: f64 = lines.clone().map(|line| line.weight).sum();
+            let line = |line: &Line| (line.wavelength_nm * 1e-6 * r_mm, line.weight / total);
+            Spread::Wave {
+                lines: lines.map(line).collect(),
+            }
+        }
+        (kernel, Shape::Beckmann | Shape::Ggx) => return Err(Error::Unplanted { kernel }),
+        (kernel, _) if kernel.is_baseline() => return Err(Error::Unplanted { kernel }),
+        (_, Shape::Radial) => Spread::Radial { a_per_mm },
+        (_, Shape::Separable) => Spread::Separable { a_per_mm },
+    };
+    let source = source_blur(camera, &shot.edge);
+    let blur = Blur {
+        normal_rad: (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians(),
+        spread,
+        shifts: if truth.kernel == Kernel::Lobe {
+            Vec::new()
+        } else {
+            shifts
+        },
+        scale_mm: [truth.c_mm * incidence_rad.cos(), truth.c_mm],
+        ..source
+    };
+    Ok((blur, contrast))
+}
