@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use rayon::prelude::*;
 use tables::Table;
+use tables::options::Element;
 
 use crate::compare::pixels::Pixels;
 use crate::compare::view::View;
@@ -172,7 +173,7 @@ impl Scene {
                 "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
             ));
         }
-        if table.provenance.element() == "plate" {
+        if table.provenance.element() == Element::Plate {
             warnings.push(
                 "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating distances count from its \
                  middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no half mirror"
