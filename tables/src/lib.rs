@@ -27,6 +27,8 @@
 pub mod apart;
 mod between;
 pub mod check;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod content;
 pub mod counts;
 pub mod deviation;
