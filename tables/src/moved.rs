@@ -54,6 +54,15 @@ impl Direction {
         })
     }
 
+    /// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light deviates by there is part of
+    /// its shift. `cosine` is that of the outside incidence.
+    ///
+    /// # Errors
+    /// [`Error::Astray`], of a distance or corner size beyond reason.
+    pub fn seen_from(self, r_mm: f64, c_mm: f64, cosine: f64) -> Result<Direction, Error> {
+        self.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
+    }
+
     /// The largest component of what any light is moved by, edge lengths; infinite where `per_tangent` is not finite.
     fn farthest_move(&self, per_tangent: [f64; 2]) -> f64 {
         if !per_tangent.iter().all(|by| by.is_finite()) {

@@ -15,7 +15,8 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::lookup::Direction;
-use crate::polygon::{Line, area, sinc};
+use crate::polygon::area;
+use crate::polygon_wave::{PolygonWave, sinc};
 use crate::table::Path;
 use crate::waves::{LANES, Rows, STEP, Waves};
 
@@ -125,7 +126,7 @@ fn of_paths(paths: &[Path], w: [f64; 2], kappa: &[f64]) -> (Vec<Complex64>, Vec<
     for path in paths {
         let [[uu, uv], [vu, vv]] = path.matrix;
         let g = [TAU * (uu * w[0] + vu * w[1]), TAU * (uv * w[0] + vv * w[1])];
-        if let Some(line) = Line::new(&path.polygon, g) {
+        if let Some(line) = PolygonWave::new(&path.polygon, g) {
             let power = path.weight * area(&path.polygon);
             total += power;
             lines.push((
@@ -157,7 +158,7 @@ fn of_paths(paths: &[Path], w: [f64; 2], kappa: &[f64]) -> (Vec<Complex64>, Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::polygon::tests::{gauss, quadrature};
+    use crate::polygon_wave::tests::{gauss, quadrature};
     use ndarray::Array2;
 
     fn direction(probability: Array2<f64>, paths: Option<Vec<Path>>) -> Direction {

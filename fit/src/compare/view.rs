@@ -8,15 +8,15 @@ use crate::model::baseline::Baseline;
 use crate::model::camera::Camera;
 use crate::model::kernel::{Blur, Kernel};
 use crate::model::lobe::Shape;
-use crate::model::shift::ShiftLine;
 use crate::model::spread::Grid;
-use crate::model::wave::WaveLine;
 use crate::numerics::fourier::fast_length;
 use crate::photographs::edge::Line;
 use crate::photographs::profile::Profile;
 use crate::photographs::sfr;
 use crate::photographs::sfr::{Estimator, Mtf};
 use crate::samples::sampled::Sampled;
+use tables::ShiftLine;
+use tables::WaveLine;
 
 /// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
 pub const MODEL_ERROR: f64 = 2e-5;

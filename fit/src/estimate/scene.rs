@@ -13,15 +13,15 @@ use crate::estimate::reference::Reference;
 use crate::model::baseline;
 use crate::model::camera::Camera;
 use crate::model::kernel::Kernel;
-use crate::model::shift::ShiftLine;
 use crate::model::wave;
-use crate::model::wave::WaveLine;
 use crate::photographs::captures;
 use crate::photographs::captures::{Campaign, Capture, Spectrum};
 use crate::photographs::edge;
 use crate::photographs::measure;
 use crate::photographs::measure::Measurement;
 use crate::photographs::photo::Photo;
+use tables::ShiftLine;
+use tables::WaveLine;
 
 /// Why a scene cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -276,7 +276,7 @@ impl Scene {
             }
             let (incidence, normal) = (shot.incidence_deg.to_radians(), shot.view.normal());
             shot.shift = ShiftLine::new(&direction, incidence, normal);
-            shot.wave = WaveLine::new(&direction, incidence, normal, self.spectrum.as_ref());
+            shot.wave = wave::line(&direction, incidence, normal, self.spectrum.as_ref());
         }
         Ok(returns)
     }
@@ -410,7 +410,7 @@ fn aerial(
         eta_standard_error: direction.standard_error,
         refractive_index: table.provenance.refractive_index,
         shift: ShiftLine::new(&direction, capture.incidence_rad(), normal),
-        wave: WaveLine::new(&direction, capture.incidence_rad(), normal, spectrum),
+        wave: wave::line(&direction, capture.incidence_rad(), normal, spectrum),
         view,
         pixels,
         warnings,

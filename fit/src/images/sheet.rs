@@ -9,11 +9,11 @@ use crate::model::baseline;
 use crate::model::baseline::Baseline;
 use crate::model::kernel::{Blur, Kernel};
 use crate::model::lobe::{CUT, Shape};
-use crate::model::shift::seen_from;
-use crate::model::wave::WaveLine;
+use crate::model::wave;
 use crate::result::report::{ResultFile, TableResult};
 use crate::samples::sample::{LobeSampler, ShiftSampler};
 use crate::samples::sampled::has_samples;
+use tables::WaveLine;
 
 /// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly in the incidence and
 /// held constant beyond the fitted angles.
@@ -102,7 +102,7 @@ impl Sheet for Fitted<'_> {
         let kernel = self.result.kernel;
         let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
         let direction = if shifts {
-            seen_from(direction, place.r_mm, blur.c_mm, cosine)?
+            direction.seen_from(place.r_mm, blur.c_mm, cosine)?
         } else {
             direction
         };
@@ -147,7 +147,7 @@ impl FittedSpot<'_> {
     fn wave(&self, normal: [f64; 2]) -> Result<WaveLine, Error> {
         let incidence_rad = self.place.incidence_deg.to_radians();
         let spectrum = self.sheet.result.wavelength_nm.as_ref();
-        Ok(WaveLine::new(
+        Ok(wave::line(
             &self.direction,
             incidence_rad,
             normal,

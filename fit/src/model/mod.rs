@@ -5,6 +5,5 @@ pub mod camera;
 pub mod kernel;
 pub mod lobe;
 pub mod microfacet;
-pub mod shift;
 pub mod spread;
 pub mod wave;

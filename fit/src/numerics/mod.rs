@@ -3,5 +3,4 @@
 pub mod clip;
 pub mod factor;
 pub mod fourier;
-pub mod hermite;
 pub mod solve;

@@ -5,7 +5,6 @@ use tables::Table;
 use tables::polygon::area;
 
 use crate::model::kernel::Kernel;
-use crate::model::shift::seen_from;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::photograph::{Error, Params, Shot};
 
@@ -33,7 +32,7 @@ impl Params {
             let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
             let cosine = incidence_deg.to_radians().cos();
             let eta = direction.eta;
-            let moved = match seen_from(direction, r_mm, c_mm, cosine) {
+            let moved = match direction.seen_from(r_mm, c_mm, cosine) {
                 Ok(moved) => moved,
                 Err(error) => return refused(error.to_string()),
             };

@@ -7,15 +7,13 @@
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
-use tables::polygon::area;
-use tables::{Direction, Path};
 
-use crate::numerics::hermite::Samples;
-
-mod ruling;
-mod spots;
-
-use crate::model::shift::ruling::Ruling;
+use crate::lookup::Direction;
+use crate::polygon::area;
+use crate::ruling::Ruling;
+use crate::spot::LineSpot;
+use crate::spots;
+use crate::table::Path;
 
 /// Paths whose deviations differ by less than this share one, rad: 0.1 nm at a distance of 1 m.
 const SAME_DEVIATION: f64 = 1e-10;
@@ -24,18 +22,6 @@ const SAME_DEVIATION: f64 = 1e-10;
 #[derive(Debug, Clone)]
 pub struct ShiftLine {
     spots: Vec<LineSpot>,
-}
-
-/// Light that leaves in one direction.
-#[derive(Debug, Clone)]
-struct LineSpot {
-    /// Factor of the samples.
-    share: f64,
-    /// Tangent of its deviation along the edge normal.
-    deviation: f64,
-    /// Shift along the edge normal, edge lengths, that the samples leave out.
-    middle: f64,
-    samples: Samples<Complex64>,
 }
 
 impl ShiftLine {
@@ -131,20 +117,6 @@ fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
     groups
 }
 
-/// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light deviates by there is part of its
-/// shift. `cosine` is that of the outside incidence.
-///
-/// # Errors
-/// [`tables::Error::Astray`], of a distance or corner size beyond reason.
-pub fn seen_from(
-    direction: Direction,
-    r_mm: f64,
-    c_mm: f64,
-    cosine: f64,
-) -> Result<Direction, tables::Error> {
-    direction.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,7 +159,7 @@ mod tests {
             let line = ShiftLine::new(&direction, incidence, normal).expect("light returns");
             assert_eq!(line.spots.len(), 2);
             for (c, r) in [(0.1, 100.0), (0.3, 400.0)] {
-                let moved = seen_from(direction.clone(), r, c, incidence.cos()).unwrap();
+                let moved = direction.clone().seen_from(r, c, incidence.cos()).unwrap();
                 let along = [normal[0] * incidence.cos(), normal[1]];
                 for f in [0.0, 0.2, 0.9, 2.3] {
                     let (value, by_c) = line.otf(c, r, f);

@@ -9,16 +9,17 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use num_complex::Complex64;
-use tables::Direction;
-use tables::deviation::Exits;
-use tables::polygon::sinc;
+use realfft::{RealFftPlanner, RealToComplex};
 
-use crate::model::shift::LineSpot;
-use crate::model::shift::ruling::{Ruling, STEP};
-use crate::numerics::fourier;
-use crate::numerics::hermite::Samples;
+use crate::deviation::Exits;
+use crate::hermite::Samples;
+use crate::lookup::Direction;
+use crate::polygon_wave::sinc;
+use crate::ruling::{Ruling, STEP};
+use crate::spot::LineSpot;
 
 /// Directions that each have a spot of their own; more are a row of evenly spaced ones.
 const MOST_SPOTS: usize = 96;
@@ -33,6 +34,16 @@ const MOST_IN_A_ROW: usize = 192;
 /// shift is put on four points by Lagrange's cubic, which errs by (TAU kappa spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at
 /// the end.
 const POINTS: usize = 1 << 15;
+
+/// Plans are made once for all photographs.
+static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
+    LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
+
+/// The transform of `length` real numbers.
+fn plan(length: usize) -> Arc<dyn RealToComplex<f64>> {
+    let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
+    planner.plan_fft_forward(length)
+}
 
 /// A place along a line as four places of an even grid of this spacing: the first of them, and their weights.
 fn on_grid(x: f64, spacing: f64) -> (i64, [f64; 4]) {
@@ -57,7 +68,7 @@ pub(crate) fn spots(
     let total: f64 = exits.probability.iter().map(|(_, p)| p).sum();
     let width = 2.0 * direction.range / direction.probability.ncols() as f64;
     let ruling = Ruling::of_bins(direction, along);
-    let line = Line {
+    let cut = Cut {
         direction,
         pool: direction.probability.ncols() / exits.grid.cells,
         width,
@@ -68,9 +79,9 @@ pub(crate) fn spots(
     let found = along_normal(exits, normal);
     let mut cells: BTreeMap<[usize; 2], Vec<Point>> = BTreeMap::new();
     for &(cell, _) in found.iter().flat_map(|spot| &spot.light) {
-        cells.entry(cell).or_insert_with(|| line.cell(cell, points));
+        cells.entry(cell).or_insert_with(|| cut.cell(cell, points));
     }
-    let transform = fourier::forward(points);
+    let transform = plan(points);
     let boxes = boxes(&ruling, width, along);
     let spot = |spot: &Spot| {
         let mut sums = [vec![0.0; points], vec![0.0; points]];
@@ -127,8 +138,8 @@ struct Point {
     moment: f64,
 }
 
-/// A line through the shifts of a direction.
-struct Line<'a> {
+/// The shifts of a direction, cut along a line.
+struct Cut<'a> {
     direction: &'a Direction,
     /// Bins along a side of a cell.
     pool: usize,
@@ -138,7 +149,7 @@ struct Line<'a> {
     middle: f64,
 }
 
-impl Line<'_> {
+impl Cut<'_> {
     /// The bins of a cell on a grid of so many points along the line.
     fn cell(&self, [v, u]: [usize; 2], count: usize) -> Vec<Point> {
         let bins = &self.direction.probability;
@@ -235,9 +246,9 @@ fn along_normal(exits: &Exits, normal: [f64; 2]) -> Vec<Spot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::shift::ShiftLine;
+    use crate::deviation::Grid;
+    use crate::shift::ShiftLine;
     use ndarray::Array2;
-    use tables::deviation::Grid;
 
     /// The bins of one of 4 x 4 cells: where, and how probable.
     fn cell(bins: &Array2<f64>, [v, u]: [usize; 2]) -> impl Iterator<Item = ([usize; 2], f64)> {

@@ -2,9 +2,10 @@
 
 use num_complex::Complex64;
 use std::f64::consts::TAU;
-use tables::{Direction, Path};
 
-use crate::numerics::hermite::Samples;
+use crate::hermite::Samples;
+use crate::lookup::Direction;
+use crate::table::Path;
 
 /// Spacing in kappa = c f (dimensionless) where shifts are near.
 ///
