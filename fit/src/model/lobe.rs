@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Serialize};
 
 use crate::model::microfacet;
-use tables::hermite::Samples;
+use tables::Samples;
 
 /// Where the radial lobe is cut, as a r.
 pub const CUT: f64 = 2.4 * PI;

@@ -2,7 +2,6 @@
 //! deviates by at each capture's distance.
 
 use tables::Table;
-use tables::polygon::area;
 
 use crate::model::kernel::Kernel;
 use crate::simulate::cell::CubeShift;
@@ -42,7 +41,7 @@ impl Params {
                      direction with --method exact, or leave it out"
                 ));
             };
-            let powers = || paths.iter().map(|path| path.weight * area(&path.polygon));
+            let powers = || paths.iter().map(|path| path.weight * path.area());
             let total: f64 = powers().sum();
             let shifts = paths.iter().zip(powers()).map(|(path, power)| CubeShift {
                 polygon: path.polygon.iter().map(|&p| path.shift(p)).collect(),

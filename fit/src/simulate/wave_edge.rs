@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use crate::model::lobe::GAUSS_16;
 use crate::simulate::cell::CubeShift;
-use tables::hermite::Samples;
+use tables::Samples;
 
 /// Phase between two tabulated values of F: its interpolation error is step x 0.2^3 / 384, 2e-5 of a step.
 const PHASE_STEP: f64 = 0.2;

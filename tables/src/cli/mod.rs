@@ -10,20 +10,22 @@ mod plot_format;
 mod terminal;
 mod threads;
 
-pub use list::{LONGEST_LIST, ListError, list};
-pub use manual::{completions, manual, version};
-pub use plot_format::PlotFormat;
-pub use terminal::{deliver, note, print, reserve, reserve_plot, warn};
-pub use threads::{NoThreads, pool};
+pub use crate::cli::list::{LONGEST_LIST, ListError, list};
+pub use crate::cli::manual::{completions, manual, version};
+pub use crate::cli::plot_format::PlotFormat;
+pub use crate::cli::terminal::{deliver, note, print, reserve, reserve_plot, warn};
+pub use crate::cli::threads::{NoThreads, pool};
 
-use crate::output::OutputError;
+use crate::error::output::OutputError;
 
 /// Why something that both command lines do failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Standard output is full or gone. A closed pipe is no error: its reader has seen enough.
-    #[error("standard output cannot be written ({0}); check the pipe, free some space, or use -o where the verb has it")]
+    #[error(
+        "standard output cannot be written ({0}); check the pipe, free some space, or use -o where the verb has it"
+    )]
     Stdout(std::io::Error),
     /// A file cannot be reserved or written.
     #[error(transparent)]
