@@ -17,7 +17,7 @@ use crate::beams::bins;
 use crate::beams::mean;
 use crate::beams::paths;
 use glam::{DMat2, DVec2};
-use meshes::cell::Cell;
+use meshes::Cell;
 use ndarray::{Array2, Array3, Array4};
 use rayon::prelude::*;
 use tables::{Axes, Exact, Fate, Path};
