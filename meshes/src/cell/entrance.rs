@@ -74,7 +74,11 @@ pub(crate) fn periodic(
 ///
 /// # Errors
 /// More than one rim, or one that is not planar, crosses itself or is not the highest part of the cell.
-pub(crate) fn rim(surface: &Surface<'_>, points: &[DVec3], rounding: f64) -> Result<Entrance, Fault> {
+pub(crate) fn rim(
+    surface: &Surface<'_>,
+    points: &[DVec3],
+    rounding: f64,
+) -> Result<Entrance, Fault> {
     let rim = rim::vertices(surface)?;
     let at: Vec<DVec3> = rim.iter().map(|&vertex| points[vertex as usize]).collect();
     let used = || {

@@ -4,12 +4,12 @@
 
 mod bead;
 mod corner;
+mod cube;
 mod curved;
-mod design;
 mod option;
 mod plate;
 mod tile;
 
 pub use bead::Bead;
-pub use design::{Design, Shape, list};
+pub use cube::{Design, Shape, list};
 pub use plate::Plate;

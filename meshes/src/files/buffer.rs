@@ -109,7 +109,10 @@ impl Buffers {
     ///
     /// # Errors
     /// The reason why it cannot be read.
-    pub(crate) fn positions(&self, accessor: &gltf::Accessor<'_>) -> Result<Vec<[f32; 3]>, &'static str> {
+    pub(crate) fn positions(
+        &self,
+        accessor: &gltf::Accessor<'_>,
+    ) -> Result<Vec<[f32; 3]>, &'static str> {
         if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
             return Err("it is not made of three 32-bit floats each");
         }

@@ -175,7 +175,10 @@ impl Design {
     /// The cell of one or two cube corners between the edges `legs` before truncation.
     fn of_corners(&self, legs: [DVec3; 3]) -> Result<Mesh, Fault> {
         let legs = legs.map(|leg| leg * (1.0 - self.truncation));
-        let shortest = legs.map(DVec3::length).into_iter().fold(f64::MAX, f64::min);
+        let shortest = legs
+            .map(DVec3::length)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
         inside("edge radius", self.edge_radius, 0.0, 0.2 * shortest)?;
         let corner = if self.edge_radius > 0.0 {
             Corner::rounded(legs, self.edge_radius, self.strips)
