@@ -6,6 +6,7 @@
 //! what keeps slivers of no meaning from being born at shared edges.
 
 use glam::DVec2;
+use tables::polygon::{Met, walk};
 
 /// Corners of a convex polygon, counter-clockwise; empty where nothing is left.
 pub(crate) type Polygon = Vec<DVec2>;
@@ -103,37 +104,38 @@ fn cut(
     if let Some(out) = outside.as_deref_mut() {
         out.clear();
     }
-    let Some(&last) = polygon.last() else { return };
-    let (mut before, mut before_value) = (last, plane.value(last));
     let (mut some_inside, mut some_outside) = (false, false);
-    for &corner in polygon {
-        let value = plane.value(corner);
-        if value * before_value < 0.0 {
-            // Always from the inside corner outwards, so that both neighbours of an edge get the same bits.
-            let (from, to, at) = if value < 0.0 {
-                (corner, before, value)
-            } else {
-                (before, corner, before_value)
-            };
-            let far = if value < 0.0 { before_value } else { value };
-            let crossing = from + (to - from) * (at / (at - far));
-            inside.push(crossing);
-            if let Some(out) = outside.as_deref_mut() {
-                out.push(crossing);
+    walk(
+        polygon,
+        |p| plane.value(p),
+        |met| match met {
+            Met::Crossing([before, here]) => {
+                // Always from the inside corner outwards, so that both neighbours of an edge get the same bits.
+                let ((from, at), (to, far)) = if here.1 < 0.0 {
+                    (here, before)
+                } else {
+                    (before, here)
+                };
+                let crossing = from + (to - from) * (at / (at - far));
+                inside.push(crossing);
+                if let Some(out) = outside.as_deref_mut() {
+                    out.push(crossing);
+                }
             }
-        }
-        if value <= 0.0 {
-            inside.push(corner);
-        }
-        if value >= 0.0
-            && let Some(out) = outside.as_deref_mut()
-        {
-            out.push(corner);
-        }
-        some_inside |= value < 0.0;
-        some_outside |= value > 0.0;
-        (before, before_value) = (corner, value);
-    }
+            Met::Corner(corner, value) => {
+                if value <= 0.0 {
+                    inside.push(corner);
+                }
+                if value >= 0.0
+                    && let Some(out) = outside.as_deref_mut()
+                {
+                    out.push(corner);
+                }
+                some_inside |= value < 0.0;
+                some_outside |= value > 0.0;
+            }
+        },
+    );
     if !some_inside {
         inside.clear();
     }

@@ -496,20 +496,10 @@ fn extent(region: &Region, function: &Affine) -> (f64, f64) {
         )
 }
 
-/// The part of a convex polygon where `test` is not negative (Sutherland and Hodgman 1974).
+/// The part of a convex polygon where `test` is not negative.
 fn clip(polygon: &[DVec2], test: &Affine) -> Vec<DVec2> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (i, &p) in polygon.iter().enumerate() {
-        let q = polygon[(i + 1) % polygon.len()];
-        let (at_p, at_q) = (test.at(p), test.at(q));
-        if at_p >= 0.0 {
-            kept.push(p);
-        }
-        if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
-            kept.push(p + (q - p) * (at_p / (at_p - at_q)));
-        }
-    }
-    kept
+    let on = |p: DVec2, q: DVec2, part: f64| p + (q - p) * part;
+    tables::polygon::clip(polygon, |p| -test.at(p), on)
 }
 
 fn is_speck(polygon: &[DVec2]) -> bool {
