@@ -6,11 +6,13 @@
 pub mod cli;
 pub mod compare;
 pub mod estimate;
+#[cfg(feature = "images")]
 pub mod images;
 pub mod model;
 pub mod numerics;
 pub mod photographs;
 pub mod predict;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod result;
 pub mod samples;

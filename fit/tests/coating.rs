@@ -3,8 +3,9 @@
 use fit::images::render::sampled;
 use fit::images::render::view::View;
 use fit::images::render::viewed;
-use fit::images::spot::{Error, Place, Sheet, Spot};
+use fit::images::spot::{Place, Sheet, Spot};
 use fit::photographs::photo::{Picture, Transfer};
+use fit::predict::error::Error;
 use fit::samples::sample::Sequence;
 use fit::samples::sampled::Sampling;
 use nalgebra::Vector3;

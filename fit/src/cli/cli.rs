@@ -1,45 +1,22 @@
-//! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
+//! What the verbs share: why they end, what they print and reserve, how arguments are read.
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
 use tables::{Output, OutputError, Outputs};
 
-use crate::cli as verbs;
 use crate::estimate::scene;
-use crate::images::render;
+#[cfg(feature = "images")]
+use crate::images::{metrics, render};
 use crate::model::kernel::Family;
 use crate::model::wave;
 use crate::photographs::{captures, edge, photo};
-use crate::predict::predict;
+use crate::predict::error as predict;
+#[cfg(feature = "report")]
 use crate::report::plot;
 use crate::simulate::photograph as simulate;
-
-/// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
-/// mid-air images, and predicts what the sheet shows elsewhere.
-#[derive(Debug, Parser)]
-#[command(name = "fit", version, arg_required_else_help = true)]
-struct Arguments {
-    /// What to do.
-    #[command(subcommand)]
-    verb: Verb,
-}
-
-#[derive(Debug, Subcommand)]
-enum Verb {
-    Estimate(verbs::estimate::Arguments),
-    Export(verbs::export::Arguments),
-    Mtf(verbs::mtf::Arguments),
-    Predict(verbs::predict::Arguments),
-    Render(verbs::render::Arguments),
-    Evaluate(verbs::evaluate::Arguments),
-    Simulate(verbs::simulate::Arguments),
-    Study(verbs::study::Arguments),
-}
 
 /// Anything that ends a verb.
 #[derive(Debug, thiserror::Error)]
@@ -85,9 +62,11 @@ pub enum Failure {
     #[error(transparent)]
     Predict(#[from] predict::Error),
     /// The comparison.
+    #[cfg(feature = "images")]
     #[error(transparent)]
-    Evaluate(#[from] verbs::evaluate::Error),
+    Evaluate(#[from] metrics::error::Error),
     /// The mid-air image.
+    #[cfg(feature = "images")]
     #[error(transparent)]
     Render(#[from] render::Error),
     /// The simulation.
@@ -97,6 +76,7 @@ pub enum Failure {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A picture.
+    #[cfg(feature = "report")]
     #[error(transparent)]
     Plot(#[from] plot::Error),
     /// No edge.
@@ -180,37 +160,13 @@ pub enum Failure {
 
 impl Failure {
     /// 2 for wrong usage that clap cannot see, 1 for work that failed.
-    fn code(&self) -> u8 {
+    pub fn code(&self) -> u8 {
         match self {
-            Failure::Plot(plot::Error::Ending { .. })
-            | Failure::Render(render::Error::Ending { .. }) => 2,
+            #[cfg(feature = "report")]
+            Failure::Plot(plot::Error::Ending { .. }) => 2,
+            #[cfg(feature = "images")]
+            Failure::Render(render::Error::Ending { .. }) => 2,
             _ => 1,
-        }
-    }
-}
-
-/// Runs the program.
-pub fn main() -> ExitCode {
-    tables::apart::serve();
-    let done = match Arguments::parse().verb {
-        Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
-        Verb::Export(arguments) => verbs::export::run(&arguments),
-        Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
-        Verb::Predict(arguments) => verbs::predict::run(&arguments),
-        Verb::Render(arguments) => verbs::render::run(&arguments),
-        Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
-        Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
-        Verb::Study(arguments) => verbs::study::run(&arguments),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        // A reader that has seen enough is no failure.
-        Err(Failure::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
-            ExitCode::SUCCESS
-        }
-        Err(failure) => {
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
-            ExitCode::from(failure.code())
         }
     }
 }
@@ -249,6 +205,7 @@ pub fn reserve(path: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Outp
 ///
 /// # Errors
 /// [`Failure::Plot`], [`Failure::Output`].
+#[cfg(feature = "report")]
 pub fn reserve_picture<'a>(
     path: Option<&'a Path>,
     outputs: &mut Outputs,

@@ -30,7 +30,9 @@ use crate::numerics::solve::Stop;
 use crate::photographs::captures;
 use crate::photographs::captures::{Campaign, Spectrum};
 use crate::photographs::photo::Channel;
+#[cfg(feature = "report")]
 use crate::report::page::{Evidence, Page};
+#[cfg(feature = "report")]
 use crate::report::plot;
 use crate::result::report::{Number, Parameter, ResultFile, TableResult};
 use crate::simulate::truth::Truth;
@@ -86,9 +88,11 @@ pub struct Arguments {
     #[arg(long, value_name = "TRUTH.json")]
     pub truth: Option<PathBuf>,
     /// Measured and modelled MTF curves as a picture, .svg or .png
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// A page for a person, in one file: estimates with intervals, curves, the choice of terms, warnings with pictures
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<PathBuf>,
     /// Colour channel of all photographs, whatever the manifest says: luminance, red, green, blue, a channel's name, or each:
@@ -123,7 +127,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.forward == Forward::Render {
         sampled::only(&mut candidates, arguments.loss, "fit estimate");
     }
+    #[cfg(feature = "report")]
     let several = |Channels(list): &Channels| list.len() > 1;
+    #[cfg(feature = "report")]
     if arguments.channel.as_ref().is_some_and(several)
         && (arguments.plot.is_some() || arguments.report.is_some())
     {
@@ -155,7 +161,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .chain(shots.map(|shot| shot.image.as_path()));
     let mut outputs = Outputs::beside(inputs);
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
     let page = cli::reserve(arguments.report.as_deref(), &mut outputs)?;
     let truth: Option<Truth> = arguments
         .truth
@@ -183,12 +191,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             });
         }
     }
+    #[cfg_attr(
+        not(feature = "report"),
+        expect(unused_variables, reason = "the page shows it")
+    )]
     let (result, evidence) = pool.install(|| estimate(arguments, &candidates, &campaign, start))?;
     warn(&result, "");
     let json = cli::json(&result);
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         output.commit(&plot::fitted(&result, path)?)?;
     }
+    #[cfg(feature = "report")]
     if let (Some(page), Some(evidence)) = (page, &evidence) {
         let shown = Page {
             result: &result,
@@ -237,12 +251,18 @@ fn warn(result: &ResultFile, before: &str) {
     }
 }
 
+/// What the page shows beyond the result.
+#[cfg(feature = "report")]
+type Rest = Option<Evidence>;
+#[cfg(not(feature = "report"))]
+type Rest = ();
+
 fn estimate(
     arguments: &Arguments,
     candidates: &Candidates,
     campaign: &Campaign,
     start: Instant,
-) -> Result<(ResultFile, Option<Evidence>), Failure> {
+) -> Result<(ResultFile, Rest), Failure> {
     let table = tables::read(&arguments.table)?;
     let mut scene = Scene::load(campaign, &table)?;
     let turned = arguments
@@ -321,8 +341,12 @@ fn estimate(
             format!("the photographs are as likely at azimuth {deg:.2} deg; an edge in another direction would tell")
         }));
     }
+    #[cfg(feature = "report")]
     let evidence = arguments.report.as_ref();
+    #[cfg(feature = "report")]
     let evidence = evidence.map(|_| Evidence::of(&scene, &selection, &result.bounds));
+    #[cfg(not(feature = "report"))]
+    let evidence = ();
     Ok((result, evidence))
 }
 

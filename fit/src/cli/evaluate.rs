@@ -8,6 +8,7 @@ use crate::cli::cli;
 use crate::cli::cli::Failure;
 use crate::images::metrics;
 use crate::images::metrics::Shown;
+use crate::images::metrics::error::Error;
 use crate::images::metrics::lpips;
 use crate::images::metrics::lpips::Lpips;
 use crate::photographs::photo;
@@ -43,36 +44,6 @@ pub struct Arguments {
     /// One JSON object
     #[arg(long)]
     pub json: bool,
-}
-
-/// Why two pictures cannot be compared.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Of two sizes.
-    #[error("{} is {} x {} pixels, {} is {} x {}; crop or render one to the size of the other",
-        rendered.display(), sizes[0][0], sizes[0][1], photo.display(), sizes[1][0], sizes[1][1])]
-    Sizes {
-        /// One.
-        rendered: PathBuf,
-        /// The other.
-        photo: PathBuf,
-        /// Columns and rows of both.
-        sizes: [[usize; 2]; 2],
-    },
-    /// Too small for a window.
-    #[error("{}: is smaller than {least} x {least} pixels, which {metric} needs; compare a larger part", rendered.display())]
-    Small {
-        /// One.
-        rendered: PathBuf,
-        /// Pixels needed.
-        least: usize,
-        /// What needs them.
-        metric: &'static str,
-    },
-    /// Weights that are none.
-    #[error(transparent)]
-    Lpips(#[from] lpips::Error),
 }
 
 #[derive(Serialize)]

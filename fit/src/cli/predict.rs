@@ -10,9 +10,11 @@ use crate::cli::cli;
 use crate::cli::cli::Failure;
 use crate::cli::estimate::{check_model, read_channel};
 use crate::model::kernel::{Family, Kernel};
-use crate::predict::predict::{Around, Axis, Places, Prediction, around, predict};
-use crate::report::plot;
-use crate::report::plot::Variable;
+#[cfg(feature = "report")]
+use crate::predict::predict::{Around, around};
+use crate::predict::predict::{Axis, Places, Prediction, predict};
+#[cfg(feature = "report")]
+use crate::report::plot::{self, Variable};
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
 #[derive(Debug, clap::Args)]
@@ -57,9 +59,11 @@ pub struct Arguments {
     pub json: bool,
     /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves; direction draws a polar picture for
     /// every place, and adds its curves to the JSON ("around")
+    #[cfg(feature = "report")]
     #[arg(long, value_enum, requires = "plot")]
     pub against: Option<Variable>,
     /// The MTF curves as a picture, .svg or .png
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Write there instead of standard output
@@ -68,6 +72,7 @@ pub struct Arguments {
 }
 
 /// Most frequencies that `--against` draws at each place.
+#[cfg(feature = "report")]
 const MOST_CURVES: usize = 12;
 
 #[derive(Serialize)]
@@ -75,6 +80,7 @@ struct Report<'a> {
     kernel: Kernel,
     frequency_per_mm: &'a [f64],
     predictions: &'a [Prediction],
+    #[cfg(feature = "report")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     around: Vec<Around>,
 }
@@ -84,6 +90,7 @@ struct Report<'a> {
 /// # Errors
 /// Result, table, direction or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    #[cfg(feature = "report")]
     if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
         clap::Command::new("fit predict")
             .error(
@@ -94,6 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
     check_model(&arguments.result, &result, arguments.model)?;
@@ -104,7 +112,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         azimuth_deg: cli::only_azimuth(&table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
-    let (mut predictions, mut polar) = (Vec::new(), Vec::new());
+    let mut predictions = Vec::new();
+    #[cfg(feature = "report")]
+    let mut polar = Vec::new();
     let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
     let azimuths: Vec<Option<f64>> = azimuths.collect();
     let own = [places.azimuth_deg];
@@ -115,6 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } {
         places.azimuth_deg = azimuth_deg;
         predictions.extend(predict(&result, &table, &places)?);
+        #[cfg(feature = "report")]
         if arguments.against == Some(Variable::Direction) {
             polar.extend(around(&result, &table, &places)?);
         }
@@ -134,6 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             between.join(", ")
         ));
     }
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         let frequencies = &places.frequency_per_mm;
         output.commit(&match arguments.against {
@@ -147,6 +159,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             kernel: result.kernel,
             frequency_per_mm: &places.frequency_per_mm,
             predictions: &predictions,
+            #[cfg(feature = "report")]
             around: polar,
         })
     } else {

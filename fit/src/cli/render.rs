@@ -17,11 +17,11 @@ use crate::images::render::psf::Psf;
 use crate::images::render::sampled::Spotted;
 use crate::images::render::view::View;
 use crate::images::render::{Scale, sampled};
-use crate::images::sheet::Fitted;
 use crate::images::spot::Place;
 use crate::model::kernel::Family;
 use crate::photographs::photo;
 use crate::photographs::photo::{Picture, Transfer, Writing};
+use crate::predict::sheet::Fitted;
 
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
 #[derive(Debug, clap::Args)]

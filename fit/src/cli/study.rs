@@ -21,7 +21,8 @@ use crate::estimate::scene;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::select;
 use crate::photographs::captures;
-use crate::report::picture;
+#[cfg(feature = "report")]
+use crate::report::{picture, speed as speed_picture};
 use crate::study::forward::{Speed, speed};
 use crate::study::ranges::Ranges;
 use crate::study::refused;
@@ -94,6 +95,7 @@ pub struct Arguments {
     )]
     pub csv: Option<PathBuf>,
     /// Errors and coverage, or of given photographs and renders seconds against error, as a picture, .svg or .png
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE", conflicts_with = "choice")]
     pub plot: Option<PathBuf>,
     /// Samples in place of the closed form.
@@ -120,7 +122,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         (None, Some(captures)) => {
             let campaign = captures::load(captures)?;
+            #[cfg(feature = "report")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
+            #[cfg(feature = "report")]
             let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
             let table = tables::read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
@@ -129,6 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let seconds = start.elapsed().as_secs_f64();
             let open = terms::possible(&open, &mut scene, captures)?;
             let study = pool.install(|| photographs(&scene, seconds, &open));
+            #[cfg(feature = "report")]
             if let Some((path, output)) = picture {
                 output.commit(&picture::photographs(&study, path)?)?;
             }
@@ -152,7 +157,9 @@ fn rendered(
     let mut open = arguments.terms.candidates("fit study");
     sampled::only(&mut open, None, "fit study");
     let campaign = captures::load(captures)?;
+    #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
+    #[cfg(feature = "report")]
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
@@ -168,8 +175,9 @@ fn rendered(
             randomisations,
         )?)
     })?;
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
-        output.commit(&forward::picture(&speed, path)?)?;
+        output.commit(&speed_picture::drawn(&speed, path)?)?;
     }
     Ok(if arguments.json {
         cli::json(&speed)
@@ -229,6 +237,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
     let mut outputs = Outputs::beside([file, &arguments.table]);
     let csv = cli::reserve(arguments.csv.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
         let (trials, refused) = run_all(arguments, pool, |index| {
@@ -250,6 +259,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
         output.commit(spreadsheet(&trials).as_bytes())?;
     }
     let summary = Summary::new(&trials, refused);
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         output.commit(&picture::drawn(&summary, path)?)?;
     }

@@ -3,6 +3,7 @@
 //! All are of what a display shows: linear light, clipped to 0..1, as sRGB values. PSNR and SSIM are worked on in f32; FLIP
 //! and LPIPS are defined on 8-bit pictures and get them rounded.
 
+pub mod error;
 pub mod lpips;
 
 use crate::photographs::photo::{Picture, Transfer};

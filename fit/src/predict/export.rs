@@ -11,7 +11,8 @@ use tables::Table;
 use crate::model::baseline::Baseline;
 use crate::model::kernel::{Blur, Kernel};
 use crate::model::lobe::Shape;
-use crate::predict::predict::{Error, Places, Prediction, predict};
+use crate::predict::error::Error;
+use crate::predict::predict::{Places, Prediction, predict};
 use crate::result::report::ResultFile;
 
 /// Forms of a material.

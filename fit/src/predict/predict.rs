@@ -4,13 +4,13 @@ use serde::Serialize;
 use tables::{Direction, Table};
 
 use crate::compare::view::Model;
-use crate::images::sheet::Fitted;
-pub use crate::images::spot::Error;
 use crate::model::baseline::Baseline;
 use crate::model::kernel::Kernel;
 use crate::model::lobe::Shape;
 use crate::model::shift::ShiftLine;
 use crate::model::wave::WaveLine;
+use crate::predict::error::Error;
+use crate::predict::sheet::Fitted;
 use crate::result::report::ResultFile;
 
 /// Orientation of a pattern: along which axis its contrast is measured.

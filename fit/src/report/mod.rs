@@ -3,3 +3,4 @@
 pub mod page;
 pub mod picture;
 pub mod plot;
+pub mod speed;

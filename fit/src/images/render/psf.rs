@@ -16,8 +16,9 @@ use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
 use crate::images::render::transform::smooth_odd;
-use crate::images::spot::{Error, Place, Sheet};
+use crate::images::spot::{Place, Sheet};
 use crate::photographs::sfr::sinc;
+use crate::predict::error::Error;
 
 /// Error of the transfer at any frequency that the sum over m may leave.
 const TOLERANCE: f64 = 1e-4;

@@ -11,8 +11,9 @@ use crate::images::render::psf::Fault;
 use crate::images::render::view;
 use crate::images::render::view::View;
 use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
-use crate::images::spot::{Error as Dark, Place, Sheet, Spot};
+use crate::images::spot::{Place, Sheet, Spot};
 use crate::photographs::photo::Picture;
+use crate::predict::error::Error as Unshown;
 use crate::samples::sample::Points;
 use crate::samples::sampled::Sampling;
 
@@ -204,7 +205,7 @@ pub fn viewed(
             pixels_from_mm,
             ..
         } = seen(at)?;
-        let fault = |fault: Dark| Error::Pixel {
+        let fault = |fault: Unshown| Error::Pixel {
             column: at[0],
             row: at[1],
             fault: Box::new(fault.into()),
