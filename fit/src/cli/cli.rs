@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use tables::{Output, OutputError, Outputs};
 
+use crate::estimate::error as estimate;
 use crate::estimate::scene;
 #[cfg(feature = "images")]
 use crate::images::{metrics, render};
 use crate::model::kernel::Family;
-use crate::model::wave;
 use crate::photographs::{captures, edge, photo};
 use crate::predict::error as predict;
 #[cfg(feature = "report")]
@@ -34,21 +34,9 @@ pub enum Failure {
     /// The table.
     #[error(transparent)]
     Table(#[from] tables::Error),
-    /// The wave kernel was asked for, but cannot be had.
-    #[error("{}: {fault}", manifest.display())]
-    Wave {
-        /// The manifest.
-        manifest: PathBuf,
-        /// What it lacks.
-        fault: wave::Fault,
-    },
-    /// A baseline that hollow cubes cannot have.
-    #[error("{}: --model guo blurs by the roughness of the front, which hollow cubes lack (index 1 in the table); \
-             name another model", manifest.display())]
-    Hollow {
-        /// The manifest.
-        manifest: PathBuf,
-    },
+    /// The estimate.
+    #[error(transparent)]
+    Estimate(#[from] estimate::Error),
     /// The result is of another model than the one that was named.
     #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table table.h5 --model {} -o result.json",
         path.display(), asked.name())]
@@ -137,13 +125,6 @@ pub enum Failure {
         table: PathBuf,
         /// What it holds.
         held: &'static str,
-    },
-    /// The solver found no optimum.
-    #[error("{}: the fit failed (the model is not finite near its starting values); \
-             check pixel_pitch_mm and the distances", manifest.display())]
-    NoFit {
-        /// The manifest.
-        manifest: PathBuf,
     },
     /// Standard output is closed or full.
     #[error("standard output cannot be written ({0}); check the pipe, or use -o")]

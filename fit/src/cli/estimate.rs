@@ -12,23 +12,15 @@ use crate::cli::cli;
 use crate::cli::cli::Failure;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
-use crate::cli::terms;
 use crate::cli::terms::Terms;
-use crate::compare::view::Weights;
-use crate::estimate::azimuth;
-use crate::estimate::azimuth::Azimuth;
-use crate::estimate::bound::{absent, bounds};
-use crate::estimate::estimate;
-use crate::estimate::estimate::{Value, refined};
-use crate::estimate::forward;
+use crate::estimate::campaign::{Estimated, Options, campaign};
+use crate::estimate::error;
 use crate::estimate::forward::Forward;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::scene::Scene;
-use crate::estimate::select::{Candidates, Selection, select};
+use crate::estimate::loss::Kind;
+use crate::estimate::watch::Watch;
 use crate::model::kernel::Family;
-use crate::numerics::solve::Stop;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Spectrum};
+use crate::photographs::captures::{Campaign, Shot, Spectrum};
 use crate::photographs::photo::Channel;
 #[cfg(feature = "report")]
 use crate::report::page::{Evidence, Page};
@@ -118,21 +110,38 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     }))
 }
 
+/// The options of the estimate as the command line has them. Ends the program with a usage error where they exclude each other.
+fn options(arguments: &Arguments) -> Options {
+    let mut options = Options::new(arguments.terms.candidates("fit estimate"));
+    if arguments.forward == Forward::Render {
+        sampled::only(&mut options.candidates, arguments.loss, "fit estimate");
+        options.samples = Some(arguments.samples.sampling());
+    }
+    options.loss = arguments.loss;
+    options.fit_azimuth = arguments.fit_azimuth;
+    options.spectrum = arguments.wavelength_nm.clone();
+    if let Some(Channels(channels)) = &arguments.channel
+        && let [one] = &channels[..]
+    {
+        options.channel = Some(one.clone());
+    }
+    options
+}
+
+/// Channels that are fitted one by one, if there are several.
+fn several(arguments: &Arguments) -> Option<&[Channel]> {
+    let Channels(channels) = arguments.channel.as_ref()?;
+    (channels.len() > 1).then_some(channels)
+}
+
 /// Runs the verb.
 ///
 /// # Errors
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut candidates = arguments.terms.candidates("fit estimate");
-    if arguments.forward == Forward::Render {
-        sampled::only(&mut candidates, arguments.loss, "fit estimate");
-    }
+    let options = options(arguments);
     #[cfg(feature = "report")]
-    let several = |Channels(list): &Channels| list.len() > 1;
-    #[cfg(feature = "report")]
-    if arguments.channel.as_ref().is_some_and(several)
-        && (arguments.plot.is_some() || arguments.report.is_some())
-    {
+    if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
         clap::Command::new("fit estimate")
             .error(
                 clap::error::ErrorKind::ArgumentConflict,
@@ -141,25 +150,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let start = Instant::now();
-    let mut campaign = captures::load(&arguments.captures)?;
-    if let Some(spectrum) = &arguments.wavelength_nm {
-        campaign.setup.spectrum = Some(spectrum.clone());
-    }
-    if arguments.fit_azimuth {
-        for capture in &mut campaign.captures {
-            capture.azimuth_deg.get_or_insert(0.0);
-        }
-    }
-    let shots = campaign
-        .reference
-        .iter()
-        .chain(campaign.captures.iter().map(|capture| &capture.shot));
-    let named = [arguments.captures.as_path(), &arguments.table];
-    let inputs = named
-        .into_iter()
-        .chain(arguments.truth.as_deref())
-        .chain(shots.map(|shot| shot.image.as_path()));
-    let mut outputs = Outputs::beside(inputs);
+    let campaign = captures::load(&arguments.captures)?;
+    let mut outputs = Outputs::beside(inputs(arguments, &campaign));
     let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
@@ -171,31 +163,32 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| cli::read_json(path, "holds a planted answer"))
         .transpose()?;
     let pool = cli::pool(arguments.threads)?;
-    if let Some(Channels(channels)) = &arguments.channel {
-        if let [one] = &channels[..] {
-            campaign = campaign.in_channel(one);
-        } else {
-            let results =
-                pool.install(|| each_channel(arguments, &candidates, &campaign, channels))?;
-            let json = cli::json(&results);
-            if let Some(output) = output {
-                output.commit(json.as_bytes())?;
-            }
-            let tables = results
-                .iter()
-                .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
-            return cli::print(&if arguments.json {
-                json
-            } else {
-                tables.collect::<Vec<_>>().join("\n")
-            });
+    let table = pool.install(|| tables::read(&arguments.table))?;
+    let job = Job {
+        arguments,
+        campaign: &campaign,
+        table: &table,
+    };
+    if let Some(channels) = several(arguments) {
+        let results = pool.install(|| job.each_channel(&options, channels))?;
+        let json = cli::json(&results);
+        if let Some(output) = output {
+            output.commit(json.as_bytes())?;
         }
+        let tables = results
+            .iter()
+            .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
+        return cli::print(&if arguments.json {
+            json
+        } else {
+            tables.collect::<Vec<_>>().join("\n")
+        });
     }
     #[cfg_attr(
         not(feature = "report"),
         expect(unused_variables, reason = "the page shows it")
     )]
-    let (result, evidence) = pool.install(|| estimate(arguments, &candidates, &campaign, start))?;
+    let (estimated, result) = pool.install(|| job.run(&options, start))?;
     warn(&result, "");
     let json = cli::json(&result);
     #[cfg(feature = "report")]
@@ -203,12 +196,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         output.commit(&plot::fitted(&result, path)?)?;
     }
     #[cfg(feature = "report")]
-    if let (Some(page), Some(evidence)) = (page, &evidence) {
+    if let Some(page) = page {
+        let evidence = pool.install(|| Evidence::of(&estimated));
         let shown = Page {
             result: &result,
-            campaign: &campaign,
+            campaign: &estimated.campaign,
             truth: truth.as_ref(),
-            evidence,
+            evidence: &evidence,
             command: &cli::command_line(std::env::args_os()),
         };
         page.commit(pool.install(|| shown.html()).as_bytes())?;
@@ -223,20 +217,62 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-/// One estimate for each channel, by its name.
-fn each_channel(
-    arguments: &Arguments,
-    candidates: &Candidates,
-    campaign: &Campaign,
-    channels: &[Channel],
-) -> Result<BTreeMap<String, ResultFile>, Failure> {
-    let one = |channel: &Channel| {
-        let campaign = campaign.in_channel(channel);
-        let (result, _) = estimate(arguments, candidates, &campaign, Instant::now())?;
-        warn(&result, &format!("{channel}: "));
-        Ok((channel.to_string(), result))
-    };
-    channels.iter().map(one).collect()
+/// Files that are read, of which none may be an output.
+fn inputs<'a>(
+    arguments: &'a Arguments,
+    campaign: &'a Campaign,
+) -> impl Iterator<Item = &'a Path> {
+    let captures = campaign.captures.iter().map(|capture| &capture.shot);
+    let shots = campaign.reference.iter().chain(captures);
+    [arguments.captures.as_path(), &arguments.table]
+        .into_iter()
+        .chain(arguments.truth.as_deref())
+        .chain(shots.map(|shot| shot.image.as_path()))
+}
+
+/// What is estimated from.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    campaign: &'a Campaign,
+    table: &'a Table,
+}
+
+impl Job<'_> {
+    /// One estimate, and what is written of it.
+    fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
+        let (table, watch) = (self.table, &Watch::NOBODY);
+        let estimated = campaign(self.campaign, &Shot::load, table, options, watch).map_err(
+            |error| match error {
+                error::Error::OneAzimuth { held } => Failure::OneAzimuth {
+                    table: self.arguments.table.clone(),
+                    held,
+                },
+                error => error.into(),
+            },
+        )?;
+        let table = TableResult::of(table);
+        let seconds = start.elapsed().as_secs_f64();
+        let result = ResultFile::new(&estimated, table, seconds);
+        Ok((estimated, result))
+    }
+
+    /// One estimate for each channel, by its name.
+    fn each_channel(
+        &self,
+        options: &Options,
+        channels: &[Channel],
+    ) -> Result<BTreeMap<String, ResultFile>, Failure> {
+        let one = |channel: &Channel| {
+            let options = Options {
+                channel: Some(channel.clone()),
+                ..options.clone()
+            };
+            let (_, result) = self.run(&options, Instant::now())?;
+            warn(&result, &format!("{channel}: "));
+            Ok((channel.to_string(), result))
+        };
+        channels.iter().map(one).collect()
+    }
 }
 
 /// Says what the user should know of a result.
@@ -249,121 +285,6 @@ fn warn(result: &ResultFile, before: &str) {
             cli::warn(&format!("{before}{}: {warning}", capture.image));
         }
     }
-}
-
-/// What the page shows beyond the result.
-#[cfg(feature = "report")]
-type Rest = Option<Evidence>;
-#[cfg(not(feature = "report"))]
-type Rest = ();
-
-fn estimate(
-    arguments: &Arguments,
-    candidates: &Candidates,
-    campaign: &Campaign,
-    start: Instant,
-) -> Result<(ResultFile, Rest), Failure> {
-    let table = tables::read(&arguments.table)?;
-    let mut scene = Scene::load(campaign, &table)?;
-    let turned = arguments
-        .fit_azimuth
-        .then(|| turned(arguments, &mut scene, &table));
-    let turned = turned.transpose()?;
-    let candidates = terms::possible(candidates, &mut scene, &arguments.captures)?;
-    let render = arguments.forward == Forward::Render;
-    let default = if render { Kind::Mtf } else { Kind::Edge };
-    let kind = arguments.loss.unwrap_or(default);
-    let weights = match kind {
-        Kind::Mse => Weights::Even,
-        Kind::Mtf | Kind::Edge => Weights::Noise,
-    };
-    // Terms, and what the photographs only bound, are decided in closed form and in units of the noise.
-    let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
-    let mut selection = select(&scene, telling, &candidates);
-    let mut bounds = bounds(&scene, &selection.loss, &selection.best);
-    bounds.extend(absent(&scene, &selection));
-    if render {
-        let Selection { best, compared, .. } = selection;
-        let sampling = arguments.samples.sampling();
-        let best = forward::by_samples(&mut scene, &table, weights, best.choice, sampling)?;
-        selection = Selection {
-            loss: Loss::of_mtfs(&scene, weights),
-            best,
-            compared,
-        };
-    } else if kind == Kind::Mse {
-        let loss = Loss::Mse(&scene);
-        let best = refined(&scene, &loss, selection.best.optimum());
-        selection.best = estimate::estimate(&scene, &loss, best);
-        selection.loss = loss;
-    }
-    if let Some(found) = &turned {
-        let Selection {
-            mut best, compared, ..
-        } = selection;
-        best.add_scatter(&azimuth::scatter(
-            &mut scene,
-            &table,
-            found,
-            kind,
-            best.choice,
-        )?);
-        let near = best.solution.parameters.clone();
-        selection = Selection {
-            loss: Loss::new(kind, &scene, (best.choice, &near)),
-            best,
-            compared,
-        };
-    }
-    let finite = |value: &Value| value.value.is_finite();
-    let best = &selection.best;
-    let all = best
-        .c_mm
-        .iter()
-        .chain(&best.spread)
-        .chain(best.mu.iter().flatten());
-    if best.solution.stop == Stop::Failed || !best.chi2.is_finite() || !all.into_iter().all(finite)
-    {
-        return Err(Failure::NoFit {
-            manifest: arguments.captures.clone(),
-        });
-    }
-    let source = TableResult::of(&table);
-    let seconds = start.elapsed().as_secs_f64();
-    let mut result = ResultFile::new(&scene, &selection, bounds, source, seconds);
-    if let Some(found) = turned {
-        result.azimuth_deg = Some(Number {
-            value: Some(found.deg.value),
-            standard_error: Some(found.deg.standard_error),
-        });
-        let others = found.others_deg.iter();
-        result.warnings.extend(others.map(|deg| {
-            format!("the photographs are as likely at azimuth {deg:.2} deg; an edge in another direction would tell")
-        }));
-    }
-    #[cfg(feature = "report")]
-    let evidence = arguments.report.as_ref();
-    #[cfg(feature = "report")]
-    let evidence = evidence.map(|_| Evidence::of(&scene, &selection, &result.bounds));
-    #[cfg(not(feature = "report"))]
-    let evidence = ();
-    Ok((result, evidence))
-}
-
-/// The azimuth that the photographs themselves tell, the scene left there.
-fn turned(arguments: &Arguments, scene: &mut Scene, table: &Table) -> Result<Azimuth, Failure> {
-    let one = |held| Failure::OneAzimuth {
-        table: arguments.table.clone(),
-        held,
-    };
-    if table.axes.is_mean() {
-        return Err(one("it is a mean over all"));
-    }
-    if table.axes.azimuth_deg.len() < 2 {
-        return Err(one("it holds one"));
-    }
-    let choice = azimuth::flexible(scene);
-    Ok(azimuth::find(scene, table, choice)?)
 }
 
 /// The result as a table for a person.

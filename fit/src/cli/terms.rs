@@ -1,13 +1,8 @@
 //! The options by which a verb leaves terms of the model open, or closes them.
 
-use std::path::Path;
-
-use crate::cli::cli::Failure;
-use crate::estimate::scene::Scene;
 use crate::estimate::select::Candidates;
 use crate::model::kernel::{Family, Kernel};
 use crate::model::lobe::Shape;
-use crate::model::wave;
 
 /// Which terms are open.
 #[derive(Debug, clap::Args)]
@@ -144,52 +139,4 @@ impl Terms {
             per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu),
         }
     }
-}
-
-/// The candidates that the photographs and the table allow: `wave` needs wavelengths and polygons, a rough front a front.
-/// What is left out is said in the scene's warnings, unless nobody asked for it. A baseline's light is put in the place of
-/// the table's.
-///
-/// # Errors
-/// [`Failure::Wave`] where `wave` alone was asked for; [`Failure::Hollow`] where `guo` was for hollow cubes.
-pub fn possible(
-    candidates: &Candidates,
-    scene: &mut Scene,
-    manifest: &Path,
-) -> Result<Candidates, Failure> {
-    let mut candidates = candidates.clone();
-    let hollow = scene.shots.iter().any(|shot| shot.refractive_index <= 1.0);
-    if hollow && candidates.kernels == [Kernel::Guo] {
-        return Err(Failure::Hollow {
-            manifest: manifest.to_owned(),
-        });
-    }
-    if hollow {
-        let front = |kernel: &Kernel| *kernel == Kernel::SaitoSurface;
-        candidates.kernels.retain(|kernel| !front(kernel));
-    }
-    if let Some(&kernel) = candidates
-        .kernels
-        .iter()
-        .find(|kernel| kernel.is_baseline())
-    {
-        scene.returning_as(kernel);
-    }
-    if candidates.kernels.contains(&Kernel::Wave)
-        && let Err(fault) = scene.waves()
-    {
-        if candidates.kernels == [Kernel::Wave] {
-            return Err(Failure::Wave {
-                manifest: manifest.to_owned(),
-                fault,
-            });
-        }
-        candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
-        if fault != wave::Fault::NoWavelength {
-            scene.warnings.push(format!(
-                "the wave kernel is not among the candidates: {fault}"
-            ));
-        }
-    }
-    Ok(candidates)
 }

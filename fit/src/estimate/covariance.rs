@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::compare::reflectance::Contrast;
 use crate::compare::view::Weights;
-use crate::estimate::estimate::{Compared, model};
+use crate::estimate::compared::{Compared, curve};
 use crate::estimate::layout::Layout;
 use crate::estimate::reference::Reference;
 use crate::estimate::scene::Scene;
@@ -83,7 +83,7 @@ impl Noise {
             })
             .collect();
         // Blur by lens parameters.
-        let neighbours = scene.reference.as_ref().map(Reference::neighbours);
+        let neighbours = scene.reference.as_deref().map(Reference::neighbours);
         let by_lens: Vec<DVector<f64>> = neighbours
             .into_iter()
             .flatten()
@@ -94,13 +94,12 @@ impl Noise {
                     .zip(parts)
                     .zip(&answers)
                     .map(|((shot, part), answer)| {
-                        let other = shot.view.through(&camera);
                         let blur = layout.blur(&solution.parameters, shot.group);
-                        let curve = other.curve(&model(shot, layout.choice), blur);
-                        let (modelled, _) = other.predict(&curve.bins, &[]);
+                        let curve = curve(shot, Some(&camera), layout.choice, blur);
+                        let (modelled, _) = shot.view.predict(&curve.bins, &[]);
                         let pairs = modelled.iter().zip(&part.modelled);
                         let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / step).collect();
-                        answer * other.weigh(weights, &change)
+                        answer * shot.view.weigh(weights, &change)
                     })
                     .collect();
                 // One after the other, so that the rounding is the same whatever the threads.
@@ -171,8 +170,10 @@ pub fn reflectances(
         .zip(contrasts)
         .map(|(shot, contrast)| {
             let relative = contrast.variance(&shot.view.profile) / contrast.step.powi(2);
-            let weight = 1.0 / (relative + shot.eta_relative_error().powi(2)).max(1e-16);
-            let ratio = scene.reflectance(shot, contrast.step);
+            let kernel = layout.choice.kernel;
+            let by_rays = shot.returned(kernel).relative_error();
+            let weight = 1.0 / (relative + by_rays.powi(2)).max(1e-16);
+            let ratio = scene.reflectance(shot, kernel, contrast.step);
             (layout.mu_group(shot.group), weight, ratio)
         })
         .collect();
@@ -212,7 +213,7 @@ fn mu(
         for (column, change) in layout.columns(shot.group).into_iter().zip(changes) {
             by_blur[(g, column)] += share * contrasts[i].relative_change(change);
         }
-        eta_error[(g, shot.group)] += share * shot.eta_relative_error();
+        eta_error[(g, shot.group)] += share * shot.returned(layout.choice.kernel).relative_error();
     }
     let n = p + groups;
     let mut covariance = DMatrix::zeros(n, n);

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use crate::estimate::estimate::Choice;
+use crate::estimate::choice::Choice;
 use crate::model::kernel::Blur;
 
 /// The order of one candidate's parameters.

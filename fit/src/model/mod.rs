@@ -5,6 +5,7 @@ pub mod camera;
 pub mod kernel;
 pub mod lobe;
 pub mod microfacet;
+pub mod model;
 pub mod shift;
 pub mod spread;
 pub mod wave;

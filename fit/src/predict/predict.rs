@@ -3,10 +3,10 @@
 use serde::Serialize;
 use tables::{Direction, Table};
 
-use crate::compare::view::Model;
 use crate::model::baseline::Baseline;
 use crate::model::kernel::Kernel;
 use crate::model::lobe::Shape;
+use crate::model::model::Model;
 use crate::model::shift::ShiftLine;
 use crate::model::wave::WaveLine;
 use crate::predict::error::Error;

@@ -92,7 +92,7 @@ impl Page<'_> {
             values.len()
         };
         let warnings = photographs::number(result);
-        let (class, fits) = if self.evidence.reduced_chi2 > crate::result::report::POOR_FIT {
+        let (class, fits) = if self.evidence.reduced_chi2 > crate::estimate::verdict::POOR_FIT {
             ("poor", "does not describe them within their noise")
         } else {
             ("good", "describes them within their noise")

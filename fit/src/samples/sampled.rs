@@ -21,10 +21,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::compare::view::{Curve, Model};
 use crate::model::camera::Camera;
 use crate::model::kernel::{Blur, Kernel};
 use crate::model::lobe::Shape;
+use crate::model::model::{Curve, Model};
 use crate::photographs::edge::Line;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::Raster;

@@ -11,17 +11,20 @@ use serde::Serialize;
 use tables::Table;
 
 use crate::estimate::bound;
-use crate::estimate::estimate::{Choice, Optimum, refined};
+use crate::estimate::bound::Bound;
+use crate::estimate::choice::Choice;
+use crate::estimate::error::Error;
 use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::scene;
+use crate::estimate::optimum::{Optimum, refined};
+use crate::estimate::parameter::ParameterKind;
 use crate::estimate::scene::Scene;
-use crate::estimate::select::{CLEAR, Candidates, Compared, own_mu_limit, scatter_of_mu, select};
+use crate::estimate::select::{CLEAR, Candidates, Ranked, own_mu_limit, scatter_of_mu, select};
+use crate::estimate::watch::Watch;
 use crate::model::kernel::Kernel;
 use crate::numerics::solve::{Solution, Stop};
 use crate::photographs::edge::Accepted;
-use crate::result::report::Bound;
 use crate::simulate::noise::PixelNoise;
 use crate::simulate::photograph as simulate;
 use crate::simulate::photograph::{ByIncidence, Params};
@@ -90,7 +93,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
-pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
+pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let scene = trial::scene(params, table, &[], simulate::photograph)?;
     let truth = &params.truth;
     let own = |values: &ByIncidence| matches!(values, ByIncidence::Table(_));
@@ -108,7 +111,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::E
         per_angle_a: None,
         per_angle_mu: None,
     };
-    let selection = select(&scene, Kind::Edge, &open);
+    let selection = select(&scene, Kind::Edge, &open, &Watch::NOBODY)?;
     let best = &selection.best;
     // A plateau without noise looks clipped: a millionth of noise parts its pixels. And where noise does not hide it, a ripple
     // of the blur may look like a second edge.
@@ -134,11 +137,11 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::E
     });
     let mut bounds = bound::bounds(&scene, &selection.loss, best);
     bounds.extend(bound::absent(&scene, &selection));
-    let one_sided = |name: &str, side: fn(&Bound) -> Option<f64>, planted: Option<f64>| {
-        bounds.get(name).map(|found| {
+    let one_sided = |kind: ParameterKind, side: fn(&Bound) -> Option<f64>, planted: Option<f64>| {
+        bounds.get(&kind.shared()).map(|found| {
             let bound = side(found);
-            let holds = match (name, bound, planted) {
-                ("c_mm", Some(bound), Some(c)) => c <= bound,
+            let holds = match (kind, bound, planted) {
+                (ParameterKind::CornerSize, Some(bound), Some(c)) => c <= bound,
                 (_, Some(bound), Some(a)) => a >= bound,
                 _ => true,
             };
@@ -171,9 +174,9 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::E
             simpler: chosen.is_some_and(|row| row.precedes(choice, parameters)),
         },
         mu,
-        c_at_most: one_sided("c_mm", |b| b.at_most, Some(c)),
+        c_at_most: one_sided(ParameterKind::CornerSize, |b| b.at_most, Some(c)),
         a_at_least: (literal && !choice.per_angle_a)
-            .then(|| one_sided("a_per_mm", |b| b.at_least, a))
+            .then(|| one_sided(ParameterKind::APerMm, |b| b.at_least, a))
             .flatten(),
     })
 }
@@ -191,7 +194,7 @@ fn margins(
     params: &Params,
     scene: &Scene,
     choice: Choice,
-    rivals: &[Compared],
+    rivals: &[Ranked],
 ) -> (Option<f64>, Option<f64>) {
     let layout = Layout::new(choice, scene.groups.len());
     let truth = &params.truth;

@@ -6,10 +6,13 @@ use nalgebra::DVector;
 use serde::Serialize;
 use tables::Table;
 
-use crate::estimate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use crate::estimate::choice::Choice;
+use crate::estimate::error::Error;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{optimum, refined};
 use crate::estimate::scene;
 use crate::estimate::scene::Scene;
 use crate::model::kernel::Kernel;
@@ -51,7 +54,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
-pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
+pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let scene = scene(params, table, &[], simulate::photograph)?;
     let choice = Choice {
         kernel: Kernel::Eq1,
