@@ -3,8 +3,9 @@
 mod planted;
 
 use fit::estimate::azimuth::{find, scatter};
-use fit::estimate::estimate::Choice;
+use fit::estimate::choice::Choice;
 use fit::estimate::loss::Kind;
+use fit::estimate::watch::Watch;
 use fit::model::kernel::Kernel;
 use fit::model::lobe::Shape;
 use fit::simulate::photograph::Truth;
@@ -60,13 +61,11 @@ fn a_planted_azimuth_comes_back() {
             // Edges in several directions tell a sheet from its mirror image.
             shot.edge.normal_deg += [0.0, 55.0, 90.0][k % 3];
         }
-        let mut scene = scene(&campaign, &table);
+        let scene = scene(&campaign, &table);
         let unknown = vec![0.0; scene.shots.len()];
-        assert!(
-            scene.turn(&table, &unknown).unwrap(),
-            "light returns everywhere"
-        );
-        let found = find(&mut scene, &table, choice).unwrap();
+        let scene = scene.turned(&table, &unknown).unwrap();
+        assert!(scene.is_lit(), "light returns everywhere");
+        let (found, scene) = find(&scene, &table, choice, &Watch::NOBODY).unwrap();
         assert_eq!(found.period_deg, 60.0);
         let off = (found.deg.value - planted + 30.0).rem_euclid(60.0) - 30.0;
         let pull = off / found.deg.standard_error;
@@ -77,7 +76,7 @@ fn a_planted_azimuth_comes_back() {
         assert!(found.deg.standard_error < 3.0, "the photographs tell it");
         assert!(pull.abs() < 4.0);
         pulls.push(pull);
-        let added = scatter(&mut scene, &table, &found, Kind::Mtf, choice).unwrap();
+        let added = scatter(&scene, &table, &found, Kind::Mtf, choice).unwrap();
         // c, a and three mu, of logarithms: what a degree of azimuth changes is a few percent at most.
         assert_eq!(added.nrows(), 5);
         assert!(

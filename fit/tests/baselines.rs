@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use fit::estimate::loss::Kind;
 use fit::estimate::scene::Scene;
 use fit::estimate::select::{Candidates, Selection, select};
+use fit::estimate::watch::Watch;
 use fit::model::baseline::{Baseline, fresnel, returned};
 use fit::model::kernel::{Blur, Family, Kernel};
 use fit::model::lobe::Shape;
@@ -491,7 +492,7 @@ impl Sheet {
         };
         let truth = planted::truth(Kernel::Eq1, Shape::Radial, 4.0, 0.2, 0.5);
         let table = planted::table(&truth, &angles, AZIMUTH);
-        let mut scene = Scene::of(&campaign, &table, &|shot| {
+        Scene::of(&campaign, &table, &|shot| {
             let name = shot.image.to_string_lossy();
             let numbers: Vec<f64> = name.split(' ').filter_map(|n| n.parse().ok()).collect();
             Ok(match numbers[..] {
@@ -516,9 +517,7 @@ impl Sheet {
                 }
             })
         })
-        .expect("the photographs hold edges");
-        scene.returning_as(self.kernel);
-        scene
+        .expect("the photographs hold edges")
     }
 }
 
@@ -529,7 +528,7 @@ fn fitted<'a>(scene: &'a Scene, family: Family) -> Selection<'a> {
         per_angle_a: Some(false),
         per_angle_mu: None,
     };
-    select(scene, Kind::Edge, &open)
+    select(scene, Kind::Edge, &open, &Watch::NOBODY).expect("candidates are open")
 }
 
 /// Photographs that a baseline describes return its roughness and mu within 4 standard errors (14 numbers), its lobe, and a

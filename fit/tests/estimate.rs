@@ -3,14 +3,19 @@
 mod planted;
 
 use fit::compare::reflectance::Contrast;
-use fit::compare::view::{Model, Weights};
+use fit::compare::view::Weights;
 use fit::estimate::bound::{absent, bounds};
-use fit::estimate::estimate::{Choice, Estimate, estimate, optimum, refined, residuals_at};
+use fit::estimate::choice::Choice;
+use fit::estimate::estimate::{Estimate, estimate};
 use fit::estimate::loss::{Kind, Loss};
+use fit::estimate::optimum::{optimum, refined, residuals_at};
+use fit::estimate::parameter::ParameterKind;
 use fit::estimate::scene::Scene;
 use fit::estimate::select::{Candidates, select};
+use fit::estimate::watch::Watch;
 use fit::model::kernel::{Blur, Kernel};
 use fit::model::lobe::Shape;
+use fit::model::model::Model;
 use fit::photographs::captures;
 use fit::photographs::captures::Spectrum;
 use fit::simulate::photograph as simulate;
@@ -51,8 +56,8 @@ fn model_equals_noise_free_photographs() {
                 let model = Model {
                     kernel,
                     shape,
-                    shift: shot.shift.as_ref(),
-                    wave: shot.wave.as_ref().ok(),
+                    shift: shot.facing.shift.as_ref(),
+                    wave: shot.facing.wave.as_ref().ok(),
                     baseline: None,
                     r_mm: shot.r_mm,
                     normal: shot.view.normal(),
@@ -149,7 +154,7 @@ fn derivatives_match_differences() {
 
 /// Differences from the truth in units of the reported standard error, over planted campaigns.
 fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
-    let pull = |v: fit::estimate::estimate::Value, truth: f64| (v.value - truth) / v.standard_error;
+    let pull = |v: fit::estimate::choice::Value, truth: f64| (v.value - truth) / v.standard_error;
     let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
     [
         pull(fit.c_mm.expect("eq1 has c"), c),
@@ -236,16 +241,19 @@ fn selection_finds_the_planted_terms() {
                 &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
                 &table,
             );
-            let selection = select(&scene, Kind::Mtf, &everything);
+            let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
             // What is left out is bounded: c below what would blur like a pixel (0.05), a above 20.
             let bound = absent(&scene, &selection);
             println!("{kernel:?} {shape:?} {bound:?}");
             match kernel {
-                Kernel::Lobe => assert!(bound.is_some_and(
-                    |(name, b)| name == "c_mm" && b.at_most.is_some_and(|c| c > 0.0 && c < 0.1)
-                )),
-                Kernel::Shift => assert!(bound.is_some_and(|(name, b)| name == "a_per_mm"
-                    && b.at_least.is_some_and(|a| a > 20.0 && a.is_finite()))),
+                Kernel::Lobe => assert!(
+                    bound.is_some_and(|(id, b)| id == ParameterKind::CornerSize.shared()
+                        && b.at_most.is_some_and(|c| c > 0.0 && c < 0.1))
+                ),
+                Kernel::Shift => assert!(
+                    bound.is_some_and(|(id, b)| id == ParameterKind::APerMm.shared()
+                        && b.at_least.is_some_and(|a| a > 20.0 && a.is_finite()))
+                ),
                 _ => assert_eq!(bound, None),
             }
             let chosen = selection.best.choice;
@@ -281,7 +289,7 @@ fn absent_terms_are_bounded() {
     );
     let found = bounds(&diffraction, &Loss::Mtf(&diffraction), &fit);
     let c = found
-        .get("c_mm")
+        .get(&ParameterKind::CornerSize.shared())
         .expect("c is not identified")
         .at_most
         .expect("it is bounded from above");
@@ -295,7 +303,7 @@ fn absent_terms_are_bounded() {
     let fit = estimate(&shift, &Loss::Mtf(&shift), optimum(&shift, SHARED));
     let found = bounds(&shift, &Loss::Mtf(&shift), &fit);
     let a = found
-        .get("a_per_mm")
+        .get(&ParameterKind::APerMm.shared())
         .expect("a is not identified")
         .at_least
         .expect("it is bounded from below");

@@ -2,16 +2,18 @@
 
 mod planted;
 
-use fit::compare::view::{Curve, Weights};
-use fit::estimate::estimate::{
-    Choice, Estimate, compare, estimate, model, optimum, refined, residuals_at,
-};
-use fit::estimate::forward;
-use fit::estimate::forward::RANDOMISATIONS;
+use fit::compare::view::Weights;
+use fit::estimate::choice::Choice;
+use fit::estimate::compared::{compare, curve};
+use fit::estimate::estimate::{Estimate, estimate};
+use fit::estimate::forward::{RANDOMISATIONS, Renders};
 use fit::estimate::loss::Loss;
+use fit::estimate::optimum::{optimum, refined, residuals_at};
 use fit::estimate::scene::Scene;
+use fit::estimate::watch::Watch;
 use fit::model::kernel::{Blur, Kernel};
 use fit::model::lobe::Shape;
+use fit::model::model::Curve;
 use fit::samples::sample::Sequence;
 use fit::samples::sampled::Sampling;
 use nalgebra::DVector;
@@ -48,6 +50,15 @@ fn sampling(samples: usize, sequence: Sequence) -> Sampling {
     }
 }
 
+fn renders<'a>(scene: &'a Scene, table: &'a Table, sampling: Sampling) -> Renders<'a> {
+    Renders {
+        scene,
+        table,
+        weights: Weights::Noise,
+        sampling,
+    }
+}
+
 const fn spread(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Angular => 700.0,
@@ -79,21 +90,19 @@ fn curves_are_those_of_the_closed_form() {
                     spread: spread(kernel),
                     c_mm: 0.31,
                 };
-                let (mut scene, table) = campaign(kernel, shape, blur.spread);
+                let (scene, table) = campaign(kernel, shape, blur.spread);
                 let choice = choice(kernel, shape);
                 let curves = |scene: &Scene| -> Vec<Curve> {
                     let shots = scene.shots.iter();
-                    shots
-                        .map(|shot| shot.view.curve(&model(shot, choice), blur))
-                        .collect()
+                    shots.map(|shot| curve(shot, None, choice, blur)).collect()
                 };
                 let closed = curves(&scene);
                 let drawn: Vec<Vec<Curve>> = (0..8)
                     .map(|randomisation| {
                         let sampling = sampling(32, sequence);
-                        forward::draw(&mut scene, &table, choice, sampling, randomisation)
-                            .expect("the table has the directions");
-                        curves(&scene)
+                        let renders = renders(&scene, &table, sampling);
+                        let drawn = renders.drawn(choice, randomisation);
+                        curves(&drawn.expect("the table has the directions"))
                     })
                     .collect();
                 for (shot, closed) in closed.iter().enumerate() {
@@ -138,9 +147,10 @@ fn curves_are_those_of_the_closed_form() {
 fn derivatives_are_those_of_the_samples() {
     let mut cases = 0;
     for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
-        let (mut scene, table) = campaign(kernel, Shape::Radial, spread(kernel));
+        let (scene, table) = campaign(kernel, Shape::Radial, spread(kernel));
         let choice = choice(kernel, Shape::Radial);
-        forward::draw(&mut scene, &table, choice, sampling(16, Sequence::Sobol), 0)
+        let scene = renders(&scene, &table, sampling(16, Sequence::Sobol))
+            .drawn(choice, 0)
             .expect("the table has the directions");
         let mut at = Vec::new();
         if kernel.has_c() {
@@ -190,7 +200,7 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
         (Kernel::Angular, Shape::Separable, Weights::Noise),
         (Kernel::Eq1, Shape::Radial, Weights::Even),
     ] {
-        let (mut scene, table) = campaign(kernel, shape, spread(kernel));
+        let (scene, table) = campaign(kernel, shape, spread(kernel));
         let choice = choice(kernel, shape);
         let closed = {
             let loss = Loss::of_mtfs(&scene, weights);
@@ -199,12 +209,17 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
         };
         for samples in [4, 64] {
             let sampling = sampling(samples, Sequence::Sobol);
-            let fit = forward::by_samples(&mut scene, &table, weights, choice, sampling)
+            let renders = Renders {
+                weights,
+                ..renders(&scene, &table, sampling)
+            };
+            let (fit, _) = renders
+                .estimate(choice, &Watch::NOBODY)
                 .expect("the table has the directions");
             assert!(fit.solution.iterations < 200, "{}", fit.solution.iterations);
             let own = fit.sampling.as_ref().expect("samples were drawn");
             let found = logarithms(&fit);
-            for (i, name) in fit.names.iter().enumerate() {
+            for (i, name) in fit.parameters.iter().enumerate() {
                 let error = own.standard_error[i] / found[i].exp();
                 let off = found[i] - closed[i];
                 println!(
@@ -235,19 +250,20 @@ fn samples_do_not_depend_on_threads() {
             .build()
             .expect("threads");
         pool.install(|| {
-            let (mut scene, table) = campaign(Kernel::Eq1, Shape::Radial, 3.4);
+            let (scene, table) = campaign(Kernel::Eq1, Shape::Radial, 3.4);
             let choice = choice(Kernel::Eq1, Shape::Radial);
             let sampling = Sampling {
                 seed,
                 ..sampling(5, Sequence::Sobol)
             };
-            forward::draw(&mut scene, &table, choice, sampling, 1).expect("directions");
+            let renders = renders(&scene, &table, sampling);
+            let scene = renders.drawn(choice, 1).expect("directions");
             let blur = Blur {
                 spread: 3.0,
                 c_mm: 0.3,
             };
             let shot = &scene.shots[1];
-            let part = compare(shot, &shot.view, choice, blur);
+            let part = compare(shot, None, choice, blur);
             part.difference
                 .iter()
                 .map(|r| r.to_bits())

@@ -3,10 +3,12 @@
 mod planted;
 
 use fit::compare::likelihood::{Nuisances, Photograph};
-use fit::estimate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use fit::estimate::choice::Choice;
+use fit::estimate::estimate::{Estimate, estimate};
 use fit::estimate::joint::{Joint, Used};
 use fit::estimate::layout::Layout;
 use fit::estimate::loss::{Kind, Loss};
+use fit::estimate::optimum::{optimum, refined};
 use fit::estimate::scene::Scene;
 use fit::model::kernel::{Blur, Kernel};
 use fit::model::lobe::Shape;
@@ -53,7 +55,7 @@ fn nuisance_derivatives_match_differences() {
     );
     let shot = &scene.shots[0];
     let mut photograph = Photograph::new(&shot.pixels, scene.camera.pitch_mm);
-    let model = fit::estimate::estimate::model(shot, SHARED);
+    let model = fit::estimate::compared::model(shot, SHARED);
     let blur = Blur {
         spread: 3.4,
         c_mm: 0.31,

@@ -242,8 +242,12 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
         per_angle_a: Some(true),
         per_angle_mu: Some(false),
     };
-    let study = photographs(&scene, 0.0, &open);
-    let names: Vec<&str> = study.parameters.iter().map(|p| p.name.as_str()).collect();
+    let study = photographs(&scene, 0.0, &open).expect("candidates are open");
+    let names: Vec<String> = study
+        .parameters
+        .iter()
+        .map(|p| p.name.to_string())
+        .collect();
     assert_eq!(names, ["c_mm", "a_per_mm_at_5", "a_per_mm_at_30", "mu"]);
     for p in &study.parameters {
         // Chi-square per degree of freedom may lie above 1 by chance, sqrt(2 / 10^4) = 1.4 %, and raises standard errors.

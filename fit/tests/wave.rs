@@ -4,9 +4,12 @@ mod planted;
 
 use std::f64::consts::TAU;
 
-use fit::estimate::estimate::{Choice, estimate, optimum};
+use fit::estimate::choice::Choice;
+use fit::estimate::estimate::estimate;
 use fit::estimate::loss::{Kind, Loss};
+use fit::estimate::optimum::optimum;
 use fit::estimate::select::{Candidates, select};
+use fit::estimate::watch::Watch;
 use fit::model::kernel::Kernel;
 use fit::model::lobe::Shape;
 use fit::model::shift::ShiftLine;

@@ -218,10 +218,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Files that are read, of which none may be an output.
-fn inputs<'a>(
-    arguments: &'a Arguments,
-    campaign: &'a Campaign,
-) -> impl Iterator<Item = &'a Path> {
+fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
     let captures = campaign.captures.iter().map(|capture| &capture.shot);
     let shots = campaign.reference.iter().chain(captures);
     [arguments.captures.as_path(), &arguments.table]

@@ -12,14 +12,14 @@ use tables::{Outputs, Table};
 
 use crate::cli::cli;
 use crate::cli::cli::Failure;
-use crate::cli::terms;
 use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
+use crate::estimate::error::Error;
 use crate::estimate::forward::Forward;
 use crate::estimate::loss::Kind;
-use crate::estimate::scene;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::select;
+use crate::estimate::watch::Watch;
 use crate::photographs::captures;
 #[cfg(feature = "report")]
 use crate::report::{picture, speed as speed_picture};
@@ -129,10 +129,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let table = tables::read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
             let start = Instant::now();
-            let mut scene = pool.install(|| Scene::load(&campaign, &table))?;
+            let scene = pool.install(|| Scene::load(&campaign, &table))?;
             let seconds = start.elapsed().as_secs_f64();
-            let open = terms::possible(&open, &mut scene, captures)?;
-            let study = pool.install(|| photographs(&scene, seconds, &open));
+            let (open, _) = open.possible(&scene, captures)?;
+            let study = pool.install(|| photographs(&scene, seconds, &open))?;
             #[cfg(feature = "report")]
             if let Some((path, output)) = picture {
                 output.commit(&picture::photographs(&study, path)?)?;
@@ -163,17 +163,13 @@ fn rendered(
     let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
-        let mut scene = Scene::load(&campaign, &table)?;
-        let choice = select(&scene, Kind::Mtf, &open).best.choice;
+        let scene = Scene::load(&campaign, &table)?;
+        let choice = select(&scene, Kind::Mtf, &open, &Watch::NOBODY)?
+            .best
+            .choice;
         let samplings = arguments.forward.samplings(arguments.seed);
         let randomisations = arguments.forward.randomisations;
-        Ok(speed(
-            &mut scene,
-            &table,
-            choice,
-            &samplings,
-            randomisations,
-        )?)
+        Ok(speed(&scene, &table, choice, &samplings, randomisations)?)
     })?;
     #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
@@ -274,7 +270,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
 fn run_all<T: Send>(
     arguments: &Arguments,
     pool: &rayon::ThreadPool,
-    run: impl Fn(u64) -> Result<T, scene::Error> + Sync,
+    run: impl Fn(u64) -> Result<T, Error> + Sync,
 ) -> (Vec<T>, Vec<Refused>) {
     let bar = bar(arguments.campaigns);
     let all: Vec<_> = pool.install(|| {

@@ -32,8 +32,10 @@ pub enum Error {
         manifest: PathBuf,
     },
     /// The azimuth cannot be told by such a table.
-    #[error("--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake trace --azimuth full \
-             --direction-tolerance 0.005")]
+    #[error(
+        "--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake trace --azimuth full \
+             --direction-tolerance 0.005"
+    )]
     OneAzimuth {
         /// What it holds.
         held: &'static str,
@@ -80,6 +82,8 @@ pub enum Conflict {
     )]
     NoSamples,
     /// The azimuth of a model that knows none, or by samples.
-    #[error("--fit-azimuth looks for the azimuth in closed form and with the proposed model; leave out --forward and --model")]
+    #[error(
+        "--fit-azimuth looks for the azimuth in closed form and with the proposed model; leave out --forward and --model"
+    )]
     AzimuthOfAnother,
 }

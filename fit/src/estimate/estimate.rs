@@ -140,7 +140,12 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         let kind = ParameterKind::spread_of(choice.kernel);
         parameters.extend(kind.each(&scene.groups, choice.per_angle_a));
     }
-    let mut scale: Vec<f64> = solution.parameters.iter().take(p).map(|p| p.exp()).collect();
+    let mut scale: Vec<f64> = solution
+        .parameters
+        .iter()
+        .take(p)
+        .map(|p| p.exp())
+        .collect();
     let mut logarithms = noise.blur;
     let mu = noise.mu.map(|mu| {
         parameters.extend(ParameterKind::Mu.each(&scene.groups, choice.per_angle_mu));

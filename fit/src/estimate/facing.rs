@@ -100,8 +100,7 @@ impl Facing {
         if !kernel.is_baseline() {
             return self.returned;
         }
-        let of =
-            |eta| baseline::returned(kernel, eta, self.incidence_rad, self.refractive_index);
+        let of = |eta| baseline::returned(kernel, eta, self.incidence_rad, self.refractive_index);
         Returned {
             eta: of(eta),
             standard_error: of(eta + standard_error) - of(eta),

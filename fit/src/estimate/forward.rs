@@ -64,14 +64,18 @@ impl Renders<'_> {
     pub fn drawn(&self, choice: Choice, randomisation: u64) -> Result<Scene, tables::Error> {
         let count = self.scene.shots.len() as u64;
         let shots = self.scene.shots.par_iter().enumerate();
-        let samples = shots.map(|(index, shot)| {
-            self.samples(shot, choice, randomisation * count + index as u64)
-        });
+        let samples = shots
+            .map(|(index, shot)| self.samples(shot, choice, randomisation * count + index as u64));
         Ok(self.scene.sampled(samples.collect::<Result<_, _>>()?))
     }
 
     /// The samples of one photograph.
-    fn samples(&self, shot: &Aerial, choice: Choice, stream: u64) -> Result<Sampled, tables::Error> {
+    fn samples(
+        &self,
+        shot: &Aerial,
+        choice: Choice,
+        stream: u64,
+    ) -> Result<Sampled, tables::Error> {
         let kernel = choice.kernel;
         let sampler = if kernel.has_c() {
             let azimuth_deg = shot.facing.azimuth_deg;

@@ -125,7 +125,9 @@ impl fmt::Display for ParameterId {
 
 /// A text that names no parameter.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or mu, with _at_ and the incidence where there is one per angle")]
+#[error(
+    "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or mu, with _at_ and the incidence where there is one per angle"
+)]
 pub struct NoParameter {
     /// The text.
     pub text: String,
@@ -140,7 +142,9 @@ impl FromStr for ParameterId {
             Some((name, angle)) => (name, Some(angle.parse().map_err(|_| no())?)),
             None => (text, None),
         };
-        let kind = ParameterKind::ALL.into_iter().find(|kind| kind.name() == name);
+        let kind = ParameterKind::ALL
+            .into_iter()
+            .find(|kind| kind.name() == name);
         Ok(ParameterId {
             kind: kind.ok_or_else(no)?,
             incidence_deg: angle,
@@ -191,14 +195,26 @@ mod tests {
     fn texts_come_back() {
         let mut cases = 0;
         for kind in ParameterKind::ALL {
-            for id in [kind.shared(), kind.at(0.0), kind.at(12.5), kind.at(1.0 / 3.0)] {
+            for id in [
+                kind.shared(),
+                kind.at(0.0),
+                kind.at(12.5),
+                kind.at(1.0 / 3.0),
+            ] {
                 assert_eq!(id.to_string().parse(), Ok(id));
                 cases += 1;
             }
         }
         assert_eq!(cases, 28);
         assert_eq!(ParameterKind::APerMm.at(20.0).to_string(), "a_per_mm_at_20");
-        for bad in ["", "c", "a_per_mm_at_", "a_per_mm_at_x", "_at_20", "mu_at_1_at_2"] {
+        for bad in [
+            "",
+            "c",
+            "a_per_mm_at_",
+            "a_per_mm_at_x",
+            "_at_20",
+            "mu_at_1_at_2",
+        ] {
             assert!(bad.parse::<ParameterId>().is_err(), "{bad}");
         }
     }

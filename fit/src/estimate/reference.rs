@@ -35,7 +35,7 @@ const KEEP_EXPONENT: f64 = 10.8;
 /// Steps of the parameters for derivatives of a camera.
 const STEP: f64 = 1e-4;
 
-/// Measures the camera with a photograph of the source edge. 
+/// Measures the camera with a photograph of the source edge.
 pub fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
     let pitch_mm = view.pitch_mm();
     // A Gaussian of half a pixel: 1/f0 = sqrt 2 pi sigma.

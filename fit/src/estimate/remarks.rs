@@ -32,8 +32,7 @@ pub fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
             "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
         ));
     }
-    if let (Some(baked), Some(source)) =
-        (table.provenance.wavelength_nm, spectrum)
+    if let (Some(baked), Some(source)) = (table.provenance.wavelength_nm, spectrum)
         && source
             .lines()
             .iter()

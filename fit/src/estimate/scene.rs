@@ -263,10 +263,14 @@ impl Scene {
 
     /// The same photographs, each model evaluated by samples.
     pub fn sampled(&self, samples: Vec<Sampled>) -> Scene {
-        let shots = self.shots.iter().zip(samples).map(|(shot, sampled)| Aerial {
-            sampled: Some(sampled),
-            ..shot.clone()
-        });
+        let shots = self
+            .shots
+            .iter()
+            .zip(samples)
+            .map(|(shot, sampled)| Aerial {
+                sampled: Some(sampled),
+                ..shot.clone()
+            });
         self.with(shots.collect())
     }
 

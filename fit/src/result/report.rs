@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::bound::{Bound, Bounds};
+use crate::estimate::bound::Bounds;
 use crate::estimate::campaign::Estimated;
 use crate::estimate::choice::Value;
 use crate::estimate::estimate::Estimate;
@@ -249,9 +249,10 @@ impl ResultFile {
             a_times_r: written.spread(ParameterKind::ATimesR),
             roughness: written.spread(ParameterKind::Roughness),
             surface_roughness: written.size().filter(|_| is_rough),
-            mu: best.mu.as_ref().and_then(|mu| {
-                written.parameter(ParameterKind::Mu, mu, best.choice.per_angle_mu)
-            }),
+            mu: best
+                .mu
+                .as_ref()
+                .and_then(|mu| written.parameter(ParameterKind::Mu, mu, best.choice.per_angle_mu)),
             azimuth_deg: estimated.azimuth.as_ref().map(|found| Number {
                 value: Some(found.deg.value),
                 standard_error: Some(found.deg.standard_error),

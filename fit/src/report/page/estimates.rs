@@ -52,7 +52,9 @@ fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Show
             incidence_deg,
             number,
             bound: page.result.bounds.get(&id).copied(),
-            truth: page.truth.and_then(|truth| truth.of(kind.name(), incidence_deg)),
+            truth: page
+                .truth
+                .and_then(|truth| truth.of(kind.name(), incidence_deg)),
         }
     };
     let (symbol, meaning, unit) = symbol(kind);
@@ -101,7 +103,10 @@ pub fn section(page: &Page) -> String {
     };
     let c = result.c_mm.map(Parameter::Shared);
     let c = c.or_else(|| absent(ParameterKind::CornerSize));
-    let a = result.a_per_mm.clone().or_else(|| absent(ParameterKind::APerMm));
+    let a = result
+        .a_per_mm
+        .clone()
+        .or_else(|| absent(ParameterKind::APerMm));
     let front = result.surface_roughness.map(Parameter::Shared);
     let front = front.or_else(|| absent(ParameterKind::SurfaceRoughness));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
@@ -299,7 +304,8 @@ impl Shown<'_> {
             [360.0, 196.0],
             &format!(
                 "{} ({}) against incidence; the values are in the table below",
-                self.symbol, self.kind.name()
+                self.symbol,
+                self.kind.name()
             ),
             &body,
         );

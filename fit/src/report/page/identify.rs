@@ -173,7 +173,9 @@ fn value(page: &Page, id: ParameterId) -> Option<f64> {
     match parameter {
         Parameter::Shared(number) => number.value,
         Parameter::PerAngle { per_angle } => {
-            let at_angle = per_angle.iter().find(|p| Some(p.incidence_deg) == id.incidence_deg);
+            let at_angle = per_angle
+                .iter()
+                .find(|p| Some(p.incidence_deg) == id.incidence_deg);
             at_angle?.value
         }
     }
