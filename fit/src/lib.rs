@@ -5,10 +5,12 @@
 
 pub mod cli;
 pub mod compare;
+pub mod document;
 pub mod estimate;
 #[cfg(feature = "images")]
 pub mod images;
 pub mod model;
+pub mod names;
 pub mod numerics;
 pub mod photographs;
 pub mod predict;

@@ -6,14 +6,14 @@ use fit::estimate::azimuth::{find, scatter};
 use fit::estimate::choice::Choice;
 use fit::estimate::loss::Kind;
 use fit::estimate::watch::Watch;
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
-use fit::simulate::photograph::Truth;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::simulate::params::PlantedSheet;
 use planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 
 /// The closed form of the pair at azimuths 0, 15 and 30 deg, which stand for all.
-fn all_azimuths(truth: &Truth, incidence_deg: &[f64]) -> Table {
+fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
     let azimuths = [0.0, 15.0, 30.0];
     let single = azimuths.map(|azimuth| table(truth, incidence_deg, azimuth));
     let directions = (0..incidence_deg.len()).flat_map(|i| (0..3).map(move |j| (i, j)));
@@ -44,7 +44,7 @@ fn all_azimuths(truth: &Truth, incidence_deg: &[f64]) -> Table {
 fn a_planted_azimuth_comes_back() {
     let choice = Choice {
         kernel: Kernel::Eq1,
-        shape: Shape::Radial,
+        shape: LobeShape::Radial,
         per_angle_a: false,
         per_angle_mu: true,
     };
@@ -53,7 +53,7 @@ fn a_planted_azimuth_comes_back() {
     let mut pulls = Vec::new();
     for seed in 0..6 {
         let planted = stream.between(0.0, 60.0);
-        let truth = truth(Kernel::Eq1, Shape::Radial, 4.0, 0.31, 0.6);
+        let truth = truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.31, 0.6);
         let table = all_azimuths(&truth, &incidence);
         let mut campaign = params(seed, truth, &incidence, &[150.0, 300.0], camera(2e5));
         for (k, shot) in campaign.captures.iter_mut().enumerate() {

@@ -5,7 +5,6 @@
 use std::path::Path;
 
 use fit::photographs::{captures, photo};
-use fit::simulate::photograph as simulate;
 
 /// Why a manifest cannot be used, photographs included.
 fn manifest_error(file: &Path) -> Option<String> {
@@ -21,13 +20,13 @@ fn manifest_error(file: &Path) -> Option<String> {
 }
 
 fn image_error(file: &Path) -> Option<String> {
-    photo::load(file, &photo::Decode::default())
+    photo::load(file, &photo::channel::Decode::default())
         .err()
         .map(|error| error.to_string())
 }
 
 fn simulate_error(file: &Path) -> Option<String> {
-    simulate::Params::load(file)
+    fit::simulate::params::Params::load(file)
         .err()
         .map(|error| error.to_string())
 }

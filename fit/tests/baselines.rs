@@ -3,17 +3,19 @@
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
+use fit::document::line::FileLine;
 use fit::estimate::loss::Kind;
 use fit::estimate::scene::Scene;
 use fit::estimate::select::{Candidates, Selection, select};
 use fit::estimate::watch::Watch;
 use fit::model::baseline::{Baseline, fresnel, returned};
-use fit::model::kernel::{Blur, Family, Kernel};
-use fit::model::lobe::Shape;
+use fit::model::blur::Blur;
 use fit::model::microfacet;
-use fit::photographs::captures::keys::Place;
+use fit::names::kernel::{Family, Kernel};
+use fit::names::lobe::LobeShape;
 use fit::photographs::captures::{Campaign, Capture, Setup, Shot};
-use fit::photographs::photo::{Decode, Photo};
+use fit::photographs::photo::channel::Decode;
+use fit::photographs::photo::plane::Photo;
 
 #[path = "planted/mod.rs"]
 mod planted;
@@ -55,10 +57,10 @@ fn refracted(d: V, n: V, ratio: f64) -> V {
 }
 
 /// A facet about the normal `n`, its slope drawn from a distribution of roughness `alpha`.
-fn facet(n: V, shape: Shape, alpha: f64, stream: &mut Stream) -> V {
+fn facet(n: V, shape: LobeShape, alpha: f64, stream: &mut Stream) -> V {
     let u = stream.between(0.0, 1.0);
     let z = match shape {
-        Shape::Beckmann => (-(1.0 - u).ln()).sqrt(),
+        LobeShape::Beckmann => (-(1.0 - u).ln()).sqrt(),
         _ => (u / (1.0 - u)).sqrt(),
     };
     let turn = stream.between(0.0, TAU);
@@ -78,7 +80,7 @@ fn facet(n: V, shape: Shape, alpha: f64, stream: &mut Stream) -> V {
 /// the minimal model.
 fn traced(
     kernel: Kernel,
-    shape: Shape,
+    shape: LobeShape,
     theta: f64,
     azimuth: f64,
     alpha: [f64; 2],
@@ -130,7 +132,7 @@ fn otfs_are_those_of_traced_facets() {
         (Kernel::SaitoSurface, [0.5 * alpha, 3.0 * alpha]),
         (Kernel::Mrm, [alpha, 0.0]),
     ] {
-        for shape in Shape::MICROFACETS {
+        for shape in LobeShape::MICROFACETS {
             for (theta, azimuth) in [
                 (0.0, 0.3),
                 (25.0_f64.to_radians(), 0.0),
@@ -157,7 +159,7 @@ fn otfs_are_those_of_traced_facets() {
                             / RAYS as f64;
                         let value = model.otf(shape, blur, 1.0, frequency)[0].re;
                         // GGX on three facets: equal shares in the place of unequal ones, at worst (0, 2, 2).
-                        let shares = if shape == Shape::Ggx && kernel != Kernel::Mrm {
+                        let shares = if shape == LobeShape::Ggx && kernel != Kernel::Mrm {
                             0.046
                         } else {
                             2e-4
@@ -181,11 +183,11 @@ fn otfs_are_those_of_traced_facets() {
 /// Beckmann nowhere. Steps of 1/40 in w and 1/20 in the frequency miss less than 1 % of the greatest.
 #[test]
 fn equal_shares_of_three_facets_are_as_good_as_stated() {
-    let otf = |shape: Shape, k: f64| match shape {
-        Shape::Beckmann => microfacet::beckmann(k).0,
+    let otf = |shape: LobeShape, k: f64| match shape {
+        LobeShape::Beckmann => microfacet::beckmann(k).0,
         _ => microfacet::ggx(k).0,
     };
-    let worst = |shape: Shape, squares: [f64; 3]| {
+    let worst = |shape: LobeShape, squares: [f64; 3]| {
         (1..=100)
             .map(|i| {
                 let k = 0.05 * f64::from(i);
@@ -199,15 +201,15 @@ fn equal_shares_of_three_facets_are_as_good_as_stated() {
     for i in 0..=40 {
         for j in 0..=40 - i {
             let squares = [i, j, 40 - i - j].map(|n| f64::from(n) / 40.0);
-            all = all.max(worst(Shape::Ggx, squares));
-            assert!(worst(Shape::Beckmann, squares) < 1e-14, "{squares:?}");
+            all = all.max(worst(LobeShape::Ggx, squares));
+            assert!(worst(LobeShape::Beckmann, squares) < 1e-14, "{squares:?}");
             cases += 1;
         }
     }
     let upright = (0..=60).map(|i| {
         let turn = f64::from(i).to_radians();
         let [x, y] = [turn.cos() / 2.0_f64.sqrt(), turn.sin() / 6.0_f64.sqrt()];
-        worst(Shape::Ggx, [x + y, y - x, -2.0 * y].map(|w| w * w))
+        worst(LobeShape::Ggx, [x + y, y - x, -2.0 * y].map(|w| w * w))
     });
     let upright = upright.fold(0.0, f64::max);
     println!("{all:.4} over all, {upright:.4} at normal incidence");
@@ -234,7 +236,7 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
         };
         for (r_mm, f) in [(150.0, 0.7), (400.0, 1.1)] {
             let k = TAU * f * alpha_o * r_mm;
-            let value = model.otf(Shape::Beckmann, blur, r_mm, f)[0].re;
+            let value = model.otf(LobeShape::Beckmann, blur, r_mm, f)[0].re;
             assert!((value - (-0.25 * k * k).exp()).abs() < 1e-14);
             cases += 1;
         }
@@ -242,7 +244,7 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
     let guo = Baseline::new(Kernel::Guo, 0.0, INDEX, [1.0, 0.0]).expect("it is");
     let saito = Baseline::new(Kernel::SaitoSurface, 0.0, INDEX, [1.0, 0.0]).expect("it is");
     let front = saito.otf(
-        Shape::Beckmann,
+        LobeShape::Beckmann,
         Blur {
             spread: 0.0,
             c_mm: 2e-3,
@@ -251,7 +253,7 @@ fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
         0.9,
     )[0];
     let own = guo.otf(
-        Shape::Beckmann,
+        LobeShape::Beckmann,
         Blur {
             spread: 2e-3,
             c_mm: 0.0,
@@ -272,7 +274,7 @@ fn derivatives_are_differences_and_no_roughness_is_no_blur() {
         Kernel::Guo,
         Kernel::Mrm,
     ] {
-        for shape in Shape::MICROFACETS {
+        for shape in LobeShape::MICROFACETS {
             let model = Baseline::new(kernel, 0.5, INDEX, [0.8, 0.6]).expect("it is");
             let at = |own: f64, front: f64, f: f64| {
                 model.otf(
@@ -318,7 +320,7 @@ fn light_is_the_effective_area_and_fresnel() {
     assert!((fresnel(INDEX.atan(), INDEX) - 0.5 * across * across).abs() < 1e-15);
     assert!((fresnel(0.5 * PI, INDEX) - 1.0).abs() < 1e-12);
     let mut cases = 0;
-    let truth = planted::truth(Kernel::Eq1, Shape::Radial, 4.0, 0.2, 0.5);
+    let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
     for theta in [0.0, 15.0, 30.0, 45.0] {
         let table = planted::table(&truth, &[theta], 20.0);
         let eta = table.direction(theta, Some(20.0)).expect("it is there").eta;
@@ -358,7 +360,7 @@ fn light_is_the_effective_area_and_fresnel() {
 /// turned into pixels by quadrature, with normal noise.
 struct Sheet {
     kernel: Kernel,
-    shape: Shape,
+    shape: LobeShape,
     roughness: f64,
     front: f64,
     mu: f64,
@@ -390,7 +392,7 @@ impl Sheet {
     /// The edge against distance, in pixels: the sheet's blur of this width through the lens.
     fn edge(&self, width_px: f64, d: f64) -> f64 {
         let normal = |x: f64| 0.5 * libm::erfc(-x / 2.0_f64.sqrt());
-        if self.shape == Shape::Beckmann {
+        if self.shape == LobeShape::Beckmann {
             return normal(d / (0.5 * width_px * width_px + LENS_PX * LENS_PX).sqrt());
         }
         // Midpoint rule over 7 deviations of the lens: its error falls faster than any power of the step.
@@ -455,7 +457,7 @@ impl Sheet {
             roi: None,
             accepted: Vec::new(),
             decode: Decode::default(),
-            place: Place {
+            place: FileLine {
                 file: "simulated".into(),
                 line: 0,
             },
@@ -490,7 +492,7 @@ impl Sheet {
             captures,
             warnings: Vec::new(),
         };
-        let truth = planted::truth(Kernel::Eq1, Shape::Radial, 4.0, 0.2, 0.5);
+        let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
         let table = planted::table(&truth, &angles, AZIMUTH);
         Scene::of(&campaign, &table, &|shot| {
             let name = shot.image.to_string_lossy();
@@ -510,7 +512,7 @@ impl Sheet {
                 }
                 _ => {
                     let sharp = Sheet {
-                        shape: Shape::Beckmann,
+                        shape: LobeShape::Beckmann,
                         ..*self
                     };
                     sharp.photograph(0.0, 5.0, 0.8, seed)
@@ -543,12 +545,12 @@ fn planted_baselines_come_back() {
         mu: 0.6,
     };
     let sheets = [
-        sheet(Kernel::Saito, Shape::Beckmann, 5e-4, 0.0),
-        sheet(Kernel::SaitoSurface, Shape::Beckmann, 3e-4, 3e-3),
-        sheet(Kernel::Guo, Shape::Beckmann, 3e-3, 0.0),
-        sheet(Kernel::Guo, Shape::Ggx, 2e-3, 0.0),
-        sheet(Kernel::Mrm, Shape::Beckmann, 9e-4, 0.0),
-        sheet(Kernel::Mrm, Shape::Ggx, 7e-4, 0.0),
+        sheet(Kernel::Saito, LobeShape::Beckmann, 5e-4, 0.0),
+        sheet(Kernel::SaitoSurface, LobeShape::Beckmann, 3e-4, 3e-3),
+        sheet(Kernel::Guo, LobeShape::Beckmann, 3e-3, 0.0),
+        sheet(Kernel::Guo, LobeShape::Ggx, 2e-3, 0.0),
+        sheet(Kernel::Mrm, LobeShape::Beckmann, 9e-4, 0.0),
+        sheet(Kernel::Mrm, LobeShape::Ggx, 7e-4, 0.0),
     ];
     let mut numbers = 0;
     for (i, sheet) in sheets.iter().enumerate() {

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use fit::photographs::captures;
-use fit::photographs::captures::Roi;
-use fit::photographs::edge::Accepted;
-use fit::photographs::photo::{Channel, Transfer};
+use fit::photographs::edge::accepted::Accepted;
+use fit::photographs::photo::channel::Channel;
+use fit::photographs::photo::transfer::Transfer;
+use fit::photographs::roi::Roi;
 
 /// A folder with a manifest and an image for it.
 fn campaign(manifest: &str) -> (tempfile::TempDir, captures::Campaign) {

@@ -3,12 +3,11 @@
 mod planted;
 
 use fit::estimate::scene::Scene;
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
 use fit::photographs::captures;
 use fit::photographs::photo;
-use fit::photographs::photo::{Channel, Decode};
-use fit::simulate::photograph as simulate;
+use fit::photographs::photo::channel::{Channel, Decode};
 use planted::{camera, params, table, truth};
 
 /// Red, green and blue from three sheets (a and mu differ): every channel's scene is that of its own sheet, to the last bit.
@@ -18,9 +17,9 @@ fn every_channel_is_measured_as_its_own_photograph() {
     let sheets = [(4.0, 0.5), (3.0, 0.6), (5.0, 0.4)];
     let folders = sheets.map(|(a, mu)| {
         let folder = tempfile::tempdir().unwrap();
-        let truth = truth(Kernel::Eq1, Shape::Radial, a, 0.2, mu);
+        let truth = truth(Kernel::Eq1, LobeShape::Radial, a, 0.2, mu);
         let params = params(3, truth, &incidence, &[200.0, 300.0], camera(20_000.0));
-        simulate::run(&params, folder.path(), true).unwrap();
+        fit::simulate::write::run(&params, folder.path(), true).unwrap();
         folder
     });
     let mixed = tempfile::tempdir().unwrap();
@@ -44,7 +43,7 @@ fn every_channel_is_measured_as_its_own_photograph() {
     let mut cases = 0;
     for (channel, (folder, (a, mu))) in Channel::PRIMARIES.iter().zip(folders.iter().zip(sheets)) {
         let table = table(
-            &truth(Kernel::Eq1, Shape::Radial, a, 0.2, mu),
+            &truth(Kernel::Eq1, LobeShape::Radial, a, 0.2, mu),
             &incidence,
             20.0,
         );
@@ -64,7 +63,7 @@ fn every_channel_is_measured_as_its_own_photograph() {
 
     // The program: an object with one result per channel, each with its own sheet's a.
     let mut table = table(
-        &truth(Kernel::Eq1, Shape::Radial, 4.0, 0.2, 0.5),
+        &truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5),
         &incidence,
         20.0,
     );

@@ -1,13 +1,14 @@
 //! What the coating of a sheet mirrors into a picture, against the virtual image behind a plane mirror.
 
 use fit::images::render::sampled;
-use fit::images::render::view::View;
+use fit::images::render::view::CameraView;
 use fit::images::render::viewed;
-use fit::images::spot::{Place, Sheet, Spot};
-use fit::photographs::photo::{Picture, Transfer};
+use fit::images::spot::{Sheet, Spot, Viewpoint};
+use fit::photographs::photo::picture::Picture;
+use fit::photographs::photo::transfer::Transfer;
 use fit::predict::error::Error;
-use fit::samples::sample::Sequence;
 use fit::samples::sampled::Sampling;
+use fit::samples::sequence::Sequence;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 
@@ -27,7 +28,7 @@ impl Spot for Dark {
 }
 
 impl Sheet for Dark {
-    fn spot(&self, _: &Place, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
+    fn spot(&self, _: &Viewpoint, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
         Ok(Box::new(Dark))
     }
 }
@@ -54,7 +55,7 @@ fn scene(camera_mm: [f64; 3], behind_mm: f64, turn_deg: f64) -> Scene {
     }
 }
 
-fn view(scene: Scene, coated: bool) -> View {
+fn view(scene: Scene, coated: bool) -> CameraView {
     let [camera, sheet, n] = [scene.camera, scene.sheet, scene.normal].map(|v| [v.x, v.y, v.z]);
     let coating = format!("[coating]\nrefractive_index = {INDEX}\n");
     let text = format!(
@@ -66,7 +67,7 @@ fn view(scene: Scene, coated: bool) -> View {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("view.toml");
     std::fs::write(&file, text).expect("written");
-    View::load(&file).expect("it is a view")
+    CameraView::load(&file).expect("it is a view")
 }
 
 /// Pixels from the middle of the picture.

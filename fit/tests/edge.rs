@@ -3,15 +3,16 @@
 mod planted;
 
 use fit::model::camera::{Camera, Lens};
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
-use fit::photographs::edge::{Fault, locate};
-use fit::photographs::photo::Photo;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::photographs::edge::fault::Fault;
+use fit::photographs::edge::locate;
+use fit::photographs::photo::plane::Photo;
 use fit::photographs::profile::Profile;
 use fit::photographs::sfr::Estimator;
 use fit::photographs::window::Window;
+use fit::simulate::params::PlantedEdge;
 use fit::simulate::photograph as simulate;
-use fit::simulate::photograph::Edge;
 use planted::{Stream, camera, params, truth};
 
 fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
@@ -26,12 +27,12 @@ fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
 
 /// A noise-free source edge (camera blur only) at any direction.
 fn source(normal_deg: f64, offset_px: f64) -> Photo {
-    let truth = truth(Kernel::Lobe, Shape::Radial, 3.0, 0.3, 0.6);
+    let truth = truth(Kernel::Lobe, LobeShape::Radial, 3.0, 0.3, 0.6);
     let mut params = params(1, truth, &[0.0], &[200.0], camera(1e12));
-    params.reference = Some(Edge {
+    params.reference = Some(PlantedEdge {
         normal_deg,
         offset_px,
-        ..Edge::SOURCE
+        ..PlantedEdge::SOURCE
     });
     let light = simulate::light(&params, None).expect("the parameters are valid");
     photo(
@@ -116,7 +117,7 @@ fn a_blur_wider_than_the_window_is_noticed() {
         (0.3, true),
         (0.15, true),
     ] {
-        let truth = truth(Kernel::Lobe, Shape::Radial, a, 0.3, 0.6);
+        let truth = truth(Kernel::Lobe, LobeShape::Radial, a, 0.3, 0.6);
         for full_well_e in [1e12, 2e4] {
             let params = params(1, truth.clone(), &[0.0], &[200.0], camera(full_well_e));
             let pixels = simulate::photograph(&params, Some(0)).expect("the parameters are valid");

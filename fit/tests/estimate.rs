@@ -13,18 +13,19 @@ use fit::estimate::parameter::ParameterKind;
 use fit::estimate::scene::Scene;
 use fit::estimate::select::{Candidates, select};
 use fit::estimate::watch::Watch;
-use fit::model::kernel::{Blur, Kernel};
-use fit::model::lobe::Shape;
+use fit::model::blur::Blur;
 use fit::model::model::Model;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::names::spectrum::Spectrum;
 use fit::photographs::captures;
-use fit::photographs::captures::Spectrum;
 use fit::simulate::photograph as simulate;
 use nalgebra::DVector;
 use planted::{Stream, camera, params, scene, table, truth};
 
 const SHARED: Choice = Choice {
     kernel: Kernel::Eq1,
-    shape: Shape::Radial,
+    shape: LobeShape::Radial,
     per_angle_a: false,
     per_angle_mu: false,
 };
@@ -39,7 +40,7 @@ fn model_equals_noise_free_photographs() {
     let mut cases = 0;
     let mut worst: f64 = 0.0;
     for kernel in Kernel::ALL {
-        for shape in Shape::ALL {
+        for shape in LobeShape::ALL {
             let a = if kernel == Kernel::Angular {
                 700.0
             } else {
@@ -100,7 +101,7 @@ fn model_equals_noise_free_photographs() {
 /// residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
 #[test]
 fn derivatives_match_differences() {
-    let mut truth = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.31, 0.6);
+    let mut truth = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
     truth.spectrum = Spectrum::parse("450:0.4,550:0.6").ok();
     let incidence = [0.0, 30.0];
     let table = table(&truth, &incidence, 20.0);
@@ -110,7 +111,7 @@ fn derivatives_match_differences() {
     );
     let mut cases = 0;
     for kernel in Kernel::ALL {
-        for shape in [Shape::Radial, Shape::Separable] {
+        for shape in [LobeShape::Radial, LobeShape::Separable] {
             let choice = Choice {
                 kernel,
                 shape,
@@ -179,7 +180,7 @@ fn standard_errors_are_true() {
             stream.between(0.2, 0.5),
             stream.between(0.3, 0.8),
         );
-        let truth = truth(Kernel::Eq1, Shape::Radial, a, c, mu);
+        let truth = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
         let incidence = [5.0, 30.0];
         let table = table(&truth, &incidence, 20.0);
         let scene = scene(
@@ -222,7 +223,7 @@ fn standard_errors_are_true() {
 fn selection_finds_the_planted_terms() {
     let everything = Candidates {
         kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
-        shapes: vec![Shape::Radial, Shape::Separable],
+        shapes: vec![LobeShape::Radial, LobeShape::Separable],
         per_angle_a: None,
         per_angle_mu: None,
     };
@@ -233,7 +234,7 @@ fn selection_finds_the_planted_terms() {
         (Kernel::Shift, 1.0),
         (Kernel::Lobe, 2.5),
     ] {
-        for shape in Shape::ALL {
+        for shape in LobeShape::ALL {
             let truth = truth(kernel, shape, a, 0.35, 0.6);
             let incidence = [0.0, 25.0];
             let table = table(&truth, &incidence, 20.0);
@@ -276,7 +277,7 @@ fn selection_finds_the_planted_terms() {
 fn absent_terms_are_bounded() {
     let incidence = [0.0, 25.0];
     // Pure diffraction: no shift, so c has an upper bound.
-    let planted = truth(Kernel::Lobe, Shape::Radial, 2.5, 0.3, 0.6);
+    let planted = truth(Kernel::Lobe, LobeShape::Radial, 2.5, 0.3, 0.6);
     let of_ideal = table(&planted, &incidence, 20.0);
     let diffraction = scene(
         &params(12, planted, &incidence, &[150.0, 300.0], camera(4e4)),
@@ -295,7 +296,7 @@ fn absent_terms_are_bounded() {
         .expect("it is bounded from above");
     assert!(c > 0.0 && c < 0.1, "c < {c} mm");
     // Pure shift: no lobe, so a has a lower bound.
-    let planted = truth(Kernel::Shift, Shape::Radial, 1.0, 0.35, 0.6);
+    let planted = truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.35, 0.6);
     let shift = scene(
         &params(13, planted, &incidence, &[150.0, 300.0], camera(4e4)),
         &of_ideal,
@@ -315,7 +316,7 @@ fn absent_terms_are_bounded() {
 #[test]
 fn degenerate_campaigns() {
     // A single hollow cube at azimuth 20 returns nothing at 50 degrees.
-    let mut hollow = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.35, 0.6);
+    let mut hollow = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.35, 0.6);
     (hollow.ior, hollow.pair) = (1.0, false);
     let incidence = [10.0, 50.0];
     let of_hollow = table(&hollow, &incidence, 20.0);
@@ -351,7 +352,7 @@ fn degenerate_campaigns() {
     // Nothing returns anywhere: an error that says so.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nothing = params(23, hollow, &incidence[1..], &[200.0], camera(4e4));
-    simulate::run(&nothing, folder.path(), true).expect("the campaign can be written");
+    fit::simulate::write::run(&nothing, folder.path(), true).expect("the campaign can be written");
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     let error = Scene::load(&campaign, &of_hollow)
@@ -373,7 +374,7 @@ fn starting_values_reach_every_c() {
         (1.6, 0.48),
         (5.0, 0.1),
     ] {
-        let planted = truth(Kernel::Eq1, Shape::Radial, a, c, 0.6);
+        let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, 0.6);
         let incidence = [0.0, 7.0, 14.0];
         let of_ideal = table(&planted, &incidence, 20.0);
         let photographed = scene(
@@ -406,7 +407,7 @@ fn starting_values_reach_every_c() {
 #[test]
 fn the_plain_loss_is_the_mean_of_squares() {
     let incidence = [0.0, 30.0];
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.31, 0.6);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
     let of_ideal = table(&planted, &incidence, 20.0);
     let photographed = scene(
         &params(41, planted, &incidence, &[150.0], camera(4e3)),

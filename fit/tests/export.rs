@@ -1,10 +1,10 @@
 //! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms. And
 //! predictions drawn against one variable.
 
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
 use fit::predict::export::{Form, Nearest, nearest};
-use fit::predict::predict::{Places, around, predict};
+use fit::predict::prediction::{Places, around, predict};
 use fit::report::plot;
 use fit::report::plot::Variable;
 use fit::result::report::{ResultFile, TableResult};
@@ -15,7 +15,7 @@ use tables::Table;
 mod planted;
 
 fn table() -> Table {
-    let truth = planted::truth(Kernel::Eq1, Shape::Radial, 4.0, 0.2, 0.5);
+    let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
     planted::table(&truth, &[0.0, 30.0], 20.0)
 }
 

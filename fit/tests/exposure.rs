@@ -5,7 +5,7 @@ use std::path::Path;
 use fit::photographs::captures;
 use fit::photographs::captures::Campaign;
 use fit::photographs::photo;
-use fit::photographs::photo::Decode;
+use fit::photographs::photo::channel::Decode;
 
 /// What a camera writes.
 #[derive(Clone, Copy)]
@@ -117,7 +117,7 @@ fn campaign(
     reference: (&str, Vec<u8>),
     capture: (&str, Vec<u8>),
     keys: &str,
-) -> Result<Campaign, captures::Error> {
+) -> Result<Campaign, captures::error::Error> {
     for (name, bytes) in [&reference, &capture] {
         std::fs::write(folder.join(name), bytes).unwrap();
     }

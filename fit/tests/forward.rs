@@ -11,11 +11,12 @@ use fit::estimate::loss::Loss;
 use fit::estimate::optimum::{optimum, refined, residuals_at};
 use fit::estimate::scene::Scene;
 use fit::estimate::watch::Watch;
-use fit::model::kernel::{Blur, Kernel};
-use fit::model::lobe::Shape;
+use fit::model::blur::Blur;
 use fit::model::model::Curve;
-use fit::samples::sample::Sequence;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
 use fit::samples::sampled::Sampling;
+use fit::samples::sequence::Sequence;
 use nalgebra::DVector;
 use num_complex::Complex64;
 use planted::{camera, params, scene, table, truth};
@@ -23,7 +24,7 @@ use tables::Table;
 
 const INCIDENCE: [f64; 2] = [5.0, 30.0];
 
-fn campaign(kernel: Kernel, shape: Shape, a: f64) -> (Scene, Table) {
+fn campaign(kernel: Kernel, shape: LobeShape, a: f64) -> (Scene, Table) {
     let planted = truth(kernel, shape, a, 0.31, 0.6);
     let table = table(&planted, &INCIDENCE, 20.0);
     let camera = camera(20_000.0);
@@ -33,7 +34,7 @@ fn campaign(kernel: Kernel, shape: Shape, a: f64) -> (Scene, Table) {
     )
 }
 
-fn choice(kernel: Kernel, shape: Shape) -> Choice {
+fn choice(kernel: Kernel, shape: LobeShape) -> Choice {
     Choice {
         kernel,
         shape,
@@ -85,7 +86,7 @@ fn curves_are_those_of_the_closed_form() {
     let mut cases = 0;
     for sequence in [Sequence::Sobol, Sequence::Independent] {
         for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
-            for shape in Shape::ALL {
+            for shape in LobeShape::ALL {
                 let blur = Blur {
                     spread: spread(kernel),
                     c_mm: 0.31,
@@ -147,8 +148,8 @@ fn curves_are_those_of_the_closed_form() {
 fn derivatives_are_those_of_the_samples() {
     let mut cases = 0;
     for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
-        let (scene, table) = campaign(kernel, Shape::Radial, spread(kernel));
-        let choice = choice(kernel, Shape::Radial);
+        let (scene, table) = campaign(kernel, LobeShape::Radial, spread(kernel));
+        let choice = choice(kernel, LobeShape::Radial);
         let scene = renders(&scene, &table, sampling(16, Sequence::Sobol))
             .drawn(choice, 0)
             .expect("the table has the directions");
@@ -196,9 +197,9 @@ fn logarithms(fit: &Estimate) -> Vec<f64> {
 fn estimates_land_on_the_closed_form_within_their_sampling_error() {
     let mut cases = 0;
     for (kernel, shape, weights) in [
-        (Kernel::Eq1, Shape::Radial, Weights::Noise),
-        (Kernel::Angular, Shape::Separable, Weights::Noise),
-        (Kernel::Eq1, Shape::Radial, Weights::Even),
+        (Kernel::Eq1, LobeShape::Radial, Weights::Noise),
+        (Kernel::Angular, LobeShape::Separable, Weights::Noise),
+        (Kernel::Eq1, LobeShape::Radial, Weights::Even),
     ] {
         let (scene, table) = campaign(kernel, shape, spread(kernel));
         let choice = choice(kernel, shape);
@@ -250,8 +251,8 @@ fn samples_do_not_depend_on_threads() {
             .build()
             .expect("threads");
         pool.install(|| {
-            let (scene, table) = campaign(Kernel::Eq1, Shape::Radial, 3.4);
-            let choice = choice(Kernel::Eq1, Shape::Radial);
+            let (scene, table) = campaign(Kernel::Eq1, LobeShape::Radial, 3.4);
+            let choice = choice(Kernel::Eq1, LobeShape::Radial);
             let sampling = Sampling {
                 seed,
                 ..sampling(5, Sequence::Sobol)

@@ -5,7 +5,8 @@
 use fit::images::metrics;
 use fit::images::metrics::Shown;
 use fit::images::metrics::lpips::Lpips;
-use fit::photographs::photo::{Picture, Transfer};
+use fit::photographs::photo::picture::Picture;
+use fit::photographs::photo::transfer::Transfer;
 
 const WIDTH: usize = 48;
 const HEIGHT: usize = 40;

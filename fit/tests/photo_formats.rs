@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use exr::prelude::*;
 use fit::photographs::photo;
-use fit::photographs::photo::{Channel, Decode, Transfer};
+use fit::photographs::photo::channel::{Channel, Decode};
+use fit::photographs::photo::transfer::Transfer;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
 
 const WIDTH: usize = 37;

@@ -3,11 +3,14 @@
 
 use std::f64::consts::PI;
 
-use fit::photographs::captures::Roi;
-use fit::photographs::edge::{Accepted, Fault};
+use fit::photographs::edge::accepted::Accepted;
+use fit::photographs::edge::fault::Fault;
 use fit::photographs::measure::{Measurement, edge};
 use fit::photographs::photo;
-use fit::photographs::photo::{Decode, Photo, Transfer};
+use fit::photographs::photo::channel::Decode;
+use fit::photographs::photo::plane::Photo;
+use fit::photographs::photo::transfer::Transfer;
+use fit::photographs::roi::Roi;
 use fit::photographs::sfr::{Estimator, standard_error};
 
 const SIGMA_PX: f64 = 0.8;

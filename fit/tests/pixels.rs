@@ -10,17 +10,18 @@ use fit::estimate::layout::Layout;
 use fit::estimate::loss::{Kind, Loss};
 use fit::estimate::optimum::{optimum, refined};
 use fit::estimate::scene::Scene;
-use fit::model::kernel::{Blur, Kernel};
-use fit::model::lobe::Shape;
+use fit::model::blur::Blur;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
 use fit::photographs::noise::PixelNoise;
+use fit::simulate::params::Params;
 use fit::simulate::photograph as simulate;
-use fit::simulate::photograph::Params;
 use nalgebra::{DMatrix, DVector};
 use planted::{Stream, camera, params, scene, table, truth};
 
 const SHARED: Choice = Choice {
     kernel: Kernel::Eq1,
-    shape: Shape::Radial,
+    shape: LobeShape::Radial,
     per_angle_a: false,
     per_angle_mu: false,
 };
@@ -47,7 +48,7 @@ fn rows(
 /// blur, squared, times the turn: below 1e-3.
 #[test]
 fn nuisance_derivatives_match_differences() {
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.4, 0.31, 0.6);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
     let table = table(&planted, &[20.0], 20.0);
     let scene = scene(
         &params(6, planted, &[20.0], &[150.0], camera(40_000.0)),
@@ -108,7 +109,7 @@ fn derivatives_of_the_likelihood_match_differences() {
         (Kernel::Lobe, 2.5),
         (Kernel::Wave, 1.0),
     ] {
-        for shape in Shape::ALL {
+        for shape in LobeShape::ALL {
             let planted = truth(kernel, shape, a, 0.31, 0.6);
             let incidence = [0.0, 30.0];
             let table = table(&planted, &incidence, 20.0);
@@ -184,7 +185,7 @@ impl Plain {
     fn light(&self, at: &DVector<f64>, photograph: usize) -> Vec<f64> {
         let mut params = self.params.clone();
         params.truth.c_mm = at[0].exp();
-        params.truth.a = simulate::ByIncidence::Shared(at[1].exp());
+        params.truth.a = fit::simulate::params::ByIncidence::Shared(at[1].exp());
         params.camera.sigma_px = at[2].exp();
         params.camera.veil = 0.0;
         params.camera.dark_ratio = 0.0;
@@ -266,7 +267,7 @@ impl Plain {
 fn bins_tell_what_all_pixels_tell() {
     let (a, c, mu) = (3.1_f64, 0.36_f64, 0.55);
     let incidence = [5.0, 30.0];
-    let planted = truth(Kernel::Eq1, Shape::Radial, a, c, mu);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
     let table = table(&planted, &incidence, 20.0);
     let params = params(91, planted, &incidence, &[200.0], camera(2e4));
     let camera = &params.camera;
@@ -368,7 +369,7 @@ fn standard_errors_are_true() {
             let a = stream.between(2.0, 6.0);
             let c = stream.between(0.2, 0.5);
             let mu = stream.between(0.3, 0.8);
-            let planted = truth(Kernel::Eq1, Shape::Radial, a, c, mu);
+            let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
             let incidence = [5.0, 30.0];
             let table = table(&planted, &incidence, 20.0);
             let camera = camera(stream.between(electrons.0, electrons.1));

@@ -7,16 +7,16 @@ mod planted;
 use std::path::{Path, PathBuf};
 
 use fit::model::camera::{Camera, Lens};
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
 use fit::photographs::captures;
-use fit::photographs::edge::Fault;
+use fit::photographs::edge::fault::Fault;
 use fit::photographs::measure;
 use fit::photographs::photo;
-use fit::photographs::photo::{Channel, Decode};
+use fit::photographs::photo::channel::{Channel, Decode};
 use fit::photographs::sfr::Estimator;
+use fit::simulate::params::PlantedEdge;
 use fit::simulate::photograph as simulate;
-use fit::simulate::photograph::Edge;
 use planted::{camera, params, truth};
 
 const WHITE: u32 = 15_000;
@@ -151,14 +151,14 @@ fn decode(channel: Channel) -> Decode {
 
 /// The light of a source edge without noise, blurred by a camera alone.
 fn source(normal_deg: f64) -> (Dng, Vec<f64>) {
-    let truth = truth(Kernel::Lobe, Shape::Radial, 3.0, 0.3, 0.6);
+    let truth = truth(Kernel::Lobe, LobeShape::Radial, 3.0, 0.3, 0.6);
     let mut params = params(1, truth, &[0.0], &[200.0], camera(1e12));
     params.camera.width = 360;
     params.camera.height = 360;
-    params.reference = Some(Edge {
+    params.reference = Some(PlantedEdge {
         normal_deg,
         offset_px: 0.4,
-        ..Edge::SOURCE
+        ..PlantedEdge::SOURCE
     });
     let dng = Dng {
         width: params.camera.width,
@@ -291,7 +291,7 @@ fn levels_and_orientation() {
         "{:?}",
         luminance.warnings
     );
-    let bits = |photo: &photo::Photo| {
+    let bits = |photo: &photo::plane::Photo| {
         photo
             .luminance
             .iter()

@@ -2,9 +2,11 @@
 
 mod planted;
 
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
-use fit::samples::sample::{LobeSampler, Points, Sequence, ShiftSampler};
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::samples::lobe::LobeSampler;
+use fit::samples::sequence::{Points, Sequence};
+use fit::samples::shift::ShiftSampler;
 use ndarray::Array2;
 use num_complex::Complex64;
 use planted::{Stream, table, truth};
@@ -50,7 +52,7 @@ fn agree(sampled: (Complex64, f64), exact: Complex64, rest: f64, what: &str) {
 #[test]
 fn the_lobes_samples_have_its_otf() {
     let (mut cases, mut gains) = (0, Vec::new());
-    for shape in Shape::ALL.into_iter().chain(Shape::MICROFACETS) {
+    for shape in LobeShape::ALL.into_iter().chain(LobeShape::MICROFACETS) {
         let sampler = LobeSampler::new(shape);
         for k in [0.05, 0.4, 1.1, 1.7, 2.3, 4.0, 9.0] {
             for angle in [0.0_f64, 0.1, 0.7] {
@@ -87,7 +89,7 @@ fn the_lobes_samples_have_its_otf() {
 
 #[test]
 fn the_shifts_samples_have_its_otf() {
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
     let incidence = [0.0, 20.0, 45.0];
     let table = table(&planted, &incidence, 20.0);
     let mut directions: Vec<Direction> = incidence

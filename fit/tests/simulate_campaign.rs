@@ -3,18 +3,21 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
 use fit::photographs::{captures, photo};
+use fit::simulate::error::Error;
+use fit::simulate::params::{
+    ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
+};
 use fit::simulate::photograph as simulate;
-use fit::simulate::photograph::{ByIncidence, Camera, Edge, Error, Params, Shot, Truth};
 
 fn params() -> Params {
-    let shot = |distance, incidence, normal| Shot {
-        edge: Edge {
+    let shot = |distance, incidence, normal| PlantedShot {
+        edge: PlantedEdge {
             normal_deg: normal,
             offset_px: 0.62,
-            ..Edge::AERIAL
+            ..PlantedEdge::AERIAL
         },
         floating_distance_mm: distance,
         path_mm: None,
@@ -25,14 +28,14 @@ fn params() -> Params {
     };
     Params {
         seed: 11,
-        camera: Camera {
+        camera: PlantedCamera {
             width: 96,
             height: 80,
-            ..Camera::default()
+            ..PlantedCamera::default()
         },
-        truth: Truth {
+        truth: PlantedSheet {
             kernel: Kernel::Eq1,
-            lobe: Shape::Radial,
+            lobe: LobeShape::Radial,
             spectrum: None,
             ior: 1.49,
             pair: true,
@@ -40,7 +43,7 @@ fn params() -> Params {
             c_mm: 0.24,
             mu: ByIncidence::Shared(0.5),
         },
-        reference: Some(Edge::SOURCE),
+        reference: Some(PlantedEdge::SOURCE),
         captures: vec![shot(150.0, 0.0, 5.0), shot(300.0, 20.0, 96.0)],
     }
 }
@@ -60,12 +63,12 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn campaigns_are_readable_repeatable_and_protected() {
     let folder = tempfile::tempdir().unwrap();
     let (one, two) = (folder.path().join("one"), folder.path().join("deeper/two"));
-    let report = simulate::run(&params(), &one, false).unwrap();
+    let report = fit::simulate::write::run(&params(), &one, false).unwrap();
     assert_eq!(
         (report.photographs, report.clipped, report.warnings.len()),
         (3, 0, 0)
     );
-    simulate::run(&params(), &two, false).unwrap();
+    fit::simulate::write::run(&params(), &two, false).unwrap();
     let first = files(&one);
     assert_eq!(first.len(), 5);
     assert_eq!(first, files(&two), "the same seed gives the same bytes");
@@ -76,11 +79,11 @@ fn campaigns_are_readable_repeatable_and_protected() {
     );
 
     assert!(matches!(
-        simulate::run(&params(), &one, false),
+        fit::simulate::write::run(&params(), &one, false),
         Err(Error::NotEmpty { .. })
     ));
     assert_eq!(first, files(&one));
-    simulate::run(
+    fit::simulate::write::run(
         &Params {
             seed: 12,
             ..params()
@@ -195,8 +198,8 @@ fn an_empty_direction_is_a_veil() {
 fn the_photograph_is_the_same_through_its_own_file() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("campaign");
-    simulate::run(&params(), &out, false).unwrap();
-    let source = photo::load(&out.join("source.exr"), &photo::Decode::default()).unwrap();
+    fit::simulate::write::run(&params(), &out, false).unwrap();
+    let source = photo::load(&out.join("source.exr"), &photo::channel::Decode::default()).unwrap();
     assert_eq!(
         source.luminance,
         simulate::photograph(&params(), None).unwrap()

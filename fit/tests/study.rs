@@ -6,9 +6,9 @@ use std::path::Path;
 
 use fit::estimate::loss::Kind;
 use fit::estimate::select::Candidates;
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
-use fit::photographs::captures::Spectrum;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::names::spectrum::Spectrum;
 use fit::study::choice;
 use fit::study::ranges::Ranges;
 use fit::study::refused;
@@ -29,7 +29,7 @@ fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
     };
     let incidence = [0.0, 15.0, 30.0];
     let table = table(
-        &truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5),
+        &truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5),
         &incidence,
         20.0,
     );
@@ -93,7 +93,7 @@ fn terms_are_chosen_where_they_can_be_told() {
         kernels: Kernel::ALL.to_vec(),
         ..Ranges::default()
     };
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
     let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
     let directions = ranges.directions(&table);
     let count = 40;
@@ -137,7 +137,7 @@ fn terms_are_chosen_where_they_can_be_told() {
 /// several windows is no edge.
 #[test]
 fn refusals_are_counted_by_their_reason() {
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
     let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
     let run = |ranges: &Ranges| {
         let directions = ranges.directions(&table);
@@ -180,7 +180,7 @@ fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
         light: Some([0.01, 0.02]),
         ..Ranges::default()
     };
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.3, 0.5);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
     let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
     let directions = ranges.directions(&table);
     let pulls: Vec<[f64; 2]> = (0..12)
@@ -229,7 +229,7 @@ fn draws_are_reproducible() {
 /// no better on c and a.
 #[test]
 fn a_study_of_photographs_names_every_parameter_and_fit() {
-    let planted = truth(Kernel::Eq1, Shape::Radial, 3.0, 0.35, 0.5);
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.35, 0.5);
     let incidence = [5.0, 30.0];
     let table = table(&planted, &incidence, 20.0);
     let scene = scene(
@@ -238,7 +238,7 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
     );
     let open = Candidates {
         kernels: vec![Kernel::Eq1, Kernel::Lobe],
-        shapes: vec![Shape::Radial],
+        shapes: vec![LobeShape::Radial],
         per_angle_a: Some(true),
         per_angle_mu: Some(false),
     };

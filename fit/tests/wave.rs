@@ -10,12 +10,12 @@ use fit::estimate::loss::{Kind, Loss};
 use fit::estimate::optimum::optimum;
 use fit::estimate::select::{Candidates, select};
 use fit::estimate::watch::Watch;
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
 use fit::model::shift::ShiftLine;
 use fit::model::wave::{Fault, WaveLine};
-use fit::photographs::captures::Spectrum;
-use fit::simulate::photograph::Truth;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::names::spectrum::Spectrum;
+use fit::simulate::params::PlantedSheet;
 use num_complex::Complex64;
 use planted::{camera, params, scene, table, truth};
 use tables::{Direction, Path, Table};
@@ -28,7 +28,7 @@ fn spectrum(text: &str) -> Spectrum {
 
 fn ideal(incidence_deg: &[f64]) -> Table {
     table(
-        &truth(Kernel::Shift, Shape::Radial, 1.0, 0.2, 0.6),
+        &truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.2, 0.6),
         incidence_deg,
         AZIMUTH_DEG,
     )
@@ -412,10 +412,10 @@ fn what_the_waves_need_is_named() {
     );
 }
 
-fn waves(c_mm: f64, lines: &str) -> Truth {
-    Truth {
+fn waves(c_mm: f64, lines: &str) -> PlantedSheet {
+    PlantedSheet {
         spectrum: Some(spectrum(lines)),
-        ..truth(Kernel::Wave, Shape::Radial, 1.0, c_mm, 0.6)
+        ..truth(Kernel::Wave, LobeShape::Radial, 1.0, c_mm, 0.6)
     }
 }
 
@@ -425,7 +425,7 @@ fn waves(c_mm: f64, lines: &str) -> Truth {
 fn planted_campaigns_are_recovered() {
     let auto = Candidates {
         kernels: Kernel::ALL.to_vec(),
-        shapes: vec![Shape::Radial],
+        shapes: vec![LobeShape::Radial],
         per_angle_a: None,
         per_angle_mu: None,
     };
@@ -491,7 +491,7 @@ fn an_evaluation_is_quick() {
     assert!(each.as_micros() < 50, "{each:?}");
     let choice = Choice {
         kernel: Kernel::Wave,
-        shape: Shape::Radial,
+        shape: LobeShape::Radial,
         per_angle_a: false,
         per_angle_mu: false,
     };

@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use tables::{Outputs, Table};
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
 use crate::cli::terms::Terms;
@@ -18,12 +19,15 @@ use crate::estimate::error;
 use crate::estimate::forward::Forward;
 use crate::estimate::loss::Kind;
 use crate::estimate::watch::Watch;
-use crate::model::kernel::Family;
+use crate::names::kernel::Family;
+use crate::names::spectrum::Spectrum;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Shot, Spectrum};
-use crate::photographs::photo::Channel;
+use crate::photographs::captures::{Campaign, Shot};
+use crate::photographs::photo::channel::Channel;
 #[cfg(feature = "report")]
-use crate::report::page::{Evidence, Page};
+use crate::report::page::evidence::Evidence;
+#[cfg(feature = "report")]
+use crate::report::page::shown::Page;
 #[cfg(feature = "report")]
 use crate::report::plot;
 use crate::result::report::{Number, Parameter, ResultFile, TableResult};
@@ -152,17 +156,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let campaign = captures::load(&arguments.captures)?;
     let mut outputs = Outputs::beside(inputs(arguments, &campaign));
-    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let page = cli::reserve(arguments.report.as_deref(), &mut outputs)?;
+    let page = output::reserve(arguments.report.as_deref(), &mut outputs)?;
     let truth: Option<Truth> = arguments
         .truth
         .as_deref()
-        .map(|path| cli::read_json(path, "holds a planted answer"))
+        .map(|path| parse::read_json(path, "holds a planted answer"))
         .transpose()?;
-    let pool = cli::pool(arguments.threads)?;
+    let pool = parse::pool(arguments.threads)?;
     let table = pool.install(|| tables::read(&arguments.table))?;
     let job = Job {
         arguments,
@@ -171,14 +175,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     if let Some(channels) = several(arguments) {
         let results = pool.install(|| job.each_channel(&options, channels))?;
-        let json = cli::json(&results);
+        let json = output::json(&results);
         if let Some(output) = output {
             output.commit(json.as_bytes())?;
         }
         let tables = results
             .iter()
             .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
-        return cli::print(&if arguments.json {
+        return output::print(&if arguments.json {
             json
         } else {
             tables.collect::<Vec<_>>().join("\n")
@@ -190,7 +194,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     )]
     let (estimated, result) = pool.install(|| job.run(&options, start))?;
     warn(&result, "");
-    let json = cli::json(&result);
+    let json = output::json(&result);
     #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         output.commit(&plot::fitted(&result, path)?)?;
@@ -203,14 +207,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             campaign: &estimated.campaign,
             truth: truth.as_ref(),
             evidence: &evidence,
-            command: &cli::command_line(std::env::args_os()),
+            command: &output::command_line(std::env::args_os()),
         };
         page.commit(pool.install(|| shown.html()).as_bytes())?;
     }
     if let Some(output) = output {
         output.commit(json.as_bytes())?;
     }
-    cli::print(&if arguments.json {
+    output::print(&if arguments.json {
         json
     } else {
         summary(&result, truth.as_ref())
@@ -275,11 +279,11 @@ impl Job<'_> {
 /// Says what the user should know of a result.
 fn warn(result: &ResultFile, before: &str) {
     for warning in &result.warnings {
-        cli::warn(&format!("{before}{warning}"));
+        output::warn(&format!("{before}{warning}"));
     }
     for capture in &result.captures {
         for warning in &capture.warnings {
-            cli::warn(&format!("{before}{}: {warning}", capture.image));
+            output::warn(&format!("{before}{}: {warning}", capture.image));
         }
     }
 }
@@ -408,14 +412,14 @@ pub fn check_model(path: &Path, result: &ResultFile, model: Option<Family>) -> R
 /// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named, or another.
 pub fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
-    let several = || cli::read_json::<BTreeMap<String, ResultFile>>(path, expected);
+    let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);
     let channels = |held: BTreeMap<String, ResultFile>| Failure::Channel {
         path: path.to_owned(),
         held: held.into_keys().collect::<Vec<_>>().join(", "),
     };
     match channel {
         None => {
-            cli::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
+            parse::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
         }
         Some(name) => {
             let mut held = several()?;

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::cli::cli;
+use crate::cli::parse;
 use crate::estimate::forward::Forward;
-use crate::samples::sample::Sequence;
 use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 use crate::study::forward::Speed;
 
 /// The renders that are studied.
@@ -27,7 +27,7 @@ pub struct Renders {
 pub struct Samples(Vec<usize>);
 
 fn samples(text: &str) -> Result<Samples, String> {
-    let list = cli::positives(text)?;
+    let list = parse::positives(text)?;
     match list.iter().find(|n| n.fract() != 0.0 || **n > 65_536.0) {
         Some(bad) => Err(format!("{bad} is no whole number from 1 to 65536")),
         None => Ok(Samples(list.into_iter().map(|n| n as usize).collect())),

@@ -6,14 +6,16 @@ use std::path::PathBuf;
 use serde::Serialize;
 use tables::Outputs;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
-use crate::photographs::captures::Roi;
-use crate::photographs::edge::Accepted;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::measure;
 use crate::photographs::measure::Measurement;
 use crate::photographs::photo;
-use crate::photographs::photo::{Channel, Decode, Transfer};
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::roi::Roi;
 use crate::photographs::sfr;
 use crate::photographs::sfr::{Estimator, crossing};
 
@@ -37,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<Roi>,
     /// One pixel, mm: frequencies are then in 1/mm, else in cycles per pixel
-    #[arg(long, value_name = "MM", value_parser = cli::positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
     /// Transfer function, where the format's own does not hold: linear or srgb
     #[arg(long, value_parser = transfer)]
@@ -107,7 +109,7 @@ struct Report<'a> {
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = cli::reserve(
+    let output = output::reserve(
         arguments.output.as_deref(),
         &mut Outputs::beside([arguments.image.as_path()]),
     )?;
@@ -165,14 +167,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             standard_error: &standard_error,
             warnings: &warnings,
         };
-        cli::json(&report)
+        output::json(&report)
     } else {
         for warning in &warnings {
-            cli::warn(&format!("{}: {warning}", arguments.image.display()));
+            output::warn(&format!("{}: {warning}", arguments.image.display()));
         }
         let half = mtf50.map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
         let angle = line.normal_rad.to_degrees();
-        cli::note(&format!(
+        output::note(&format!(
             "edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}"
         ));
         let column = if arguments.pixel_pitch.is_some() {
@@ -186,5 +188,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         csv
     };
-    cli::deliver(&text, output)
+    output::deliver(&text, output)
 }

@@ -6,13 +6,14 @@ use std::path::PathBuf;
 use serde::Serialize;
 use tables::Outputs;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
 use crate::cli::estimate::{check_model, read_channel};
-use crate::model::kernel::{Family, Kernel};
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::names::kernel::{Family, Kernel};
 #[cfg(feature = "report")]
-use crate::predict::predict::{Around, around};
-use crate::predict::predict::{Axis, Places, Prediction, predict};
+use crate::predict::prediction::{Around, around};
+use crate::predict::prediction::{Axis, Places, Prediction, predict};
 #[cfg(feature = "report")]
 use crate::report::plot::{self, Variable};
 
@@ -37,19 +38,19 @@ pub struct Arguments {
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
     /// Floating distances, mm
-    #[arg(long, value_name = "LIST", value_parser = cli::positives)]
+    #[arg(long, value_name = "LIST", value_parser = parse::positives)]
     pub distance: std::vec::Vec<f64>,
     /// Incidence angles, degrees
-    #[arg(long, value_name = "LIST", value_parser = cli::incidences)]
+    #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
     pub incidence: std::vec::Vec<f64>,
     /// Azimuths, degrees; the table's own if it holds only one
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = cli::numbers)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = parse::numbers)]
     pub azimuth: Option<std::vec::Vec<f64>>,
     /// Of a file of `fit estimate --channel each`, the channel: red, green or blue
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
     /// Frequencies, 1/mm
-    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
+    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = parse::numbers)]
     pub frequency: std::vec::Vec<f64>,
     /// Whose model the result must be, if any is named: a result knows its own
     #[arg(long, value_enum)]
@@ -100,16 +101,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
-    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
     check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let mut places = Places {
         distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
-        azimuth_deg: cli::only_azimuth(&table),
+        azimuth_deg: parse::only_azimuth(&table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
     let mut predictions = Vec::new();
@@ -131,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if arguments.azimuth.is_some() && table.axes.is_mean() {
-        cli::warn("the table is a mean over azimuths: --azimuth has no effect");
+        output::warn("the table is a mean over azimuths: --azimuth has no effect");
     }
     let mut between: Vec<String> = predictions
         .iter()
@@ -140,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .collect();
     between.dedup();
     if !between.is_empty() {
-        cli::warn(&format!(
+        output::warn(&format!(
             "interpolated between directions of the table, which costs accuracy: incidence {} deg; bake them",
             between.join(", ")
         ));
@@ -155,7 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         })?;
     }
     let text = if arguments.json {
-        cli::json(&Report {
+        output::json(&Report {
             kernel: result.kernel,
             frequency_per_mm: &places.frequency_per_mm,
             predictions: &predictions,
@@ -165,7 +166,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         csv(&predictions, &places.frequency_per_mm)
     };
-    cli::deliver(&text, output)
+    output::deliver(&text, output)
 }
 
 /// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.

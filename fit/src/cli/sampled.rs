@@ -2,8 +2,8 @@
 
 use crate::estimate::loss::Kind;
 use crate::estimate::select::Candidates;
-use crate::samples::sample::Sequence;
 use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 
 /// Samples of a render.
 #[derive(Debug, Clone, clap::Args)]

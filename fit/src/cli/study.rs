@@ -10,8 +10,9 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use tables::{Outputs, Table};
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
 use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
 use crate::estimate::error::Error;
@@ -114,7 +115,7 @@ pub struct Arguments {
 /// # Errors
 /// Manifest, photographs, ranges, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pool = cli::pool(arguments.threads)?;
+    let pool = parse::pool(arguments.threads)?;
     let text = match (&arguments.ranges, &arguments.captures) {
         (Some(ranges), _) => drawn(arguments, ranges, &pool)?,
         (None, Some(captures)) if arguments.forward.forward == Some(Forward::Render) => {
@@ -125,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             #[cfg(feature = "report")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
             #[cfg(feature = "report")]
-            let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+            let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
             let table = tables::read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
             let start = Instant::now();
@@ -138,14 +139,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 output.commit(&picture::photographs(&study, path)?)?;
             }
             if arguments.json {
-                cli::json(&study)
+                output::json(&study)
             } else {
                 bounds(&study)
             }
         }
         (None, None) => String::new(),
     };
-    cli::print(&text)
+    output::print(&text)
 }
 
 /// Speed against error of the estimate by samples.
@@ -160,7 +161,7 @@ fn rendered(
     #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
     #[cfg(feature = "report")]
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let scene = Scene::load(&campaign, &table)?;
@@ -176,7 +177,7 @@ fn rendered(
         output.commit(&speed_picture::drawn(&speed, path)?)?;
     }
     Ok(if arguments.json {
-        cli::json(&speed)
+        output::json(&speed)
     } else {
         forward::table(&speed)
     })
@@ -232,9 +233,9 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     let table = tables::read(&arguments.table)?;
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
     let mut outputs = Outputs::beside([file, &arguments.table]);
-    let csv = cli::reserve(arguments.csv.as_deref(), &mut outputs)?;
+    let csv = output::reserve(arguments.csv.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
         let (trials, refused) = run_all(arguments, pool, |index| {
             let params = ranges.open_campaign(arguments.seed, index, &directions);
@@ -242,7 +243,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
         });
         let summary = choice::Summary::new(&trials, refused);
         return Ok(if arguments.json {
-            cli::json(&summary)
+            output::json(&summary)
         } else {
             choices(&summary)
         });
@@ -260,7 +261,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
         output.commit(&picture::drawn(&summary, path)?)?;
     }
     Ok(if arguments.json {
-        cli::json(&summary)
+        output::json(&summary)
     } else {
         table_of(&summary)
     })

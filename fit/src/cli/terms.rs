@@ -1,8 +1,8 @@
 //! The options by which a verb leaves terms of the model open, or closes them.
 
 use crate::estimate::select::Candidates;
-use crate::model::kernel::{Family, Kernel};
-use crate::model::lobe::Shape;
+use crate::names::kernel::{Family, Kernel};
+use crate::names::lobe::LobeShape;
 
 /// Which terms are open.
 #[derive(Debug, clap::Args)]
@@ -35,7 +35,7 @@ pub enum Lobes {
     /// All that the model has.
     Auto,
     /// One.
-    One(Shape),
+    One(LobeShape),
 }
 
 /// What may be fitted per angle.
@@ -74,7 +74,7 @@ fn lobes(text: &str) -> Result<Lobes, String> {
     if text == "auto" {
         return Ok(Lobes::Auto);
     }
-    let mut all = Shape::ALL.into_iter().chain(Shape::MICROFACETS);
+    let mut all = LobeShape::ALL.into_iter().chain(LobeShape::MICROFACETS);
     let shape = all.find(|shape| shape.name() == text);
     Ok(Lobes::One(shape.ok_or(
         "use radial, separable or auto; with a baseline beckmann, ggx or auto",
@@ -116,7 +116,7 @@ impl Terms {
         }
         let shapes = match self.lobe {
             None if baseline => self.model.shapes().to_vec(),
-            None => vec![Shape::Radial],
+            None => vec![LobeShape::Radial],
             Some(Lobes::Auto) => self.model.shapes().to_vec(),
             Some(Lobes::One(shape)) if self.model.shapes().contains(&shape) => vec![shape],
             Some(Lobes::One(_)) if baseline => {

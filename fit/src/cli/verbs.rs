@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::cli as verbs;
-use crate::cli::cli::Failure;
+use crate::cli::failure::Failure;
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
 /// mid-air images, and predicts what the sheet shows elsewhere.

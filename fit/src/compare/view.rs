@@ -4,12 +4,12 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
 
+use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::kernel::Blur;
 use crate::model::model::{Curve, Model};
 use crate::model::spread::Grid;
 use crate::numerics::fourier::fast_length;
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::Profile;
 use crate::photographs::sfr;
 use crate::photographs::sfr::{Estimator, Mtf};
@@ -33,7 +33,7 @@ pub enum Weights {
 #[derive(Clone)]
 pub struct View {
     /// Where the edge lies.
-    pub line: Line,
+    pub line: EdgeLine,
     /// Pixels sorted by distance from the edge.
     pub profile: Profile,
     /// The estimator at the frequencies of comparison.
@@ -56,7 +56,7 @@ impl View {
     /// Frequencies: the spacing is about the reciprocal of the profile's length (closer ones tell nothing new); the last is
     /// where the measured modulus sinks into three times its noise, at most half the sampling frequency.
     pub fn new(
-        line: Line,
+        line: EdgeLine,
         profile: Profile,
         pitch_mm: f64,
         tangential_rad: f64,

@@ -14,8 +14,8 @@ use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::scene::Scene;
 use crate::estimate::watch::{Step, Watch};
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 
 /// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and more.
 const STEP_DEG: f64 = 5.0;
@@ -102,7 +102,7 @@ pub fn flexible(scene: &Scene) -> Choice {
     let several = scene.groups.len() > 1;
     Choice {
         kernel: Kernel::Eq1,
-        shape: Shape::Radial,
+        shape: LobeShape::Radial,
         per_angle_a: several,
         per_angle_mu: several,
     }

@@ -17,7 +17,7 @@ use crate::estimate::optimum::{refined, rough, sum_of_squares_with};
 use crate::estimate::parameter::{ParameterId, ParameterKind};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{CLEAR, Selection};
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 
 /// A one-sided bound at a confidence.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -17,9 +17,10 @@ use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
 use crate::estimate::verdict;
 use crate::estimate::watch::Watch;
+use crate::names::spectrum::Spectrum;
 use crate::numerics::solve::Stop;
-use crate::photographs::captures::{Campaign, Spectrum};
-use crate::photographs::photo::Channel;
+use crate::photographs::captures::Campaign;
+use crate::photographs::photo::channel::Channel;
 use crate::samples::sampled::Sampling;
 
 /// What is asked of a campaign.

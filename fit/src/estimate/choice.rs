@@ -1,7 +1,7 @@
 //! What a candidate lets vary, and a number with its error.
 
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 
 /// What a candidate lets vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub struct Choice {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Shape of the lobe.
-    pub shape: Shape,
+    pub shape: LobeShape,
     /// One spread per incidence angle, or one for all.
     pub per_angle_a: bool,
     /// One mu per incidence angle, or one for all.

@@ -7,8 +7,8 @@ use crate::estimate::choice::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::scene::{Aerial, Scene};
 use crate::model::baseline::Baseline;
+use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::kernel::Blur;
 use crate::model::model::{Curve, Model};
 
 /// One photograph's model with derivatives.

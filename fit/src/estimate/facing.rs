@@ -3,11 +3,11 @@
 use tables::Direction;
 
 use crate::model::baseline;
-use crate::model::kernel::Kernel;
 use crate::model::shift::ShiftLine;
 use crate::model::wave;
 use crate::model::wave::WaveLine;
-use crate::photographs::captures::Spectrum;
+use crate::names::kernel::Kernel;
+use crate::names::spectrum::Spectrum;
 
 /// The retroreflected share of the light, and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -21,8 +21,8 @@ use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{Optimum, refined_to, rough};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::watch::{Step, Watch};
-use crate::samples::sample::ShiftSampler;
 use crate::samples::sampled::{Sampled, Sampling, Tile};
+use crate::samples::shift::ShiftSampler;
 
 /// Forward models.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]

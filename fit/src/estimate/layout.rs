@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use crate::estimate::choice::Choice;
-use crate::model::kernel::Blur;
+use crate::model::blur::Blur;
 
 /// The order of one candidate's parameters.
 pub struct Layout {

@@ -17,14 +17,15 @@ use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
 use crate::estimate::watch::{Cancelled, Step, Watch};
 use crate::model::camera::Camera;
-use crate::model::kernel::Kernel;
 use crate::model::wave;
+use crate::names::kernel::Kernel;
+use crate::names::spectrum::Spectrum;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Capture, Spectrum};
+use crate::photographs::captures::{Campaign, Capture};
 use crate::photographs::edge;
 use crate::photographs::measure;
 use crate::photographs::measure::Measurement;
-use crate::photographs::photo::Photo;
+use crate::photographs::photo::plane::Photo;
 use crate::samples::sampled::Sampled;
 
 /// Why a scene cannot be fitted.
@@ -33,7 +34,7 @@ use crate::samples::sampled::Sampled;
 pub enum Error {
     /// The manifest or a photograph.
     #[error(transparent)]
-    Captures(#[from] captures::Error),
+    Captures(#[from] captures::error::Error),
     /// The table has no such direction.
     #[error("{}: capture \"{image}\": {source}", manifest.display())]
     Direction {
@@ -50,7 +51,7 @@ pub enum Error {
         /// The photograph.
         image: PathBuf,
         /// What is wrong with it.
-        fault: edge::Fault,
+        fault: edge::fault::Fault,
     },
     /// It was asked to stop.
     #[error(transparent)]
@@ -65,7 +66,7 @@ pub enum Error {
 }
 
 /// Where photographs come from.
-pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
+pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync + 'a;
 
 /// One photograph of the mid-air edge, and what the table makes of it.
 #[derive(Clone)]

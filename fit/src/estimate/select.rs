@@ -21,9 +21,9 @@ use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined};
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
 use crate::estimate::watch::{Step, Watch};
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
 use crate::model::wave;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 use crate::samples::sampled::has_samples;
 
 /// Fall of the criterion below which the simpler candidate stays.
@@ -39,7 +39,7 @@ pub struct Candidates {
     /// Kernels, in the order of preference among equals.
     pub kernels: Vec<Kernel>,
     /// Lobe shapes.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<LobeShape>,
     /// `Some(true)`: one spread per incidence angle; `None`: both are tried.
     pub per_angle_a: Option<bool>,
     /// Likewise for mu.
@@ -51,7 +51,7 @@ impl Candidates {
     pub fn proposed() -> Candidates {
         Candidates {
             kernels: Kernel::ALL.to_vec(),
-            shapes: vec![Shape::ALL[0]],
+            shapes: vec![LobeShape::ALL[0]],
             per_angle_a: None,
             per_angle_mu: None,
         }

@@ -5,7 +5,7 @@ use crate::estimate::choice::Value;
 use crate::estimate::estimate::Estimate;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 
 /// Reduced chi-square above which the model is said not to describe the photographs.
 pub const POOR_FIT: f64 = 2.0;

@@ -6,7 +6,8 @@
 pub mod error;
 pub mod lpips;
 
-use crate::photographs::photo::{Picture, Transfer};
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::transfer::Transfer;
 
 /// The luminance constants of SSIM for a range of 1 (Wang et al. 2004, Sec. III-B).
 const C1: f64 = 0.01 * 0.01;

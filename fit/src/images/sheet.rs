@@ -4,19 +4,22 @@ use num_complex::Complex64;
 use tables::Direction;
 
 use crate::images::plane::ShiftPlane;
-use crate::images::spot::{Place, Sampler, Sheet, Spot, TAIL};
+use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
 use crate::model::baseline::Baseline;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::{CUT, Shape};
+use crate::model::blur::Blur;
+use crate::model::lobe::CUT;
 use crate::model::shift::seen_from;
 use crate::model::wave::WaveLine;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
-use crate::samples::sample::{LobeSampler, ShiftSampler};
+use crate::samples::lobe::LobeSampler;
 use crate::samples::sampled::has_samples;
+use crate::samples::shift::ShiftSampler;
 
 impl Sheet for Fitted<'_> {
-    fn spot(&self, place: &Place, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
+    fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
         let direction = self
             .table
             .direction(place.incidence_deg, place.azimuth_deg)?;
@@ -37,7 +40,7 @@ impl Sheet for Fitted<'_> {
         };
         let shift = (shifts && returns)
             .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
-        let shape = self.result.lobe.unwrap_or(Shape::Radial);
+        let shape = self.result.lobe.unwrap_or(LobeShape::Radial);
         let lobe = kernel
             .has_lobe()
             .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
@@ -60,7 +63,7 @@ impl Sheet for Fitted<'_> {
 /// The fitted sheet at one place.
 struct FittedSpot<'a> {
     sheet: Fitted<'a>,
-    place: Place,
+    place: Viewpoint,
     direction: Direction,
     blur: Blur,
     energy: Option<f64>,
@@ -68,7 +71,7 @@ struct FittedSpot<'a> {
     /// `None` for kernels without a shift of their own.
     shift: Option<ShiftPlane>,
     /// Shape and a, 1/mm.
-    lobe: Option<(Shape, f64)>,
+    lobe: Option<(LobeShape, f64)>,
     reach_mm: f64,
 }
 
@@ -116,11 +119,11 @@ impl FittedSpot<'_> {
         }
         let lobe = match self.lobe {
             None => 0.0,
-            Some((Shape::Radial, a)) => CUT / a,
+            Some((LobeShape::Radial, a)) => CUT / a,
             // Lobes of rough facets: see above.
-            Some((Shape::Beckmann | Shape::Ggx, _)) => 0.0,
+            Some((LobeShape::Beckmann | LobeShape::Ggx, _)) => 0.0,
             // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies beyond x.
-            Some((Shape::Separable, a)) => 1.0 / (PI * a * TAIL),
+            Some((LobeShape::Separable, a)) => 1.0 / (PI * a * TAIL),
         };
         Ok(shift + lobe)
     }

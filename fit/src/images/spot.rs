@@ -10,7 +10,7 @@ use crate::samples::sequence::DIMENSIONS;
 
 /// Where a point of the mid-air image is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct Viewpoint {
     /// Incidence on the sheet, degrees from its normal.
     pub incidence_deg: f64,
     /// Azimuth about the normal, degrees; `None` for a table that is a mean over azimuths.
@@ -45,7 +45,7 @@ pub trait Spot: Send + Sync {
     }
 }
 
-/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::sample::Points`].
+/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::sequence::Points`].
 pub type Sampler<'a> = dyn Fn([f64; DIMENSIONS]) -> [f64; 2] + Sync + 'a;
 
 /// Share of the light that may fall outside of [`Spot::reach_mm`].
@@ -58,5 +58,5 @@ pub trait Sheet: Sync {
     ///
     /// # Errors
     /// [`Error`].
-    fn spot(&self, place: &Place, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error>;
+    fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error>;
 }

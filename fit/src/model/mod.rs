@@ -1,8 +1,8 @@
 //! TODO
 
 pub mod baseline;
+pub mod blur;
 pub mod camera;
-pub mod kernel;
 pub mod lobe;
 pub mod microfacet;
 pub mod model;

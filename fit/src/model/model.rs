@@ -3,10 +3,11 @@
 use num_complex::Complex64;
 
 use crate::model::baseline::Baseline;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
+use crate::model::blur::Blur;
 use crate::model::shift::ShiftLine;
 use crate::model::wave::WaveLine;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 
 /// A model's profile over the bins, with its derivatives by the natural logarithms of spread and c.
 pub struct Curve {
@@ -24,7 +25,7 @@ pub struct Model<'a> {
     /// Terms of the model.
     pub kernel: Kernel,
     /// Shape of its lobe.
-    pub shape: Shape,
+    pub shape: LobeShape,
     /// The direction's shift along the edge normal; `None` only for models without it.
     pub shift: Option<&'a ShiftLine>,
     /// The direction's waves along the edge normal; `None` only for models without them (a `wave` model is NaN then).

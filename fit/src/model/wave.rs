@@ -20,7 +20,7 @@ use tables::Direction;
 use tables::polygon::sinc;
 use tables::table::Path;
 
-use crate::photographs::captures::Spectrum;
+use crate::names::spectrum::Spectrum;
 
 /// Largest difference of a path's map from a point reflection, and of two maps of one cube: far above rounding (1e-12),
 /// far below any dihedral error that matters (1e-6 rad).

@@ -9,10 +9,11 @@ use serde_json::{Value, json};
 use tables::Table;
 
 use crate::model::baseline::Baseline;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
+use crate::model::blur::Blur;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 use crate::predict::error::Error;
-use crate::predict::predict::{Places, Prediction, predict};
+use crate::predict::prediction::{Places, Prediction, predict};
 use crate::result::report::ResultFile;
 
 /// Forms of a material.
@@ -92,7 +93,7 @@ pub fn nearest(
             let lobe = Baseline::new(Kernel::Mrm, incidence_deg.to_radians(), index, normal);
             let difference = |(f, m): (&f64, &f64)| {
                 lobe.map_or(f64::NAN, |lobe| {
-                    lobe.otf(Shape::Ggx, blur, distance_mm, *f)[0].re - m
+                    lobe.otf(LobeShape::Ggx, blur, distance_mm, *f)[0].re - m
                 })
             };
             frequencies

@@ -5,5 +5,5 @@
 
 pub mod error;
 pub mod export;
-pub mod predict;
+pub mod prediction;
 pub mod sheet;

@@ -3,7 +3,8 @@
 use tables::Table;
 
 use crate::model::baseline;
-use crate::model::kernel::{Blur, Kernel};
+use crate::model::blur::Blur;
+use crate::names::kernel::Kernel;
 use crate::predict::error::Error;
 use crate::result::report::{ResultFile, TableResult};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use kuva::prelude::*;
 
 use crate::report::plot::{Error, draw};
-use crate::samples::sample::Sequence;
+use crate::samples::sequence::Sequence;
 use crate::study::forward::{Row, Speed};
 
 /// Error against samples per pixel and against seconds, both axes logarithmic.

@@ -11,9 +11,9 @@ use crate::estimate::loss::Kind;
 use crate::estimate::parameter::{ParameterId, ParameterKind};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::select::Ranked;
-use crate::model::kernel::{Family, Kernel};
-use crate::model::lobe::Shape;
-use crate::photographs::captures::Spectrum;
+use crate::names::kernel::{Family, Kernel};
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
 pub use crate::result::table::{CellResult, TableResult};
 use crate::samples::sampled::Sampling;
 
@@ -90,7 +90,7 @@ pub struct Candidate {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
-    pub lobe: Option<Shape>,
+    pub lobe: Option<LobeShape>,
     /// Whether a (of a baseline the roughness) is shared or per angle.
     pub sharing: String,
     /// Bayes' criterion (smaller is better).
@@ -166,7 +166,7 @@ pub struct ResultFile {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
-    pub lobe: Option<Shape>,
+    pub lobe: Option<LobeShape>,
     /// What was minimised.
     pub loss: Kind,
     /// How the model was evaluated.

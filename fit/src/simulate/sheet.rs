@@ -4,10 +4,11 @@
 use tables::Table;
 use tables::polygon::area;
 
-use crate::model::kernel::Kernel;
 use crate::model::shift::seen_from;
+use crate::names::kernel::Kernel;
 use crate::simulate::cell::CubeShift;
-use crate::simulate::photograph::{Error, Params, Shot};
+use crate::simulate::error::Error;
+use crate::simulate::params::{Params, PlantedShot};
 
 impl Params {
     /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.
@@ -21,7 +22,7 @@ impl Params {
         }
         let c_mm = self.truth.c_mm;
         for shot in &mut self.captures {
-            let Shot {
+            let PlantedShot {
                 incidence_deg,
                 azimuth_deg,
                 ..

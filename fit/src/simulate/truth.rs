@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 
 /// The numbers that a campaign was made with.
 #[derive(Debug, Clone, Deserialize)]

@@ -18,8 +18,8 @@ use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{Optimum, optimum};
 use crate::estimate::scene::Scene;
 use crate::numerics::solve::Solution;
-use crate::samples::sample::Sequence;
 use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 
 /// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
 /// they are compared with begin (fit/BENCHMARKS.md).

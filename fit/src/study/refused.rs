@@ -11,7 +11,7 @@ use crate::estimate::scene;
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Refused {
-    /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::Fault::kind`].
+    /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::fault::Fault::kind`].
     pub reason: &'static str,
     /// How many.
     pub campaigns: usize,

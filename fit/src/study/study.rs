@@ -15,7 +15,7 @@ use crate::estimate::parameter::ParameterId;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{Candidates, select};
 use crate::estimate::watch::Watch;
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 
 /// What the photographs of a campaign allow, and what the losses make of them.
 #[derive(Debug, Clone, Serialize)]

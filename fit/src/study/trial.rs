@@ -6,6 +6,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 use tables::Table;
 
+use crate::document::line::FileLine;
 use crate::estimate::choice::Choice;
 use crate::estimate::error::Error;
 use crate::estimate::estimate::{Estimate, estimate};
@@ -15,15 +16,15 @@ use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{optimum, refined};
 use crate::estimate::scene;
 use crate::estimate::scene::Scene;
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 use crate::photographs::captures;
-use crate::photographs::captures::keys::Place;
 use crate::photographs::captures::{Campaign, Capture, Setup};
-use crate::photographs::edge::Accepted;
+use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::noise::PixelNoise;
-use crate::photographs::photo::{Decode, Photo};
+use crate::photographs::photo::channel::Decode;
+use crate::photographs::photo::plane::Photo;
+use crate::simulate::params::{Params, PlantedCamera};
 use crate::simulate::photograph as simulate;
-use crate::simulate::photograph::{Camera, Params};
 
 /// The parameters of a trial, in their order everywhere.
 pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
@@ -62,7 +63,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
         per_angle_a: false,
         per_angle_mu: false,
     };
-    let shared = |values: &simulate::ByIncidence| {
+    let shared = |values: &crate::simulate::params::ByIncidence| {
         values
             .at(params.captures[0].incidence_deg)
             .unwrap_or(f64::NAN)
@@ -116,7 +117,7 @@ fn bound(
 }
 
 /// The planted point: a blur, and the planted lens behind it.
-pub(crate) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn planted(joint: &Joint, camera: &PlantedCamera, blur: &DVector<f64>) -> DVector<f64> {
     // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
     let blur_mm =
         std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
@@ -128,7 +129,7 @@ pub(crate) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DV
 }
 
 /// The planted noise.
-pub(crate) fn noise(camera: &Camera) -> PixelNoise {
+pub(crate) fn noise(camera: &PlantedCamera) -> PixelNoise {
     let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
     PixelNoise {
         read: (camera.read_noise_e / camera.full_well_e).powi(2) + step * step / 12.0,
@@ -142,7 +143,8 @@ pub(crate) fn scene(
     params: &Params,
     table: &Table,
     accepted: &[Accepted],
-    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::Error> + Sync,
+    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, crate::simulate::error::Error>
+    + Sync,
 ) -> Result<Scene, scene::Error> {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
@@ -152,7 +154,7 @@ pub(crate) fn scene(
         roi: None,
         accepted: accepted.to_vec(),
         decode: Decode::default(),
-        place: Place {
+        place: FileLine {
             file: "simulated".into(),
             line: 0,
         },

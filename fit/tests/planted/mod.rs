@@ -3,12 +3,14 @@
 #![allow(dead_code, reason = "each test uses its part")]
 
 use fit::estimate::scene::Scene;
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::names::spectrum::Spectrum;
 use fit::photographs::captures;
-use fit::photographs::captures::Spectrum;
-use fit::simulate::photograph::{ByIncidence, Camera, Edge, Params, Shot, Truth};
-use fit::simulate::{cell, photograph as simulate};
+use fit::simulate::cell;
+use fit::simulate::params::{
+    ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
+};
 use ndarray::{Array2, Array3, Array4};
 use tables::{Axes, Exact, Path, Provenance, Table};
 
@@ -27,7 +29,7 @@ impl Stream {
 }
 
 /// The exact table of the ideal cell from the closed form: shift polygons as paths, no bins filled.
-pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
+pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
     let n = incidence_deg.len();
     let cubes = if truth.pair { 2.0 } else { 1.0 };
     let mut paths = Vec::new();
@@ -112,8 +114,8 @@ pub fn table(truth: &Truth, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
 }
 
 /// A small camera.
-pub fn camera(full_well_e: f64) -> Camera {
-    Camera {
+pub fn camera(full_well_e: f64) -> PlantedCamera {
+    PlantedCamera {
         width: 192,
         height: 128,
         pixel_pitch_mm: 0.08,
@@ -132,22 +134,22 @@ pub fn camera(full_well_e: f64) -> Camera {
 /// A campaign over the given incidence angles and distances, edges tilted by varied angles.
 pub fn params(
     seed: u64,
-    truth: Truth,
+    truth: PlantedSheet,
     incidence_deg: &[f64],
     distance_mm: &[f64],
-    camera: Camera,
+    camera: PlantedCamera,
 ) -> Params {
     let mut stream = Stream(seed);
     let mut captures = Vec::new();
     for &incidence_deg in incidence_deg {
         for &floating_distance_mm in distance_mm {
-            let edge = Edge {
+            let edge = PlantedEdge {
                 normal_deg: stream.between(4.0, 9.0),
                 offset_px: stream.between(-1.0, 1.0),
                 exposure: 4.0,
-                ..Edge::AERIAL
+                ..PlantedEdge::AERIAL
             };
-            captures.push(Shot {
+            captures.push(PlantedShot {
                 edge,
                 floating_distance_mm,
                 path_mm: None,
@@ -162,14 +164,14 @@ pub fn params(
         seed,
         camera,
         truth,
-        reference: Some(Edge::SOURCE),
+        reference: Some(PlantedEdge::SOURCE),
         captures,
     }
 }
 
 /// The truth of a campaign.
-pub fn truth(kernel: Kernel, lobe: Shape, a: f64, c_mm: f64, mu: f64) -> Truth {
-    Truth {
+pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> PlantedSheet {
+    PlantedSheet {
         kernel,
         lobe,
         spectrum: (kernel == Kernel::Wave).then(|| Spectrum::parse("550").expect("one line")),
@@ -184,7 +186,7 @@ pub fn truth(kernel: Kernel, lobe: Shape, a: f64, c_mm: f64, mu: f64) -> Truth {
 /// Simulates the campaign on disk and measures it as the program does.
 pub fn scene(params: &Params, table: &Table) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    simulate::run(params, folder.path(), true).expect("the campaign can be written");
+    fit::simulate::write::run(params, folder.path(), true).expect("the campaign can be written");
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     Scene::load(&campaign, table).expect("the photographs hold edges")

@@ -10,10 +10,11 @@ use fit::images::render::Scale;
 use fit::images::render::psf::{Fault, Psf};
 use fit::images::render::tiles::Tiles;
 use fit::images::render::transform::Convolver;
-use fit::images::spot::{Place, Sampler, Sheet, Spot, TAIL};
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
-use fit::photographs::photo::{Picture, Transfer, Writing};
+use fit::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::photographs::photo::picture::{Picture, Writing};
+use fit::photographs::photo::transfer::Transfer;
 use fit::predict::error::Error;
 use fit::predict::sheet::Fitted;
 use fit::result::report::{ResultFile, TableResult};
@@ -54,7 +55,7 @@ impl Spot for Square {
 struct Squares;
 
 impl Sheet for Squares {
-    fn spot(&self, place: &Place, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
+    fn spot(&self, place: &Viewpoint, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
         Ok(Box::new(Square {
             width: place.r_mm,
             energy: 1.0 / (1.0 + place.incidence_deg),
@@ -62,8 +63,8 @@ impl Sheet for Squares {
     }
 }
 
-fn place(r_mm: f64, incidence_deg: f64) -> Place {
-    Place {
+fn place(r_mm: f64, incidence_deg: f64) -> Viewpoint {
+    Viewpoint {
         incidence_deg,
         azimuth_deg: Some(20.0),
         r_mm,
@@ -186,7 +187,7 @@ fn result(kernel: &str, lobe: Option<&str>, table: &Table) -> ResultFile {
 
 #[test]
 fn energy_is_kept_by_every_kernel() {
-    let truth = truth(Kernel::Eq1, Shape::Radial, 4.9, 0.24, 0.25);
+    let truth = truth(Kernel::Eq1, LobeShape::Radial, 4.9, 0.24, 0.25);
     let table = table(&truth, &[0.0, 20.0], 20.0);
     let source = picture(240, 200, 60);
     let sum = |plane: &[f32]| plane.iter().map(|&v| f64::from(v)).sum::<f64>();

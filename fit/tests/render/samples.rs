@@ -4,14 +4,14 @@ use fit::images::render;
 use fit::images::render::Scale;
 use fit::images::render::sampled;
 use fit::images::render::sampled::Sampled;
-use fit::images::spot::{Place, Sampler, Sheet, Spot};
-use fit::model::kernel::Kernel;
-use fit::model::lobe::Shape;
-use fit::photographs::photo::Picture;
+use fit::images::spot::{Sampler, Sheet, Spot, Viewpoint};
+use fit::names::kernel::Kernel;
+use fit::names::lobe::LobeShape;
+use fit::photographs::photo::picture::Picture;
 use fit::predict::error::Error;
 use fit::predict::sheet::Fitted;
-use fit::samples::sample::Sequence;
 use fit::samples::sampled::Sampling;
+use fit::samples::sequence::Sequence;
 use num_complex::Complex64;
 
 use super::planted::{table, truth};
@@ -42,7 +42,7 @@ fn sampling(samples: usize, sequence: Sequence) -> Sampling {
 
 #[test]
 fn samples_meet_the_transforms_within_their_error() {
-    let truth = truth(Kernel::Eq1, Shape::Radial, 4.9, 0.24, 0.25);
+    let truth = truth(Kernel::Eq1, LobeShape::Radial, 4.9, 0.24, 0.25);
     let table = table(&truth, &[0.0, 20.0], 20.0);
     let scale = Scale {
         pitch_mm: 0.08,
@@ -170,7 +170,7 @@ impl Spot for Displaced {
 struct Millimetre;
 
 impl Sheet for Millimetre {
-    fn spot(&self, place: &Place, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
+    fn spot(&self, place: &Viewpoint, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
         Ok(Box::new(Displaced(Square {
             width: place.r_mm / 600.0,
             energy: 1.0 / (1.0 + place.incidence_deg),

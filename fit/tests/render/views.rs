@@ -1,13 +1,13 @@
 //! Where a camera sees every pixel.
 
 use fit::images::render::view;
-use fit::images::render::view::View;
+use fit::images::render::view::CameraView;
 
-pub fn load(text: &str) -> Result<View, String> {
+pub fn load(text: &str) -> Result<CameraView, String> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("view.toml");
     std::fs::write(&file, text).unwrap();
-    View::load(&file).map_err(|error| error.to_string())
+    CameraView::load(&file).map_err(|error| error.to_string())
 }
 
 /// The camera `far` before the image, the sheet 300 mm behind it and turned.

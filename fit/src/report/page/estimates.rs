@@ -4,9 +4,9 @@ use crate::estimate::bound::Bound;
 use crate::estimate::parameter::{ParameterId, ParameterKind};
 use crate::result::report::{AtAngle, Number, Parameter};
 
-use crate::report::page::Page;
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{Row, minus, rounded, significant, table};
+use crate::report::page::shown::Page;
 
 /// Half a 95 % interval, in standard errors of a normal distribution.
 pub const INTERVAL: f64 = 1.959_964;

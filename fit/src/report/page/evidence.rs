@@ -17,7 +17,7 @@ const REACH: f64 = 3.0;
 
 /// The profile likelihood of one parameter.
 #[derive(Debug, Clone)]
-pub struct Profile {
+pub struct LikelihoodProfile {
     /// The parameter.
     pub id: ParameterId,
     /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per degree of freedom, at least 1).
@@ -33,7 +33,7 @@ pub struct Evidence {
     pub reduced_chi2: f64,
     /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four. None under `mse`, which is no
     /// likelihood.
-    pub profiles: Vec<Profile>,
+    pub profiles: Vec<LikelihoodProfile>,
 }
 
 impl Evidence {
@@ -59,7 +59,7 @@ impl Evidence {
     }
 }
 
-fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> Profile {
+fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
     let (scene, fit) = (&estimated.scene, &estimated.best);
     let id = fit.parameters[i];
     let bound: Option<&Bound> = estimated.bounds.get(&id);
@@ -91,7 +91,7 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> Profile {
     }
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points.dedup_by(|a, b| a[0] == b[0]);
-    Profile {
+    LikelihoodProfile {
         id,
         points,
         bounded: bound.is_some(),

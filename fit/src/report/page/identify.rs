@@ -5,12 +5,12 @@ use std::fmt::Write;
 use crate::estimate::parameter::{ParameterId, ParameterKind};
 use crate::result::report::Parameter;
 
-use crate::report::page::Page;
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::estimates::{INTERVAL, symbol};
-use crate::report::page::evidence::Profile;
+use crate::report::page::evidence::LikelihoodProfile;
 use crate::report::page::markup::minus;
 use crate::report::page::markup::{significant, table};
+use crate::report::page::shown::Page;
 
 /// Rise of the sum of squares at the ends of a 95 % interval of one parameter (chi-square, 1 degree of freedom).
 const INTERVAL_RISE: f64 = 3.841;
@@ -70,7 +70,7 @@ fn symbol_at(id: ParameterId) -> (String, &'static str) {
     (format!("{symbol}{at}"), unit)
 }
 
-fn profile(page: &Page, profile: &Profile) -> String {
+fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
     let points = &profile.points;
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return String::new();

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// One wavelength of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
+pub struct SpectralLine {
     /// Wavelength in air, nm.
     pub wavelength_nm: f64,
     /// Share of the light, relative to the other lines; positive, not normalised.
@@ -17,7 +17,7 @@ pub struct Line {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Spectrum {
-    lines: Vec<Line>,
+    lines: Vec<SpectralLine>,
 }
 
 /// A spectrum that cannot be read.
@@ -85,7 +85,7 @@ impl Spectrum {
     }
 
     /// The lines, in the order given; never empty.
-    pub fn lines(&self) -> &[Line] {
+    pub fn lines(&self) -> &[SpectralLine] {
         &self.lines
     }
 }
@@ -117,7 +117,7 @@ impl From<Spectrum> for String {
     }
 }
 
-fn line(wavelength_nm: f64, weight: f64) -> Result<Line, SpectrumError> {
+fn line(wavelength_nm: f64, weight: f64) -> Result<SpectralLine, SpectrumError> {
     if !(100.0..=20_000.0).contains(&wavelength_nm) {
         return Err(SpectrumError::Wavelength { wavelength_nm });
     }
@@ -127,7 +127,7 @@ fn line(wavelength_nm: f64, weight: f64) -> Result<Line, SpectrumError> {
             weight,
         });
     }
-    Ok(Line {
+    Ok(SpectralLine {
         wavelength_nm,
         weight,
     })

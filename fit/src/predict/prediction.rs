@@ -4,11 +4,11 @@ use serde::Serialize;
 use tables::{Direction, Table};
 
 use crate::model::baseline::Baseline;
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
 use crate::model::model::Model;
 use crate::model::shift::ShiftLine;
 use crate::model::wave::WaveLine;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
 use crate::result::report::ResultFile;
@@ -118,7 +118,7 @@ impl<'a> Seen<'a> {
         let at = |&r_mm: &f64| {
             let model = Model {
                 kernel: result.kernel,
-                shape: result.lobe.unwrap_or(Shape::Radial),
+                shape: result.lobe.unwrap_or(LobeShape::Radial),
                 shift: shift.as_ref(),
                 wave: waves.as_ref(),
                 baseline: Baseline::new(result.kernel, incidence, index, normal),

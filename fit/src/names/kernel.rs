@@ -1,8 +1,8 @@
-//! Which blur terms a model has, how its spread scales with the floating distance, and whose model it is.
+//! Names of the blur terms that a model has, and whose model it is.
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::lobe::Shape;
+use crate::names::lobe::LobeShape;
 
 /// The blur model of a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -66,10 +66,10 @@ impl Family {
     }
 
     /// Shapes of its lobe.
-    pub const fn shapes(self) -> &'static [Shape] {
+    pub const fn shapes(self) -> &'static [LobeShape] {
         match self {
-            Family::Proposed => &Shape::ALL,
-            Family::Saito | Family::Guo | Family::Mrm => &Shape::MICROFACETS,
+            Family::Proposed => &LobeShape::ALL,
+            Family::Saito | Family::Guo | Family::Mrm => &LobeShape::MICROFACETS,
         }
     }
 }
@@ -154,21 +154,4 @@ impl Kernel {
     pub const fn has_lobe(self) -> bool {
         !matches!(self, Kernel::Shift | Kernel::Wave)
     }
-
-    /// The divisor that turns the spread parameter into a (1/mm) at floating distance `r_mm`: 1 or R. Not for baselines.
-    pub fn distance_scale(self, r_mm: f64) -> f64 {
-        match self {
-            Kernel::Angular => r_mm,
-            _ => 1.0,
-        }
-    }
-}
-
-/// One model of the blur at one incidence: what a fit varies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blur {
-    /// a in 1/mm (eq1, lobe), A = a R (angular) or the roughness of a baseline; ignored by `shift` and `wave`.
-    pub spread: f64,
-    /// Corner size, mm, or the roughness of the front (saito-surface); ignored by `lobe` and the other baselines.
-    pub c_mm: f64,
 }

@@ -8,23 +8,10 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::photographs::captures::Error;
-pub use crate::photographs::captures::bounds::Bounds;
-
-/// A line of a TOML file.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Place {
-    /// The file.
-    pub file: PathBuf,
-    /// Line, from 1.
-    pub line: usize,
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "{}:{}", self.file.display(), self.line)
-    }
-}
+use crate::document::bounds::Bounds;
+use crate::document::error::Error;
+use crate::document::line::FileLine;
+use crate::names::spectrum::Spectrum;
 
 /// The text of a TOML file and where it came from.
 #[derive(Debug)]
@@ -42,13 +29,10 @@ impl Document {
     /// # Errors
     /// [`Error::Read`] where the system does not give it, it is not UTF-8 or longer than a MiB.
     pub fn read(file: &Path) -> Result<Document, Error> {
-        let text =
-            crate::photographs::captures::text::read(file, MOST_BYTES).map_err(|source| {
-                Error::Read {
-                    file: file.to_owned(),
-                    source,
-                }
-            })?;
+        let text = crate::document::text::read(file, MOST_BYTES).map_err(|source| Error::Read {
+            file: file.to_owned(),
+            source,
+        })?;
         Ok(Document {
             file: file.to_owned(),
             text,
@@ -66,9 +50,9 @@ impl Document {
         })
     }
 
-    fn place(&self, offset: usize) -> Place {
+    fn place(&self, offset: usize) -> FileLine {
         let before = &self.text.as_bytes()[..offset.min(self.text.len())];
-        Place {
+        FileLine {
             file: self.file.clone(),
             line: 1 + before.iter().filter(|&&byte| byte == b'\n').count(),
         }
@@ -81,7 +65,7 @@ pub struct Section<'d> {
     document: &'d Document,
     table: &'d DeTable<'d>,
     name: String,
-    place: Place,
+    place: FileLine,
 }
 
 impl<'d> Section<'d> {
@@ -124,7 +108,7 @@ impl<'d> Section<'d> {
     }
 
     /// Where the table begins.
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &FileLine {
         &self.place
     }
 
@@ -134,7 +118,7 @@ impl<'d> Section<'d> {
     }
 
     /// Where `key` is set; the table itself where it is not.
-    pub fn place_of(&self, key: &str) -> Place {
+    pub fn place_of(&self, key: &str) -> FileLine {
         self.table
             .iter()
             .find(|(name, _)| name.get_ref() == key)
@@ -379,6 +363,26 @@ impl<'d> Section<'d> {
             }
         }
         Ok(Some(NumberOrTable::Table(entries)))
+    }
+
+    /// The spectrum under the key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads it.
+    ///
+    /// # Errors
+    /// [`Error::Spectrum`], or that the value is neither.
+    pub fn spectrum(&self) -> Result<Option<Spectrum>, Error> {
+        let key = "wavelength_nm";
+        let spectrum = match self.text(key) {
+            Ok(None) => None,
+            Ok(Some(text)) => Some(Spectrum::parse(text)),
+            // Not a string: a number is as good, and the message of `number` covers the rest.
+            Err(_) => self
+                .number(key, Bounds::FINITE)?
+                .map(Spectrum::monochromatic),
+        };
+        spectrum.transpose().map_err(|source| Error::Spectrum {
+            place: self.place_of(key),
+            source,
+        })
     }
 
     fn nested(&self, key: &str, table: &'d DeTable<'d>, offset: usize) -> Section<'d> {
