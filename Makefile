@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo table1 test test-full test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
+.PHONY: all build install demo table1 test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -67,7 +67,7 @@ test: fmt lint doc python
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel
+test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
@@ -75,6 +75,11 @@ test-mpi: rust tools
 	@echo "== ranks of MPI" >&2
 	@$(CARGO) clippy --workspace --features bake/mpi --all-targets --locked -- -D warnings
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --test ranks --locked
+
+# The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes, then its verbs.
+test-lean: rust tools
+	@echo "== the lean fitter" >&2
+	@$(CARGO) test --workspace --test lean --locked -- --include-ignored --nocapture
 
 # The optional feature of camera raw, which brings a crate under another licence.
 test-raw: rust tools
@@ -125,6 +130,7 @@ fmt: rust
 lint: rust tools
 	@echo "== lints" >&2
 	@$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+	@$(CARGO) clippy -p fit --no-default-features --locked -- -D warnings
 
 doc: tools
 	@echo "== documentation" >&2

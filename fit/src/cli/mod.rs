@@ -13,6 +13,7 @@ pub mod mtf;
 pub mod output;
 pub mod parse;
 pub mod predict;
+pub mod progress;
 #[cfg(feature = "images")]
 pub mod render;
 pub mod sampled;

@@ -14,6 +14,7 @@ use crate::photographs::measure;
 use crate::photographs::measure::Measurement;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
 use crate::photographs::sfr;
@@ -89,7 +90,7 @@ fn roi(text: &str) -> Result<Roi, String> {
 }
 
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report {
     image: String,
     edge_angle_deg: f64,
     edge_angle_standard_error_deg: f64,
@@ -98,10 +99,10 @@ struct Report<'a> {
     pixel_noise: [f64; 2],
     frequency_unit: &'static str,
     mtf50: Option<f64>,
-    frequency: &'a [f64],
-    mtf: &'a [f64],
-    standard_error: &'a [f64],
-    warnings: &'a [String],
+    frequency: Vec<f64>,
+    mtf: Vec<f64>,
+    standard_error: Vec<f64>,
+    warnings: Vec<String>,
 }
 
 /// Runs the verb.
@@ -129,64 +130,83 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             height: photo.height,
         });
     }
+    let report = measured(&photo, arguments)?;
+    let text = if arguments.json {
+        output::json(&report)
+    } else {
+        for warning in &report.warnings {
+            output::warn(&format!("{}: {warning}", arguments.image.display()));
+        }
+        output::note(&report.line());
+        report.csv(arguments.pixel_pitch.is_some())
+    };
+    output::deliver(&text, output)
+}
+
+/// The edge of a photograph and its curve, up to the sampling frequency.
+fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
     let Measurement {
         line,
         profile,
         warnings,
         ..
-    } = measure::edge(&photo, arguments.roi, &arguments.accept).map_err(|fault| Failure::Edge {
+    } = measure::edge(photo, arguments.roi, &arguments.accept).map_err(|fault| Failure::Edge {
         image: arguments.image.clone(),
         fault,
     })?;
     let pitch = arguments.pixel_pitch.unwrap_or(1.0);
     // Up to the sampling frequency, which is a quarter of a period.
     let estimator = Estimator::new(&profile, pitch, 4 * POINTS, POINTS);
-    let mtf = estimator.measure(&profile);
+    let mtf = estimator.measure(&profile).modulus;
     let standard_error = sfr::standard_error(&estimator.response(&profile), &profile);
-    let frequency = &estimator.frequencies_per_mm;
+    let frequency = estimator.frequencies_per_mm;
     let (dark, bright) = profile.plateaus();
-    let contrast = bright - dark;
-    let mtf50 = crossing(frequency, &mtf.modulus, 0.5);
-    let unit = if arguments.pixel_pitch.is_some() {
-        "1/mm"
-    } else {
-        "cycles/pixel"
-    };
-    let text = if arguments.json {
-        let report = Report {
-            image: arguments.image.display().to_string(),
-            edge_angle_deg: line.normal_rad.to_degrees(),
-            edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
-            edge_offset_px: line.offset_px,
-            contrast,
-            pixel_noise: profile.noise,
-            frequency_unit: unit,
-            mtf50,
-            frequency,
-            mtf: &mtf.modulus,
-            standard_error: &standard_error,
-            warnings: &warnings,
-        };
-        output::json(&report)
-    } else {
-        for warning in &warnings {
-            output::warn(&format!("{}: {warning}", arguments.image.display()));
-        }
-        let half = mtf50.map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
-        let angle = line.normal_rad.to_degrees();
-        output::note(&format!(
-            "edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}"
-        ));
-        let column = if arguments.pixel_pitch.is_some() {
+    Ok(Report {
+        image: arguments.image.display().to_string(),
+        edge_angle_deg: line.normal_rad.to_degrees(),
+        edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
+        edge_offset_px: line.offset_px,
+        contrast: bright - dark,
+        pixel_noise: profile.noise,
+        frequency_unit: if arguments.pixel_pitch.is_some() {
+            "1/mm"
+        } else {
+            "cycles/pixel"
+        },
+        mtf50: crossing(&frequency, &mtf, 0.5),
+        frequency,
+        mtf,
+        standard_error,
+        warnings,
+    })
+}
+
+impl Report {
+    /// The edge in one line, for a person.
+    fn line(&self) -> String {
+        let (angle, contrast) = (self.edge_angle_deg, self.contrast);
+        let unit = self.frequency_unit;
+        let half = self
+            .mtf50
+            .map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
+        format!("edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}")
+    }
+
+    fn csv(&self, in_mm: bool) -> String {
+        let column = if in_mm {
             "frequency_per_mm"
         } else {
             "cycles_per_pixel"
         };
         let mut csv = format!("{column},mtf,standard_error\n");
-        for ((f, m), e) in frequency.iter().zip(&mtf.modulus).zip(&standard_error) {
+        let rows = self
+            .frequency
+            .iter()
+            .zip(&self.mtf)
+            .zip(&self.standard_error);
+        for ((f, m), e) in rows {
             let _ = writeln!(csv, "{f:.6},{m:.6},{e:.6}");
         }
         csv
-    };
-    output::deliver(&text, output)
+    }
 }

@@ -213,18 +213,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rendered = started.elapsed().as_secs_f64();
 
     let spots = &seen.spots;
-    let clipped = image.above_white();
-    if writing == Writing::Png && clipped > 0 {
-        warnings.push(format!(
-            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller --exposure"
-        ));
-    }
-    let encode = |message| render::Error::Encode {
-        path: arguments.output.clone(),
-        message,
-    };
     let (width, height, channels) = (image.width, image.height, image.planes.len());
-    let bytes = pool.install(|| image.encode(writing)).map_err(encode)?;
+    warnings.extend(clipped(&image, writing));
+    let bytes = pool.install(|| encoded(image, writing, arguments))?;
     output.commit(&bytes)?;
     let written = started.elapsed().as_secs_f64();
     for warning in &warnings {
@@ -255,6 +246,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
         warnings,
     }))
+}
+
+/// What is said of an image brighter than its file can hold.
+fn clipped(image: &Picture, writing: Writing) -> Option<String> {
+    let clipped = image.above_white();
+    (writing == Writing::Png && clipped > 0).then(|| {
+        format!(
+            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller --exposure"
+        )
+    })
+}
+
+fn encoded(
+    image: Picture,
+    writing: Writing,
+    arguments: &Arguments,
+) -> Result<Vec<u8>, render::Error> {
+    image
+        .encode(writing)
+        .map_err(|message| render::Error::Encode {
+            path: arguments.output.clone(),
+            message,
+        })
 }
 
 /// The image and what is said about it.

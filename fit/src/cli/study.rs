@@ -1,18 +1,17 @@
 //! `fit study`: how good the estimates are.
 
 use std::fmt::Write;
-use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use tables::{Outputs, Table};
 
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
+use crate::cli::progress::Progress;
 use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
 use crate::estimate::error::Error;
@@ -273,17 +272,17 @@ fn run_all<T: Send>(
     pool: &rayon::ThreadPool,
     run: impl Fn(u64) -> Result<T, Error> + Sync,
 ) -> (Vec<T>, Vec<Refused>) {
-    let bar = bar(arguments.campaigns);
+    let progress = Progress::of(arguments.campaigns);
     let all: Vec<_> = pool.install(|| {
         let campaigns = (0..arguments.campaigns).into_par_iter();
         let one = |index| {
             let trial = run(index);
-            bar.inc(1);
+            progress.step();
             trial
         };
         campaigns.map(one).collect()
     });
-    bar.finish_and_clear();
+    progress.done();
     refused::part(all)
 }
 
@@ -354,17 +353,6 @@ fn checked_directions(
         });
     }
     Ok(directions)
-}
-
-fn bar(campaigns: u64) -> ProgressBar {
-    let bar = ProgressBar::new(campaigns);
-    if !std::io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
-    }
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} campaigns, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 fn table_of(summary: &Summary) -> String {
