@@ -85,7 +85,7 @@ test-lean: rust tools
 test-raw: rust tools
 	@echo "== camera raw" >&2
 	@$(CARGO) clippy -p fit --features raw --all-targets --locked -- -D warnings
-	@$(CARGO) test -p fit --features raw --test raw --test photographs --locked
+	@$(CARGO) test -p fit --features raw --lib --locked -- tests::raw tests::photographs
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what it takes); MITSUBA_PYTHON: an
 # interpreter that has mitsuba and h5py; ROUNDS: how often both are timed, in turns.

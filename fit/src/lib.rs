@@ -20,3 +20,6 @@ pub mod result;
 pub mod samples;
 pub mod simulate;
 pub mod study;
+
+#[cfg(test)]
+mod tests;

@@ -1,22 +1,20 @@
 //! The study of drawn campaigns, in short; the long one is recorded in BENCHMARKS.md.
 
-mod planted;
-
 use std::path::Path;
 
-use fit::estimate::loss::Kind;
-use fit::estimate::select::Candidates;
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::names::spectrum::Spectrum;
-use fit::study::choice;
-use fit::study::ranges::Ranges;
-use fit::study::refused;
-use fit::study::study::photographs;
-use fit::study::summary::{Summary, tells};
-use fit::study::trial;
-use fit::study::trial::Trial;
-use planted::{camera, params, scene, table, truth};
+use crate::estimate::loss::Kind;
+use crate::estimate::select::Candidates;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
+use crate::study::choice;
+use crate::study::ranges::Ranges;
+use crate::study::refused;
+use crate::study::study::photographs;
+use crate::study::summary::{Summary, tells};
+use crate::study::trial;
+use crate::study::trial::Trial;
+use crate::tests::planted::{camera, params, scene, table, truth};
 use rayon::prelude::*;
 
 const CAMPAIGNS: u64 = 60;

@@ -1,7 +1,7 @@
 //! Where a camera sees every pixel.
 
-use fit::images::render::view;
-use fit::images::render::view::CameraView;
+use crate::images::render::view;
+use crate::images::render::view::CameraView;
 
 pub fn load(text: &str) -> Result<CameraView, String> {
     let folder = tempfile::tempdir().unwrap();

@@ -1,14 +1,14 @@
 //! What the coating of a sheet mirrors into a picture, against the virtual image behind a plane mirror.
 
-use fit::images::render::sampled;
-use fit::images::render::view::CameraView;
-use fit::images::render::viewed;
-use fit::images::spot::{Sheet, Spot, Viewpoint};
-use fit::photographs::photo::picture::Picture;
-use fit::photographs::photo::transfer::Transfer;
-use fit::predict::error::Error;
-use fit::samples::sampled::Sampling;
-use fit::samples::sequence::Sequence;
+use crate::images::render::sampled;
+use crate::images::render::view::CameraView;
+use crate::images::render::viewed;
+use crate::images::spot::{Sheet, Spot, Viewpoint};
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::transfer::Transfer;
+use crate::predict::error::Error;
+use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 

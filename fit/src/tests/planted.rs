@@ -2,13 +2,13 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
-use fit::estimate::scene::Scene;
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::names::spectrum::Spectrum;
-use fit::photographs::captures;
-use fit::simulate::cell;
-use fit::simulate::params::{
+use crate::estimate::scene::Scene;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
+use crate::photographs::captures;
+use crate::simulate::cell;
+use crate::simulate::params::{
     ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
 };
 use ndarray::{Array2, Array3, Array4};
@@ -186,7 +186,7 @@ pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> Pla
 /// Simulates the campaign on disk and measures it as the program does.
 pub fn scene(params: &Params, table: &Table) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    fit::simulate::write::run(params, folder.path(), true).expect("the campaign can be written");
+    crate::simulate::write::run(params, folder.path(), true).expect("the campaign can be written");
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     Scene::load(&campaign, table).expect("the photographs hold edges")

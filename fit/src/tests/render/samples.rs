@@ -1,22 +1,22 @@
 //! Images by samples against those by transforms.
 
-use fit::images::render;
-use fit::images::render::Scale;
-use fit::images::render::sampled;
-use fit::images::render::sampled::Sampled;
-use fit::images::spot::{Sampler, Sheet, Spot, Viewpoint};
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::photographs::photo::picture::Picture;
-use fit::predict::error::Error;
-use fit::predict::sheet::Fitted;
-use fit::samples::sampled::Sampling;
-use fit::samples::sequence::Sequence;
+use crate::images::render;
+use crate::images::render::Scale;
+use crate::images::render::sampled;
+use crate::images::render::sampled::Sampled;
+use crate::images::spot::{Sampler, Sheet, Spot, Viewpoint};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::photo::picture::Picture;
+use crate::predict::error::Error;
+use crate::predict::sheet::Fitted;
+use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 use num_complex::Complex64;
 
-use super::planted::{table, truth};
-use super::views::{load, view};
-use super::{Square, picture, place, result};
+use crate::tests::planted::{table, truth};
+use crate::tests::render::views::{load, view};
+use crate::tests::render::{Square, picture, place, result};
 
 /// Root mean square difference of two images.
 fn distance(image: &Picture, other: &Picture) -> f64 {

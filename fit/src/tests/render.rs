@@ -1,25 +1,23 @@
 //! Mid-air images against sums over every pair of pixels, closed forms and each other.
 
-#[path = "../planted/mod.rs"]
-mod planted;
 mod samples;
 mod views;
 
-use fit::images::render;
-use fit::images::render::Scale;
-use fit::images::render::psf::{Fault, Psf};
-use fit::images::render::tiles::Tiles;
-use fit::images::render::transform::Convolver;
-use fit::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::photographs::photo::picture::{Picture, Writing};
-use fit::photographs::photo::transfer::Transfer;
-use fit::predict::error::Error;
-use fit::predict::sheet::Fitted;
-use fit::result::report::{ResultFile, TableResult};
+use crate::images::render;
+use crate::images::render::Scale;
+use crate::images::render::psf::{Fault, Psf};
+use crate::images::render::tiles::Tiles;
+use crate::images::render::transform::Convolver;
+use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::photo::picture::{Picture, Writing};
+use crate::photographs::photo::transfer::Transfer;
+use crate::predict::error::Error;
+use crate::predict::sheet::Fitted;
+use crate::result::report::{ResultFile, TableResult};
+use crate::tests::planted::{Stream, table, truth};
 use num_complex::Complex64;
-use planted::{Stream, table, truth};
 use serde_json::json;
 use tables::Table;
 
@@ -301,7 +299,7 @@ fn pictures_come_back_from_their_files() {
             let file = folder.path().join(name);
             assert_eq!(Writing::of(&file), Some(writing));
             std::fs::write(&file, own.clone().encode(writing).unwrap()).unwrap();
-            let read = fit::photographs::photo::load_colour(&file, Some(transfer)).unwrap();
+            let read = crate::photographs::photo::load_colour(&file, Some(transfer)).unwrap();
             assert_eq!(
                 [read.width, read.height, read.planes.len()],
                 [13, 9, planes]

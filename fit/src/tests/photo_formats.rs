@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::photographs::photo;
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::transfer::Transfer;
 use exr::prelude::*;
-use fit::photographs::photo;
-use fit::photographs::photo::channel::{Channel, Decode};
-use fit::photographs::photo::transfer::Transfer;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
 
 const WIDTH: usize = 37;

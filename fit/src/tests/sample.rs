@@ -1,15 +1,13 @@
 //! Samples of shift and lobe against their transforms: the OTF of the samples is the OTF of the model.
 
-mod planted;
-
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::samples::lobe::LobeSampler;
-use fit::samples::sequence::{Points, Sequence};
-use fit::samples::shift::ShiftSampler;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::samples::lobe::LobeSampler;
+use crate::samples::sequence::{Points, Sequence};
+use crate::samples::shift::ShiftSampler;
+use crate::tests::planted::{Stream, table, truth};
 use ndarray::Array2;
 use num_complex::Complex64;
-use planted::{Stream, table, truth};
 use tables::Direction;
 
 /// Independent randomisations, and points of each.

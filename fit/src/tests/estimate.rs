@@ -1,27 +1,24 @@
 //! The estimate against planted answers.
 
-mod planted;
-
-use fit::compare::reflectance::Contrast;
-use fit::compare::view::Weights;
-use fit::estimate::bound::{absent, bounds};
-use fit::estimate::choice::Choice;
-use fit::estimate::estimate::{Estimate, estimate};
-use fit::estimate::loss::{Kind, Loss};
-use fit::estimate::optimum::{optimum, refined, residuals_at};
-use fit::estimate::parameter::ParameterKind;
-use fit::estimate::scene::Scene;
-use fit::estimate::select::{Candidates, select};
-use fit::estimate::watch::Watch;
-use fit::model::blur::Blur;
-use fit::model::model::Model;
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::names::spectrum::Spectrum;
-use fit::photographs::captures;
-use fit::simulate::photograph as simulate;
+use crate::compare::reflectance::Contrast;
+use crate::compare::view::Weights;
+use crate::estimate::bound::{absent, bounds};
+use crate::estimate::choice::Choice;
+use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{optimum, refined, residuals_at};
+use crate::estimate::parameter::ParameterKind;
+use crate::estimate::scene::Scene;
+use crate::estimate::select::{Candidates, select};
+use crate::estimate::watch::Watch;
+use crate::model::blur::Blur;
+use crate::model::model::Model;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
+use crate::photographs::captures;
+use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use nalgebra::DVector;
-use planted::{Stream, camera, params, scene, table, truth};
 
 const SHARED: Choice = Choice {
     kernel: Kernel::Eq1,
@@ -155,7 +152,7 @@ fn derivatives_match_differences() {
 
 /// Differences from the truth in units of the reported standard error, over planted campaigns.
 fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
-    let pull = |v: fit::estimate::choice::Value, truth: f64| (v.value - truth) / v.standard_error;
+    let pull = |v: crate::estimate::choice::Value, truth: f64| (v.value - truth) / v.standard_error;
     let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
     [
         pull(fit.c_mm.expect("eq1 has c"), c),
@@ -352,7 +349,8 @@ fn degenerate_campaigns() {
     // Nothing returns anywhere: an error that says so.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nothing = params(23, hollow, &incidence[1..], &[200.0], camera(4e4));
-    fit::simulate::write::run(&nothing, folder.path(), true).expect("the campaign can be written");
+    crate::simulate::write::run(&nothing, folder.path(), true)
+        .expect("the campaign can be written");
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     let error = Scene::load(&campaign, &of_hollow)

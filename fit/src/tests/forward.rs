@@ -1,25 +1,23 @@
 //! The model by samples against its closed form, and the estimate by one against that by the other.
 
-mod planted;
-
-use fit::compare::view::Weights;
-use fit::estimate::choice::Choice;
-use fit::estimate::compared::{compare, curve};
-use fit::estimate::estimate::{Estimate, estimate};
-use fit::estimate::forward::{RANDOMISATIONS, Renders};
-use fit::estimate::loss::Loss;
-use fit::estimate::optimum::{optimum, refined, residuals_at};
-use fit::estimate::scene::Scene;
-use fit::estimate::watch::Watch;
-use fit::model::blur::Blur;
-use fit::model::model::Curve;
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::samples::sampled::Sampling;
-use fit::samples::sequence::Sequence;
+use crate::compare::view::Weights;
+use crate::estimate::choice::Choice;
+use crate::estimate::compared::{compare, curve};
+use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::forward::{RANDOMISATIONS, Renders};
+use crate::estimate::loss::Loss;
+use crate::estimate::optimum::{optimum, refined, residuals_at};
+use crate::estimate::scene::Scene;
+use crate::estimate::watch::Watch;
+use crate::model::blur::Blur;
+use crate::model::model::Curve;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
+use crate::tests::planted::{camera, params, scene, table, truth};
 use nalgebra::DVector;
 use num_complex::Complex64;
-use planted::{camera, params, scene, table, truth};
 use tables::Table;
 
 const INCIDENCE: [f64; 2] = [5.0, 30.0];

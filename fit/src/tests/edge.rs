@@ -1,19 +1,17 @@
 //! The slanted-edge estimator against edges of known place and transfer function.
 
-mod planted;
-
-use fit::model::camera::{Camera, Lens};
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::photographs::edge::fault::Fault;
-use fit::photographs::edge::locate;
-use fit::photographs::photo::plane::Photo;
-use fit::photographs::profile::Profile;
-use fit::photographs::sfr::Estimator;
-use fit::photographs::window::Window;
-use fit::simulate::params::PlantedEdge;
-use fit::simulate::photograph as simulate;
-use planted::{Stream, camera, params, truth};
+use crate::model::camera::{Camera, Lens};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::locate;
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::profile::Profile;
+use crate::photographs::sfr::Estimator;
+use crate::photographs::window::Window;
+use crate::simulate::params::PlantedEdge;
+use crate::simulate::photograph as simulate;
+use crate::tests::planted::{Stream, camera, params, truth};
 
 fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
     Photo {

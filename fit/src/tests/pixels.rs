@@ -1,23 +1,21 @@
 //! The likelihood of the pixels against planted answers, differences, and a plain loop over all pixels.
 
-mod planted;
-
-use fit::compare::likelihood::{Nuisances, Photograph};
-use fit::estimate::choice::Choice;
-use fit::estimate::estimate::{Estimate, estimate};
-use fit::estimate::joint::{Joint, Used};
-use fit::estimate::layout::Layout;
-use fit::estimate::loss::{Kind, Loss};
-use fit::estimate::optimum::{optimum, refined};
-use fit::estimate::scene::Scene;
-use fit::model::blur::Blur;
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::photographs::noise::PixelNoise;
-use fit::simulate::params::Params;
-use fit::simulate::photograph as simulate;
+use crate::compare::likelihood::{Nuisances, Photograph};
+use crate::estimate::choice::Choice;
+use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::joint::{Joint, Used};
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{optimum, refined};
+use crate::estimate::scene::Scene;
+use crate::model::blur::Blur;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::noise::PixelNoise;
+use crate::simulate::params::Params;
+use crate::simulate::photograph as simulate;
+use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use nalgebra::{DMatrix, DVector};
-use planted::{Stream, camera, params, scene, table, truth};
 
 const SHARED: Choice = Choice {
     kernel: Kernel::Eq1,
@@ -35,7 +33,7 @@ fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
 /// Residuals and nuisance derivatives of a photograph's rows, stacked.
 fn rows(
     photograph: &Photograph,
-    curves: &fit::compare::likelihood::Curves,
+    curves: &crate::compare::likelihood::Curves,
     at: &Nuisances,
 ) -> DMatrix<f64> {
     let mut all: Vec<Vec<f64>> = Vec::new();
@@ -56,7 +54,7 @@ fn nuisance_derivatives_match_differences() {
     );
     let shot = &scene.shots[0];
     let mut photograph = Photograph::new(&shot.pixels, scene.camera.pitch_mm);
-    let model = fit::estimate::compared::model(shot, SHARED);
+    let model = crate::estimate::compared::model(shot, SHARED);
     let blur = Blur {
         spread: 3.4,
         c_mm: 0.31,
@@ -185,7 +183,7 @@ impl Plain {
     fn light(&self, at: &DVector<f64>, photograph: usize) -> Vec<f64> {
         let mut params = self.params.clone();
         params.truth.c_mm = at[0].exp();
-        params.truth.a = fit::simulate::params::ByIncidence::Shared(at[1].exp());
+        params.truth.a = crate::simulate::params::ByIncidence::Shared(at[1].exp());
         params.camera.sigma_px = at[2].exp();
         params.camera.veil = 0.0;
         params.camera.dark_ratio = 0.0;

@@ -2,11 +2,11 @@
 //!
 //! Recorded by fit/tests/metrics.py with scikit-image 0.26.0, flip-evaluator 1.7, torch and lpips 0.1.4.
 
-use fit::images::metrics;
-use fit::images::metrics::Shown;
-use fit::images::metrics::lpips::Lpips;
-use fit::photographs::photo::picture::Picture;
-use fit::photographs::photo::transfer::Transfer;
+use crate::images::metrics;
+use crate::images::metrics::Shown;
+use crate::images::metrics::lpips::Lpips;
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::transfer::Transfer;
 
 const WIDTH: usize = 48;
 const HEIGHT: usize = 40;

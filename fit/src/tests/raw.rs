@@ -1,23 +1,19 @@
 //! Camera raw: DNG files made byte by byte, whose edge is known.
 
-#![cfg(feature = "raw")]
-
-mod planted;
-
 use std::path::{Path, PathBuf};
 
-use fit::model::camera::{Camera, Lens};
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::photographs::captures;
-use fit::photographs::edge::fault::Fault;
-use fit::photographs::measure;
-use fit::photographs::photo;
-use fit::photographs::photo::channel::{Channel, Decode};
-use fit::photographs::sfr::Estimator;
-use fit::simulate::params::PlantedEdge;
-use fit::simulate::photograph as simulate;
-use planted::{camera, params, truth};
+use crate::model::camera::{Camera, Lens};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::captures;
+use crate::photographs::edge::fault::Fault;
+use crate::photographs::measure;
+use crate::photographs::photo;
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::sfr::Estimator;
+use crate::simulate::params::PlantedEdge;
+use crate::simulate::photograph as simulate;
+use crate::tests::planted::{camera, params, truth};
 
 const WHITE: u32 = 15_000;
 
@@ -174,7 +170,7 @@ fn source(normal_deg: f64) -> (Dng, Vec<f64>) {
 /// Every colour's edge has the MTF of one pixel's own box and the lens, as where all pixels see it: nothing is filled in or
 /// averaged. The other colours' pixels show bright and dark stripes, so that one of them taken would be seen.
 ///
-/// Within 0.002 up to half the sampling frequency, as for known edges of all pixels (tests/edge.rs); averages of 2 x 2 pixels
+/// Within 0.002 up to half the sampling frequency, as for known edges of all pixels (src/tests/edge.rs); averages of 2 x 2 pixels
 /// would lose 0.1 at a quarter of the sampling frequency: 1 - cos(pi / 4) of an MTF of 0.4.
 #[test]
 fn each_colour_has_the_mtf_of_its_own_pixels() {

@@ -1,15 +1,13 @@
 //! The azimuth of the sheet by the photographs alone, against planted ones.
 
-mod planted;
-
-use fit::estimate::azimuth::{find, scatter};
-use fit::estimate::choice::Choice;
-use fit::estimate::loss::Kind;
-use fit::estimate::watch::Watch;
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::simulate::params::PlantedSheet;
-use planted::{Stream, camera, params, scene, table, truth};
+use crate::estimate::azimuth::{find, scatter};
+use crate::estimate::choice::Choice;
+use crate::estimate::loss::Kind;
+use crate::estimate::watch::Watch;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::simulate::params::PlantedSheet;
+use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 
 /// The closed form of the pair at azimuths 0, 15 and 30 deg, which stand for all.

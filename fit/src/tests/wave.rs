@@ -1,23 +1,22 @@
 //! The wave kernel against the pupil on a raster, its limits, and planted answers.
 
-mod planted;
-
+use crate::tests::planted;
 use std::f64::consts::TAU;
 
-use fit::estimate::choice::Choice;
-use fit::estimate::estimate::estimate;
-use fit::estimate::loss::{Kind, Loss};
-use fit::estimate::optimum::optimum;
-use fit::estimate::select::{Candidates, select};
-use fit::estimate::watch::Watch;
-use fit::model::shift::ShiftLine;
-use fit::model::wave::{Fault, WaveLine};
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::names::spectrum::Spectrum;
-use fit::simulate::params::PlantedSheet;
+use crate::estimate::choice::Choice;
+use crate::estimate::estimate::estimate;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::optimum;
+use crate::estimate::select::{Candidates, select};
+use crate::estimate::watch::Watch;
+use crate::model::shift::ShiftLine;
+use crate::model::wave::{Fault, WaveLine};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
+use crate::simulate::params::PlantedSheet;
+use crate::tests::planted::{camera, params, scene, table, truth};
 use num_complex::Complex64;
-use planted::{camera, params, scene, table, truth};
 use tables::{Direction, Path, Table};
 
 const AZIMUTH_DEG: f64 = 20.0;

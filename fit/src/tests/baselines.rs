@@ -1,25 +1,24 @@
 //! The baselines against light traced through their rough facets, and fitted to photographs that they describe.
 
+use crate::tests::planted;
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
-use fit::document::line::FileLine;
-use fit::estimate::loss::Kind;
-use fit::estimate::scene::Scene;
-use fit::estimate::select::{Candidates, Selection, select};
-use fit::estimate::watch::Watch;
-use fit::model::baseline::{Baseline, fresnel, returned};
-use fit::model::blur::Blur;
-use fit::model::microfacet;
-use fit::names::kernel::{Family, Kernel};
-use fit::names::lobe::LobeShape;
-use fit::photographs::captures::{Campaign, Capture, Setup, Shot};
-use fit::photographs::photo::channel::Decode;
-use fit::photographs::photo::plane::Photo;
+use crate::document::line::FileLine;
+use crate::estimate::loss::Kind;
+use crate::estimate::scene::Scene;
+use crate::estimate::select::{Candidates, Selection, select};
+use crate::estimate::watch::Watch;
+use crate::model::baseline::{Baseline, fresnel, returned};
+use crate::model::blur::Blur;
+use crate::model::microfacet;
+use crate::names::kernel::{Family, Kernel};
+use crate::names::lobe::LobeShape;
+use crate::photographs::captures::{Campaign, Capture, Setup, Shot};
+use crate::photographs::photo::channel::Decode;
+use crate::photographs::photo::plane::Photo;
 
-#[path = "planted/mod.rs"]
-mod planted;
-use planted::Stream;
+use crate::tests::planted::Stream;
 
 const INDEX: f64 = 1.5;
 

@@ -1,18 +1,16 @@
 //! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms. And
 //! predictions drawn against one variable.
 
-use fit::names::kernel::Kernel;
-use fit::names::lobe::LobeShape;
-use fit::predict::export::{Form, Nearest, nearest};
-use fit::predict::prediction::{Places, around, predict};
-use fit::report::plot;
-use fit::report::plot::Variable;
-use fit::result::report::{ResultFile, TableResult};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::predict::export::{Form, Nearest, nearest};
+use crate::predict::prediction::{Places, around, predict};
+use crate::report::plot;
+use crate::report::plot::Variable;
+use crate::result::report::{ResultFile, TableResult};
+use crate::tests::planted;
 use serde_json::{Value, json};
 use tables::Table;
-
-#[path = "planted/mod.rs"]
-mod planted;
 
 fn table() -> Table {
     let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use fit::photographs::captures;
-use fit::photographs::captures::Campaign;
-use fit::photographs::photo;
-use fit::photographs::photo::channel::Decode;
+use crate::photographs::captures;
+use crate::photographs::captures::Campaign;
+use crate::photographs::photo;
+use crate::photographs::photo::channel::Decode;
 
 /// What a camera writes.
 #[derive(Clone, Copy)]
