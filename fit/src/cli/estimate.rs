@@ -14,12 +14,14 @@ use crate::cli::parse;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
 use crate::cli::terms::Terms;
+use crate::estimate::bound::Bound;
 use crate::estimate::campaign::{Estimated, Options, campaign};
 use crate::estimate::error;
 use crate::estimate::forward::Forward;
 use crate::estimate::loss::Kind;
 use crate::estimate::watch::Watch;
 use crate::names::kernel::Family;
+use crate::names::parameter::{ParameterId, ParameterKind};
 use crate::names::spectrum::Spectrum;
 use crate::photographs::captures;
 use crate::photographs::captures::{Campaign, Shot};
@@ -290,16 +292,60 @@ fn warn(result: &ResultFile, before: &str) {
 
 /// The result as a table for a person.
 fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
-    let mut text = String::new();
+    let mut text = head(result);
+    let beside = if truth.is_some() {
+        "truth     difference"
+    } else {
+        ""
+    };
+    let _ = writeln!(
+        text,
+        "{:<12}{:>10}{:>12}{:>14}   {beside}",
+        "", "incidence", "estimate", "std. error"
+    );
+    let mut rows = Rows { text, truth };
+    let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
+    let azimuth = result.azimuth_deg.map(Parameter::Shared);
+    // Roughnesses are thousandths, and shown as such.
+    let parameters = [
+        ("c (mm)", ParameterKind::CornerSize, 1.0, &sizes[0]),
+        (
+            "1000 x front",
+            ParameterKind::SurfaceRoughness,
+            1e3,
+            &sizes[1],
+        ),
+        (
+            "1000 x rough",
+            ParameterKind::Roughness,
+            1e3,
+            &result.roughness,
+        ),
+        ("a (1/mm)", ParameterKind::APerMm, 1.0, &result.a_per_mm),
+        ("a R", ParameterKind::ATimesR, 1.0, &result.a_times_r),
+        ("mu", ParameterKind::Mu, 1.0, &result.mu),
+        ("azimuth (°)", ParameterKind::Azimuth, 1.0, &azimuth),
+    ];
+    for (label, kind, scale, parameter) in parameters {
+        rows.add(label, kind, scale, parameter.as_ref());
+    }
+    let mut text = rows.text;
+    for (id, bound) in &result.bounds {
+        let _ = writeln!(text, "{}", bounded(*id, *bound));
+    }
+    text
+}
+
+/// What was fitted, to what, and how.
+fn head(result: &ResultFile) -> String {
     let lobe = result
         .lobe
         .map_or(String::new(), |l| format!(", lobe {}", l.name()));
     let samples = result.sampling.as_ref().map_or(String::new(), |own| {
         format!(", {} samples a pixel", own.sampling.samples)
     });
-    let _ = writeln!(
-        text,
-        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
+    format!(
+        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, {:.2} s\n",
         result.kernel.name(),
         result.loss.name(),
         result.captures.len(),
@@ -307,81 +353,72 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
         result.stop,
         result.iterations,
         result.seconds
-    );
-    let head = if truth.is_some() {
-        "truth     difference"
-    } else {
-        ""
-    };
-    let _ = writeln!(
-        text,
-        "{:<12}{:>10}{:>12}{:>14}   {head}",
-        "", "incidence", "estimate", "std. error"
-    );
-    let planted = |key: &str, incidence: Option<f64>| truth?.of(key, incidence);
-    let mut row = |label: &str, key: &str, incidence: Option<f64>, number: Number| {
-        let angle = incidence.map_or(String::new(), |i| format!("{i}°"));
-        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
-        let _ = write!(
-            text,
-            "{label:<12}{angle:>10}{:>12}{:>14}",
-            shown(number.value),
-            shown(number.standard_error)
-        );
-        if let (Some(truth), Some(value)) = (planted(key, incidence), number.value) {
-            let _ = write!(
-                text,
-                "   {truth:<8} {:>+9.3} %",
-                100.0 * (value / truth - 1.0)
-            );
-        }
-        text.push('\n');
-    };
-    let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
-    // Roughnesses are thousandths, and shown as such.
-    let parameters = [
-        ("c (mm)", "c_mm", 1.0, &sizes[0]),
-        ("1000 x front", "surface_roughness", 1e3, &sizes[1]),
-        ("1000 x rough", "roughness", 1e3, &result.roughness),
-        ("a (1/mm)", "a_per_mm", 1.0, &result.a_per_mm),
-        ("a R", "a_times_r", 1.0, &result.a_times_r),
-        ("mu", "mu", 1.0, &result.mu),
-    ];
-    for (label, key, scale, parameter) in parameters {
+    )
+}
+
+/// Rows of the table of estimates.
+struct Rows<'a> {
+    text: String,
+    truth: Option<&'a Truth>,
+}
+
+impl Rows<'_> {
+    /// A parameter, in units of 1 / `scale`.
+    fn add(&mut self, label: &str, kind: ParameterKind, scale: f64, parameter: Option<&Parameter>) {
         let scaled = |value: Option<f64>, standard_error: Option<f64>| Number {
             value: value.map(|v| v * scale),
             standard_error: standard_error.map(|v| v * scale),
         };
         match parameter {
             None => {}
-            Some(Parameter::Shared(n)) => row(label, key, None, scaled(n.value, n.standard_error)),
+            Some(Parameter::Shared(n)) => {
+                self.row(label, kind.shared(), scaled(n.value, n.standard_error));
+            }
             Some(Parameter::PerAngle { per_angle }) => {
                 for p in per_angle {
                     let number = scaled(p.value, p.standard_error);
-                    row(label, key, Some(p.incidence_deg), number);
+                    self.row(label, kind.at(p.incidence_deg), number);
                 }
             }
         }
     }
-    if let Some(azimuth) = result.azimuth_deg {
-        row("azimuth (°)", "azimuth_deg", None, azimuth);
+
+    fn row(&mut self, label: &str, id: ParameterId, number: Number) {
+        let angle = id.incidence_deg.map_or(String::new(), |i| format!("{i}°"));
+        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
+        let _ = write!(
+            self.text,
+            "{label:<12}{angle:>10}{:>12}{:>14}",
+            shown(number.value),
+            shown(number.standard_error)
+        );
+        let planted = |truth: &Truth| truth.of(id);
+        if let (Some(truth), Some(value)) = (self.truth.and_then(planted), number.value) {
+            let _ = write!(
+                self.text,
+                "   {truth:<8} {:>+9.3} %",
+                100.0 * (value / truth - 1.0)
+            );
+        }
+        self.text.push('\n');
     }
-    for (name, bound) in &result.bounds {
-        let shown = |v: f64| {
-            if v < 1e-3 {
-                format!("{v:.2e}")
-            } else {
-                format!("{v:.4}")
-            }
-        };
-        let side = match (bound.at_least, bound.at_most) {
-            (Some(v), _) => format!("> {}", shown(v)),
-            (_, Some(v)) => format!("< {}", shown(v)),
-            _ => "not bounded by these photographs".into(),
-        };
-        let _ = writeln!(text, "{name} {side} (at {:.0} %)", 100.0 * bound.confidence);
-    }
-    text
+}
+
+/// A bound in words.
+fn bounded(id: ParameterId, bound: Bound) -> String {
+    let shown = |v: f64| {
+        if v < 1e-3 {
+            format!("{v:.2e}")
+        } else {
+            format!("{v:.4}")
+        }
+    };
+    let side = match (bound.at_least, bound.at_most) {
+        (Some(v), _) => format!("> {}", shown(v)),
+        (_, Some(v)) => format!("< {}", shown(v)),
+        _ => "not bounded by these photographs".into(),
+    };
+    format!("{id} {side} (at {:.0} %)", 100.0 * bound.confidence)
 }
 
 /// Reads a RESULT.json of one fit.

@@ -14,10 +14,10 @@ use crate::estimate::choice::Choice;
 use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{refined, rough, sum_of_squares_with};
-use crate::estimate::parameter::{ParameterId, ParameterKind};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{CLEAR, Selection};
 use crate::names::kernel::Kernel;
+use crate::names::parameter::{ParameterId, ParameterKind};
 
 /// A one-sided bound at a confidence.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,7 +35,8 @@ pub struct Bound {
 /// The bounds of an estimate, by parameter.
 pub type Bounds = BTreeMap<ParameterId, Bound>;
 
-/// Relative standard error beyond which an estimate is a number without meaning.
+/// Relative standard error beyond which an estimate is a number without meaning: two standard errors reach to nothing, so that the
+/// photographs do not tell the term from none.
 const MEANINGLESS: f64 = 0.5;
 
 /// Confidence of the bounds, and the rise of the sum of squares that it stands for (one-sided, one parameter).

@@ -11,14 +11,14 @@ use rayon::prelude::*;
 use crate::compare::view::Weights;
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::compared::{Compared, assemble, compare};
-use crate::estimate::covariance::Noise;
+use crate::estimate::covariance::{Covariances, Linear};
 use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::Optimum;
-use crate::estimate::parameter::{ParameterId, ParameterKind};
 use crate::estimate::scene::Scene;
 use crate::model::camera::Camera;
+use crate::names::parameter::{ParameterId, ParameterKind};
 use crate::numerics::solve::Solution;
 use crate::samples::sampled::Sampling;
 
@@ -125,7 +125,7 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         }
         _ => optimum.solution.sum_of_squares(),
     };
-    let noise = noise(scene, loss, layout, &optimum, &parts, chi2);
+    let found = covariances(scene, loss, layout, &optimum, &parts, chi2);
     let Optimum {
         choice,
         solution,
@@ -146,8 +146,8 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         .take(p)
         .map(|p| p.exp())
         .collect();
-    let mut logarithms = noise.blur;
-    let mu = noise.mu.map(|mu| {
+    let mut logarithms = found.blur;
+    let mu = found.mu.map(|mu| {
         parameters.extend(ParameterKind::Mu.each(&scene.groups, choice.per_angle_mu));
         scale.extend(&mu.values);
         logarithms = mu.covariance;
@@ -205,20 +205,30 @@ fn compared(
     shots.collect()
 }
 
-/// The noise of the estimates, raised where the model fits worse than the photographs' noise.
-fn noise(
+/// The covariances of the logarithms, raised where the model fits worse than the photographs' noise.
+fn covariances(
     scene: &Scene,
     loss: &Loss,
     layout: &Layout,
     optimum: &Optimum,
     parts: &[Compared],
     chi2: f64,
-) -> Noise {
+) -> Covariances {
     let solution = &optimum.solution;
     let p = layout.parameters();
     let freedom = optimum.observations.saturating_sub(p).max(1) as f64;
     let inflation = (chi2 / freedom).max(1.0);
-    let of_mtfs = |weights| Noise::new(scene, layout, solution, parts, weights, inflation);
+    let of_mtfs = |weights| {
+        let linear = Linear {
+            scene,
+            layout,
+            solution,
+            parts,
+            weights,
+            inflation,
+        };
+        linear.covariances()
+    };
     match loss {
         Loss::Mtf(_) => of_mtfs(Weights::Noise),
         Loss::Mse(_) => of_mtfs(Weights::Even),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::compare::likelihood::{Curves, Fitted, NUISANCES, Photograph, STEP};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
-use crate::estimate::covariance::{Mu, Noise};
+use crate::estimate::covariance::{Covariances, Mu};
 use crate::estimate::layout::Layout;
 use crate::estimate::reference::camera_of;
 use crate::estimate::scene::Scene;
@@ -176,7 +176,7 @@ impl<'a> Joint<'a> {
         at: &DVector<f64>,
         inflation: f64,
         used: Used,
-    ) -> Noise {
+    ) -> Covariances {
         let fitted = self.fitted(layout, at);
         let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.reference).collect();
         let steps: Vec<f64> = fitted.iter().map(|(f, _)| f.nuisances.step).collect();
@@ -207,7 +207,7 @@ impl<'a> Joint<'a> {
             .reference
             .is_some()
             .then(|| self.mu(layout, &factors, &steps, &blur, inflation));
-        Noise { blur, mu }
+        Covariances { blur, mu }
     }
 
     fn mu(

@@ -14,7 +14,6 @@ pub mod joint;
 pub mod layout;
 pub mod loss;
 pub mod optimum;
-pub mod parameter;
 pub mod reference;
 pub mod remarks;
 pub mod scene;

@@ -8,6 +8,11 @@ use crate::estimate::select::Ranked;
 use crate::names::kernel::Kernel;
 
 /// Reduced chi-square above which the model is said not to describe the photographs.
+///
+/// It is 1 + the mean square of the misfit in units of the noise, so that from 2 on the misfit is as large as the noise. That
+/// is a convention. Noise alone scatters it by sqrt(2 / degrees of freedom): it exceeds 2 in 5 of 1000 fits of 20 degrees of
+/// freedom, and in 4 of 100,000 of 50. What the convention costs: of the thousands of bins of a campaign a misfit far below
+/// the noise would be sure, and nothing is said of it. The standard errors are raised all the same, by up to sqrt 2.
 pub const POOR_FIT: f64 = 2.0;
 
 /// What to say of an estimate: what it cannot tell, what its model does not describe, and numbers that cannot be.
@@ -35,6 +40,8 @@ pub fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<S
         ));
     }
     warnings.extend(coarse(best));
+    warnings.extend(not_told(best));
+    // Three standard errors: 1 sheet in 700 whose mu is 1 is warned of.
     let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
     if let Some(mu) = best.mu.iter().flatten().find(above_one) {
         warnings.push(format!(
@@ -56,8 +63,23 @@ pub fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<S
     warnings
 }
 
+/// What to say where the covariance is not finite: there the photographs have no information on a parameter, or none that
+/// parts it from another.
+fn not_told(best: &Estimate) -> Option<String> {
+    let rows = best.parameters.iter().zip(best.covariance.row_iter());
+    let lost = rows.filter(|(_, row)| row.iter().any(|v| !v.is_finite()));
+    let lost: Vec<String> = lost.map(|(id, _)| id.to_string()).collect();
+    (!lost.is_empty()).then(|| {
+        format!(
+            "the photographs do not tell {}, or not apart: covariances without a finite value are null in the result",
+            lost.join(", ")
+        )
+    })
+}
+
 /// What to say where the samples of a render make a good part of the errors.
 fn coarse(best: &Estimate) -> Option<String> {
+    // Half of an error: the other half of its square root being sqrt(1 - 1/4), the error would be 0.87 of itself without samples.
     const GOOD_PART: f64 = 0.5;
     let own = best.sampling.as_ref()?;
     let parts = own.standard_error.iter().enumerate();

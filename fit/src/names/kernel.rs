@@ -133,23 +133,6 @@ impl Kernel {
         )
     }
 
-    /// Name of that size in files.
-    pub const fn c_name(self) -> &'static str {
-        match self {
-            Kernel::SaitoSurface => "surface_roughness",
-            _ => "c_mm",
-        }
-    }
-
-    /// Name of the spread in files.
-    pub const fn spread_name(self) -> &'static str {
-        match self {
-            Kernel::Angular => "a_times_r",
-            _ if self.is_baseline() => "roughness",
-            _ => "a_per_mm",
-        }
-    }
-
     /// Whether a lobe, and with it a, A or a roughness, is part of the model.
     pub const fn has_lobe(self) -> bool {
         !matches!(self, Kernel::Shift | Kernel::Wave)

@@ -1,4 +1,4 @@
-//! Words that files, options and rooms share: kernels, shapes of lobes, and spectra of light.
+//! Words that files, options and rooms share: kernels, shapes of lobes, parameters, and spectra of light.
 //!
 //! Text enters; checked names leave, and the facts that follow from a name alone (which parameters a kernel has). No
 //! optics stands here: the model and the simulator share this room on purpose, and nothing else, so that each checks
@@ -6,4 +6,5 @@
 
 pub mod kernel;
 pub mod lobe;
+pub mod parameter;
 pub mod spectrum;

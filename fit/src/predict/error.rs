@@ -1,6 +1,7 @@
 //! Why a sheet shows nothing that could be predicted.
 
 use crate::model::wave;
+use crate::names::parameter::ParameterKind;
 
 /// Why a sheet shows nothing that could be predicted.
 #[derive(Debug, thiserror::Error)]
@@ -8,12 +9,13 @@ use crate::model::wave;
 pub enum Error {
     /// The result holds only a bound where a number is needed.
     #[error(
-        "the result gives no number for {parameter} (its photographs only bound it); \
-             fit with a --kernel without it, or add photographs"
+        "the result gives no number for {} (its photographs only bound it); \
+             fit with a --kernel without it, or add photographs",
+        parameter.name()
     )]
     Unknown {
         /// The parameter.
-        parameter: &'static str,
+        parameter: ParameterKind,
     },
     /// The table is one of another cell than the fit's.
     #[error(

@@ -12,6 +12,7 @@ use crate::model::baseline::Baseline;
 use crate::model::blur::Blur;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
+use crate::names::parameter::ParameterKind;
 use crate::predict::error::Error;
 use crate::predict::prediction::{Places, Prediction, predict};
 use crate::result::report::ResultFile;
@@ -74,7 +75,9 @@ pub fn nearest(
     };
     let axes = predict(result, table, &places)?;
     let luminance = axes.first().and_then(|axis| axis.luminance);
-    let luminance = luminance.ok_or(Error::Unknown { parameter: "mu" })?;
+    let luminance = luminance.ok_or(Error::Unknown {
+        parameter: ParameterKind::Mu,
+    })?;
     if axes.iter().any(|axis| axis.mtf.is_empty()) {
         return Err(Error::Dark { incidence_deg });
     }

@@ -5,6 +5,7 @@ use tables::Table;
 use crate::model::baseline;
 use crate::model::blur::Blur;
 use crate::names::kernel::Kernel;
+use crate::names::parameter::ParameterKind;
 use crate::predict::error::Error;
 use crate::result::report::{ResultFile, TableResult};
 
@@ -48,16 +49,16 @@ impl<'a> Fitted<'a> {
         };
         let spread = match result.kernel {
             Kernel::Shift | Kernel::Wave => 1.0,
-            Kernel::Eq1 | Kernel::Lobe => at("a_per_mm", &result.a_per_mm)?,
-            Kernel::Angular => at("a_times_r", &result.a_times_r)?,
+            Kernel::Eq1 | Kernel::Lobe => at(ParameterKind::APerMm, &result.a_per_mm)?,
+            Kernel::Angular => at(ParameterKind::ATimesR, &result.a_times_r)?,
             Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo | Kernel::Mrm => {
-                at("roughness", &result.roughness).unwrap_or(0.0)
+                at(ParameterKind::Roughness, &result.roughness).unwrap_or(0.0)
             }
         };
         let c_mm = if result.kernel.has_c() {
             let value = result.c_mm.and_then(|c| c.value);
             let smooth = result.surface_roughness.map(|c| c.value.unwrap_or(0.0));
-            let parameter = result.kernel.c_name();
+            let parameter = ParameterKind::size_of(result.kernel);
             value.or(smooth).ok_or(Error::Unknown { parameter })?
         } else {
             1.0

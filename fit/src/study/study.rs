@@ -11,11 +11,11 @@ use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{optimum, refined};
-use crate::estimate::parameter::ParameterId;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{Candidates, select};
 use crate::estimate::watch::Watch;
 use crate::names::kernel::Kernel;
+use crate::names::parameter::ParameterId;
 
 /// What the photographs of a campaign allow, and what the losses make of them.
 #[derive(Debug, Clone, Serialize)]

@@ -14,7 +14,6 @@ use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{optimum, refined};
-use crate::estimate::scene;
 use crate::estimate::scene::Scene;
 use crate::names::kernel::Kernel;
 use crate::photographs::captures;
@@ -23,8 +22,8 @@ use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::noise::PixelNoise;
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
+use crate::simulate;
 use crate::simulate::params::{Params, PlantedCamera};
-use crate::simulate::photograph as simulate;
 
 /// The parameters of a trial, in their order everywhere.
 pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
@@ -56,7 +55,8 @@ pub struct Trial {
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
 pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
-    let scene = scene(params, table, &[], simulate::photograph)?;
+    let photographs = source(params, simulate::photograph::photograph);
+    let scene = Scene::of(&campaign(params, &[]), table, &photographs)?;
     let choice = Choice {
         kernel: Kernel::Eq1,
         shape: params.truth.lobe,
@@ -137,15 +137,9 @@ pub(crate) fn noise(camera: &PlantedCamera) -> PixelNoise {
     }
 }
 
-/// Measures a campaign without a file; `photograph` gives the pixels of a capture, or of the reference. Faults of their edges
-/// that are `accepted` are no reason to refuse them.
-pub(crate) fn scene(
-    params: &Params,
-    table: &Table,
-    accepted: &[Accepted],
-    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, crate::simulate::error::Error>
-    + Sync,
-) -> Result<Scene, scene::Error> {
+/// A campaign without a file: its photographs are named by their numbers. Faults of their edges that are `accepted` are no reason
+/// to refuse them.
+pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
     let shot = |index: Option<usize>, exposure: f64| captures::Shot {
@@ -160,7 +154,7 @@ pub(crate) fn scene(
         },
     };
     let camera = &params.camera;
-    let campaign = Campaign {
+    Campaign {
         file: "simulated".into(),
         setup: Setup {
             pixel_pitch_mm: camera.pixel_pitch_mm,
@@ -183,16 +177,23 @@ pub(crate) fn scene(
             })
             .collect(),
         warnings: Vec::new(),
-    };
-    Scene::of(&campaign, table, &|shot| {
+    }
+}
+
+/// Photographs of such a campaign; `photograph` gives the pixels of a capture, or of the reference.
+pub(crate) fn source(
+    params: &Params,
+    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::error::Error> + Sync,
+) -> impl Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync {
+    move |shot| {
         let index = shot.image.to_str().and_then(|name| name.parse().ok());
         Ok(Photo {
-            width: camera.width,
-            height: camera.height,
+            width: params.camera.width,
+            height: params.camera.height,
             // The truth of a drawn campaign has an entry for each of its angles.
             luminance: photograph(params, index).unwrap_or_default(),
             clip_level: None,
             warnings: Vec::new(),
         })
-    })
+    }
 }

@@ -7,7 +7,7 @@ use crate::estimate::choice::Choice;
 use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{optimum, refined, residuals_at};
-use crate::estimate::parameter::ParameterKind;
+use crate::names::parameter::ParameterKind;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{Candidates, select};
 use crate::estimate::watch::Watch;

@@ -450,7 +450,7 @@ fn planted_campaigns_are_recovered() {
         );
         let scene = scene(&campaign, &table);
         for kind in [Kind::Mtf, Kind::Edge] {
-            let found = select(&scene, kind, &auto).best;
+            let found = select(&scene, kind, &auto, &Watch::NOBODY).unwrap().best;
             println!(
                 "{c} {lines}: {:?} {:?} chi2 {:.1} of {}",
                 found.choice.kernel, found.c_mm, found.chi2, found.residuals

@@ -1,7 +1,7 @@
 //! The numbers: c, a and mu with 95 % intervals, or bounds.
 
 use crate::estimate::bound::Bound;
-use crate::estimate::parameter::{ParameterId, ParameterKind};
+use crate::names::parameter::{ParameterId, ParameterKind};
 use crate::result::report::{AtAngle, Number, Parameter};
 
 use crate::report::page::chart::{Axis, Panel, svg};
@@ -52,9 +52,7 @@ fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Show
             incidence_deg,
             number,
             bound: page.result.bounds.get(&id).copied(),
-            truth: page
-                .truth
-                .and_then(|truth| truth.of(kind.name(), incidence_deg)),
+            truth: page.truth.and_then(|truth| truth.of(id)),
         }
     };
     let (symbol, meaning, unit) = symbol(kind);

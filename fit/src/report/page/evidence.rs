@@ -4,7 +4,7 @@ use crate::estimate::bound::Bound;
 use crate::estimate::campaign::Estimated;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::sum_of_squares_with;
-use crate::estimate::parameter::{ParameterId, ParameterKind};
+use crate::names::parameter::{ParameterId, ParameterKind};
 
 /// Most parameters that are followed: of a campaign with many angles the first.
 const MOST: usize = 4;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::estimate::parameter::{ParameterId, ParameterKind};
+use crate::names::parameter::{ParameterId, ParameterKind};
 use crate::result::report::Parameter;
 
 use crate::report::page::chart::{Axis, Panel, svg};
@@ -120,7 +120,7 @@ fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
     };
     let truth = page
         .truth
-        .and_then(|t| t.of(profile.id.kind.name(), profile.id.incidence_deg))
+        .and_then(|t| t.of(profile.id))
         .filter(|t| (first[0]..=last[0]).contains(t));
     let name = if unit.is_empty() {
         symbol.clone()
@@ -207,10 +207,9 @@ impl Pair {
                 let spread = value(page, id).filter(|_| i != c)?;
                 let of = |i: usize, j: usize| covariance.matrix[i][j];
                 let (error_c, error_spread) = (of(c, c)?.sqrt(), of(i, i)?.sqrt());
-                let planted = page.truth.and_then(|truth| {
-                    let of = |id: ParameterId| truth.of(id.kind.name(), id.incidence_deg);
-                    Some([of(size)?, of(id)?])
-                });
+                let planted = page
+                    .truth
+                    .and_then(|truth| Some([truth.of(size)?, truth.of(id)?]));
                 Some(Pair {
                     symbol: symbol(id.kind).0.to_owned(),
                     incidence_deg: id.incidence_deg,
