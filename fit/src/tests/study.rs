@@ -6,6 +6,7 @@ use crate::estimate::loss::Kind;
 use crate::estimate::select::Candidates;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
+use crate::names::parameter::ParameterKind;
 use crate::names::spectrum::Spectrum;
 use crate::study::choice;
 use crate::study::ranges::Ranges;
@@ -251,7 +252,10 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
         // Chi-square per degree of freedom may lie above 1 by chance, sqrt(2 / 10^4) = 1.4 %, and raises standard errors.
         let ratio = p.edge / p.bound;
         assert!((0.999..1.035).contains(&ratio), "{}: {ratio}", p.name);
-        assert!(p.name == "mu" || p.mtf > p.bound, "{p:?}");
+        assert!(
+            p.name == ParameterKind::Mu.shared() || p.mtf > p.bound,
+            "{p:?}"
+        );
     }
     let fits: Vec<(Kernel, Kind)> = study.fits.iter().map(|f| (f.kernel, f.loss)).collect();
     let all = [
