@@ -343,7 +343,7 @@ fn means_of_cells_that_are_not_ideal_are_of_rays() {
     };
     let (wide, ideal) = (cells::uneven_pair([1e-4, 0.0, 0.0]), cells::pair());
     let auto = mean(Method::Auto, Record::Auto, &wide).expect("rays");
-    assert_eq!(auto.provenance.method, "rays");
+    assert_eq!(auto.provenance.method.text(), "rays");
     let found = auto.deviations.as_ref().expect("recorded");
     assert!(found.entries.iter().all(|entries| !entries.is_empty()));
     let refused = mean(Method::Exact, Record::Auto, &wide).expect_err("it has no directions");
@@ -353,7 +353,7 @@ fn means_of_cells_that_are_not_ideal_are_of_rays() {
     );
     for (record, cell) in [(Record::Off, &wide), (Record::Auto, &ideal)] {
         let exact = mean(Method::Auto, record, cell).expect("a mean");
-        assert_eq!(exact.provenance.method, "exact");
+        assert_eq!(exact.provenance.method.text(), "exact");
     }
 }
 

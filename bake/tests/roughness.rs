@@ -65,7 +65,12 @@ fn normals_have_the_density_of_visible_ones() {
                 let stream = stream(100 + case as u64);
                 let mut counts = [0u32; BINS * BINS + 1];
                 for index in 0..DRAWS {
-                    let normal = roughness.normal(facet, travel, stream.at_bounce(index, 0));
+                    let normal = bake::optics::roughness::normal(
+                        &roughness,
+                        facet,
+                        travel,
+                        stream.at_bounce(index, 0),
+                    );
                     assert!((normal.length() - 1.0).abs() < 1e-14);
                     // -travel.normal >= 0 but for rounding.
                     assert!(travel.dot(normal) < 1e-12);
@@ -268,7 +273,7 @@ fn without_roughness_the_table_is_that_of_smooth_facets() {
     let mut cases = 0;
     for slopes in KINDS {
         let rough = bake(request("0:60:20", rough(slopes, 1e-12), 1 << 15));
-        assert_eq!(rough.provenance.method, "rays");
+        assert_eq!(rough.provenance.method.text(), "rays");
         assert_eq!(rough.counts, smooth.counts, "{slopes:?}");
         assert_eq!(rough.fate_counts, smooth.fate_counts, "{slopes:?}");
         cases += 1;
@@ -311,7 +316,7 @@ fn the_warning_knows_how_much_deviates() {
         (Slopes::Ggx, 3e-4, 3.0 * 0.0142_f64.powi(2) + 3.0 * 3e-4),
         (Slopes::Ggx, 1e-3, 3.0 * 0.137_f64.powi(2) + 3.0 * 1e-3),
     ] {
-        let said = rough(slopes, alpha).unwrap().part_beyond(tolerance);
+        let said = bake::optics::roughness::part_beyond(&rough(slopes, alpha).unwrap(), tolerance);
         let plan = |roughness| {
             let request = Request {
                 azimuth: "0".into(),
@@ -375,7 +380,7 @@ fn the_exact_method_refuses_and_auto_traces_rays() {
         said.expect_err("no planes"),
         "--method exact: --roughness 0.001 leaves no plane mirrors, which the exact method needs"
     );
-    assert_eq!(bake(asked).provenance.method, "rays");
+    assert_eq!(bake(asked).provenance.method.text(), "rays");
     for text in [
         "0",
         "-1",
@@ -400,7 +405,12 @@ fn one_slope_turns_light_by_twice_itself() {
     let roughness = rough(Slopes::Beckmann, alpha).unwrap();
     let draws = 1 << 16;
     for index in 0..draws {
-        let drawn = roughness.normal(normal, travel, stream(3).at_bounce(index, 0));
+        let drawn = bake::optics::roughness::normal(
+            &roughness,
+            normal,
+            travel,
+            stream(3).at_bounce(index, 0),
+        );
         let left = (travel - drawn * (2.0 * travel.dot(drawn))).truncate();
         sum += DMat2::from_cols(left * left.x, left * left.y);
     }

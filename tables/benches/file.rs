@@ -8,6 +8,7 @@ mod sample;
 use divan::Bencher;
 use ndarray::{Array2, Array3, Array4, Array5};
 use sample::Numbers;
+use tables::options::Method;
 use tables::{Axes, Exact, Fate, Path, Table};
 
 fn main() {
@@ -74,7 +75,7 @@ fn exact() -> Table {
     fate.slice_mut(ndarray::s![.., .., Fate::Missed as usize])
         .fill(0.75);
     let mut provenance = sample::provenance();
-    (provenance.method, provenance.sampler) = ("exact".into(), "none".into());
+    (provenance.method, provenance.sampler) = (Method::Exact.into(), None);
     Table {
         axes: axes(),
         histogram,

@@ -8,8 +8,9 @@ use sha2::{Digest, Sha256};
 
 use crate::deviation::Deviations;
 use crate::layout::FlatDeviations;
+use crate::provenance::Provenance;
 use crate::symmetry::Symmetry;
-use crate::table::{Exact, Path, Provenance, Table};
+use crate::table::{Exact, Path, Table};
 
 /// Version-independent tag that starts the hashed content.
 const TAG: &str = "retroreflective ray-shift table";
@@ -141,7 +142,7 @@ impl Items<'_> {
             losses,
             reflectance,
             method,
-            sampler,
+            sampler: _,
             seed,
             angular_tolerance_deg,
             tolerance,
@@ -160,11 +161,11 @@ impl Items<'_> {
         self.text("edge_length_unit", edge_length_unit);
         self.floats("azimuth_zero", azimuth_zero.iter().copied());
         self.floats("refractive_index", [*refractive_index].into_iter());
-        self.text("back", back);
-        self.text("losses", losses);
+        self.text("back", back.text());
+        self.text("losses", losses.text());
         self.floats("reflectance", [*reflectance].into_iter());
-        self.text("method", method);
-        self.text("sampler", sampler);
+        self.text("method", method.text());
+        self.text("sampler", provenance.sampler_text());
         self.integers("seed", [*seed].into_iter());
         self.floats(
             "angular_tolerance_deg",
@@ -194,8 +195,8 @@ impl Items<'_> {
         if let Some(tolerance) = direction_tolerance {
             self.floats("direction_tolerance", [*tolerance].into_iter());
         }
-        if !options.is_empty() {
-            self.text("options", options);
+        if !options.text().is_empty() {
+            self.text("options", options.text());
         }
     }
 }

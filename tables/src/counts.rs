@@ -5,10 +5,8 @@
 
 use ndarray::{Array2, Array3, Array4, Array5, ArrayView2, Axis};
 
-use crate::table::{Axes, Fate, Provenance, Table};
-
-/// Name of the plain random sampler, whose rays are independent.
-pub const RANDOM: &str = "random";
+use crate::provenance::Provenance;
+use crate::table::{Axes, Fate, Table};
 
 impl Table {
     /// The table that follows from numbers of rays.
@@ -72,7 +70,7 @@ impl Table {
                         fate[[i, j, k]] = *n as f64 / total as f64;
                     }
                 }
-                let random = provenance.sampler == RANDOM;
+                let random = provenance.is_random();
                 (retroreflected[[i, j]], standard_error[[i, j]]) = returned(fates, random);
             }
         }

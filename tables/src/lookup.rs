@@ -132,6 +132,7 @@ impl Table {
     ///
     /// ```
     /// # use ndarray::{Array4, Array5};
+    /// # use tables::options::{Back, Losses, Method, Sampler, StatedOptions};
     /// # use tables::{Axes, Fate, Provenance, Table};
     /// # let axes = Axes { incidence_deg: vec![0.0, 10.0], azimuth_deg: vec![0.0], bins: 2, range: 2.0 };
     /// # let counts = Array5::from_shape_fn((2, 1, 1, 2, 2), |(i, ..)| if i == 0 { 2 } else { 1 });
@@ -143,11 +144,11 @@ impl Table {
     /// # let provenance = Provenance {
     /// #     generator: String::new(), design: String::new(), mesh_hash: String::new(), edge_length: 1.0,
     /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0,
-    /// #     back: "mirror".into(), losses: "none".into(), reflectance: 1.0, method: "rays".into(),
-    /// #     sampler: "random".into(), seed: 1,
+    /// #     back: Back::Mirror.into(), losses: Losses::None.into(), reflectance: 1.0,
+    /// #     method: Method::Rays.into(), sampler: Some(Sampler::Random.into()), seed: 1,
     /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, wavelength_nm: None,
     /// #     metal_index: None, shards: None, symmetry: tables::Symmetry::NONE,
-    /// #     direction_tolerance: None, options: String::new(),
+    /// #     direction_tolerance: None, options: StatedOptions::none(),
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg

@@ -18,6 +18,7 @@ use ndarray::{Axis, Zip, concatenate};
 
 use crate::deviation::{self, Deviations};
 use crate::error::Error;
+use crate::provenance::level;
 use crate::shards::Shards;
 use crate::table::{Axes, Table};
 use directions::{join, place, spread, union};
@@ -48,12 +49,26 @@ pub fn merge(tables: &[Table]) -> Result<Table, Error> {
     for (index, table) in tables.iter().enumerate() {
         same(first, table, index)?;
     }
+    let mut merged = put_together(tables)?;
+    let generator = |table: &Table| table.provenance.generator.clone();
+    if tables
+        .iter()
+        .any(|table| generator(table) != generator(first))
+    {
+        merged.provenance.generator = level(&generator(first)).to_owned();
+    }
+    Ok(merged)
+}
+
+/// The whole of tables that say the same of what was baked.
+fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
+    let first = &tables[0];
     if tables.len() == 1 {
         return Ok(first.clone());
     }
     let axes = union(tables);
     if first.counts.is_none() {
-        return Ok(join(tables, axes)?);
+        return join(tables, axes);
     }
     let mut seeds: Vec<u64> = tables.iter().map(|table| table.provenance.seed).collect();
     seeds.sort_unstable();
@@ -65,45 +80,48 @@ pub fn merge(tables: &[Table]) -> Result<Table, Error> {
     if let [only] = &ranges[..] {
         return Ok(only.clone());
     }
-    Ok(side_by_side(tables, &ranges)?)
+    side_by_side(tables, &ranges)
 }
 
 /// Compares everything that says what was baked; seed, shards and directions may differ.
 fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     macro_rules! compare {
-        ($($part:ident . $field:ident = $name:literal),* $(,)?) => {
-            $(if first.$part.$field != table.$part.$field {
-                return Err(Mismatch::Field {
-                    field: $name,
-                    index,
-                    expected: format!("{:?}", first.$part.$field),
-                    found: format!("{:?}", table.$part.$field),
-                });
+        ($($name:literal = |$table:ident| $value:expr),* $(,)?) => {
+            $({
+                let [expected, found] = [first, table].map(|$table| $value);
+                if expected != found {
+                    return Err(Mismatch::Field {
+                        field: $name,
+                        index,
+                        expected: format!("{expected:?}"),
+                        found: format!("{found:?}"),
+                    });
+                }
             })*
         };
     }
     compare!(
-        provenance.design = "design",
-        provenance.mesh_hash = "mesh_hash",
-        provenance.edge_length = "edge_length",
-        provenance.edge_length_unit = "edge_length_unit",
-        provenance.azimuth_zero = "azimuth_zero",
-        provenance.refractive_index = "refractive_index",
-        provenance.back = "back",
-        provenance.losses = "losses",
-        provenance.reflectance = "reflectance",
-        provenance.method = "method",
-        provenance.sampler = "sampler",
-        provenance.angular_tolerance_deg = "angular_tolerance_deg",
-        provenance.tolerance = "tolerance",
-        provenance.lattice = "lattice",
-        provenance.symmetry = "symmetry",
-        provenance.wavelength_nm = "wavelength_nm",
-        provenance.metal_index = "metal_index",
-        provenance.options = "options",
-        provenance.generator = "generator",
-        axes.bins = "bins",
-        axes.range = "shift_range",
+        "design" = |t| &t.provenance.design,
+        "mesh_hash" = |t| &t.provenance.mesh_hash,
+        "edge_length" = |t| &t.provenance.edge_length,
+        "edge_length_unit" = |t| &t.provenance.edge_length_unit,
+        "azimuth_zero" = |t| &t.provenance.azimuth_zero,
+        "refractive_index" = |t| &t.provenance.refractive_index,
+        "back" = |t| t.provenance.back.text(),
+        "losses" = |t| t.provenance.losses.text(),
+        "reflectance" = |t| &t.provenance.reflectance,
+        "method" = |t| t.provenance.method.text(),
+        "sampler" = |t| t.provenance.sampler_text(),
+        "angular_tolerance_deg" = |t| &t.provenance.angular_tolerance_deg,
+        "tolerance" = |t| &t.provenance.tolerance,
+        "lattice" = |t| &t.provenance.lattice,
+        "symmetry" = |t| &t.provenance.symmetry,
+        "wavelength_nm" = |t| &t.provenance.wavelength_nm,
+        "metal_index" = |t| &t.provenance.metal_index,
+        "options" = |t| t.provenance.options.text(),
+        "generator" = |t| level(&t.provenance.generator),
+        "bins" = |t| t.axes.bins,
+        "shift_range" = |t| t.axes.range,
     );
     let grid = |table: &Table| table.deviations.as_ref().map(|found| found.grid);
     if grid(first) != grid(table) {

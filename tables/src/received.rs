@@ -11,8 +11,10 @@ use crate::check;
 use crate::content::Flat;
 use crate::deviation::{Deviations, Grid};
 use crate::layout::{FlatDeviations, MOST_BYTES};
+use crate::options::{StatedOptions, Word};
+use crate::provenance::{self, Provenance};
 use crate::symmetry::Symmetry;
-use crate::table::{Axes, Exact, Fate, Provenance, Table};
+use crate::table::{Axes, Exact, Fate, Table};
 
 /// Longest name of an item.
 const MOST_NAME: u64 = 64;
@@ -262,11 +264,11 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
         edge_length_unit: items.text("edge_length_unit")?,
         azimuth_zero: items.some("azimuth_zero")?,
         refractive_index: items.float("refractive_index")?,
-        back: items.text("back")?,
-        losses: items.text("losses")?,
+        back: Word::read(items.text("back")?),
+        losses: Word::read(items.text("losses")?),
         reflectance: items.float("reflectance")?,
-        method: items.text("method")?,
-        sampler: items.text("sampler")?,
+        method: Word::read(items.text("method")?),
+        sampler: provenance::sampler(items.text("sampler")?),
         seed: items.integer("seed")?,
         angular_tolerance_deg: items.float("angular_tolerance_deg")?,
         tolerance: items.float("tolerance")?,
@@ -309,8 +311,8 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
             _ => None,
         },
         options: match items.name.as_str() {
-            "options" => items.text("options")?,
-            _ => String::new(),
+            "options" => items.text("options")?.as_str().into(),
+            _ => StatedOptions::none(),
         },
     })
 }

@@ -6,8 +6,7 @@
 use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
 use crate::deviation::Deviations;
-use crate::shards::Shards;
-use crate::symmetry::Symmetry;
+use crate::provenance::Provenance;
 
 /// What became of a ray. The names and their order are those of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -179,85 +178,6 @@ impl Exact {
     /// rounding to single precision makes of a mesh, from straight back.
     pub fn deviates(&self) -> bool {
         self.largest_deviation_rad() > 1e-6
-    }
-}
-
-/// Where a table comes from: all that is needed to bake it again.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Provenance {
-    /// Program and version.
-    pub generator: String,
-    /// Name of the cell's design.
-    pub design: String,
-    /// SHA-256 of the mesh, lower-case hex.
-    pub mesh_hash: String,
-    /// Length of one edge in file units.
-    pub edge_length: f64,
-    /// Unit of `edge_length`; "file unit" where the file names none.
-    pub edge_length_unit: String,
-    /// First edge (azimuth 0) in the file's frame.
-    pub azimuth_zero: [f64; 3],
-    /// Refractive index behind the flat front face; 1 where there is none.
-    pub refractive_index: f64,
-    /// `mirror` or `tir`.
-    pub back: String,
-    /// `none` or `fresnel`.
-    pub losses: String,
-    /// Reflectance of each mirror facet, 1 where losses are left out or a metal or a bare back decides.
-    pub reflectance: f64,
-    /// `rays` or `exact`.
-    pub method: String,
-    /// `random` or `sobol`; `none` for the exact method.
-    pub sampler: String,
-    /// Seed of the samples.
-    pub seed: u64,
-    /// Largest deviation of the path's linear map from -I that counts as retroreflected, degrees.
-    pub angular_tolerance_deg: f64,
-    /// L1 error asked for, 0 where a number of rays was.
-    pub tolerance: f64,
-    /// Lattice vectors in the cell frame, edge lengths, where the cell is periodic.
-    pub lattice: Option<[[f64; 2]; 2]>,
-    /// Vacuum wavelength that the bake was told, nm; `None` where it was not.
-    pub wavelength_nm: Option<f64>,
-    /// Complex refractive index n + ik, as [n, k], of the metal behind each facet, where there is one.
-    pub metal_index: Option<[f64; 2]>,
-    /// Which shards of a bake these are; `None` for a whole one.
-    pub shards: Option<Shards>,
-    /// What the azimuths stand for besides themselves.
-    pub symmetry: Symmetry,
-    /// Total variation of eta x histogram that interpolated polygons are within, where the directions were chosen for it.
-    pub direction_tolerance: Option<f64>,
-    /// What else the rays obeyed, as options of `bake trace`: `--normals file`; empty where nothing else was asked for.
-    pub options: String,
-}
-
-impl Provenance {
-    /// What the mesh does with light, as `--element` of `bake trace` names it.
-    pub fn element(&self) -> &str {
-        let mut words = self.options.split_whitespace();
-        let named = words.find(|word| *word == "--element");
-        named.and_then(|_| words.next()).unwrap_or("retroreflector")
-    }
-
-    /// Whether light went through bodies of glass (`--glass-index` of `bake trace`).
-    pub fn has_glass(&self) -> bool {
-        let mut words = self.options.split_whitespace();
-        words.any(|word| word == "--glass-index")
-    }
-
-    /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets are made of.
-    pub fn losses_text(&self) -> String {
-        match self.metal_index {
-            _ if self.losses == "none" => self.losses.clone(),
-            Some([n, k]) => format!("{}, metal of index {n} + {k}i", self.losses),
-            None if self.back == "mirror" => {
-                format!(
-                    "{}, mirrors of reflectance {}",
-                    self.losses, self.reflectance
-                )
-            }
-            None => format!("{}, bare facets", self.losses),
-        }
     }
 }
 

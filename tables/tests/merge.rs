@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use tables::options::{Back, Losses, Sampler, Word};
 use tables::{Error, Fate, Mismatch, Shards, Table, merge};
 
 /// A part of a table: its counts where `keep` says so, no rays elsewhere.
@@ -167,11 +168,15 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
         }),
         ("azimuth_zero", |t| t.provenance.azimuth_zero[2] = 2.0),
         ("refractive_index", |t| t.provenance.refractive_index = 1.5),
-        ("back", |t| t.provenance.back = "tir".to_owned()),
-        ("losses", |t| t.provenance.losses = "fresnel".to_owned()),
+        ("back", |t| t.provenance.back = Back::Tir.into()),
+        ("losses", |t| t.provenance.losses = Losses::Fresnel.into()),
         ("reflectance", |t| t.provenance.reflectance = 0.9),
-        ("method", |t| t.provenance.method.push('1')),
-        ("sampler", |t| t.provenance.sampler = "random".to_owned()),
+        ("method", |t| {
+            t.provenance.method = Word::Other("rays1".to_owned())
+        }),
+        ("sampler", |t| {
+            t.provenance.sampler = Some(Sampler::Random.into())
+        }),
         ("angular_tolerance_deg", |t| {
             t.provenance.angular_tolerance_deg = 1.0
         }),
@@ -325,4 +330,37 @@ fn a_shard_comes_back_from_its_file() {
     let table = shard(&sample::rays(2, 7), 2, 3);
     tables::write(&table, &file).unwrap();
     assert_eq!(tables::read(&file).unwrap(), table);
+}
+
+/// A program version does not part tables; another level of the numbers does.
+#[test]
+fn generators_of_one_level_merge() {
+    let old = sample::rays(2, 7);
+    assert_eq!(old.provenance.generator, "bake 0.1.0");
+    let mut new = old.clone();
+    new.provenance.generator = tables::GENERATOR.into();
+    let mut more = new.clone();
+    more.provenance.seed += 2;
+    let mut of_the_new = new.clone();
+    of_the_new.provenance.seed += 2;
+    let whole = merge(&[new.clone(), of_the_new]).unwrap();
+    assert_eq!(whole.provenance.generator, tables::GENERATOR);
+    assert_eq!(merge(&[old.clone(), more.clone()]).unwrap(), whole);
+    assert_eq!(merge(&[more, old.clone()]).unwrap(), whole);
+    // Old ones alone keep the name and so the hash.
+    assert_eq!(merge(std::slice::from_ref(&old)).unwrap(), old);
+    assert!(old.provenance.is_of_the_bake(&new.provenance));
+    let mut later = new;
+    later.provenance.generator = "airr ray-shift table 2".into();
+    assert!(!old.provenance.is_of_the_bake(&later.provenance));
+    later.provenance.seed += 2;
+    let refused = merge(&[old, later]).unwrap_err();
+    assert!(matches!(
+        refused,
+        Error::Merge(Mismatch::Field {
+            field: "generator",
+            index: 1,
+            ..
+        })
+    ));
 }

@@ -6,3 +6,4 @@ pub mod browser;
 pub mod estimate;
 pub mod files;
 pub mod program;
+pub mod rooms;

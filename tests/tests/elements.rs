@@ -23,7 +23,7 @@ fn a_plate_blurs_as_its_slits_do() {
     assert_eq!(judged.code, Some(0), "{}", judged.err);
 
     let table = tables::read(&here.join("plate.h5")).unwrap();
-    assert_eq!(table.provenance.element(), "plate");
+    assert_eq!(table.provenance.element(), tables::options::Element::Plate);
     // GLB holds single precision: thicknesses and depths to 6e-8.
     let (w, c_mm, mut cases) = (0.98, 0.5, 0);
     for &incidence_deg in &table.axes.incidence_deg {

@@ -152,7 +152,7 @@ impl Tracer<'_> {
             }
         }
         let unlit = view.entrance_area - lit;
-        match self.rules.element.unmet() {
+        match crate::optics::element::unmet(self.rules.element) {
             Fate::Missed => self.settle(unlit * power, Fate::Missed),
             through => {
                 let outside = course.power_outside(view.direction, index);
@@ -432,7 +432,7 @@ impl Tracer<'_> {
             ..
         } = *self.view;
         let element = self.rules.element;
-        let plane = element.plane(height, floor);
+        let plane = crate::optics::element::plane(element, height, floor);
         // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
         // plane of the shift, as the entry point is along `direction`.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
@@ -442,7 +442,11 @@ impl Tracer<'_> {
         let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
         let offset = carry(start) + lead;
         let index = self.rules.refractive_index;
-        let deviation = optics::deviation(direction, element.straight_back(toward), index);
+        let deviation = optics::deviation(
+            direction,
+            crate::optics::element::straight_back(element, toward),
+            index,
+        );
         let straight = deviation.length() < STRAIGHT;
         let deviation = if straight { DVec2::ZERO } else { deviation };
         self.outcome

@@ -3,7 +3,6 @@
 use crate::cell::symmetry;
 use crate::cli::cli::{CellArgs, Failure, print, warn};
 use crate::cli::report;
-use crate::plan::plan::{Back, SceneOptions};
 use crate::run::provenance::losses_of;
 use crate::run::retrace::retrace;
 use clap::Args;
@@ -89,17 +88,13 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
 /// The comparison with rays through `mesh`, placed as the table says unless the options say otherwise.
 fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<report::Comparison, Failure> {
     let from = &table.provenance;
-    let known = (
-        Back::from_name(&from.back),
-        losses_of(from),
-        SceneOptions::read(&from.options),
-    );
+    let known = (from.back.known(), losses_of(from), from.options.known());
     let (Some(back), Ok(losses), Some(scene)) = known else {
         return Err(Failure::Unknown {
             file: args.table.clone(),
-            back: from.back.clone(),
-            losses: from.losses.clone(),
-            options: from.options.clone(),
+            back: from.back.to_string(),
+            losses: from.losses.to_string(),
+            options: from.options.to_string(),
         });
     };
     let cell = CellArgs {

@@ -7,7 +7,7 @@ use crate::cli::study;
 use crate::cli::trace;
 
 use crate::cli::{inspect, report};
-use crate::plan::plan::{Normals, SceneOptions};
+use crate::plan::plan::{NormalsFrom, SceneOptions};
 use crate::plots::plot;
 use crate::run::ranks;
 use crate::run::ranks::Launched;
@@ -318,7 +318,7 @@ impl CellArgs {
             lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
             azimuth_zero: azimuth_zero.map(DVec3::from_array),
             edge_length: self.edge_length,
-            file_normals: scene.normals == Normals::File,
+            file_normals: scene.normals == NormalsFrom::File,
             glass: scene.glass_index.is_some(),
         };
         Ok(meshes::load_cell(mesh, &options)?)

@@ -36,14 +36,13 @@ pub fn text(table: &Table) -> String {
     if let Some(nm) = from.wavelength_nm {
         line("wavelength", format!("{nm} nm"));
     }
-    let sampler = if from.sampler == "none" {
-        String::new()
-    } else {
-        format!(", {}, seed {}", from.sampler, from.seed)
-    };
+    let sampler = from.sampler.as_ref();
+    let sampler = sampler.map_or(String::new(), |name| {
+        format!(", {name}, seed {}", from.seed)
+    });
     line("method", format!("{}{sampler}", from.method));
-    if !from.options.is_empty() {
-        line("options", from.options.clone());
+    if !from.options.text().is_empty() {
+        line("options", from.options.to_string());
     }
     if let Some(shards) = &from.shards {
         line("shards", shards.to_string());
@@ -134,17 +133,17 @@ pub fn json(table: &Table) -> String {
         "azimuth_zero": from.azimuth_zero,
         "lattice": from.lattice,
         "refractive_index": from.refractive_index,
-        "back": from.back,
-        "losses": from.losses,
+        "back": from.back.text(),
+        "losses": from.losses.text(),
         "reflectance": from.reflectance,
         "metal_index": from.metal_index,
         "wavelength_nm": from.wavelength_nm,
-        "method": from.method,
-        "sampler": from.sampler,
+        "method": from.method.text(),
+        "sampler": from.sampler_text(),
         "seed": from.seed,
         "symmetry": { "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg },
         "direction_tolerance": from.direction_tolerance,
-        "options": from.options,
+        "options": from.options.text(),
         "shards": from.shards.as_ref().map(ToString::to_string),
         "angular_tolerance_deg": from.angular_tolerance_deg,
         "tolerance": from.tolerance,

@@ -96,7 +96,7 @@ impl Trace<'_> {
         json!({
             "table": self.file.display().to_string(),
             "content_hash": self.table.content_hash(),
-            "method": self.table.provenance.method,
+            "method": self.table.provenance.method.text(),
             "seconds": self.seconds,
             "rays": rays,
             "rays_per_second": if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },

@@ -14,7 +14,7 @@ use crate::run::run;
 use crate::run::saves;
 use crate::run::saves::{SavedFile, Saves};
 use crate::samples::sequence::Sampler;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use meshes::Cell;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
@@ -69,8 +69,8 @@ pub(crate) struct TraceArgs {
     #[arg(long, value_enum, default_value_t = Method::Auto)]
     method: Method,
     /// How samples are spread
-    #[arg(long, value_enum, default_value_t = SamplerName::Sobol)]
-    sampler: SamplerName,
+    #[arg(long, value_enum, default_value_t = Sampler::Sobol)]
+    sampler: Sampler,
     /// Rays per direction [default: 4194304]
     #[arg(long, value_name = "N")]
     rays: Option<u64>,
@@ -127,10 +127,7 @@ impl TraceArgs {
             metal: metal.transpose()?,
             wavelength_nm,
             method: self.method,
-            sampler: match self.sampler {
-                SamplerName::Random => Sampler::Random,
-                SamplerName::Sobol => Sampler::Sobol,
-            },
+            sampler: self.sampler,
             rays: self.rays,
             tolerance: self.tolerance,
             bins: self.bins,
@@ -182,14 +179,6 @@ fn seconds(text: &str) -> Result<Duration, String> {
     number
         .map(Duration::from_secs_f64)
         .ok_or_else(|| "give seconds from 0 on".into())
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum SamplerName {
-    /// Independent points
-    Random,
-    /// Owen-scrambled Sobol points
-    Sobol,
 }
 
 /// Runs `bake trace` as one of `ranks`; `launched` is what started them.
@@ -339,9 +328,9 @@ fn same_everywhere(plan: &Plan, cell: &Cell, ranks: &dyn Ranks) -> Result<(), Fa
         threads: None,
         ..plan.clone()
     };
-    let provenance = provenance(cell, &plan, String::new(), String::new());
+    let provenance = provenance(cell, &plan, plan.method, None);
     let mut hasher = DefaultHasher::new();
-    format!("{plan:?} {provenance:?}").hash(&mut hasher);
+    format!("{} {plan:?} {provenance:?}", env!("CARGO_PKG_VERSION")).hash(&mut hasher);
     let mut first = [hasher.finish()];
     ranks.follow(&mut first);
     if first == [hasher.finish()] {

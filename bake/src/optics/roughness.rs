@@ -13,106 +13,65 @@
 use crate::samples::sequence::centred;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2, TAU};
-use std::fmt;
-use std::str::FromStr;
-use thiserror::Error;
 
-/// How slopes are distributed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slopes {
-    /// As a Gaussian.
-    Beckmann,
-    /// With long tails (Trowbridge and Reitz).
-    Ggx,
+pub use tables::options::{NoRoughness, Roughness, Slopes};
+
+/// The unit normal that a ray along `travel` meets on a facet with unit normal `facet`, towards the ray; `at` are two
+/// coordinates that are uniform over [0, 2^32).
+pub fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: [u32; 2]) -> DVec3 {
+    let cosine = -facet.dot(travel);
+    let along = -travel - facet * cosine;
+    let sine = along.length();
+    // Nearer to the normal what is along the facet is rounding, and the side that it leans to makes no difference.
+    let x = if sine > 1e-8 {
+        along / sine
+    } else {
+        facet.any_orthonormal_vector()
+    };
+    // Stretched to alpha = 1 the facet is as rough, and the light comes from elsewhere.
+    let light = DVec2::new(roughness.alpha() * sine, cosine).normalize();
+    let [u, v] = at.map(|cell| centred(cell) + 0.5);
+    let slope = roughness.alpha() * seen_from(roughness.slopes(), light, u, v);
+    (facet - x * slope.x - facet.cross(x) * slope.y).normalize()
 }
 
-/// How rough facets are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Roughness {
-    slopes: Slopes,
-    alpha: f64,
+/// The angle that hardly any light of three perpendicular facets turns by more than, rad: 8 standard deviations about each
+/// axis of what Beckmann's slopes do; of GGX's, whose tails have no end, what leaves 0.7 % outside.
+pub fn reach_rad(roughness: &Roughness) -> f64 {
+    match roughness.slopes() {
+        Slopes::Beckmann => 8.0 * roughness.alpha(),
+        Slopes::Ggx => 40.0 * roughness.alpha(),
+    }
 }
 
-/// A roughness that is none.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error(
-    "give ALPHA or ggx:ALPHA, such as 0.001, with ALPHA above 0 and at most 1 (sqrt 2 times the rms slope); leave it out \
-     where facets are smooth"
-)]
-pub struct NoRoughness;
-
-impl Roughness {
-    /// Slopes of the roughness `alpha`, above 0 and at most 1.
-    ///
-    /// # Errors
-    /// [`NoRoughness`].
-    pub fn new(slopes: Slopes, alpha: f64) -> Result<Self, NoRoughness> {
-        let fits = alpha > 0.0 && alpha <= 1.0;
-        fits.then_some(Roughness { slopes, alpha })
-            .ok_or(NoRoughness)
-    }
-
-    /// The unit normal that a ray along `travel` meets on a facet with unit normal `facet`, towards the ray; `at` are two
-    /// coordinates that are uniform over [0, 2^32).
-    pub fn normal(&self, facet: DVec3, travel: DVec3, at: [u32; 2]) -> DVec3 {
-        let cosine = -facet.dot(travel);
-        let along = -travel - facet * cosine;
-        let sine = along.length();
-        // Nearer to the normal what is along the facet is rounding, and the side that it leans to makes no difference.
-        let x = if sine > 1e-8 {
-            along / sine
-        } else {
-            facet.any_orthonormal_vector()
-        };
-        // Stretched to alpha = 1 the facet is as rough, and the light comes from elsewhere.
-        let light = DVec2::new(self.alpha * sine, cosine).normalize();
-        let [u, v] = at.map(|cell| centred(cell) + 0.5);
-        let slope = self.alpha * self.slopes.seen_from(light, u, v);
-        (facet - x * slope.x - facet.cross(x) * slope.y).normalize()
-    }
-
-    /// The angle that hardly any light of three perpendicular facets turns by more than, rad: 8 standard deviations about each
-    /// axis of what Beckmann's slopes do; of GGX's, whose tails have no end, what leaves 0.7 % outside.
-    pub fn reach_rad(&self) -> f64 {
-        match self.slopes {
-            Slopes::Beckmann => 8.0 * self.alpha,
-            Slopes::Ggx => 40.0 * self.alpha,
+/// About which part of the light that three perpendicular facets send back turns by more than `tolerance_rad`.
+///
+/// A slope s turns light by 2 s about an axis in the facet. Of three perpendicular facets two turn about each axis:
+/// Beckmann's turns are a Gaussian of the variance 4 alpha^2 about each; of GGX's long tails one of three is large.
+pub fn part_beyond(roughness: &Roughness, tolerance_rad: f64) -> f64 {
+    let turns = tolerance_rad / (2.0 * roughness.alpha());
+    match roughness.slopes() {
+        Slopes::Beckmann => {
+            let bulk = FRAC_2_SQRT_PI / SQRT_2 * turns * libm::exp(-0.5 * turns * turns);
+            libm::erfc(turns / SQRT_2) + bulk
         }
+        Slopes::Ggx => (3.0 / (1.0 + turns * turns)).min(1.0),
     }
-
-    /// About which part of the light that three perpendicular facets send back turns by more than `tolerance_rad`.
-    ///
-    /// A slope s turns light by 2 s about an axis in the facet. Of three perpendicular facets two turn about each axis:
-    /// Beckmann's turns are a Gaussian of the variance 4 alpha^2 about each; of GGX's long tails one of three is large.
-    pub fn part_beyond(&self, tolerance_rad: f64) -> f64 {
-        let turns = tolerance_rad / (2.0 * self.alpha);
-        match self.slopes {
-            Slopes::Beckmann => {
-                let bulk = FRAC_2_SQRT_PI / SQRT_2 * turns * libm::exp(-0.5 * turns * turns);
-                libm::erfc(turns / SQRT_2) + bulk
-            }
-            Slopes::Ggx => (3.0 / (1.0 + turns * turns)).min(1.0),
+}
+/// A slope of unit roughness seen from `light` = (sine, cosine) of the angle from the facet's normal, its first coordinate
+/// towards the light; `u` and `v` in (0, 1) choose it.
+fn seen_from(slopes: Slopes, light: DVec2, u: f64, v: f64) -> DVec2 {
+    let DVec2 { x: sine, y: cosine } = light;
+    match slopes {
+        Slopes::Beckmann => DVec2::new(seen_slope(sine, cosine, u), seen_slope(0.0, 1.0, v)),
+        Slopes::Ggx => {
+            let z = (1.0 - v) * (1.0 + cosine) - cosine;
+            let ring = (1.0 - z * z).max(0.0).sqrt();
+            let (sin, cos) = libm::sincos(TAU * u);
+            -DVec2::new(ring * cos + sine, ring * sin) / (z + cosine)
         }
     }
 }
-
-impl Slopes {
-    /// A slope of unit roughness seen from `light` = (sine, cosine) of the angle from the facet's normal, its first coordinate
-    /// towards the light; `u` and `v` in (0, 1) choose it.
-    fn seen_from(self, light: DVec2, u: f64, v: f64) -> DVec2 {
-        let DVec2 { x: sine, y: cosine } = light;
-        match self {
-            Slopes::Beckmann => DVec2::new(seen_slope(sine, cosine, u), seen_slope(0.0, 1.0, v)),
-            Slopes::Ggx => {
-                let z = (1.0 - v) * (1.0 + cosine) - cosine;
-                let ring = (1.0 - z * z).max(0.0).sqrt();
-                let (sin, cos) = libm::sincos(TAU * u);
-                -DVec2::new(ring * cos + sine, ring * sin) / (z + cosine)
-            }
-        }
-    }
-}
-
 /// The slope towards the light, of Beckmann's of unit roughness, below which the part `part` of what is seen lies.
 ///
 /// Slopes x are seen in proportion to (cosine - x sine) exp(-x^2), up to x = cosine / sine, where mirrors turn away. Newton's
@@ -150,27 +109,4 @@ fn seen_slope(sine: f64, cosine: f64, part: f64) -> f64 {
         };
     }
     x
-}
-
-impl FromStr for Roughness {
-    type Err = NoRoughness;
-
-    fn from_str(text: &str) -> Result<Self, NoRoughness> {
-        let (name, alpha) = text.split_once(':').unwrap_or(("beckmann", text));
-        let slopes = match name {
-            "beckmann" => Slopes::Beckmann,
-            "ggx" => Slopes::Ggx,
-            _ => return Err(NoRoughness),
-        };
-        Roughness::new(slopes, alpha.parse().map_err(|_| NoRoughness)?)
-    }
-}
-
-impl fmt::Display for Roughness {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.slopes {
-            Slopes::Beckmann => write!(f, "{}", self.alpha),
-            Slopes::Ggx => write!(f, "ggx:{}", self.alpha),
-        }
-    }
 }

@@ -5,11 +5,11 @@
 
 use crate::cell::bodies;
 use crate::optics::element::Element;
-use crate::plan::plan::{Plan, SceneOptions};
+use crate::optics::roughness::reach_rad;
+use crate::plan::plan::{Plan, Record, SceneOptions};
+use crate::plan::scene::no_planes;
 use glam::DVec3;
 use meshes::Cell;
-use std::fmt;
-use std::str::FromStr;
 use tables::deviation::Grid;
 
 /// Facets nearer than this to a right angle are at one, rad: coordinates of six digits are no better. The light of such a
@@ -28,43 +28,6 @@ const BINS_OF_SPOTS: usize = 4095;
 /// The same where it goes everywhere, and cells of shifts at most.
 const BINS_OF_LOBES: usize = 127;
 const CELLS_OF_LOBES: usize = 16;
-
-/// What `--deviations` asks for.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub enum Record {
-    /// A histogram of exit directions where the cell is not ideal, as wide as the cell and the angular tolerance ask for.
-    #[default]
-    Auto,
-    /// None.
-    Off,
-    /// One of this range, mrad, whatever the cell.
-    Within(f64),
-}
-
-impl FromStr for Record {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Record, String> {
-        let number = || text.parse().ok().filter(|x| (1e-3..=1e3).contains(x));
-        match text {
-            "auto" => Ok(Record::Auto),
-            "off" => Ok(Record::Off),
-            _ => number()
-                .map(Record::Within)
-                .ok_or_else(|| "give auto, off, or a range in mrad from 0.001 to 1000".into()),
-        }
-    }
-}
-
-impl fmt::Display for Record {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Record::Auto => f.write_str("auto"),
-            Record::Off => f.write_str("off"),
-            Record::Within(mrad) => write!(f, "{mrad}"),
-        }
-    }
-}
 
 /// Where the light of a cell goes that counts as retroreflected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,7 +69,7 @@ impl Plan {
             roughness: None,
             ..self.scene
         };
-        if smooth.no_planes().is_some() {
+        if no_planes(&smooth).is_some() {
             return Exits::Lobe(tolerance);
         }
         // A plate's mirrors are at right angles to it, too.
@@ -126,7 +89,7 @@ impl Plan {
         match (error, self.scene.roughness) {
             (None, _) => Exits::Lobe(tolerance),
             (Some(error), Some(roughness)) => {
-                Exits::Lobe(tolerance.min(turn(error) + roughness.reach_rad()))
+                Exits::Lobe(tolerance.min(turn(error) + reach_rad(&roughness)))
             }
             (Some(error), None) if error <= RIGHT => Exits::Straight,
             (Some(error), None) => Exits::Spots(tolerance.min(turn(error))),
@@ -165,16 +128,6 @@ fn pools(bins: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_asked_is_read_back() {
-        for record in [Record::Auto, Record::Off, Record::Within(2.5)] {
-            assert_eq!(record.to_string().parse(), Ok(record));
-        }
-        for bad in ["", "on", "0", "-1", "nan", "inf", "5000"] {
-            assert!(bad.parse::<Record>().is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn pools_divide_the_bins() {

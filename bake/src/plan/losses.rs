@@ -1,16 +1,7 @@
 //! What the options say of losses.
 
 use crate::optics::light::Surface;
-use crate::plan::plan::{Back, PlanError, Request, positive};
-
-/// What surfaces take from the light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Losses {
-    /// Nothing: mirrors reflect all, the front face lets all through.
-    None,
-    /// What Fresnel's equations say of the front face and of each facet, for unpolarised light.
-    Fresnel,
-}
+use crate::plan::plan::{Back, Losses, PlanError, Request, positive};
 
 /// What is behind the facets where their losses count.
 pub(crate) fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {

@@ -4,6 +4,7 @@ use crate::cell::bodies;
 use crate::cell::bodies::Whole;
 use crate::cell::symmetry;
 use crate::optics::light::Surface;
+use crate::optics::roughness;
 use crate::plan::directions::{angles, direction_tolerance, full_step, sector};
 use crate::plan::glass;
 use crate::plan::losses;
@@ -13,11 +14,9 @@ use std::num::NonZeroUsize;
 use tables::shards::MOST_SHARDS;
 use tables::{Axes, Symmetry};
 
-pub use crate::plan::deviations::Record;
 pub use crate::plan::error::PlanError;
-pub use crate::plan::losses::Losses;
 pub use crate::plan::request::Request;
-pub use crate::plan::scene::{Normals, SceneOptions};
+pub use tables::options::{Back, Losses, Method, NormalsFrom, Record, SceneOptions};
 
 /// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct points.
 pub const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
@@ -52,43 +51,6 @@ pub mod default {
     /// of N rays in all grows as R^(1/4): 1.6 times fewer rays reach it than with 16, at the price of a standard error
     /// of each eta that is good to 41 %.
     pub const RANDOMISATIONS_TO_TOLERANCE: u64 = 4;
-}
-
-/// How the distribution of shifts is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Method {
-    /// The exact method where the cell allows it, else rays.
-    Auto,
-    /// Sampled rays.
-    Rays,
-    /// Beams: no sampling, planar facets only.
-    Exact,
-}
-
-/// What facets are backed with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Back {
-    /// A mirror: reflects at every angle.
-    Mirror,
-    /// Nothing: reflects where reflection is total.
-    Tir,
-}
-
-impl Back {
-    /// The name in a table.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Back::Mirror => "mirror",
-            Back::Tir => "tir",
-        }
-    }
-
-    /// The back of a name in a table.
-    pub fn from_name(name: &str) -> Option<Back> {
-        [Back::Mirror, Back::Tir]
-            .into_iter()
-            .find(|back| back.name() == name)
-    }
 }
 
 /// How much work to do.
@@ -358,10 +320,9 @@ impl Plan {
             );
         }
         let tolerance_deg = self.angular_tolerance_deg;
-        let beyond = self
-            .scene
-            .roughness
-            .map_or(0.0, |rough| rough.part_beyond(tolerance_deg.to_radians()));
+        let beyond = self.scene.roughness.map_or(0.0, |rough| {
+            roughness::part_beyond(&rough, tolerance_deg.to_radians())
+        });
         if beyond > 0.01 {
             warnings.push(format!(
                 "--roughness turns about {:.0} % of what three facets send back by more than --angular-tolerance {tolerance_deg} \

@@ -254,7 +254,8 @@ impl Kernel {
             let outcome = trace(scene, &self.rules, &direction, point, luck);
             tally.count(&self.bins, &outcome);
             if let (Some(grid), Fate::Retroreflected) = (&self.exits, outcome.fate) {
-                let back = self.rules.element.straight_back(outcome.travel);
+                let back =
+                    crate::optics::element::straight_back(self.rules.element, outcome.travel);
                 let deviation = direction.deviation(back, self.rules.refractive_index);
                 tally.count_exit(&self.bins, grid, outcome.shift, deviation);
             }

@@ -68,7 +68,7 @@ impl Rules {
 pub struct Outcome {
     /// Its fate; a table calls it out_of_range instead where the shift lies outside the histogram.
     pub fate: Fate,
-    /// Shift p' - p on the plane of [`Element::plane`] in the incidence frame (u, v), edge lengths; zero unless retroreflected.
+    /// Shift p' - p on the plane of [`crate::optics::element::plane`] in the incidence frame (u, v), edge lengths; zero unless retroreflected.
     pub shift: DVec2,
     /// Reflections.
     pub bounces: u32,
@@ -91,9 +91,12 @@ fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
 /// All angles are those inside the cell. Light that a front face would reflect back inside counts as leaving.
 pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
     if bounces == 0 {
-        return rules.element.unmet();
+        return crate::optics::element::unmet(rules.element);
     }
-    let (ideal, tolerance_rad) = (rules.element.imaging(), rules.angular_tolerance_rad);
+    let (ideal, tolerance_rad) = (
+        crate::optics::element::imaging(rules.element),
+        rules.angular_tolerance_rad,
+    );
     if is_near(map, ideal, tolerance_rad) {
         return Fate::Retroreflected;
     }
@@ -187,9 +190,10 @@ impl Course {
 
     /// The fate of rays, launched along `travel`, that leave a sheet with bodies of glass.
     fn left_glass(&self, travel: DVec3, rules: &Rules) -> Fate {
-        let off = (self.direction - rules.element.imaging() * travel).length();
+        let off =
+            (self.direction - crate::optics::element::imaging(rules.element) * travel).length();
         match self.bounces {
-            0 if self.crossings == 0 => rules.element.unmet(),
+            0 if self.crossings == 0 => crate::optics::element::unmet(rules.element),
             _ if off <= 2.0 * libm::sin(rules.angular_tolerance_rad / 2.0) => Fate::Retroreflected,
             _ if self.direction.z < 0.0 => Fate::Transmitted,
             1 => Fate::LeftAfter1,
@@ -313,7 +317,7 @@ impl Path {
                     Some(roughness) if front && before.dot(normal) < 0.0 => {
                         let (stream, index) = &self.sample;
                         let at = stream.at_bounce(*index, self.course.bounces);
-                        roughness.normal(normal, before, at)
+                        crate::optics::roughness::normal(&roughness, normal, before, at)
                     }
                     _ => normal,
                 };
@@ -382,7 +386,7 @@ pub fn trace(
     };
     let mut shift = DVec2::ZERO;
     if fate == Fate::Retroreflected {
-        let plane = rules.element.plane(scene.height(), scene.bottom());
+        let plane = crate::optics::element::plane(rules.element, scene.height(), scene.bottom());
         let exit = path.course.at_height(plane, path.ray.origin) + scene.displacement(path.prism);
         let lead = direction.travel.truncate() * ((plane - scene.height()) / direction.travel.z);
         shift = direction.to_frame(exit - (point + lead));

@@ -1,29 +1,35 @@
 //! What a table says about where it comes from.
 
 use crate::optics::light::Surface;
-use crate::plan::plan::{Back, Effort, Plan, Shard};
+use crate::plan::plan::{Back, Effort, Losses, Method, Plan, Shard};
 use meshes::Cell;
 use num_complex::Complex64;
+use tables::options::{Sampler, Word};
 use tables::{Provenance, Shards};
 
 /// Where a table of `cell` baked by `method` comes from.
-pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> Provenance {
+pub fn provenance(
+    cell: &Cell,
+    plan: &Plan,
+    method: Method,
+    sampler: Option<Sampler>,
+) -> Provenance {
     Provenance {
-        generator: concat!("bake ", env!("CARGO_PKG_VERSION")).into(),
+        generator: tables::GENERATOR.into(),
         design: cell.design.clone(),
         mesh_hash: cell.mesh_hash.clone(),
         edge_length: cell.edge_length,
         edge_length_unit: "file unit".into(),
         azimuth_zero: cell.azimuth_zero.to_array(),
         refractive_index: plan.index_of(cell),
-        back: plan.back.name().into(),
-        losses: plan.losses.map_or("none", |_| "fresnel").into(),
+        back: plan.back.into(),
+        losses: plan.losses.map_or(Losses::None, |_| Losses::Fresnel).into(),
         reflectance: match plan.losses {
             Some(Surface::Mirror { reflectance }) => reflectance,
             _ => 1.0,
         },
-        method,
-        sampler,
+        method: method.into(),
+        sampler: sampler.map(Word::from),
         seed: plan.seed,
         angular_tolerance_deg: plan.angular_tolerance_deg,
         tolerance: match plan.effort {
@@ -49,7 +55,7 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
         },
         symmetry: plan.symmetry,
         direction_tolerance: plan.direction_tolerance,
-        options: plan.scene.to_string(),
+        options: plan.scene.into(),
     }
 }
 
@@ -59,16 +65,13 @@ pub fn provenance(cell: &Cell, plan: &Plan, method: String, sampler: String) -> 
 /// The table names losses or a back that this program does not know.
 pub fn losses_of(from: &Provenance) -> Result<Option<Surface>, Unknown> {
     let reflectance = from.reflectance;
-    match (from.losses.as_str(), Back::from_name(&from.back)) {
-        (_, None) => Err(Unknown),
-        ("none", _) => Ok(None),
-        ("fresnel", Some(Back::Tir)) => Ok(Some(Surface::Bare)),
-        ("fresnel", Some(Back::Mirror)) => Ok(Some(match from.metal_index {
-            Some([n, k]) => Surface::Metal(Complex64::new(n, k)),
-            None => Surface::Mirror { reflectance },
-        })),
-        _ => Err(Unknown),
-    }
+    let (losses, back) = from.losses.known().zip(from.back.known()).ok_or(Unknown)?;
+    Ok(match (losses, back, from.metal_index) {
+        (Losses::None, ..) => None,
+        (Losses::Fresnel, Back::Tir, _) => Some(Surface::Bare),
+        (Losses::Fresnel, Back::Mirror, Some([n, k])) => Some(Surface::Metal(Complex64::new(n, k))),
+        (Losses::Fresnel, Back::Mirror, None) => Some(Surface::Mirror { reflectance }),
+    })
 }
 
 /// Losses of a later version.

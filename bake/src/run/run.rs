@@ -137,7 +137,7 @@ pub fn bake_from(
 /// # Errors
 /// [`ExactError`]: why it does not.
 pub fn prepared(cell: &Cell, plan: &Plan) -> Result<ExactCell, ExactError> {
-    match plan.scene.no_planes() {
+    match crate::plan::scene::no_planes(&plan.scene) {
         Some(option) => Err(ExactError::NoPlanes { option }),
         None if plan.is_azimuth_mean() && plan.deviations(cell).is_some() => {
             Err(ExactError::MeanDeviates)
@@ -196,8 +196,8 @@ pub(crate) fn beams(
                 deviations: Record::Auto,
                 ..plan.scene
             }
-            .to_string(),
-            ..provenance(cell, plan, "exact".into(), "none".into())
+            .into(),
+            ..provenance(cell, plan, Method::Exact, None)
         },
     })
 }

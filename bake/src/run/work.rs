@@ -1,7 +1,7 @@
 //! Rays under way: runs over all threads, steps between two saves, rounds towards a tolerance. Integer sums, so that
 //! neither threads nor ranks show in them.
 
-use crate::plan::plan::{Plan, RAYS_PER_RANDOMISATION, Shard};
+use crate::plan::plan::{Method, Plan, RAYS_PER_RANDOMISATION, Shard};
 use crate::rays::kernel::Kernel;
 use crate::rays::lanes;
 use crate::rays::path::Rules;
@@ -172,8 +172,8 @@ impl Work<'_> {
                 .zip(from)
                 .for_each(|(count, sum)| *count = sum);
         }
-        let sampler = self.plan.sampler.name().into();
-        let provenance = provenance(self.cell, self.plan, "rays".into(), sampler);
+        let sampler = Some(self.plan.sampler);
+        let provenance = provenance(self.cell, self.plan, Method::Rays, sampler);
         let entries = |bundle: &Bundle| bundle.sums().deviations.clone();
         Table {
             deviations: self.exits.map(|grid| Deviations {
@@ -214,7 +214,7 @@ impl Rounds<'_, '_> {
                 let grid = table.deviations.as_ref().map(|found| found.grid);
                 (table.counts.as_ref().map(|counts| counts.dim()), grid)
             };
-            let same = saved.provenance == fresh.provenance
+            let same = saved.provenance.is_of_the_bake(&fresh.provenance)
                 && saved.axes == fresh.axes
                 && shape(&saved) == shape(&fresh);
             if !same {

@@ -8,24 +8,7 @@
 //!   and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points from a multiple of 2^k on are a
 //!   (0, k, 2)-net in the first two dimensions.
 
-/// How the points of a stream are spread.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampler {
-    /// Independent points.
-    Random,
-    /// Owen-scrambled Sobol points.
-    Sobol,
-}
-
-impl Sampler {
-    /// The name in a table and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Sampler::Random => "random",
-            Sampler::Sobol => "sobol",
-        }
-    }
-}
+pub use tables::options::Sampler;
 
 /// One independent randomisation of the samples of one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

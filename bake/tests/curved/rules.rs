@@ -6,7 +6,7 @@ use bake::cell::bodies;
 use bake::cell::bodies::Whole;
 use bake::cell::symmetry;
 use bake::optics::ray::Direction;
-use bake::plan::plan::{Method, Plan, Request, SceneOptions};
+use bake::plan::plan::{Method, Plan, Request};
 use bake::rays::kernel::Kernel;
 use bake::rays::path::{Outcome, trace};
 use bake::rays::scene::{Event, Index, Scene};
@@ -232,7 +232,9 @@ fn plan(method: Method, threads: usize) -> Plan {
         azimuth: "30".into(),
         method,
         rays: Some(60_000),
-        scene: SceneOptions::read("--normals file").expect("an option"),
+        scene: tables::options::StatedOptions::from("--normals file")
+            .known()
+            .expect("an option"),
         ..Request::default()
     })
     .expect("a plan");
@@ -246,7 +248,7 @@ fn tables_do_not_depend_on_threads_or_the_way_of_tracing() {
     let bake = |threads, tracer| {
         let table =
             run::rays_by(tracer, &cell, &plan(Method::Rays, threads), &|_| ()).expect("a table");
-        assert_eq!(table.provenance.options, "--normals file");
+        assert_eq!(table.provenance.options.text(), "--normals file");
         table.content_hash()
     };
     let one = bake(1, Tracer::Fastest);
@@ -286,7 +288,7 @@ fn methods_for_planes_are_refused() {
         "{error}"
     );
     let table = run::bake(&curved, &plan(Method::Auto, 1), &|_| ()).expect("rays");
-    assert_eq!(table.provenance.method, "rays");
+    assert_eq!(table.provenance.method.text(), "rays");
     assert_eq!(bodies::kinds(&curved).err(), Some(Whole::Curved));
     assert_eq!(symmetry::of(&curved), Symmetry::NONE);
 }

@@ -3,7 +3,7 @@
 //! 2 theta - 4 theta' from straight back, away from the axis where positive, on a line that is b off the centre too.
 
 use bake::optics::ray::Direction;
-use bake::plan::plan::{Normals, Plan, Request, SceneOptions};
+use bake::plan::plan::{NormalsFrom, Plan, Request, SceneOptions};
 use bake::rays::path::{Rules, trace};
 use bake::rays::scene::{Index, Scene};
 use bake::run::run;
@@ -124,7 +124,7 @@ fn shares_are_those_of_rings() {
             rays: Some(rays),
             angular_tolerance_deg: tolerance_deg,
             scene: SceneOptions {
-                normals: Normals::File,
+                normals: NormalsFrom::File,
                 glass_index: Some(index),
                 ..SceneOptions::default()
             },

@@ -143,7 +143,7 @@ fn exact_and_rays_agree_within_counting_error() {
                     ..request
                 },
             );
-            assert_eq!(exact.provenance.method, "exact", "{name}");
+            assert_eq!(exact.provenance.method.text(), "exact", "{name}");
             assert_eq!(tables::check::check(&exact), Ok(()), "{name}");
             let (counts, fates) = (traced.counts.unwrap(), traced.fate_counts.unwrap());
             for ((i, a), &rays) in traced.rays.indexed_iter() {

@@ -325,6 +325,6 @@ fn photons_agree_with_beams() {
         assert_eq!(one.content_hash(), two.content_hash(), "threads");
         assert_eq!(one.provenance.metal_index, Some([0.967, 6.462]));
         assert_eq!(one.provenance.wavelength_nm, Some(550.0));
-        assert_eq!(one.provenance.losses, "fresnel");
+        assert_eq!(one.provenance.losses.text(), "fresnel");
     }
 }

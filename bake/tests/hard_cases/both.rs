@@ -112,7 +112,7 @@ impl Both {
 
 /// No NaN, nothing negative, fates sum to 1, histograms to 1 or, where nothing returns, to 0.
 pub fn sound(table: &Table, name: &str) {
-    let (method, axes) = (&table.provenance.method, &table.axes);
+    let (method, axes) = (table.provenance.method.text(), &table.axes);
     for ((i, a), eta) in table.retroreflected.indexed_iter() {
         let place = format!(
             "{name}, {method}, {} deg, azimuth {}",

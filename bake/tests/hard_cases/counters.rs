@@ -126,7 +126,7 @@ fn more_than_2_to_the_34_rays() {
     let fates = Array4::from_shape_vec((1, 1, 2, Fate::ALL.len()), fates).expect("its shape");
     let large = |seed| {
         let mut provenance = small.provenance.clone();
-        (provenance.sampler, provenance.seed) = ("sobol".into(), seed);
+        (provenance.sampler, provenance.seed) = (Some(Sampler::Sobol.into()), seed);
         Table::from_counts(
             small.axes.clone(),
             counts.clone(),

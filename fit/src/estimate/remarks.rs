@@ -1,6 +1,7 @@
 //! What a user should know of the table that a campaign is fitted with.
 
 use tables::Table;
+use tables::options::Element;
 
 use crate::photographs::captures::Campaign;
 
@@ -42,7 +43,7 @@ pub fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
             "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
         ));
     }
-    if table.provenance.element() == "plate" {
+    if table.provenance.element() == Element::Plate {
         warnings.push(
             "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating distances count from its \
              middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no half mirror"

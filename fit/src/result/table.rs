@@ -40,16 +40,6 @@ fn none() -> String {
     "none".into()
 }
 
-/// The options of a table but for `--deviations`, which says how its light is recorded, not where it goes.
-fn of_the_cell(options: &str) -> String {
-    let words: Vec<&str> = options.split_whitespace().collect();
-    let kept = (0..words.len()).filter(|&k| {
-        let of_it = k > 0 && words[k - 1] == "--deviations";
-        !of_it && words[k] != "--deviations"
-    });
-    kept.map(|k| words[k]).collect::<Vec<_>>().join(" ")
-}
-
 impl TableResult {
     /// What a result keeps of the table that it was fitted with.
     pub fn of(table: &tables::Table) -> TableResult {
@@ -62,9 +52,9 @@ impl TableResult {
                 edge_length: from.edge_length,
                 azimuth_zero: from.azimuth_zero,
                 refractive_index: from.refractive_index,
-                back: from.back.clone(),
+                back: from.back.to_string(),
                 losses: from.losses_text(),
-                options: of_the_cell(&from.options),
+                options: from.options.of_the_cell(),
             }),
         }
     }
@@ -95,6 +85,7 @@ impl CellResult {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tables::options::StatedOptions;
 
     fn of(content_hash: &str, options: &str) -> TableResult {
         TableResult {
@@ -107,7 +98,7 @@ mod tests {
                 refractive_index: 1.5,
                 back: "mirror".into(),
                 losses: "none".into(),
-                options: of_the_cell(options),
+                options: StatedOptions::from(options).of_the_cell(),
             }),
         }
     }

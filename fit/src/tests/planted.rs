@@ -12,6 +12,7 @@ use crate::simulate::params::{
     ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
 };
 use ndarray::{Array2, Array3, Array4};
+use tables::options::{Back, Losses, Method, StatedOptions};
 use tables::{Axes, Exact, Path, Provenance, Table};
 
 /// A splitmix64 stream in [0, 1): reproducible parameters for planted campaigns.
@@ -94,11 +95,11 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
             edge_length_unit: "file unit".into(),
             azimuth_zero: [1.0, 0.0, 0.0],
             refractive_index: truth.ior,
-            back: "mirror".into(),
-            losses: "none".into(),
+            back: Back::Mirror.into(),
+            losses: Losses::None.into(),
             reflectance: 1.0,
-            method: "exact".into(),
-            sampler: "none".into(),
+            method: Method::Exact.into(),
+            sampler: None,
             seed: 0,
             angular_tolerance_deg: 0.5,
             tolerance: 0.0,
@@ -108,7 +109,7 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
             shards: None,
             symmetry: tables::Symmetry::NONE,
             direction_tolerance: None,
-            options: String::new(),
+            options: StatedOptions::none(),
         },
     }
 }

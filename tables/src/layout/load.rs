@@ -12,8 +12,10 @@ use super::{Variable, attribute, deviations, polygons};
 use crate::check;
 use crate::error::Error;
 use crate::ledger::Ledger;
+use crate::options::{StatedOptions, Word};
+use crate::provenance::{self, Provenance};
 use crate::symmetry::Symmetry;
-use crate::table::{Axes, Fate, Provenance, Table};
+use crate::table::{Axes, Fate, Table};
 
 /// Rounding that another writer may have in scales and derived datasets.
 pub(super) const ROUNDING: f64 = 1e-12;
@@ -185,11 +187,11 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
         edge_length_unit: root.text(attribute::EDGE_LENGTH_UNIT)?,
         azimuth_zero: root.numbers(attribute::AZIMUTH_ZERO)?,
         refractive_index: root.number(attribute::REFRACTIVE_INDEX)?,
-        back: root.text(attribute::BACK)?,
-        losses: root.text(attribute::LOSSES)?,
+        back: Word::read(root.text(attribute::BACK)?),
+        losses: Word::read(root.text(attribute::LOSSES)?),
         reflectance: root.number(attribute::REFLECTANCE)?,
-        method: root.text(attribute::METHOD)?,
-        sampler: root.text(attribute::SAMPLER)?,
+        method: Word::read(root.text(attribute::METHOD)?),
+        sampler: provenance::sampler(root.text(attribute::SAMPLER)?),
         seed: root.integer(attribute::SEED)?,
         angular_tolerance_deg: root.number(attribute::ANGULAR_TOLERANCE_DEG)?,
         tolerance: root.number(attribute::TOLERANCE)?,
@@ -208,8 +210,8 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
         symmetry,
         direction_tolerance,
         options: match has(attribute::OPTIONS) {
-            true => root.text(attribute::OPTIONS)?,
-            false => String::new(),
+            true => root.text(attribute::OPTIONS)?.as_str().into(),
+            false => StatedOptions::none(),
         },
     })
 }

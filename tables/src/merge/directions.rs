@@ -4,7 +4,8 @@ use ndarray::{Array2, Array3, Array4, Array5, s};
 
 use super::Mismatch;
 use crate::deviation::Deviations;
-use crate::table::{Axes, Exact, Fate, Provenance, Table};
+use crate::provenance::Provenance;
+use crate::table::{Axes, Exact, Fate, Table};
 
 /// The axes that hold every incidence and every azimuth of the tables, which share bins and range.
 pub fn union(tables: &[Table]) -> Axes {

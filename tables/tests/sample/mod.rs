@@ -4,6 +4,7 @@
 
 use ndarray::{Array2, Array3, Array4, Array5};
 use tables::deviation::{Deviations, Grid, counted};
+use tables::options::{Back, Losses, Method, Sampler, StatedOptions};
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
 /// A generator of reproducible numbers (splitmix64).
@@ -36,11 +37,11 @@ pub fn provenance() -> Provenance {
         edge_length_unit: "mm".to_owned(),
         azimuth_zero: [1.0, -0.5, 0.25],
         refractive_index: 1.49,
-        back: "mirror".to_owned(),
-        losses: "none".to_owned(),
+        back: Back::Mirror.into(),
+        losses: Losses::None.into(),
         reflectance: 1.0,
-        method: "rays".to_owned(),
-        sampler: "sobol".to_owned(),
+        method: Method::Rays.into(),
+        sampler: Some(Sampler::Sobol.into()),
         seed: 7,
         angular_tolerance_deg: 0.5,
         tolerance: 0.0,
@@ -50,7 +51,7 @@ pub fn provenance() -> Provenance {
         shards: None,
         symmetry: tables::Symmetry::NONE,
         direction_tolerance: None,
-        options: String::new(),
+        options: StatedOptions::none(),
     }
 }
 
@@ -157,7 +158,7 @@ pub fn exact() -> Table {
     let axes = axes();
     let ((i, j), b) = (axes.shape(), axes.bins);
     let mut provenance = provenance();
-    (provenance.method, provenance.sampler) = ("exact".to_owned(), "none".to_owned());
+    (provenance.method, provenance.sampler) = (Method::Exact.into(), None);
     let mut numbers = Numbers(3);
     let mut paths = Vec::new();
     let mut eta = Array2::zeros((i, j));

@@ -1,0 +1,109 @@
+//! Lists of numbers as a user types them: `0,5,10`, or `start:stop:step` with both ends.
+
+/// Most numbers in a list.
+pub const LONGEST_LIST: usize = 100_000;
+
+/// Why a text is no list of numbers.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ListError {
+    /// A part that is no finite number.
+    #[error("\"{0}\" is not a number; write 0,5,10 or start:stop:step")]
+    Number(String),
+    /// More or fewer than the three parts of a range.
+    #[error("a range has three parts, start:stop:step")]
+    Parts,
+    /// A range without numbers, or with too many.
+    #[error("a range needs stop >= start and a step > 0 (at most {LONGEST_LIST} values)")]
+    Range,
+}
+
+/// Reads `0,5,10` or `start:stop:step`, in the order that was typed.
+///
+/// The stop belongs to the range when a whole number of steps leads there. Whether one does is decided within the rounding of
+/// the three numbers, so that `0:0.3:0.1` has four values and `0:10:3.3334`, which would end beyond 10, has three.
+///
+/// # Errors
+/// Which part is wrong, as a sentence.
+pub fn list(text: &str) -> Result<Vec<f64>, ListError> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(ListError::Number(part.trim().to_owned())),
+    };
+    if !text.contains(':') {
+        return text.split(',').map(number).collect();
+    }
+    let parts: Vec<f64> = text.split(':').map(number).collect::<Result<_, _>>()?;
+    let [start, stop, step] = parts[..] else {
+        return Err(ListError::Parts);
+    };
+    let count = (stop - start) / step;
+    // Each typed number is off by half a unit in the last place, each operation adds half a unit of its result. The
+    // numerator is so off by at most eps/2 (|start| + |stop| + |stop - start|), the quotient by that over the step and by
+    // eps of itself. The sum below is twice this.
+    let rounding = f64::EPSILON * ((start.abs() + stop.abs()) / step + 3.0 * count);
+    let steps = (count + rounding).floor();
+    if !(step > 0.0 && (0.0..LONGEST_LIST as f64).contains(&steps)) {
+        return Err(ListError::Range);
+    }
+    Ok((0..=steps as u32)
+        .map(|i| start + f64::from(i) * step)
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_of_a_range_belong_to_it() {
+        let cases = [
+            ("0:45:5", 10),
+            ("0:0.3:0.1", 4),
+            ("0.1:0.7:0.1", 7),
+            ("-0.3:0.3:0.1", 7),
+            ("0:1:0.001", 1001),
+            ("1000000.1:1000000.7:0.1", 7),
+            ("5:5:1", 1),
+            ("0:10:3.3333", 4),
+            // A whole number of these steps would end beyond 10.
+            ("0:10:3.3334", 3),
+            ("0:9.9999:1", 10),
+            ("0:0.99999999:0.1", 10),
+        ];
+        for (text, count) in cases {
+            assert_eq!(list(text).map(|found| found.len()), Ok(count), "{text}");
+        }
+        // Every decimal step that divides its range, typed as people type it.
+        let mut tried = 0;
+        for digits in 0..6_i32 {
+            for steps in [1_u32, 3, 7, 10, 99, 1000] {
+                for mantissa in [1_u32, 2, 3, 7, 9] {
+                    let step = f64::from(mantissa) * 10_f64.powi(-digits);
+                    let stop = format!(
+                        "{:.*}",
+                        digits as usize,
+                        f64::from(mantissa * steps) * 10_f64.powi(-digits)
+                    );
+                    let text = format!("0:{stop}:{:.*}", digits as usize, step);
+                    assert_eq!(list(&text).unwrap().len(), steps as usize + 1, "{text}");
+                    tried += 1;
+                }
+            }
+        }
+        assert_eq!(tried, 180);
+    }
+
+    #[test]
+    fn what_is_no_list_says_why() {
+        let part = |text: &str| Err(ListError::Number(text.into()));
+        assert_eq!(list("30, 0,15"), Ok(vec![30.0, 0.0, 15.0]));
+        assert_eq!(list("1,,2"), part(""));
+        assert_eq!(list("1,inf"), part("inf"));
+        assert_eq!(list("0:x:1"), part("x"));
+        assert_eq!(list("0:1"), Err(ListError::Parts));
+        assert_eq!(list("0:1:0"), Err(ListError::Range));
+        assert_eq!(list("1:0:1"), Err(ListError::Range));
+        assert_eq!(list("0:1:-1"), Err(ListError::Range));
+        assert_eq!(list("0:1e9:1"), Err(ListError::Range));
+    }
+}
