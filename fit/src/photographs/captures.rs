@@ -77,6 +77,22 @@ pub struct Shot {
 }
 
 impl Shot {
+    /// A photograph that is in no manifest: whoever hands out the photographs knows it by this name.
+    pub fn named(name: impl Into<PathBuf>, exposure: f64) -> Shot {
+        let name = name.into();
+        Shot {
+            place: FileLine {
+                file: name.clone(),
+                line: 0,
+            },
+            image: name,
+            exposure,
+            roi: None,
+            accepted: Vec::new(),
+            decode: Decode::default(),
+        }
+    }
+
     /// Reads the photograph and checks that the region lies in it.
     ///
     /// # Errors

@@ -143,15 +143,8 @@ pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
     let shot = |index: Option<usize>, exposure: f64| captures::Shot {
-        image: name(index),
-        exposure,
-        roi: None,
         accepted: accepted.to_vec(),
-        decode: Decode::default(),
-        place: FileLine {
-            file: "simulated".into(),
-            line: 0,
-        },
+        ..captures::Shot::named(name(index), exposure)
     };
     let camera = &params.camera;
     Campaign {

@@ -23,7 +23,9 @@ use crate::output::OutputError;
 #[non_exhaustive]
 pub enum Error {
     /// Standard output is full or gone. A closed pipe is no error: its reader has seen enough.
-    #[error("standard output cannot be written ({0}); check the pipe, free some space, or use -o where the verb has it")]
+    #[error(
+        "standard output cannot be written ({0}); check the pipe, free some space, or use -o where the verb has it"
+    )]
     Stdout(std::io::Error),
     /// A file cannot be reserved or written.
     #[error(transparent)]
