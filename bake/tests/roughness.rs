@@ -287,7 +287,7 @@ fn every_ray_has_a_fate_however_rough() {
     for slopes in KINDS {
         for alpha in [1e-3, 0.1, 1.0] {
             let table = bake(request("0,45,89.9", rough(slopes, alpha), 1 << 14));
-            assert_eq!(tables::check::check(&table), Ok(()), "{slopes:?} {alpha}");
+            assert_eq!(tables::check(&table), Ok(()), "{slopes:?} {alpha}");
             for ((i, a), &rays) in table.rays.indexed_iter() {
                 let all: f64 = (0..Fate::ALL.len())
                     .map(|fate| table.fate[[i, a, fate]])

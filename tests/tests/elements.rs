@@ -1,6 +1,6 @@
 //! Elements that are no corner cubes, from outside.
 
-use fit::model::shift::ShiftLine;
+use tables::ShiftLine;
 use tests::files::argument;
 use tests::program::bake;
 

@@ -10,7 +10,9 @@ const ORDER: [(&str, &[&str]); 4] = [
     ("meshes", &["files", "cell", "design"]),
     (
         "tables",
-        &["table", "otf", "lookup", "merge", "file", "apart", "cli"],
+        &[
+            "options", "table", "error", "lookup", "otf", "merge", "file", "cli",
+        ],
     ),
     (
         "bake",

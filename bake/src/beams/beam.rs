@@ -5,7 +5,7 @@
 //! changes no area and the parts of a beam sum to it.
 
 use glam::{DMat2, DVec2, DVec3};
-use tables::table::Fate;
+use tables::Fate;
 
 use crate::beams::candidate::Candidate;
 use crate::beams::parts::{bounds_of_all, total_area, without};
@@ -35,7 +35,7 @@ pub(crate) struct Piece {
     pub offset: DVec2,
     /// Part of its power that comes back.
     pub weight: f64,
-    /// As in [`tables::table::Path`].
+    /// As in [`tables::Path`].
     pub deviation: DVec2,
 }
 

@@ -20,7 +20,7 @@ use glam::{DMat2, DVec2};
 use meshes::cell::Cell;
 use ndarray::{Array2, Array3, Array4};
 use rayon::prelude::*;
-use tables::table::{Axes, Exact, Fate, Path};
+use tables::{Axes, Exact, Fate, Path};
 
 use crate::beams::body::Body;
 pub use crate::beams::mean::MEAN_ERROR;
@@ -220,7 +220,7 @@ pub fn spread(paths: &[Path], entrance_area: f64, bins: usize, range: f64) -> (V
     (filled.mass, filled.out_of_range)
 }
 
-/// The arrays of an exact table, as [`tables::table::Table`] names them.
+/// The arrays of an exact table, as [`tables::Table`] names them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Baked {
     /// Conditional probability `[incidence, azimuth, v, u]`.

@@ -5,7 +5,7 @@
 //! is brought to the period that holds its map's fixed point (the cube's own centre), where they meet.
 
 use glam::DVec2;
-use tables::table::Path;
+use tables::Path;
 
 use crate::beams::beam::Piece;
 use crate::beams::view::View;

@@ -140,7 +140,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     if let Some(shards) = &merged.provenance.shards {
         warn(&[format!(
             "shards {} of {} are missing: the table holds the rays of the others",
-            tables::shards::ranges(&shards.missing()),
+            shards.missing_text(),
             shards.of
         )]);
     }

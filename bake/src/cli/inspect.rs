@@ -3,8 +3,8 @@
 use crate::cli::report::{directions_json, directions_text};
 use serde_json::json;
 use std::fmt::Write;
+use tables::Exact;
 use tables::deviation::Grid;
-use tables::table::Exact;
 use tables::{Symmetry, Table};
 
 /// For a person.

@@ -2,7 +2,7 @@
 
 use crate::optics::material::MaterialError;
 use crate::plan::plan::DIRECTIONS_LIMIT;
-use tables::shards::MOST_SHARDS;
+use tables::MOST_SHARDS;
 use thiserror::Error;
 
 /// Why a request is not a plan. Each names the option, what was given and what to give instead.

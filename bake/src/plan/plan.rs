@@ -11,7 +11,7 @@ use crate::plan::losses;
 use crate::rays::path::Rules;
 use crate::samples::sequence::Sampler;
 use std::num::NonZeroUsize;
-use tables::shards::MOST_SHARDS;
+use tables::MOST_SHARDS;
 use tables::{Axes, Symmetry};
 
 pub use crate::plan::error::PlanError;

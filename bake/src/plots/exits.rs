@@ -4,7 +4,7 @@ use crate::plots::plot::{PlotError, Shape, figure};
 use kuva::plot::Heatmap;
 use kuva::render::plots::Plot;
 use std::path::Path;
-use tables::{Table, polygon};
+use tables::Table;
 
 /// Cells of a panel along each axis; odd, so that straight back is in the middle of one.
 const CELLS: usize = 41;
@@ -71,7 +71,7 @@ fn spots(table: &Table, direction: usize) -> Vec<Spot> {
     let paths = exact.flat_map(|exact| {
         let paths = exact.paths.get(direction).into_iter().flatten();
         paths.map(|path| {
-            let power = path.weight * polygon::area(&path.polygon) / exact.entrance_area;
+            let power = path.weight * path.area() / exact.entrance_area;
             (path.deviation, power)
         })
     });

@@ -13,7 +13,7 @@ use crate::run::run::RunError;
 use crate::samples::sequence::{Sampler, Stream};
 use meshes::Cell;
 use rayon::prelude::*;
-use tables::table::Fate;
+use tables::Fate;
 use tables::{Axes, Table};
 
 /// Part of the tolerance that is aimed at, since some directions are tried for all.

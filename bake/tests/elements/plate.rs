@@ -103,7 +103,7 @@ fn exact_tables_are_the_unfolded_slits() {
             let expected = [x, y.map(|end| end + lead)];
             let mut area = 0.0;
             for path in &exact.paths[direction] {
-                area += tables::polygon::area(&path.polygon);
+                area += path.area();
                 let [[uu, uv], [vu, vv]] = path.matrix;
                 assert!(
                     (uu + 2.0).abs() < 1e-13 && (vv + 2.0).abs() < 1e-13,

@@ -144,7 +144,7 @@ fn exact_and_rays_agree_within_counting_error() {
                 },
             );
             assert_eq!(exact.provenance.method.text(), "exact", "{name}");
-            assert_eq!(tables::check::check(&exact), Ok(()), "{name}");
+            assert_eq!(tables::check(&exact), Ok(()), "{name}");
             let (counts, fates) = (traced.counts.unwrap(), traced.fate_counts.unwrap());
             for ((i, a), &rays) in traced.rays.indexed_iter() {
                 let rays = rays as f64;

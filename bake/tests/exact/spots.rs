@@ -10,7 +10,7 @@ use bake::rays::scene::{Index, Scene};
 use glam::{DVec2, DVec3};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, normalise};
-use tables::table::Path;
+use tables::Path;
 
 use crate::cells::{Draw, rules};
 
