@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo table1 test test-full test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
+.PHONY: all build install demo table1 test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -67,7 +67,7 @@ test: fmt lint doc python
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel
+test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
@@ -77,11 +77,16 @@ test-mpi: rust tools
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --locked
 	@$(CARGO) test -p bake --features mpi --lib --locked -- ranks
 
+# The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes, then its verbs.
+test-lean: rust tools
+	@echo "== the lean fitter" >&2
+	@$(CARGO) test --workspace --test lean --locked -- --include-ignored --nocapture
+
 # The optional feature of camera raw, which brings a crate under another licence.
 test-raw: rust tools
 	@echo "== camera raw" >&2
 	@$(CARGO) clippy -p fit --features raw --all-targets --locked -- -D warnings
-	@$(CARGO) test -p fit --features raw --test raw --test photographs --locked
+	@$(CARGO) test -p fit --features raw --lib --locked -- tests::raw tests::photographs
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what it takes); MITSUBA_PYTHON: an
 # interpreter that has mitsuba and h5py; ROUNDS: how often both are timed, in turns.
@@ -126,6 +131,7 @@ fmt: rust
 lint: rust tools
 	@echo "== lints" >&2
 	@$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
+	@$(CARGO) clippy -p fit --no-default-features --locked -- -D warnings
 
 doc: tools
 	@echo "== documentation" >&2

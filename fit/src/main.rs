@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    fit::cli::cli::main()
+    fit::cli::verbs::main()
 }

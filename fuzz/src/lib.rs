@@ -48,8 +48,9 @@ pub fn table(bytes: &[u8]) {
 /// A photograph of any format: what it holds decides, not its name.
 pub fn photograph(bytes: &[u8]) {
     let path = file("photograph", bytes);
-    let _ = fit::photographs::photo::load(&path, &fit::photographs::photo::Decode::default());
-    let _ = fit::photographs::photo::Settings::of(&path);
+    let _ =
+        fit::photographs::photo::load(&path, &fit::photographs::photo::channel::Decode::default());
+    let _ = fit::photographs::photo::settings::Settings::of(&path);
 }
 
 /// A manifest of captures, ranges of a study and parameters of a simulation.
@@ -57,5 +58,5 @@ pub fn toml(bytes: &[u8]) {
     let path = file("fuzzed.toml", bytes);
     let _ = fit::photographs::captures::load(&path);
     let _ = fit::study::ranges::Ranges::load(&path);
-    let _ = fit::simulate::photograph::Params::load(&path);
+    let _ = fit::simulate::params::Params::load(&path);
 }

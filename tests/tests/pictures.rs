@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use fit::photographs::photo::{Picture, Transfer, Writing, load_colour};
+use fit::photographs::photo::load_colour;
+use fit::photographs::photo::picture::{Picture, Writing};
+use fit::photographs::photo::transfer::Transfer;
 use image::{ImageBuffer, Luma, Rgb};
 use serde_json::Value;
 use tests::estimate::json;

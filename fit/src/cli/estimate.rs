@@ -8,29 +8,29 @@ use std::time::Instant;
 
 use tables::{Outputs, Table};
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
-use crate::cli::terms;
 use crate::cli::terms::Terms;
-use crate::compare::view::Weights;
-use crate::estimate::azimuth;
-use crate::estimate::azimuth::Azimuth;
-use crate::estimate::bound::{absent, bounds};
-use crate::estimate::estimate;
-use crate::estimate::estimate::{Value, refined};
-use crate::estimate::forward;
+use crate::estimate::bound::Bound;
+use crate::estimate::campaign::{Estimated, Options, campaign};
+use crate::estimate::error;
 use crate::estimate::forward::Forward;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::scene::Scene;
-use crate::estimate::select::{Candidates, Selection, select};
-use crate::model::kernel::Family;
-use crate::numerics::solve::Stop;
+use crate::estimate::loss::Kind;
+use crate::estimate::watch::Watch;
+use crate::names::kernel::Family;
+use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::names::spectrum::Spectrum;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Spectrum};
-use crate::photographs::photo::Channel;
-use crate::report::page::{Evidence, Page};
+use crate::photographs::captures::{Campaign, Shot};
+use crate::photographs::photo::channel::Channel;
+#[cfg(feature = "report")]
+use crate::report::page::evidence::Evidence;
+#[cfg(feature = "report")]
+use crate::report::page::shown::Page;
+#[cfg(feature = "report")]
 use crate::report::plot;
 use crate::result::report::{Number, Parameter, ResultFile, TableResult};
 use crate::simulate::truth::Truth;
@@ -86,9 +86,11 @@ pub struct Arguments {
     #[arg(long, value_name = "TRUTH.json")]
     pub truth: Option<PathBuf>,
     /// Measured and modelled MTF curves as a picture, .svg or .png
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// A page for a person, in one file: estimates with intervals, curves, the choice of terms, warnings with pictures
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<PathBuf>,
     /// Colour channel of all photographs, whatever the manifest says: luminance, red, green, blue, a channel's name, or each:
@@ -114,19 +116,38 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     }))
 }
 
+/// The options of the estimate as the command line has them. Ends the program with a usage error where they exclude each other.
+fn options(arguments: &Arguments) -> Options {
+    let mut options = Options::new(arguments.terms.candidates("fit estimate"));
+    if arguments.forward == Forward::Render {
+        sampled::only(&mut options.candidates, arguments.loss, "fit estimate");
+        options.samples = Some(arguments.samples.sampling());
+    }
+    options.loss = arguments.loss;
+    options.fit_azimuth = arguments.fit_azimuth;
+    options.spectrum = arguments.wavelength_nm.clone();
+    if let Some(Channels(channels)) = &arguments.channel
+        && let [one] = &channels[..]
+    {
+        options.channel = Some(one.clone());
+    }
+    options
+}
+
+/// Channels that are fitted one by one, if there are several.
+fn several(arguments: &Arguments) -> Option<&[Channel]> {
+    let Channels(channels) = arguments.channel.as_ref()?;
+    (channels.len() > 1).then_some(channels)
+}
+
 /// Runs the verb.
 ///
 /// # Errors
 /// Manifest, photographs, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut candidates = arguments.terms.candidates("fit estimate");
-    if arguments.forward == Forward::Render {
-        sampled::only(&mut candidates, arguments.loss, "fit estimate");
-    }
-    let several = |Channels(list): &Channels| list.len() > 1;
-    if arguments.channel.as_ref().is_some_and(several)
-        && (arguments.plot.is_some() || arguments.report.is_some())
-    {
+    let options = options(arguments);
+    #[cfg(feature = "report")]
+    if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
         clap::Command::new("fit estimate")
             .error(
                 clap::error::ErrorKind::ArgumentConflict,
@@ -135,225 +156,196 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let start = Instant::now();
-    let mut campaign = captures::load(&arguments.captures)?;
-    if let Some(spectrum) = &arguments.wavelength_nm {
-        campaign.setup.spectrum = Some(spectrum.clone());
-    }
-    if arguments.fit_azimuth {
-        for capture in &mut campaign.captures {
-            capture.azimuth_deg.get_or_insert(0.0);
-        }
-    }
-    let shots = campaign
-        .reference
-        .iter()
-        .chain(campaign.captures.iter().map(|capture| &capture.shot));
-    let named = [arguments.captures.as_path(), &arguments.table];
-    let inputs = named
-        .into_iter()
-        .chain(arguments.truth.as_deref())
-        .chain(shots.map(|shot| shot.image.as_path()));
-    let mut outputs = Outputs::beside(inputs);
-    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
-    let page = cli::reserve(arguments.report.as_deref(), &mut outputs)?;
+    let campaign = captures::load(&arguments.captures)?;
+    let mut outputs = Outputs::beside(inputs(arguments, &campaign));
+    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
+    let page = output::reserve(arguments.report.as_deref(), &mut outputs)?;
     let truth: Option<Truth> = arguments
         .truth
         .as_deref()
-        .map(|path| cli::read_json(path, "holds a planted answer"))
+        .map(|path| parse::read_json(path, "holds a planted answer"))
         .transpose()?;
-    let pool = cli::pool(arguments.threads)?;
-    if let Some(Channels(channels)) = &arguments.channel {
-        if let [one] = &channels[..] {
-            campaign = campaign.in_channel(one);
-        } else {
-            let results =
-                pool.install(|| each_channel(arguments, &candidates, &campaign, channels))?;
-            let json = cli::json(&results);
-            if let Some(output) = output {
-                output.commit(json.as_bytes())?;
-            }
-            let tables = results
-                .iter()
-                .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
-            return cli::print(&if arguments.json {
-                json
-            } else {
-                tables.collect::<Vec<_>>().join("\n")
-            });
+    let pool = parse::pool(arguments.threads)?;
+    let table = pool.install(|| tables::read(&arguments.table))?;
+    let job = Job {
+        arguments,
+        campaign: &campaign,
+        table: &table,
+    };
+    if let Some(channels) = several(arguments) {
+        let results = pool.install(|| job.each_channel(&options, channels))?;
+        let json = output::json(&results);
+        if let Some(output) = output {
+            output.commit(json.as_bytes())?;
         }
+        let tables = results
+            .iter()
+            .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
+        return output::print(&if arguments.json {
+            json
+        } else {
+            tables.collect::<Vec<_>>().join("\n")
+        });
     }
-    let (result, evidence) = pool.install(|| estimate(arguments, &candidates, &campaign, start))?;
+    #[cfg_attr(
+        not(feature = "report"),
+        expect(unused_variables, reason = "the page shows it")
+    )]
+    let (estimated, result) = pool.install(|| job.run(&options, start))?;
     warn(&result, "");
-    let json = cli::json(&result);
+    let json = output::json(&result);
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         output.commit(&plot::fitted(&result, path)?)?;
     }
-    if let (Some(page), Some(evidence)) = (page, &evidence) {
+    #[cfg(feature = "report")]
+    if let Some(page) = page {
+        let evidence = pool.install(|| Evidence::of(&estimated));
         let shown = Page {
             result: &result,
-            campaign: &campaign,
+            campaign: &estimated.campaign,
             truth: truth.as_ref(),
-            evidence,
-            command: &cli::command_line(std::env::args_os()),
+            evidence: &evidence,
+            command: &output::command_line(std::env::args_os()),
         };
         page.commit(pool.install(|| shown.html()).as_bytes())?;
     }
     if let Some(output) = output {
         output.commit(json.as_bytes())?;
     }
-    cli::print(&if arguments.json {
+    output::print(&if arguments.json {
         json
     } else {
         summary(&result, truth.as_ref())
     })
 }
 
-/// One estimate for each channel, by its name.
-fn each_channel(
-    arguments: &Arguments,
-    candidates: &Candidates,
-    campaign: &Campaign,
-    channels: &[Channel],
-) -> Result<BTreeMap<String, ResultFile>, Failure> {
-    let one = |channel: &Channel| {
-        let campaign = campaign.in_channel(channel);
-        let (result, _) = estimate(arguments, candidates, &campaign, Instant::now())?;
-        warn(&result, &format!("{channel}: "));
-        Ok((channel.to_string(), result))
-    };
-    channels.iter().map(one).collect()
+/// Files that are read, of which none may be an output.
+fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
+    let captures = campaign.captures.iter().map(|capture| &capture.shot);
+    let shots = campaign.reference.iter().chain(captures);
+    [arguments.captures.as_path(), &arguments.table]
+        .into_iter()
+        .chain(arguments.truth.as_deref())
+        .chain(shots.map(|shot| shot.image.as_path()))
+}
+
+/// What is estimated from.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    campaign: &'a Campaign,
+    table: &'a Table,
+}
+
+impl Job<'_> {
+    /// One estimate, and what is written of it.
+    fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
+        let (table, watch) = (self.table, &Watch::NOBODY);
+        let estimated = campaign(self.campaign, &Shot::load, table, options, watch).map_err(
+            |error| match error {
+                error::Error::OneAzimuth { held } => Failure::OneAzimuth {
+                    table: self.arguments.table.clone(),
+                    held,
+                },
+                error => error.into(),
+            },
+        )?;
+        let table = TableResult::of(table);
+        let seconds = start.elapsed().as_secs_f64();
+        let result = ResultFile::new(&estimated, table, seconds);
+        Ok((estimated, result))
+    }
+
+    /// One estimate for each channel, by its name.
+    fn each_channel(
+        &self,
+        options: &Options,
+        channels: &[Channel],
+    ) -> Result<BTreeMap<String, ResultFile>, Failure> {
+        let one = |channel: &Channel| {
+            let options = Options {
+                channel: Some(channel.clone()),
+                ..options.clone()
+            };
+            let (_, result) = self.run(&options, Instant::now())?;
+            warn(&result, &format!("{channel}: "));
+            Ok((channel.to_string(), result))
+        };
+        channels.iter().map(one).collect()
+    }
 }
 
 /// Says what the user should know of a result.
 fn warn(result: &ResultFile, before: &str) {
     for warning in &result.warnings {
-        cli::warn(&format!("{before}{warning}"));
+        output::warn(&format!("{before}{warning}"));
     }
     for capture in &result.captures {
         for warning in &capture.warnings {
-            cli::warn(&format!("{before}{}: {warning}", capture.image));
+            output::warn(&format!("{before}{}: {warning}", capture.image));
         }
     }
 }
 
-fn estimate(
-    arguments: &Arguments,
-    candidates: &Candidates,
-    campaign: &Campaign,
-    start: Instant,
-) -> Result<(ResultFile, Option<Evidence>), Failure> {
-    let table = tables::read(&arguments.table)?;
-    let mut scene = Scene::load(campaign, &table)?;
-    let turned = arguments
-        .fit_azimuth
-        .then(|| turned(arguments, &mut scene, &table));
-    let turned = turned.transpose()?;
-    let candidates = terms::possible(candidates, &mut scene, &arguments.captures)?;
-    let render = arguments.forward == Forward::Render;
-    let default = if render { Kind::Mtf } else { Kind::Edge };
-    let kind = arguments.loss.unwrap_or(default);
-    let weights = match kind {
-        Kind::Mse => Weights::Even,
-        Kind::Mtf | Kind::Edge => Weights::Noise,
-    };
-    // Terms, and what the photographs only bound, are decided in closed form and in units of the noise.
-    let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
-    let mut selection = select(&scene, telling, &candidates);
-    let mut bounds = bounds(&scene, &selection.loss, &selection.best);
-    bounds.extend(absent(&scene, &selection));
-    if render {
-        let Selection { best, compared, .. } = selection;
-        let sampling = arguments.samples.sampling();
-        let best = forward::by_samples(&mut scene, &table, weights, best.choice, sampling)?;
-        selection = Selection {
-            loss: Loss::of_mtfs(&scene, weights),
-            best,
-            compared,
-        };
-    } else if kind == Kind::Mse {
-        let loss = Loss::Mse(&scene);
-        let best = refined(&scene, &loss, selection.best.optimum());
-        selection.best = estimate::estimate(&scene, &loss, best);
-        selection.loss = loss;
-    }
-    if let Some(found) = &turned {
-        let Selection {
-            mut best, compared, ..
-        } = selection;
-        best.add_scatter(&azimuth::scatter(
-            &mut scene,
-            &table,
-            found,
-            kind,
-            best.choice,
-        )?);
-        let near = best.solution.parameters.clone();
-        selection = Selection {
-            loss: Loss::new(kind, &scene, (best.choice, &near)),
-            best,
-            compared,
-        };
-    }
-    let finite = |value: &Value| value.value.is_finite();
-    let best = &selection.best;
-    let all = best
-        .c_mm
-        .iter()
-        .chain(&best.spread)
-        .chain(best.mu.iter().flatten());
-    if best.solution.stop == Stop::Failed || !best.chi2.is_finite() || !all.into_iter().all(finite)
-    {
-        return Err(Failure::NoFit {
-            manifest: arguments.captures.clone(),
-        });
-    }
-    let source = TableResult::of(&table);
-    let seconds = start.elapsed().as_secs_f64();
-    let mut result = ResultFile::new(&scene, &selection, bounds, source, seconds);
-    if let Some(found) = turned {
-        result.azimuth_deg = Some(Number {
-            value: Some(found.deg.value),
-            standard_error: Some(found.deg.standard_error),
-        });
-        let others = found.others_deg.iter();
-        result.warnings.extend(others.map(|deg| {
-            format!("the photographs are as likely at azimuth {deg:.2} deg; an edge in another direction would tell")
-        }));
-    }
-    let evidence = arguments.report.as_ref();
-    let evidence = evidence.map(|_| Evidence::of(&scene, &selection, &result.bounds));
-    Ok((result, evidence))
-}
-
-/// The azimuth that the photographs themselves tell, the scene left there.
-fn turned(arguments: &Arguments, scene: &mut Scene, table: &Table) -> Result<Azimuth, Failure> {
-    let one = |held| Failure::OneAzimuth {
-        table: arguments.table.clone(),
-        held,
-    };
-    if table.axes.is_mean() {
-        return Err(one("it is a mean over all"));
-    }
-    if table.axes.azimuth_deg.len() < 2 {
-        return Err(one("it holds one"));
-    }
-    let choice = azimuth::flexible(scene);
-    Ok(azimuth::find(scene, table, choice)?)
-}
-
 /// The result as a table for a person.
 fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
-    let mut text = String::new();
+    let mut text = head(result);
+    let beside = if truth.is_some() {
+        "truth     difference"
+    } else {
+        ""
+    };
+    let _ = writeln!(
+        text,
+        "{:<12}{:>10}{:>12}{:>14}   {beside}",
+        "", "incidence", "estimate", "std. error"
+    );
+    let mut rows = Rows { text, truth };
+    let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
+    let azimuth = result.azimuth_deg.map(Parameter::Shared);
+    // Roughnesses are thousandths, and shown as such.
+    let parameters = [
+        ("c (mm)", ParameterKind::CornerSize, 1.0, &sizes[0]),
+        (
+            "1000 x front",
+            ParameterKind::SurfaceRoughness,
+            1e3,
+            &sizes[1],
+        ),
+        (
+            "1000 x rough",
+            ParameterKind::Roughness,
+            1e3,
+            &result.roughness,
+        ),
+        ("a (1/mm)", ParameterKind::APerMm, 1.0, &result.a_per_mm),
+        ("a R", ParameterKind::ATimesR, 1.0, &result.a_times_r),
+        ("mu", ParameterKind::Mu, 1.0, &result.mu),
+        ("azimuth (°)", ParameterKind::Azimuth, 1.0, &azimuth),
+    ];
+    for (label, kind, scale, parameter) in parameters {
+        rows.add(label, kind, scale, parameter.as_ref());
+    }
+    let mut text = rows.text;
+    for (id, bound) in &result.bounds {
+        let _ = writeln!(text, "{}", bounded(*id, *bound));
+    }
+    text
+}
+
+/// What was fitted, to what, and how.
+fn head(result: &ResultFile) -> String {
     let lobe = result
         .lobe
         .map_or(String::new(), |l| format!(", lobe {}", l.name()));
     let samples = result.sampling.as_ref().map_or(String::new(), |own| {
         format!(", {} samples a pixel", own.sampling.samples)
     });
-    let _ = writeln!(
-        text,
-        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, {:.2} s",
+    format!(
+        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, {:.2} s\n",
         result.kernel.name(),
         result.loss.name(),
         result.captures.len(),
@@ -361,81 +353,72 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
         result.stop,
         result.iterations,
         result.seconds
-    );
-    let head = if truth.is_some() {
-        "truth     difference"
-    } else {
-        ""
-    };
-    let _ = writeln!(
-        text,
-        "{:<12}{:>10}{:>12}{:>14}   {head}",
-        "", "incidence", "estimate", "std. error"
-    );
-    let planted = |key: &str, incidence: Option<f64>| truth?.of(key, incidence);
-    let mut row = |label: &str, key: &str, incidence: Option<f64>, number: Number| {
-        let angle = incidence.map_or(String::new(), |i| format!("{i}°"));
-        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
-        let _ = write!(
-            text,
-            "{label:<12}{angle:>10}{:>12}{:>14}",
-            shown(number.value),
-            shown(number.standard_error)
-        );
-        if let (Some(truth), Some(value)) = (planted(key, incidence), number.value) {
-            let _ = write!(
-                text,
-                "   {truth:<8} {:>+9.3} %",
-                100.0 * (value / truth - 1.0)
-            );
-        }
-        text.push('\n');
-    };
-    let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
-    // Roughnesses are thousandths, and shown as such.
-    let parameters = [
-        ("c (mm)", "c_mm", 1.0, &sizes[0]),
-        ("1000 x front", "surface_roughness", 1e3, &sizes[1]),
-        ("1000 x rough", "roughness", 1e3, &result.roughness),
-        ("a (1/mm)", "a_per_mm", 1.0, &result.a_per_mm),
-        ("a R", "a_times_r", 1.0, &result.a_times_r),
-        ("mu", "mu", 1.0, &result.mu),
-    ];
-    for (label, key, scale, parameter) in parameters {
+    )
+}
+
+/// Rows of the table of estimates.
+struct Rows<'a> {
+    text: String,
+    truth: Option<&'a Truth>,
+}
+
+impl Rows<'_> {
+    /// A parameter, in units of 1 / `scale`.
+    fn add(&mut self, label: &str, kind: ParameterKind, scale: f64, parameter: Option<&Parameter>) {
         let scaled = |value: Option<f64>, standard_error: Option<f64>| Number {
             value: value.map(|v| v * scale),
             standard_error: standard_error.map(|v| v * scale),
         };
         match parameter {
             None => {}
-            Some(Parameter::Shared(n)) => row(label, key, None, scaled(n.value, n.standard_error)),
+            Some(Parameter::Shared(n)) => {
+                self.row(label, kind.shared(), scaled(n.value, n.standard_error));
+            }
             Some(Parameter::PerAngle { per_angle }) => {
                 for p in per_angle {
                     let number = scaled(p.value, p.standard_error);
-                    row(label, key, Some(p.incidence_deg), number);
+                    self.row(label, kind.at(p.incidence_deg), number);
                 }
             }
         }
     }
-    if let Some(azimuth) = result.azimuth_deg {
-        row("azimuth (°)", "azimuth_deg", None, azimuth);
+
+    fn row(&mut self, label: &str, id: ParameterId, number: Number) {
+        let angle = id.incidence_deg.map_or(String::new(), |i| format!("{i}°"));
+        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
+        let _ = write!(
+            self.text,
+            "{label:<12}{angle:>10}{:>12}{:>14}",
+            shown(number.value),
+            shown(number.standard_error)
+        );
+        let planted = |truth: &Truth| truth.of(id);
+        if let (Some(truth), Some(value)) = (self.truth.and_then(planted), number.value) {
+            let _ = write!(
+                self.text,
+                "   {truth:<8} {:>+9.3} %",
+                100.0 * (value / truth - 1.0)
+            );
+        }
+        self.text.push('\n');
     }
-    for (name, bound) in &result.bounds {
-        let shown = |v: f64| {
-            if v < 1e-3 {
-                format!("{v:.2e}")
-            } else {
-                format!("{v:.4}")
-            }
-        };
-        let side = match (bound.at_least, bound.at_most) {
-            (Some(v), _) => format!("> {}", shown(v)),
-            (_, Some(v)) => format!("< {}", shown(v)),
-            _ => "not bounded by these photographs".into(),
-        };
-        let _ = writeln!(text, "{name} {side} (at {:.0} %)", 100.0 * bound.confidence);
-    }
-    text
+}
+
+/// A bound in words.
+fn bounded(id: ParameterId, bound: Bound) -> String {
+    let shown = |v: f64| {
+        if v < 1e-3 {
+            format!("{v:.2e}")
+        } else {
+            format!("{v:.4}")
+        }
+    };
+    let side = match (bound.at_least, bound.at_most) {
+        (Some(v), _) => format!("> {}", shown(v)),
+        (_, Some(v)) => format!("< {}", shown(v)),
+        _ => "not bounded by these photographs".into(),
+    };
+    format!("{id} {side} (at {:.0} %)", 100.0 * bound.confidence)
 }
 
 /// Reads a RESULT.json of one fit.
@@ -466,14 +449,14 @@ pub fn check_model(path: &Path, result: &ResultFile, model: Option<Family>) -> R
 /// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named, or another.
 pub fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
-    let several = || cli::read_json::<BTreeMap<String, ResultFile>>(path, expected);
+    let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);
     let channels = |held: BTreeMap<String, ResultFile>| Failure::Channel {
         path: path.to_owned(),
         held: held.into_keys().collect::<Vec<_>>().join(", "),
     };
     match channel {
         None => {
-            cli::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
+            parse::read_json(path, expected).map_err(|failure| several().map_or(failure, channels))
         }
         Some(name) => {
             let mut held = several()?;

@@ -4,14 +4,16 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
 use crate::images::metrics;
 use crate::images::metrics::Shown;
+use crate::images::metrics::error::Error;
 use crate::images::metrics::lpips;
 use crate::images::metrics::lpips::Lpips;
 use crate::photographs::photo;
-use crate::photographs::photo::Transfer;
+use crate::photographs::photo::transfer::Transfer;
 
 /// Says how alike two pictures look: PSNR, SSIM, FLIP, and LPIPS with weights that you bring.
 #[derive(Debug, clap::Args)]
@@ -29,50 +31,20 @@ pub struct Arguments {
     /// The photograph that it should look like
     pub photo: PathBuf,
     /// Factor on the light of both
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = cli::positive)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::positive)]
     pub exposure: f64,
     /// Pixels per degree of the viewer's field, for FLIP
-    #[arg(long, value_name = "N", default_value_t = 67.020_64, value_parser = cli::positive)]
+    #[arg(long, value_name = "N", default_value_t = 67.020_64, value_parser = parse::positive)]
     pub pixels_per_degree: f64,
     /// Weights for LPIPS, as fit/doc/lpips_weights.py writes them
     #[arg(long, value_name = "WEIGHTS.safetensors")]
     pub lpips: Option<PathBuf>,
     /// What integers in both files mean, linear or srgb; sRGB for 8 bits, linear for 16 if left out
-    #[arg(long, value_name = "NAME", value_parser = cli::transfer)]
+    #[arg(long, value_name = "NAME", value_parser = parse::transfer)]
     pub transfer: Option<Transfer>,
     /// One JSON object
     #[arg(long)]
     pub json: bool,
-}
-
-/// Why two pictures cannot be compared.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Of two sizes.
-    #[error("{} is {} x {} pixels, {} is {} x {}; crop or render one to the size of the other",
-        rendered.display(), sizes[0][0], sizes[0][1], photo.display(), sizes[1][0], sizes[1][1])]
-    Sizes {
-        /// One.
-        rendered: PathBuf,
-        /// The other.
-        photo: PathBuf,
-        /// Columns and rows of both.
-        sizes: [[usize; 2]; 2],
-    },
-    /// Too small for a window.
-    #[error("{}: is smaller than {least} x {least} pixels, which {metric} needs; compare a larger part", rendered.display())]
-    Small {
-        /// One.
-        rendered: PathBuf,
-        /// Pixels needed.
-        least: usize,
-        /// What needs them.
-        metric: &'static str,
-    },
-    /// Weights that are none.
-    #[error(transparent)]
-    Lpips(#[from] lpips::Error),
 }
 
 #[derive(Serialize)]
@@ -102,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ];
     let mut warnings: Vec<String> = a.warnings.iter().chain(&b.warnings).cloned().collect();
     warnings.dedup();
-    let above = |picture: &photo::Picture| {
+    let above = |picture: &photo::picture::Picture| {
         let samples = picture.planes.iter().flatten();
         samples
             .filter(|&&v| f64::from(v) * arguments.exposure > 1.0)
@@ -149,9 +121,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         warnings,
     };
     if arguments.json {
-        return cli::print(&cli::json(&report));
+        return output::print(&output::json(&report));
     }
-    report.warnings.iter().for_each(|text| cli::warn(text));
+    report.warnings.iter().for_each(|text| output::warn(text));
     let psnr = match report.psnr_db {
         Some(psnr) => format!("{psnr:.2} dB"),
         None => "infinite (the pictures are equal)".into(),
@@ -159,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let lpips = report
         .lpips
         .map_or(String::new(), |d| format!("LPIPS  {d:.4}\n"));
-    cli::print(&format!(
+    output::print(&format!(
         "PSNR   {psnr}\nSSIM   {:.4}\nFLIP   {:.4}\n{lpips}",
         report.ssim, report.flip
     ))

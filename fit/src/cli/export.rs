@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use tables::Outputs;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
 use crate::cli::estimate::read_result;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
 use crate::predict::export::{Form, LOST, nearest};
 
 /// Writes the nearest lobe of a fitted sheet as a material for renderers.
@@ -28,10 +29,10 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     pub to: Form,
     /// Floating distance at which the lobe is nearest, mm
-    #[arg(long, value_name = "MM", value_parser = cli::positive)]
+    #[arg(long, value_name = "MM", value_parser = parse::positive)]
     pub distance: f64,
     /// Incidence at which it is, degrees
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = cli::incidence)]
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = parse::incidence)]
     pub incidence: f64,
     /// Azimuth, degrees; the table's own if it holds only one
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
@@ -47,10 +48,10 @@ pub struct Arguments {
 /// Result, table, direction or output.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
-    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
-    let azimuth = arguments.azimuth.or(cli::only_azimuth(&table));
+    let azimuth = arguments.azimuth.or(parse::only_azimuth(&table));
     let lobe = nearest(
         &result,
         &table,
@@ -58,6 +59,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.incidence,
         azimuth,
     )?;
-    cli::warn(&format!("{LOST}. {}", lobe.criterion()));
-    cli::deliver(&lobe.text(arguments.to), output)
+    output::warn(&format!("{LOST}. {}", lobe.criterion()));
+    output::deliver(&lobe.text(arguments.to), output)
 }

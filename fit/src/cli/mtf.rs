@@ -6,14 +6,17 @@ use std::path::PathBuf;
 use serde::Serialize;
 use tables::Outputs;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
-use crate::photographs::captures::Roi;
-use crate::photographs::edge::Accepted;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::measure;
 use crate::photographs::measure::Measurement;
 use crate::photographs::photo;
-use crate::photographs::photo::{Channel, Decode, Transfer};
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::roi::Roi;
 use crate::photographs::sfr;
 use crate::photographs::sfr::{Estimator, crossing};
 
@@ -37,7 +40,7 @@ pub struct Arguments {
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<Roi>,
     /// One pixel, mm: frequencies are then in 1/mm, else in cycles per pixel
-    #[arg(long, value_name = "MM", value_parser = cli::positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
     /// Transfer function, where the format's own does not hold: linear or srgb
     #[arg(long, value_parser = transfer)]
@@ -87,7 +90,7 @@ fn roi(text: &str) -> Result<Roi, String> {
 }
 
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report {
     image: String,
     edge_angle_deg: f64,
     edge_angle_standard_error_deg: f64,
@@ -96,10 +99,10 @@ struct Report<'a> {
     pixel_noise: [f64; 2],
     frequency_unit: &'static str,
     mtf50: Option<f64>,
-    frequency: &'a [f64],
-    mtf: &'a [f64],
-    standard_error: &'a [f64],
-    warnings: &'a [String],
+    frequency: Vec<f64>,
+    mtf: Vec<f64>,
+    standard_error: Vec<f64>,
+    warnings: Vec<String>,
 }
 
 /// Runs the verb.
@@ -107,7 +110,7 @@ struct Report<'a> {
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = cli::reserve(
+    let output = output::reserve(
         arguments.output.as_deref(),
         &mut Outputs::beside([arguments.image.as_path()]),
     )?;
@@ -127,64 +130,83 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             height: photo.height,
         });
     }
+    let report = measured(&photo, arguments)?;
+    let text = if arguments.json {
+        output::json(&report)
+    } else {
+        for warning in &report.warnings {
+            output::warn(&format!("{}: {warning}", arguments.image.display()));
+        }
+        output::note(&report.line());
+        report.csv(arguments.pixel_pitch.is_some())
+    };
+    output::deliver(&text, output)
+}
+
+/// The edge of a photograph and its curve, up to the sampling frequency.
+fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
     let Measurement {
         line,
         profile,
         warnings,
         ..
-    } = measure::edge(&photo, arguments.roi, &arguments.accept).map_err(|fault| Failure::Edge {
+    } = measure::edge(photo, arguments.roi, &arguments.accept).map_err(|fault| Failure::Edge {
         image: arguments.image.clone(),
         fault,
     })?;
     let pitch = arguments.pixel_pitch.unwrap_or(1.0);
     // Up to the sampling frequency, which is a quarter of a period.
     let estimator = Estimator::new(&profile, pitch, 4 * POINTS, POINTS);
-    let mtf = estimator.measure(&profile);
+    let mtf = estimator.measure(&profile).modulus;
     let standard_error = sfr::standard_error(&estimator.response(&profile), &profile);
-    let frequency = &estimator.frequencies_per_mm;
+    let frequency = estimator.frequencies_per_mm;
     let (dark, bright) = profile.plateaus();
-    let contrast = bright - dark;
-    let mtf50 = crossing(frequency, &mtf.modulus, 0.5);
-    let unit = if arguments.pixel_pitch.is_some() {
-        "1/mm"
-    } else {
-        "cycles/pixel"
-    };
-    let text = if arguments.json {
-        let report = Report {
-            image: arguments.image.display().to_string(),
-            edge_angle_deg: line.normal_rad.to_degrees(),
-            edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
-            edge_offset_px: line.offset_px,
-            contrast,
-            pixel_noise: profile.noise,
-            frequency_unit: unit,
-            mtf50,
-            frequency,
-            mtf: &mtf.modulus,
-            standard_error: &standard_error,
-            warnings: &warnings,
-        };
-        cli::json(&report)
-    } else {
-        for warning in &warnings {
-            cli::warn(&format!("{}: {warning}", arguments.image.display()));
-        }
-        let half = mtf50.map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
-        let angle = line.normal_rad.to_degrees();
-        cli::note(&format!(
-            "edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}"
-        ));
-        let column = if arguments.pixel_pitch.is_some() {
+    Ok(Report {
+        image: arguments.image.display().to_string(),
+        edge_angle_deg: line.normal_rad.to_degrees(),
+        edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
+        edge_offset_px: line.offset_px,
+        contrast: bright - dark,
+        pixel_noise: profile.noise,
+        frequency_unit: if arguments.pixel_pitch.is_some() {
+            "1/mm"
+        } else {
+            "cycles/pixel"
+        },
+        mtf50: crossing(&frequency, &mtf, 0.5),
+        frequency,
+        mtf,
+        standard_error,
+        warnings,
+    })
+}
+
+impl Report {
+    /// The edge in one line, for a person.
+    fn line(&self) -> String {
+        let (angle, contrast) = (self.edge_angle_deg, self.contrast);
+        let unit = self.frequency_unit;
+        let half = self
+            .mtf50
+            .map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
+        format!("edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}")
+    }
+
+    fn csv(&self, in_mm: bool) -> String {
+        let column = if in_mm {
             "frequency_per_mm"
         } else {
             "cycles_per_pixel"
         };
         let mut csv = format!("{column},mtf,standard_error\n");
-        for ((f, m), e) in frequency.iter().zip(&mtf.modulus).zip(&standard_error) {
+        let rows = self
+            .frequency
+            .iter()
+            .zip(&self.mtf)
+            .zip(&self.standard_error);
+        for ((f, m), e) in rows {
             let _ = writeln!(csv, "{f:.6},{m:.6},{e:.6}");
         }
         csv
-    };
-    cli::deliver(&text, output)
+    }
 }

@@ -6,13 +6,16 @@ use std::path::PathBuf;
 use serde::Serialize;
 use tables::Outputs;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
 use crate::cli::estimate::{check_model, read_channel};
-use crate::model::kernel::{Family, Kernel};
-use crate::predict::predict::{Around, Axis, Places, Prediction, around, predict};
-use crate::report::plot;
-use crate::report::plot::Variable;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::names::kernel::{Family, Kernel};
+#[cfg(feature = "report")]
+use crate::predict::prediction::{Around, around};
+use crate::predict::prediction::{Axis, Places, Prediction, predict};
+#[cfg(feature = "report")]
+use crate::report::plot::{self, Variable};
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
 #[derive(Debug, clap::Args)]
@@ -35,19 +38,19 @@ pub struct Arguments {
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
     /// Floating distances, mm
-    #[arg(long, value_name = "LIST", value_parser = cli::positives)]
+    #[arg(long, value_name = "LIST", value_parser = parse::positives)]
     pub distance: std::vec::Vec<f64>,
     /// Incidence angles, degrees
-    #[arg(long, value_name = "LIST", value_parser = cli::incidences)]
+    #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
     pub incidence: std::vec::Vec<f64>,
     /// Azimuths, degrees; the table's own if it holds only one
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = cli::numbers)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = parse::numbers)]
     pub azimuth: Option<std::vec::Vec<f64>>,
     /// Of a file of `fit estimate --channel each`, the channel: red, green or blue
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
     /// Frequencies, 1/mm
-    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = cli::numbers)]
+    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = parse::numbers)]
     pub frequency: std::vec::Vec<f64>,
     /// Whose model the result must be, if any is named: a result knows its own
     #[arg(long, value_enum)]
@@ -57,9 +60,11 @@ pub struct Arguments {
     pub json: bool,
     /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves; direction draws a polar picture for
     /// every place, and adds its curves to the JSON ("around")
+    #[cfg(feature = "report")]
     #[arg(long, value_enum, requires = "plot")]
     pub against: Option<Variable>,
     /// The MTF curves as a picture, .svg or .png
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Write there instead of standard output
@@ -68,6 +73,7 @@ pub struct Arguments {
 }
 
 /// Most frequencies that `--against` draws at each place.
+#[cfg(feature = "report")]
 const MOST_CURVES: usize = 12;
 
 #[derive(Serialize)]
@@ -75,6 +81,7 @@ struct Report<'a> {
     kernel: Kernel,
     frequency_per_mm: &'a [f64],
     predictions: &'a [Prediction],
+    #[cfg(feature = "report")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     around: Vec<Around>,
 }
@@ -84,6 +91,7 @@ struct Report<'a> {
 /// # Errors
 /// Result, table, direction or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    #[cfg(feature = "report")]
     if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
         clap::Command::new("fit predict")
             .error(
@@ -93,18 +101,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
-    let output = cli::reserve(arguments.output.as_deref(), &mut outputs)?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
     check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let mut places = Places {
         distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
-        azimuth_deg: cli::only_azimuth(&table),
+        azimuth_deg: parse::only_azimuth(&table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
-    let (mut predictions, mut polar) = (Vec::new(), Vec::new());
+    let mut predictions = Vec::new();
+    #[cfg(feature = "report")]
+    let mut polar = Vec::new();
     let azimuths = arguments.azimuth.iter().flatten().copied().map(Some);
     let azimuths: Vec<Option<f64>> = azimuths.collect();
     let own = [places.azimuth_deg];
@@ -115,12 +126,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } {
         places.azimuth_deg = azimuth_deg;
         predictions.extend(predict(&result, &table, &places)?);
+        #[cfg(feature = "report")]
         if arguments.against == Some(Variable::Direction) {
             polar.extend(around(&result, &table, &places)?);
         }
     }
     if arguments.azimuth.is_some() && table.axes.is_mean() {
-        cli::warn("the table is a mean over azimuths: --azimuth has no effect");
+        output::warn("the table is a mean over azimuths: --azimuth has no effect");
     }
     let mut between: Vec<String> = predictions
         .iter()
@@ -129,11 +141,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .collect();
     between.dedup();
     if !between.is_empty() {
-        cli::warn(&format!(
+        output::warn(&format!(
             "interpolated between directions of the table, which costs accuracy: incidence {} deg; bake them",
             between.join(", ")
         ));
     }
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         let frequencies = &places.frequency_per_mm;
         output.commit(&match arguments.against {
@@ -143,16 +156,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         })?;
     }
     let text = if arguments.json {
-        cli::json(&Report {
+        output::json(&Report {
             kernel: result.kernel,
             frequency_per_mm: &places.frequency_per_mm,
             predictions: &predictions,
+            #[cfg(feature = "report")]
             around: polar,
         })
     } else {
         csv(&predictions, &places.frequency_per_mm)
     };
-    cli::deliver(&text, output)
+    output::deliver(&text, output)
 }
 
 /// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.

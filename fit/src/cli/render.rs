@@ -7,21 +7,23 @@ use std::time::Instant;
 use serde::Serialize;
 use tables::Outputs;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
 use crate::cli::estimate::{check_model, read_result};
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
 use crate::cli::sampled::Samples;
 use crate::estimate::forward::Forward;
 use crate::images::render;
 use crate::images::render::psf::Psf;
 use crate::images::render::sampled::Spotted;
-use crate::images::render::view::View;
+use crate::images::render::view::CameraView;
 use crate::images::render::{Scale, sampled};
-use crate::images::sheet::Fitted;
-use crate::images::spot::Place;
-use crate::model::kernel::Family;
+use crate::images::spot::Viewpoint;
+use crate::names::kernel::Family;
 use crate::photographs::photo;
-use crate::photographs::photo::{Picture, Transfer, Writing};
+use crate::photographs::photo::picture::{Picture, Writing};
+use crate::photographs::photo::transfer::Transfer;
+use crate::predict::sheet::Fitted;
 
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
 #[derive(Debug, clap::Args)]
@@ -68,23 +70,23 @@ pub struct Arguments {
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
     /// Floating distance (optical path from the sheet), mm
-    #[arg(long, value_name = "MM", value_parser = cli::positive, required_unless_present = "view")]
+    #[arg(long, value_name = "MM", value_parser = parse::positive, required_unless_present = "view")]
     pub distance: Option<f64>,
     /// Incidence, degrees
-    #[arg(long, value_name = "DEG", value_parser = cli::incidence, required_unless_present = "view")]
+    #[arg(long, value_name = "DEG", value_parser = parse::incidence, required_unless_present = "view")]
     pub incidence: Option<f64>,
     /// Camera, image and sheet in space, instead of distance, incidence and azimuth
     #[arg(long, value_name = "VIEW.toml",
         conflicts_with_all = ["distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis", "ambient"])]
     pub view: Option<PathBuf>,
     /// With --view: largest error between tiles, of the brightest pixel
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = cli::positive)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = parse::positive)]
     pub tolerance: f64,
     /// Azimuth, degrees; the table's own if it holds only one
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub azimuth: Option<f64>,
     /// One pixel in the plane of the mid-air image, mm; that of the fitted photographs if left out
-    #[arg(long, value_name = "MM", value_parser = cli::positive)]
+    #[arg(long, value_name = "MM", value_parser = parse::positive)]
     pub pixel_pitch: Option<f64>,
     /// Direction of the plane of incidence in the picture, from right towards down, degrees
     #[arg(
@@ -95,13 +97,13 @@ pub struct Arguments {
     )]
     pub tangential_axis: f64,
     /// Luminance of the scene behind the image, in units of the source's white
-    #[arg(long, value_name = "L", default_value_t = 0.0, value_parser = cli::not_negative)]
+    #[arg(long, value_name = "L", default_value_t = 0.0, value_parser = parse::not_negative)]
     pub ambient: f64,
     /// Factor on the result, as of a camera's exposure
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = cli::positive)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::positive)]
     pub exposure: f64,
     /// What integers in the source mean, linear or srgb, and in a PNG that is written; sRGB for 8 bits if left out
-    #[arg(long, value_name = "NAME", value_parser = cli::transfer)]
+    #[arg(long, value_name = "NAME", value_parser = parse::transfer)]
     pub transfer: Option<Transfer>,
     /// spectral: by transforms; render: by samples, for a check
     #[arg(long, value_enum, default_value_t)]
@@ -185,17 +187,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     check_model(&arguments.params, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let sheet = Fitted::new(&result, &table)?;
-    let pool = cli::pool(arguments.threads)?;
+    let pool = parse::pool(arguments.threads)?;
 
     let started = Instant::now();
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
     let read = started.elapsed().as_secs_f64();
 
-    let view = arguments.view.as_deref().map(View::load).transpose();
+    let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
     let pitch = arguments.pixel_pitch;
     let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
-    let pitch_mm = view.as_ref().map_or(pitch, View::pitch_mm);
+    let pitch_mm = view.as_ref().map_or(pitch, CameraView::pitch_mm);
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
     let seen = pool.install(|| match &view {
         Some(view) => from_camera(&source, &sheet, view, arguments),
@@ -211,27 +213,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rendered = started.elapsed().as_secs_f64();
 
     let spots = &seen.spots;
-    let clipped = image.above_white();
-    if writing == Writing::Png && clipped > 0 {
-        warnings.push(format!(
-            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller --exposure"
-        ));
-    }
-    let encode = |message| render::Error::Encode {
-        path: arguments.output.clone(),
-        message,
-    };
     let (width, height, channels) = (image.width, image.height, image.planes.len());
-    let bytes = pool.install(|| image.encode(writing)).map_err(encode)?;
+    warnings.extend(clipped(&image, writing));
+    let bytes = pool.install(|| encoded(image, writing, arguments))?;
     output.commit(&bytes)?;
     let written = started.elapsed().as_secs_f64();
     for warning in &warnings {
-        cli::warn(warning);
+        output::warn(warning);
     }
     if !arguments.json {
         return Ok(());
     }
-    cli::print(&cli::json(&Report {
+    output::print(&output::json(&Report {
         width,
         height,
         channels,
@@ -255,6 +248,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }))
 }
 
+/// What is said of an image brighter than its file can hold.
+fn clipped(image: &Picture, writing: Writing) -> Option<String> {
+    let clipped = image.above_white();
+    (writing == Writing::Png && clipped > 0).then(|| {
+        format!(
+            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller --exposure"
+        )
+    })
+}
+
+fn encoded(
+    image: Picture,
+    writing: Writing,
+    arguments: &Arguments,
+) -> Result<Vec<u8>, render::Error> {
+    image
+        .encode(writing)
+        .map_err(|message| render::Error::Encode {
+            path: arguments.output.clone(),
+            message,
+        })
+}
+
 /// The image and what is said about it.
 struct Seen {
     image: Picture,
@@ -266,8 +282,8 @@ struct Seen {
 }
 
 impl Seen {
-    fn by_transforms(image: Picture, places: Vec<Place>, psfs: &[Psf]) -> Seen {
-        let spotted = |(place, psf): (Place, &Psf)| Spotted {
+    fn by_transforms(image: Picture, places: Vec<Viewpoint>, psfs: &[Psf]) -> Seen {
+        let spotted = |(place, psf): (Viewpoint, &Psf)| Spotted {
             place,
             energy: psf.energy,
             interpolated: psf.interpolated,
@@ -299,9 +315,9 @@ fn from_afar(
     pitch_mm: f64,
     arguments: &Arguments,
 ) -> Result<Seen, render::Error> {
-    let place = Place {
+    let place = Viewpoint {
         incidence_deg: arguments.incidence.unwrap_or(0.0),
-        azimuth_deg: arguments.azimuth.or(cli::only_azimuth(sheet.table)),
+        azimuth_deg: arguments.azimuth.or(parse::only_azimuth(sheet.table)),
         r_mm: arguments.distance.unwrap_or(f64::NAN),
     };
     let scale = Scale {
@@ -324,7 +340,7 @@ fn from_afar(
 fn from_camera(
     source: &Picture,
     sheet: &Fitted<'_>,
-    view: &View,
+    view: &CameraView,
     arguments: &Arguments,
 ) -> Result<Seen, render::Error> {
     let half_mirror = sheet.result.half_mirror;

@@ -2,8 +2,8 @@
 
 use crate::estimate::loss::Kind;
 use crate::estimate::select::Candidates;
-use crate::samples::sample::Sequence;
-use crate::samples::sampled::{Sampling, has_samples};
+use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 
 /// Samples of a render.
 #[derive(Debug, Clone, clap::Args)]
@@ -33,20 +33,10 @@ impl Samples {
 /// Leaves the candidates that have samples. Ends the program with a usage error where none is left, or another loss was asked
 /// for than those of MTFs.
 pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
-    let refuse = |what: &str| -> ! {
-        clap::Command::new(verb)
-            .error(clap::error::ErrorKind::ArgumentConflict, what)
-            .exit()
-    };
-    if loss == Some(Kind::Edge) {
-        refuse(
-            "--forward render compares MTFs, as published; use --loss mtf or mse, or --forward spectral",
-        );
-    }
-    candidates.kernels.retain(|&kernel| has_samples(kernel));
-    if candidates.kernels.is_empty() {
-        refuse(
-            "this model has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral",
-        );
+    match candidates.clone().with_samples(loss) {
+        Ok(left) => *candidates = left,
+        Err(conflict) => clap::Command::new(verb)
+            .error(clap::error::ErrorKind::ArgumentConflict, conflict)
+            .exit(),
     }
 }

@@ -3,10 +3,11 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
-use crate::simulate::photograph as simulate;
-use crate::simulate::photograph::Params;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::simulate::params::Params;
+use crate::simulate::write;
 
 /// Writes a synthetic campaign: photographs with noise, captures.toml and truth.json.
 #[derive(Debug, clap::Args)]
@@ -67,12 +68,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(table) = &arguments.table {
         params = params.of_sheet(&tables::read(table)?)?;
     }
-    let report = cli::pool(arguments.threads)?
-        .install(|| simulate::run(&params, &arguments.output, arguments.force))?;
+    let report = parse::pool(arguments.threads)?
+        .install(|| write::run(&params, &arguments.output, arguments.force))?;
     for warning in &report.warnings {
-        cli::warn(warning);
+        output::warn(warning);
     }
-    cli::print(&if arguments.json {
+    output::print(&if arguments.json {
         let object = serde_json::json!({
             "manifest": report.manifest,
             "photographs": report.photographs,

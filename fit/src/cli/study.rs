@@ -1,27 +1,28 @@
 //! `fit study`: how good the estimates are.
 
 use std::fmt::Write;
-use std::io::IsTerminal;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use tables::{Outputs, Table};
 
-use crate::cli::cli;
-use crate::cli::cli::Failure;
-use crate::cli::terms;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::cli::progress::Progress;
 use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
+use crate::estimate::error::Error;
 use crate::estimate::forward::Forward;
 use crate::estimate::loss::Kind;
-use crate::estimate::scene;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::select;
+use crate::estimate::watch::Watch;
 use crate::photographs::captures;
-use crate::report::picture;
+#[cfg(feature = "report")]
+use crate::report::{picture, speed as speed_picture};
 use crate::study::forward::{Speed, speed};
 use crate::study::ranges::Ranges;
 use crate::study::refused;
@@ -94,6 +95,7 @@ pub struct Arguments {
     )]
     pub csv: Option<PathBuf>,
     /// Errors and coverage, or of given photographs and renders seconds against error, as a picture, .svg or .png
+    #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE", conflicts_with = "choice")]
     pub plot: Option<PathBuf>,
     /// Samples in place of the closed form.
@@ -112,7 +114,7 @@ pub struct Arguments {
 /// # Errors
 /// Manifest, photographs, ranges, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pool = cli::pool(arguments.threads)?;
+    let pool = parse::pool(arguments.threads)?;
     let text = match (&arguments.ranges, &arguments.captures) {
         (Some(ranges), _) => drawn(arguments, ranges, &pool)?,
         (None, Some(captures)) if arguments.forward.forward == Some(Forward::Render) => {
@@ -120,27 +122,30 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         (None, Some(captures)) => {
             let campaign = captures::load(captures)?;
+            #[cfg(feature = "report")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
-            let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+            #[cfg(feature = "report")]
+            let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
             let table = tables::read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
             let start = Instant::now();
-            let mut scene = pool.install(|| Scene::load(&campaign, &table))?;
+            let scene = pool.install(|| Scene::load(&campaign, &table))?;
             let seconds = start.elapsed().as_secs_f64();
-            let open = terms::possible(&open, &mut scene, captures)?;
-            let study = pool.install(|| photographs(&scene, seconds, &open));
+            let (open, _) = open.possible(&scene, captures)?;
+            let study = pool.install(|| photographs(&scene, seconds, &open))?;
+            #[cfg(feature = "report")]
             if let Some((path, output)) = picture {
                 output.commit(&picture::photographs(&study, path)?)?;
             }
             if arguments.json {
-                cli::json(&study)
+                output::json(&study)
             } else {
                 bounds(&study)
             }
         }
         (None, None) => String::new(),
     };
-    cli::print(&text)
+    output::print(&text)
 }
 
 /// Speed against error of the estimate by samples.
@@ -152,27 +157,26 @@ fn rendered(
     let mut open = arguments.terms.candidates("fit study");
     sampled::only(&mut open, None, "fit study");
     let campaign = captures::load(captures)?;
+    #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
-        let mut scene = Scene::load(&campaign, &table)?;
-        let choice = select(&scene, Kind::Mtf, &open).best.choice;
+        let scene = Scene::load(&campaign, &table)?;
+        let choice = select(&scene, Kind::Mtf, &open, &Watch::NOBODY)?
+            .best
+            .choice;
         let samplings = arguments.forward.samplings(arguments.seed);
         let randomisations = arguments.forward.randomisations;
-        Ok(speed(
-            &mut scene,
-            &table,
-            choice,
-            &samplings,
-            randomisations,
-        )?)
+        Ok(speed(&scene, &table, choice, &samplings, randomisations)?)
     })?;
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
-        output.commit(&forward::picture(&speed, path)?)?;
+        output.commit(&speed_picture::drawn(&speed, path)?)?;
     }
     Ok(if arguments.json {
-        cli::json(&speed)
+        output::json(&speed)
     } else {
         forward::table(&speed)
     })
@@ -228,8 +232,9 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     let table = tables::read(&arguments.table)?;
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
     let mut outputs = Outputs::beside([file, &arguments.table]);
-    let csv = cli::reserve(arguments.csv.as_deref(), &mut outputs)?;
-    let picture = cli::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let csv = output::reserve(arguments.csv.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
+    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
         let (trials, refused) = run_all(arguments, pool, |index| {
             let params = ranges.open_campaign(arguments.seed, index, &directions);
@@ -237,7 +242,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
         });
         let summary = choice::Summary::new(&trials, refused);
         return Ok(if arguments.json {
-            cli::json(&summary)
+            output::json(&summary)
         } else {
             choices(&summary)
         });
@@ -250,11 +255,12 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
         output.commit(spreadsheet(&trials).as_bytes())?;
     }
     let summary = Summary::new(&trials, refused);
+    #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         output.commit(&picture::drawn(&summary, path)?)?;
     }
     Ok(if arguments.json {
-        cli::json(&summary)
+        output::json(&summary)
     } else {
         table_of(&summary)
     })
@@ -264,19 +270,19 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
 fn run_all<T: Send>(
     arguments: &Arguments,
     pool: &rayon::ThreadPool,
-    run: impl Fn(u64) -> Result<T, scene::Error> + Sync,
+    run: impl Fn(u64) -> Result<T, Error> + Sync,
 ) -> (Vec<T>, Vec<Refused>) {
-    let bar = bar(arguments.campaigns);
+    let progress = Progress::of(arguments.campaigns);
     let all: Vec<_> = pool.install(|| {
         let campaigns = (0..arguments.campaigns).into_par_iter();
         let one = |index| {
             let trial = run(index);
-            bar.inc(1);
+            progress.step();
             trial
         };
         campaigns.map(one).collect()
     });
-    bar.finish_and_clear();
+    progress.done();
     refused::part(all)
 }
 
@@ -347,17 +353,6 @@ fn checked_directions(
         });
     }
     Ok(directions)
-}
-
-fn bar(campaigns: u64) -> ProgressBar {
-    let bar = ProgressBar::new(campaigns);
-    if !std::io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
-    }
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} campaigns, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 fn table_of(summary: &Summary) -> String {

@@ -1,13 +1,8 @@
 //! The options by which a verb leaves terms of the model open, or closes them.
 
-use std::path::Path;
-
-use crate::cli::cli::Failure;
-use crate::estimate::scene::Scene;
 use crate::estimate::select::Candidates;
-use crate::model::kernel::{Family, Kernel};
-use crate::model::lobe::Shape;
-use crate::model::wave;
+use crate::names::kernel::{Family, Kernel};
+use crate::names::lobe::LobeShape;
 
 /// Which terms are open.
 #[derive(Debug, clap::Args)]
@@ -40,7 +35,7 @@ pub enum Lobes {
     /// All that the model has.
     Auto,
     /// One.
-    One(Shape),
+    One(LobeShape),
 }
 
 /// What may be fitted per angle.
@@ -79,7 +74,7 @@ fn lobes(text: &str) -> Result<Lobes, String> {
     if text == "auto" {
         return Ok(Lobes::Auto);
     }
-    let mut all = Shape::ALL.into_iter().chain(Shape::MICROFACETS);
+    let mut all = LobeShape::ALL.into_iter().chain(LobeShape::MICROFACETS);
     let shape = all.find(|shape| shape.name() == text);
     Ok(Lobes::One(shape.ok_or(
         "use radial, separable or auto; with a baseline beckmann, ggx or auto",
@@ -121,7 +116,7 @@ impl Terms {
         }
         let shapes = match self.lobe {
             None if baseline => self.model.shapes().to_vec(),
-            None => vec![Shape::Radial],
+            None => vec![LobeShape::Radial],
             Some(Lobes::Auto) => self.model.shapes().to_vec(),
             Some(Lobes::One(shape)) if self.model.shapes().contains(&shape) => vec![shape],
             Some(Lobes::One(_)) if baseline => {
@@ -144,52 +139,4 @@ impl Terms {
             per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu),
         }
     }
-}
-
-/// The candidates that the photographs and the table allow: `wave` needs wavelengths and polygons, a rough front a front.
-/// What is left out is said in the scene's warnings, unless nobody asked for it. A baseline's light is put in the place of
-/// the table's.
-///
-/// # Errors
-/// [`Failure::Wave`] where `wave` alone was asked for; [`Failure::Hollow`] where `guo` was for hollow cubes.
-pub fn possible(
-    candidates: &Candidates,
-    scene: &mut Scene,
-    manifest: &Path,
-) -> Result<Candidates, Failure> {
-    let mut candidates = candidates.clone();
-    let hollow = scene.shots.iter().any(|shot| shot.refractive_index <= 1.0);
-    if hollow && candidates.kernels == [Kernel::Guo] {
-        return Err(Failure::Hollow {
-            manifest: manifest.to_owned(),
-        });
-    }
-    if hollow {
-        let front = |kernel: &Kernel| *kernel == Kernel::SaitoSurface;
-        candidates.kernels.retain(|kernel| !front(kernel));
-    }
-    if let Some(&kernel) = candidates
-        .kernels
-        .iter()
-        .find(|kernel| kernel.is_baseline())
-    {
-        scene.returning_as(kernel);
-    }
-    if candidates.kernels.contains(&Kernel::Wave)
-        && let Err(fault) = scene.waves()
-    {
-        if candidates.kernels == [Kernel::Wave] {
-            return Err(Failure::Wave {
-                manifest: manifest.to_owned(),
-                fault,
-            });
-        }
-        candidates.kernels.retain(|&kernel| kernel != Kernel::Wave);
-        if fault != wave::Fault::NoWavelength {
-            scene.warnings.push(format!(
-                "the wave kernel is not among the candidates: {fault}"
-            ));
-        }
-    }
-    Ok(candidates)
 }

@@ -16,9 +16,10 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::compare::pixels::Pixels;
 use crate::compare::place::Place;
-use crate::compare::view::{MODEL_ERROR, Model};
+use crate::compare::view::MODEL_ERROR;
+use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::kernel::Blur;
+use crate::model::model::Model;
 use crate::model::spread::{Even, Grid};
 use crate::numerics::clip;
 use crate::numerics::factor;

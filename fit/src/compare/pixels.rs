@@ -7,7 +7,7 @@
 //! differ across it, (1/4 px)^2/12 over the variance of the blur: 1 % of the information on a lens of half a pixel, 0.1 %
 //! on an aerial image.
 
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::BIN_PX;
 use crate::photographs::window::{Raster, Window};
 
@@ -36,7 +36,7 @@ pub struct Bin {
 #[derive(Debug, Clone)]
 pub struct Pixels {
     /// Zero of the distances.
-    pub line: Line,
+    pub line: EdgeLine,
     /// Bins in ascending order of distance.
     pub bins: Vec<Bin>,
     /// Index of the first bin: bin j is centred at (first + j) x [`BIN_PX`].
@@ -49,7 +49,7 @@ pub struct Pixels {
 
 impl Pixels {
     /// Sorts all pixels of a window by their distance from `line`.
-    pub fn new(window: &Window, line: &Line) -> Pixels {
+    pub fn new(window: &Window, line: &EdgeLine) -> Pixels {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as i64
             + (line.offset_px.abs() / BIN_PX) as i64;
         let mut sums = vec![Sums::default(); 2 * limit as usize + 1];

@@ -4,19 +4,15 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
 
-use crate::model::baseline::Baseline;
+use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
+use crate::model::model::{Curve, Model};
 use crate::model::spread::Grid;
 use crate::numerics::fourier::fast_length;
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::Profile;
 use crate::photographs::sfr;
 use crate::photographs::sfr::{Estimator, Mtf};
-use crate::samples::sampled::Sampled;
-use tables::ShiftLine;
-use tables::WaveLine;
 
 /// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
 pub const MODEL_ERROR: f64 = 2e-5;
@@ -37,7 +33,7 @@ pub enum Weights {
 #[derive(Clone)]
 pub struct View {
     /// Where the edge lies.
-    pub line: Line,
+    pub line: EdgeLine,
     /// Pixels sorted by distance from the edge.
     pub profile: Profile,
     /// The estimator at the frequencies of comparison.
@@ -52,97 +48,6 @@ pub struct View {
     normal: [f64; 2],
     camera: Vec<f64>,
     whitener: Cholesky<f64, Dyn>,
-    /// The photograph's samples, where its model is evaluated by them.
-    sampled: Option<Sampled>,
-}
-
-/// A model's profile over the bins, with its derivatives by the natural logarithms of spread and c.
-pub struct Curve {
-    /// Mean of the unit edge over every bin.
-    pub bins: Vec<f64>,
-    /// Derivative by ln(spread), where the kernel has a lobe.
-    pub by_ln_spread: Option<Vec<f64>>,
-    /// Derivative by ln(c), where the kernel has c.
-    pub by_ln_c: Option<Vec<f64>>,
-}
-
-/// The blur's variable part: kernel, lobe shape, and this direction's shift or waves.
-#[derive(Clone, Copy)]
-pub struct Model<'a> {
-    /// Terms of the model.
-    pub kernel: Kernel,
-    /// Shape of its lobe.
-    pub shape: Shape,
-    /// The direction's shift along the edge normal; `None` only for models without it.
-    pub shift: Option<&'a ShiftLine>,
-    /// The direction's waves along the edge normal; `None` only for models without them (a `wave` model is NaN then).
-    pub wave: Option<&'a WaveLine>,
-    /// The facets along the edge normal; `None` but for baselines (which are NaN without).
-    pub baseline: Option<Baseline>,
-    /// Floating distance (optical path), mm.
-    pub r_mm: f64,
-    /// Edge normal in the aerial image, (tangential, sagittal).
-    pub normal: [f64; 2],
-}
-
-impl Model<'_> {
-    /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by ln(spread) and ln(c).
-    pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
-        let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
-        let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
-        [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe]
-    }
-
-    /// The factor that depends on c, of shift, waves or a rough front, and its derivative by ln(c); 1 and 0 where the kernel
-    /// has none.
-    pub fn sheet_otf(&self, c_mm: f64, frequency: f64) -> [Complex64; 2] {
-        if let Some(facets) = self.baseline {
-            return facets
-                .front_otf(self.shape, c_mm * self.r_mm, frequency)
-                .map(Complex64::from);
-        }
-        match (self.kernel, self.wave, self.shift) {
-            (Kernel::Wave, Some(line), _) => {
-                let (value, by_ln_c) = line.otf(c_mm, self.r_mm, frequency);
-                [value.into(), by_ln_c.into()]
-            }
-            (kernel, ..) if kernel == Kernel::Wave || kernel.is_baseline() => {
-                [Complex64::from(f64::NAN); 2]
-            }
-            (Kernel::Eq1 | Kernel::Angular | Kernel::Shift, _, Some(line)) => {
-                let (value, by_c) = line.otf(c_mm, self.r_mm, frequency);
-                [value, by_c * c_mm]
-            }
-            _ => [Complex64::ONE, Complex64::ZERO],
-        }
-    }
-
-    /// The lobe's factor, and its derivative by ln(spread); 1 and 0 where the kernel has none.
-    pub fn lobe_otf(&self, spread: f64, frequency: f64) -> [f64; 2] {
-        if let Some(facets) = self.baseline {
-            return facets.own_otf(self.shape, spread * self.r_mm, frequency);
-        }
-        if !self.kernel.has_lobe() {
-            return [1.0, 0.0];
-        }
-        let a = spread / self.kernel.distance_scale(self.r_mm);
-        let (value, slope) = self.shape.otf(a, frequency, self.normal);
-        [value, slope * a]
-    }
-
-    /// Kink of the OTF at zero frequency (mm), and its derivatives by ln(spread) and ln(c).
-    pub fn kink(&self, blur: Blur) -> [f64; 3] {
-        if let (Kernel::Wave, Some(line)) = (self.kernel, self.wave) {
-            let kink = line.kink(blur.c_mm, self.r_mm);
-            return [kink, 0.0, -kink];
-        }
-        if !self.kernel.has_lobe() || self.kernel.is_baseline() {
-            return [0.0; 3];
-        }
-        let a = blur.spread / self.kernel.distance_scale(self.r_mm);
-        let (kink, slope) = self.shape.kink(a, self.normal);
-        [kink, slope * a, 0.0]
-    }
 }
 
 impl View {
@@ -151,7 +56,7 @@ impl View {
     /// Frequencies: the spacing is about the reciprocal of the profile's length (closer ones tell nothing new); the last is
     /// where the measured modulus sinks into three times its noise, at most half the sampling frequency.
     pub fn new(
-        line: Line,
+        line: EdgeLine,
         profile: Profile,
         pitch_mm: f64,
         tangential_rad: f64,
@@ -174,7 +79,8 @@ impl View {
         let whitener = whitener(response, &profile);
         let grid = Grid::new(profile.len(), pitch_mm);
         let angle = line.normal_rad - tangential_rad;
-        let mut view = View {
+        View {
+            camera: seen_by(camera, &grid, line.normal_rad),
             line,
             profile,
             estimator,
@@ -183,39 +89,8 @@ impl View {
             grid,
             pitch_mm,
             normal: [angle.cos(), angle.sin()],
-            camera: Vec::new(),
             whitener,
-            sampled: None,
-        };
-        view.set_camera(camera);
-        view
-    }
-
-    /// Changes the camera.
-    pub fn set_camera(&mut self, camera: &Camera) {
-        self.camera = self
-            .grid
-            .frequencies_per_mm()
-            .map(|f| camera.otf(f, self.line.normal_rad))
-            .collect();
-        self.sampled = self.sampled.as_ref().map(|s| s.through(camera));
-    }
-
-    /// Evaluates the model by samples from now on, or in closed form.
-    pub fn set_sampled(&mut self, sampled: Option<Sampled>) {
-        self.sampled = sampled;
-    }
-
-    /// The samples by which the model is evaluated, if it is.
-    pub fn sampled(&self) -> Option<&Sampled> {
-        self.sampled.as_ref()
-    }
-
-    /// The same photograph seen through another camera.
-    pub fn through(&self, camera: &Camera) -> View {
-        let mut view = self.clone();
-        view.set_camera(camera);
-        view
+        }
     }
 
     /// Edge normal in the aerial image, (tangential, sagittal).
@@ -225,15 +100,23 @@ impl View {
 
     /// The model's edge profile on this photograph's bins.
     pub fn curve(&self, model: &Model, blur: Blur) -> Curve {
-        if let Some(sampled) = &self.sampled {
-            return sampled.curve(model, blur, self.pitch_mm, &self.profile);
-        }
-        let n = self.camera.len();
+        self.behind(&self.camera, model, blur)
+    }
+
+    /// The model's edge profile as another camera would have it.
+    pub fn curve_by(&self, camera: &Camera, model: &Model, blur: Blur) -> Curve {
+        let camera = seen_by(camera, &self.grid, self.line.normal_rad);
+        self.behind(&camera, model, blur)
+    }
+
+    /// The model's edge profile behind a camera of this OTF at the grid's frequencies.
+    fn behind(&self, camera: &[f64], model: &Model, blur: Blur) -> Curve {
+        let n = camera.len();
         let mut otf = [const { Vec::new() }; 3];
         for part in &mut otf {
             part.reserve(n);
         }
-        for (f, &camera) in self.grid.frequencies_per_mm().zip(&self.camera) {
+        for (f, &camera) in self.grid.frequencies_per_mm().zip(camera) {
             // Beyond the camera's reach the rest need not be worked out.
             let values = if camera.abs() < 1e-8 {
                 [Complex64::ZERO; 3]
@@ -257,9 +140,10 @@ impl View {
         }
     }
 
-    /// The camera's edge alone: the model of a reference photograph.
-    pub fn reference_curve(&self) -> Vec<f64> {
-        let otf: Vec<Complex64> = self.camera.iter().map(|&c| Complex64::from(c)).collect();
+    /// The edge of a camera alone: the model of a reference photograph.
+    pub fn edge_of(&self, camera: &Camera) -> Vec<f64> {
+        let otf = seen_by(camera, &self.grid, self.line.normal_rad);
+        let otf: Vec<Complex64> = otf.into_iter().map(Complex64::from).collect();
         self.grid.profile(&otf, 0.0, &self.profile)
     }
 
@@ -313,6 +197,12 @@ impl View {
     pub fn pitch_mm(&self) -> f64 {
         self.pitch_mm
     }
+}
+
+/// The OTF of a camera at the frequencies of a grid, along a normal.
+fn seen_by(camera: &Camera, grid: &Grid, normal_rad: f64) -> Vec<f64> {
+    let frequencies = grid.frequencies_per_mm();
+    frequencies.map(|f| camera.otf(f, normal_rad)).collect()
 }
 
 /// Covariance of the measured modulus by bin noise, factored; zero frequency left out.

@@ -7,11 +7,15 @@
 use nalgebra::DMatrix;
 use tables::Table;
 
-use crate::estimate::estimate::{Choice, Estimate, Optimum, Value, estimate, optimum, refined};
+use crate::estimate::choice::{Choice, Value};
+use crate::estimate::error::Error;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::scene::Scene;
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
+use crate::estimate::watch::{Step, Watch};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 
 /// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and more.
 const STEP_DEG: f64 = 5.0;
@@ -36,9 +40,9 @@ pub struct Azimuth {
     pub others_deg: Vec<f64>,
 }
 
-/// The scene as it looks at several azimuths.
-struct Turned<'a> {
-    scene: &'a mut Scene,
+/// The profile of the azimuth, followed from place to place.
+struct Profile<'a> {
+    scene: &'a Scene,
     table: &'a Table,
     /// The captures' own, degrees.
     azimuths_deg: Vec<f64>,
@@ -47,20 +51,22 @@ struct Turned<'a> {
     last: Option<Optimum>,
 }
 
-impl Turned<'_> {
-    fn to(&mut self, deg: f64) -> Result<bool, tables::Error> {
+impl Profile<'_> {
+    /// The scene as it looks at an azimuth more.
+    fn turned(&self, deg: f64) -> Result<Scene, tables::Error> {
         let turned: Vec<f64> = self.azimuths_deg.iter().map(|own| own + deg).collect();
-        self.scene.turn(self.table, &turned)
+        self.scene.turned(self.table, &turned)
     }
 
-    /// The profile: infinite where the table says that a photograph shows nothing.
+    /// The least sum of squares: infinite where the table says that a photograph shows nothing.
     fn squares(&mut self, deg: f64) -> Result<f64, tables::Error> {
-        if !self.to(deg)? {
+        let scene = self.turned(deg)?;
+        if !scene.is_lit() {
             return Ok(f64::INFINITY);
         }
         let fit = match self.last.take() {
-            Some(last) => refined(self.scene, &Loss::Mtf(self.scene), last),
-            None => optimum(self.scene, self.choice),
+            Some(last) => refined(&scene, &Loss::Mtf(&scene), last),
+            None => optimum(&scene, self.choice),
         };
         let squares = fit.solution.sum_of_squares();
         self.last = Some(fit);
@@ -96,35 +102,52 @@ pub fn flexible(scene: &Scene) -> Choice {
     let several = scene.groups.len() > 1;
     Choice {
         kernel: Kernel::Eq1,
-        shape: Shape::Radial,
+        shape: LobeShape::Radial,
         per_angle_a: several,
         per_angle_mu: several,
     }
 }
 
-/// Finds the azimuth under `choice` and leaves the scene there.
+/// That a table tells azimuths apart.
+fn check(table: &Table) -> Result<(), Error> {
+    let held = if table.axes.is_mean() {
+        "it is a mean over all"
+    } else if table.axes.azimuth_deg.len() < 2 {
+        "it holds one"
+    } else {
+        return Ok(());
+    };
+    Err(Error::OneAzimuth { held })
+}
+
+/// Finds the azimuth under `choice`; the scene is given back as it looks there.
 ///
 /// # Errors
-/// The table does not go all around.
-pub fn find(scene: &mut Scene, table: &Table, choice: Choice) -> Result<Azimuth, tables::Error> {
+/// [`Error::OneAzimuth`], [`Error::Cancelled`]; the table does not go all around.
+pub fn find(
+    scene: &Scene,
+    table: &Table,
+    choice: Choice,
+    watch: &Watch,
+) -> Result<(Azimuth, Scene), Error> {
+    check(table)?;
     let period = 360.0 / f64::from(table.provenance.symmetry.rotations);
-    let azimuths_deg = scene
-        .shots
-        .iter()
-        .map(|shot| shot.azimuth_deg.unwrap_or(0.0))
-        .collect();
     let observations = Loss::Mtf(scene).observations();
-    let mut turned = Turned {
+    let mut profile = Profile {
         scene,
         table,
-        azimuths_deg,
+        azimuths_deg: scene.azimuths_deg(),
         choice,
         last: None,
     };
     let steps = (period / STEP_DEG).ceil() as usize;
     let step = period / steps as f64;
-    let around = (0..steps).map(|k| turned.squares(k as f64 * step));
-    let around = around.collect::<Result<Vec<f64>, _>>()?;
+    let of = steps + MINIMA;
+    let mut around = Vec::with_capacity(steps);
+    for k in 0..steps {
+        around.push(profile.squares(k as f64 * step)?);
+        watch.done(Step::Azimuths { done: k + 1, of })?;
+    }
     let mut lows: Vec<usize> = (0..steps)
         .filter(|&k| {
             let beside = [around[(k + steps - 1) % steps], around[(k + 1) % steps]];
@@ -135,7 +158,9 @@ pub fn find(scene: &mut Scene, table: &Table, choice: Choice) -> Result<Azimuth,
     let mut minima = Vec::new();
     for low in lows.into_iter().take(MINIMA) {
         let middle = low as f64 * step;
-        minima.push(turned.minimum(middle - step, middle + step)?);
+        minima.push(profile.minimum(middle - step, middle + step)?);
+        let done = steps + minima.len();
+        watch.done(Step::Azimuths { done, of })?;
     }
     minima.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (best, least) = minima.first().copied().unwrap_or((0.0, f64::INFINITY));
@@ -143,26 +168,29 @@ pub fn find(scene: &mut Scene, table: &Table, choice: Choice) -> Result<Azimuth,
     // The profile rises by the misfit at one standard error: measured about there.
     let mut error = 0.5;
     for _ in 0..3 {
-        let sides = [turned.squares(best - error)?, turned.squares(best + error)?];
+        let sides = [
+            profile.squares(best - error)?,
+            profile.squares(best + error)?,
+        ];
         let rise = 0.5 * (sides[0] + sides[1]) - least;
         let next = error * (misfit / rise.max(1e-6 * misfit)).sqrt();
         error = next.clamp(1e-3, 0.25 * period);
     }
-    turned.to(best)?;
     let others = minima[1.min(minima.len())..]
         .iter()
         .filter(|(deg, squares)| {
             let apart = (deg - best).rem_euclid(period);
             squares - least < AS_WELL * misfit && apart.min(period - apart) > error
         });
-    Ok(Azimuth {
+    let found = Azimuth {
         deg: Value {
             value: best.rem_euclid(period),
             standard_error: error,
         },
         period_deg: period,
         others_deg: others.map(|(deg, _)| deg.rem_euclid(period)).collect(),
-    })
+    };
+    Ok((found, profile.turned(best)?))
 }
 
 /// What the error of the azimuth, at which the scene is, adds to the covariance of the logarithms of all parameters.
@@ -170,28 +198,23 @@ pub fn find(scene: &mut Scene, table: &Table, choice: Choice) -> Result<Azimuth,
 /// # Errors
 /// As [`find`].
 pub fn scatter(
-    scene: &mut Scene,
+    scene: &Scene,
     table: &Table,
     found: &Azimuth,
     kind: Kind,
     choice: Choice,
 ) -> Result<DMatrix<f64>, tables::Error> {
-    let own: Vec<f64> = scene
-        .shots
-        .iter()
-        .map(|shot| shot.azimuth_deg.unwrap_or(0.0))
-        .collect();
+    let own = scene.azimuths_deg();
     let mut sides = Vec::new();
     for side in [-1.0, 1.0] {
         let by = side * found.deg.standard_error;
         let turned: Vec<f64> = own.iter().map(|own| own + by).collect();
-        scene.turn(table, &turned)?;
+        let scene = &scene.turned(table, &turned)?;
         let near = optimum(scene, choice);
         let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
         let fit = estimate(scene, &loss, refined(scene, &loss, near));
         sides.push(logarithms(&fit));
     }
-    scene.turn(table, &own)?;
     let half: Vec<f64> = sides[0]
         .iter()
         .zip(&sides[1])

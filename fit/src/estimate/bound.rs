@@ -8,15 +8,35 @@
 use std::collections::BTreeMap;
 
 use nalgebra::DVector;
+use serde::{Deserialize, Serialize};
 
-use crate::estimate::estimate::{Choice, Estimate, estimate, refined, rough, sum_of_squares_with};
+use crate::estimate::choice::Choice;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::loss::Loss;
+use crate::estimate::optimum::{refined, rough, sum_of_squares_with};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{CLEAR, Selection};
-use crate::model::kernel::Kernel;
-use crate::result::report::Bound;
+use crate::names::kernel::Kernel;
+use crate::names::parameter::{ParameterId, ParameterKind};
 
-/// Relative standard error beyond which an estimate is a number without meaning.
+/// A one-sided bound at a confidence.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bound {
+    /// The parameter is larger.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub at_least: Option<f64>,
+    /// The parameter is smaller.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub at_most: Option<f64>,
+    /// Confidence of the bound.
+    pub confidence: f64,
+}
+
+/// The bounds of an estimate, by parameter.
+pub type Bounds = BTreeMap<ParameterId, Bound>;
+
+/// Relative standard error beyond which an estimate is a number without meaning: two standard errors reach to nothing, so that the
+/// photographs do not tell the term from none.
 const MEANINGLESS: f64 = 0.5;
 
 /// Confidence of the bounds, and the rise of the sum of squares that it stands for (one-sided, one parameter).
@@ -25,14 +45,14 @@ const RISE: f64 = 2.706;
 
 /// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at most, a at least (each is the
 /// direction in which its blur fades away).
-pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bound> {
-    let mut found = BTreeMap::new();
+pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
+    let mut found = Bounds::new();
     for i in 0..fit.blur_parameters() {
         let relative = fit.covariance[(i, i)].sqrt() / fit.solution.parameters[i].exp();
         if relative.is_finite() && relative < MEANINGLESS {
             continue;
         }
-        found.insert(fit.names[i].clone(), bound(scene, loss, fit, i, RISE));
+        found.insert(fit.parameters[i], bound(scene, loss, fit, i, RISE));
     }
     found
 }
@@ -40,12 +60,12 @@ pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> BTreeMap<String, Bo
 /// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where the shift alone was,
 /// from the literal Eq. (1), which has both; likewise a baseline's rough front. `None` where all is there, or the fuller
 /// model was no candidate.
-pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
+pub fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterId, Bound)> {
     let choice = selection.best.choice;
-    let (name, with) = match choice.kernel {
-        Kernel::Lobe => ("c_mm", Kernel::Eq1),
-        Kernel::Shift => ("a_per_mm", Kernel::Eq1),
-        Kernel::Saito => ("surface_roughness", Kernel::SaitoSurface),
+    let (kind, with) = match choice.kernel {
+        Kernel::Lobe => (ParameterKind::CornerSize, Kernel::Eq1),
+        Kernel::Shift => (ParameterKind::APerMm, Kernel::Eq1),
+        Kernel::Saito => (ParameterKind::SurfaceRoughness, Kernel::SaitoSurface),
         _ => return None,
     };
     let rows = &mut selection.compared.iter();
@@ -58,12 +78,13 @@ pub fn absent(scene: &Scene, selection: &Selection) -> Option<(String, Bound)> {
     };
     let loss = &selection.loss;
     let fit = estimate(scene, loss, refined(scene, loss, rough(scene, both)));
-    let i = fit.names.iter().position(|own| own == name)?;
+    let id = kind.shared();
+    let i = fit.parameters.iter().position(|&own| own == id)?;
     // What the term was worth in the sum of squares, and what it would have had to be.
     let worth = (selection.best.chi2 - fit.chi2).max(0.0) / fit.reduced_chi2().max(1.0);
     let threshold = (loss.observations() as f64).ln() + CLEAR;
     let rise = rise_below(worth.sqrt(), threshold.sqrt());
-    Some((name.into(), bound(scene, loss, &fit, i, rise)))
+    Some((id, bound(scene, loss, &fit, i, rise)))
 }
 
 /// Rise of the sum of squares at the bound of a number that was found at `found` standard deviations from 0, where one beyond
@@ -89,7 +110,7 @@ fn rise_below(found: f64, threshold: f64) -> f64 {
 
 fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bound {
     let unit = fit.reduced_chi2().max(1.0);
-    let is_a = fit.names[i].starts_with("a_");
+    let is_a = fit.parameters[i].kind.fades_upwards();
     // c and roughness vanish downwards, so their bound lies above; a vanishes upwards, so its bound lies below. Waves
     // spread either way.
     let wave = fit.choice.kernel == Kernel::Wave;

@@ -5,44 +5,22 @@
 //! the solver is Levenberg-Marquardt. The loss `mtf` weighs the differences by their noise covariance as well, which the estimator knows. The
 //! loss `edge` puts the likelihood of the pixels in place of the MTF (see `likelihood`).
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::compare::view::{Curve, Model, View, Weights};
-use crate::estimate::covariance::Noise;
+use crate::compare::view::Weights;
+use crate::estimate::choice::{Choice, Value};
+use crate::estimate::compared::{Compared, assemble, compare};
+use crate::estimate::covariance::{Covariances, Linear};
 use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
-use crate::estimate::scene::{Aerial, Scene};
-use crate::estimate::start;
-use crate::model::baseline::Baseline;
+use crate::estimate::optimum::Optimum;
+use crate::estimate::scene::Scene;
 use crate::model::camera::Camera;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
-use crate::numerics::solve::{CONVERGED, Solution, least_squares};
+use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::numerics::solve::Solution;
 use crate::samples::sampled::Sampling;
-
-/// What a candidate lets vary.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Choice {
-    /// Terms of the blur.
-    pub kernel: Kernel,
-    /// Shape of the lobe.
-    pub shape: Shape,
-    /// One spread per incidence angle, or one for all.
-    pub per_angle_a: bool,
-    /// One mu per incidence angle, or one for all.
-    pub per_angle_mu: bool,
-}
-
-/// A number and its standard error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Value {
-    /// The estimate.
-    pub value: f64,
-    /// One standard deviation: pixel noise carried through the estimator, the camera and the plateaus.
-    pub standard_error: f64,
-}
 
 /// A fitted candidate.
 #[derive(Debug, Clone)]
@@ -55,8 +33,8 @@ pub struct Estimate {
     pub spread: Vec<Value>,
     /// Reflectance: one, or one per incidence group; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
-    /// Names of the covariance's rows: c_mm, a or A (`_at_` incidence), mu likewise.
-    pub names: Vec<String>,
+    /// What the covariance's rows are: c, the spreads, mu.
+    pub parameters: Vec<ParameterId>,
     /// Covariance of all of them.
     pub covariance: DMatrix<f64>,
     /// Sum of squares of the residuals in units of their noise; under `mse` that of the MTFs, where their mean squared difference is
@@ -132,278 +110,51 @@ impl Estimate {
     }
 }
 
-/// One photograph's model with derivatives.
-pub struct Compared {
-    /// The model on the photograph's bins.
-    pub curve: Curve,
-    /// Its MTF through the photograph's estimator.
-    pub modelled: Vec<f64>,
-    /// Its differences to the measured MTF, not weighed.
-    pub difference: Vec<f64>,
-    /// Their derivatives by ln spread and ln c, those that the kernel has.
-    pub derivatives: Vec<Vec<f64>>,
-}
-
-/// The model of one photograph under a candidate.
-pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
-    Model {
-        kernel: choice.kernel,
-        shape: choice.shape,
-        shift: shot.shift.as_ref(),
-        wave: shot.wave.as_ref().ok(),
-        baseline: Baseline::new(
-            choice.kernel,
-            shot.incidence_deg.to_radians(),
-            shot.refractive_index,
-            shot.view.normal(),
-        ),
-        r_mm: shot.r_mm,
-        normal: shot.view.normal(),
-    }
-}
-
-/// Compares a photograph's MTF, seen through `view`, with that of a model.
-pub fn compare(shot: &Aerial, view: &View, choice: Choice, blur: Blur) -> Compared {
-    let curve = view.curve(&model(shot, choice), blur);
-    let by: Vec<Vec<f64>> = curve
-        .by_ln_spread
-        .iter()
-        .chain(&curve.by_ln_c)
-        .cloned()
-        .collect();
-    let (modelled, derivatives) = view.predict(&curve.bins, &by);
-    let difference: Vec<f64> = modelled
-        .iter()
-        .zip(&view.mtf.modulus)
-        .map(|(m, d)| m - d)
-        .collect();
-    Compared {
-        difference,
-        derivatives,
-        curve,
-        modelled,
-    }
-}
-
-/// The optimum of one candidate.
-#[derive(Debug, Clone)]
-pub struct Optimum {
-    /// The candidate.
-    pub choice: Choice,
-    /// Where the solver ended; its parameters are ln c, ln spread, and under `edge` the lens.
-    pub solution: Solution,
-    /// How many independent numbers were compared.
-    pub observations: usize,
-}
-
-impl Optimum {
-    /// Bayes' criterion: chi^2 / `misfit` + k ln n, n the independent numbers compared (see [`Loss::observations`]).
-    pub fn criterion(&self, misfit: f64) -> f64 {
-        let n = self.observations as f64;
-        self.solution.sum_of_squares() / misfit + self.solution.parameters.len() as f64 * n.ln()
-    }
-
-    /// Sum of squares per degree of freedom.
-    pub fn reduced_chi2(&self) -> f64 {
-        let parameters = self.solution.parameters.len();
-        let freedom = self.observations.saturating_sub(parameters).max(1);
-        self.solution.sum_of_squares() / freedom as f64
-    }
-}
-
-/// Fits one candidate to the MTFs of a scene.
-pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
-    let start = rough(scene, choice);
-    refined(scene, &Loss::Mtf(scene), start)
-}
-
-/// The optimum of a candidate on the MTFs to a thousandth: enough to tell a hopeless one.
-pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
-    rough_from(scene, choice, start::points(scene, choice))
-}
-
-/// The same from given starting points, of which there is at least one.
-pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
-    const ROUGH: f64 = 1e-3;
-    let loss = Loss::Mtf(scene);
-    let layout = Layout::new(choice, scene.groups.len());
-    let solution = starts
-        .into_iter()
-        .map(|start| {
-            let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
-            let c = choice.kernel.has_c().then(|| start.c_mm.ln());
-            let point = c.into_iter().chain((0..layout.spreads).map(spread));
-            let point = DVector::from_iterator(layout.parameters(), point);
-            least_squares(point, ROUGH, |at| loss.evaluate(&layout, at))
-        })
-        .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
-        .expect("there is always a starting point");
-    Optimum {
-        choice,
-        solution,
-        observations: loss.observations(),
-    }
-}
-
-/// The optimum of a candidate under any loss, to convergence, from one on the MTFs.
-pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
-    refined_to(CONVERGED, scene, loss, from)
-}
-
-/// The same until parameters and sum of squares change by less than `tolerance` of themselves.
-pub fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
-    let layout = Layout::new(from.choice, scene.groups.len());
-    let start = loss.start(&from.solution.parameters);
-    let mut solution = least_squares(start, tolerance, |at| loss.evaluate(&layout, at));
-    solution.iterations += from.solution.iterations;
-    Optimum {
-        choice: from.choice,
-        solution,
-        observations: loss.observations(),
-    }
-}
-
-/// A candidate under any loss where its parameters stand: an upper limit of its sum of squares.
-pub fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
-    let layout = Layout::new(from.choice, scene.groups.len());
-    let parameters = loss.start(&from.solution.parameters);
-    let (residuals, jacobian) = loss.evaluate(&layout, &parameters);
-    Optimum {
-        solution: Solution {
-            parameters,
-            residuals,
-            jacobian,
-            ..from.solution
-        },
-        observations: loss.observations(),
-        ..from
-    }
-}
-
-/// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of the profile likelihood.
-pub fn sum_of_squares_with(
-    scene: &Scene,
-    loss: &Loss,
-    choice: Choice,
-    from: &DVector<f64>,
-    fixed: usize,
-    value: f64,
-) -> (f64, DVector<f64>) {
-    let layout = Layout::new(choice, scene.groups.len());
-    let with = |free: &DVector<f64>| free.clone().insert_row(fixed, value);
-    let evaluate = |free: &DVector<f64>| {
-        let (residuals, jacobian) = loss.evaluate(&layout, &with(free));
-        (residuals, jacobian.remove_column(fixed))
-    };
-    let free = from.clone().remove_row(fixed);
-    if free.is_empty() {
-        return (evaluate(&free).0.norm_squared(), with(&free));
-    }
-    let solution = least_squares(free, CONVERGED, evaluate);
-    (solution.sum_of_squares(), with(&solution.parameters))
-}
-
-/// Whitened MTF differences and their derivatives at the given logarithms of c and the spreads.
-pub fn residuals_at(
-    scene: &Scene,
-    choice: Choice,
-    parameters: &DVector<f64>,
-) -> (DVector<f64>, DMatrix<f64>) {
-    let layout = Layout::new(choice, scene.groups.len());
-    Loss::Mtf(scene).evaluate(&layout, parameters)
-}
-
-/// Stacks the differences of all photographs and their derivatives, weighed.
-pub fn assemble(
-    scene: &Scene,
-    layout: &Layout,
-    parts: &[Compared],
-    weights: Weights,
-) -> (DVector<f64>, DMatrix<f64>) {
-    let rows = parts.iter().map(|p| p.difference.len() - 1).sum();
-    let (mut residuals, mut jacobian) = (
-        DVector::zeros(rows),
-        DMatrix::zeros(rows, layout.parameters()),
-    );
-    let mut row = 0;
-    for (shot, part) in scene.shots.iter().zip(parts) {
-        let weighed = |values: &[f64]| shot.view.weigh(weights, values);
-        let n = part.difference.len() - 1;
-        residuals
-            .rows_mut(row, n)
-            .copy_from(&weighed(&part.difference));
-        for (column, derivative) in layout
-            .columns(shot.group)
-            .into_iter()
-            .zip(&part.derivatives)
-        {
-            jacobian
-                .view_mut((row, column), (n, 1))
-                .copy_from(&weighed(derivative));
-        }
-        row += n;
-    }
-    (residuals, jacobian)
-}
-
 /// Everything that follows from the optimum: mu, covariance, losses.
 pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
-    let Optimum {
-        choice,
-        solution,
-        observations,
-    } = optimum;
-    let layout = &Layout::new(choice, scene.groups.len());
+    let layout = &Layout::new(optimum.choice, scene.groups.len());
     let camera = match loss {
         Loss::Mtf(_) | Loss::Mse(_) => scene.camera,
-        Loss::Edge(joint) => joint.camera(layout, &solution.parameters),
+        Loss::Edge(joint) => joint.camera(layout, &optimum.solution.parameters),
     };
-    let parts: Vec<Compared> = scene
-        .shots
-        .par_iter()
-        .map(|shot| {
-            let blur = layout.blur(&solution.parameters, shot.group);
-            match loss {
-                Loss::Mtf(_) | Loss::Mse(_) => compare(shot, &shot.view, choice, blur),
-                Loss::Edge(_) => compare(shot, &shot.view.through(&camera), choice, blur),
-            }
-        })
-        .collect();
-    let p = layout.parameters();
-    let freedom = observations.saturating_sub(p).max(1) as f64;
+    let parts = compared(scene, loss, layout, &optimum, &camera);
     let chi2 = match loss {
         Loss::Mse(_) => {
             let (residuals, _) = assemble(scene, layout, &parts, Weights::Noise);
             residuals.norm_squared()
         }
-        _ => solution.sum_of_squares(),
+        _ => optimum.solution.sum_of_squares(),
     };
-    let inflation = (chi2 / freedom).max(1.0);
-    let of_mtfs = |weights| Noise::new(scene, layout, &solution, &parts, weights, inflation);
-    let noise = match loss {
-        Loss::Mtf(_) => of_mtfs(Weights::Noise),
-        Loss::Mse(_) => of_mtfs(Weights::Even),
-        Loss::Edge(joint) => {
-            joint.information(layout, &solution.parameters, inflation, Used::ByTheEstimate)
-        }
-    };
-    let mut q = noise.blur;
-    let mut names: Vec<String> = Vec::new();
-    let mut scale: Vec<f64> = Vec::new();
+    let found = covariances(scene, loss, layout, &optimum, &parts, chi2);
+    let Optimum {
+        choice,
+        solution,
+        observations,
+    } = optimum;
+    let p = layout.parameters();
+    let mut parameters: Vec<ParameterId> = Vec::new();
     if layout.c().is_some() {
-        names.push(choice.kernel.c_name().into());
+        parameters.push(ParameterKind::size_of(choice.kernel).shared());
     }
-    let spread_name = choice.kernel.spread_name();
-    names.extend(scene.names(spread_name, layout.spreads, choice.per_angle_a));
-    scale.extend(solution.parameters.iter().take(p).map(|p| p.exp()));
-    let mu = noise.mu.map(|mu| {
-        names.extend(scene.names("mu", mu.values.len(), choice.per_angle_mu));
+    if layout.spreads > 0 {
+        let kind = ParameterKind::spread_of(choice.kernel);
+        parameters.extend(kind.each(&scene.groups, choice.per_angle_a));
+    }
+    let mut scale: Vec<f64> = solution
+        .parameters
+        .iter()
+        .take(p)
+        .map(|p| p.exp())
+        .collect();
+    let mut logarithms = found.blur;
+    let mu = found.mu.map(|mu| {
+        parameters.extend(ParameterKind::Mu.each(&scene.groups, choice.per_angle_mu));
         scale.extend(&mu.values);
-        q = mu.covariance;
+        logarithms = mu.covariance;
         mu.values
     });
-    let covariance = DMatrix::from_fn(names.len(), names.len(), |i, j| {
-        q[(i, j)] * scale[i] * scale[j]
+    let covariance = DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
+        logarithms[(i, j)] * scale[i] * scale[j]
     });
     // A parameter that the photographs do not depend on has no finite error.
     let value = |i: usize| {
@@ -418,19 +169,6 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
             standard_error,
         }
     };
-    let losses = parts
-        .iter()
-        .zip(&scene.shots)
-        .map(|(part, shot)| {
-            let squares = part
-                .modelled
-                .iter()
-                .zip(&shot.view.mtf.modulus)
-                .skip(1)
-                .map(|(m, d)| (m - d).powi(2));
-            squares.sum::<f64>() / (part.modelled.len() - 1) as f64
-        })
-        .collect();
     Estimate {
         choice,
         c_mm: layout.c().map(value),
@@ -439,11 +177,74 @@ pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
         chi2,
         residuals: observations,
         camera,
+        losses: mean_squares(scene, &parts),
         modelled: parts.into_iter().map(|part| part.modelled).collect(),
-        names,
+        parameters,
         covariance,
         solution,
-        losses,
         sampling: None,
     }
+}
+
+/// Every photograph beside its model at the optimum, seen by the camera that the loss found.
+fn compared(
+    scene: &Scene,
+    loss: &Loss,
+    layout: &Layout,
+    optimum: &Optimum,
+    camera: &Camera,
+) -> Vec<Compared> {
+    let seen_by = match loss {
+        Loss::Mtf(_) | Loss::Mse(_) => None,
+        Loss::Edge(_) => Some(camera),
+    };
+    let shots = scene.shots.par_iter().map(|shot| {
+        let blur = layout.blur(&optimum.solution.parameters, shot.group);
+        compare(shot, seen_by, optimum.choice, blur)
+    });
+    shots.collect()
+}
+
+/// The covariances of the logarithms, raised where the model fits worse than the photographs' noise.
+fn covariances(
+    scene: &Scene,
+    loss: &Loss,
+    layout: &Layout,
+    optimum: &Optimum,
+    parts: &[Compared],
+    chi2: f64,
+) -> Covariances {
+    let solution = &optimum.solution;
+    let p = layout.parameters();
+    let freedom = optimum.observations.saturating_sub(p).max(1) as f64;
+    let inflation = (chi2 / freedom).max(1.0);
+    let of_mtfs = |weights| {
+        let linear = Linear {
+            scene,
+            layout,
+            solution,
+            parts,
+            weights,
+            inflation,
+        };
+        linear.covariances()
+    };
+    match loss {
+        Loss::Mtf(_) => of_mtfs(Weights::Noise),
+        Loss::Mse(_) => of_mtfs(Weights::Even),
+        Loss::Edge(joint) => {
+            joint.information(layout, &solution.parameters, inflation, Used::ByTheEstimate)
+        }
+    }
+}
+
+/// Mean squared MTF difference of each photograph.
+fn mean_squares(scene: &Scene, parts: &[Compared]) -> Vec<f64> {
+    let mean = |(part, measured): (&Compared, &Vec<f64>)| {
+        let pairs = part.modelled.iter().zip(measured).skip(1);
+        let squares = pairs.map(|(m, d)| (m - d).powi(2));
+        squares.sum::<f64>() / (part.modelled.len() - 1) as f64
+    };
+    let measured = scene.shots.iter().map(|shot| &shot.view.mtf.modulus);
+    parts.iter().zip(measured).map(mean).collect()
 }

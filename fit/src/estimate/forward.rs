@@ -11,15 +11,18 @@ use serde::{Deserialize, Serialize};
 use tables::Table;
 
 use crate::compare::view::Weights;
+use crate::estimate::choice::Choice;
+use crate::estimate::compared::{Compared, compare};
 use crate::estimate::covariance::{contrasts, reflectances};
-use crate::estimate::estimate::{
-    Choice, Compared, Estimate, Optimum, compare, estimate, refined_to, rough,
-};
+use crate::estimate::error::Error;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
-use crate::estimate::scene::Scene;
-use crate::samples::sample::ShiftSampler;
+use crate::estimate::optimum::{Optimum, refined_to, rough};
+use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::watch::{Step, Watch};
 use crate::samples::sampled::{Sampled, Sampling, Tile};
+use crate::samples::shift::ShiftSampler;
 
 /// Forward models.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -39,24 +42,44 @@ const CONVERGED: f64 = 1e-6;
 /// Independent randomisations from whose scatter the sampling error is taken: known to 1/sqrt(2 x 7) = 27 % of itself.
 pub const RANDOMISATIONS: u64 = 8;
 
-/// Draws the samples of every photograph for the terms of `choice`; another randomisation is independent. The model of the
-/// scene's views is evaluated by them from then on.
-///
-/// # Errors
-/// As [`Table::direction`]; not for the table that the scene was loaded with.
-pub fn draw(
-    scene: &mut Scene,
-    table: &Table,
-    choice: Choice,
-    sampling: Sampling,
-    randomisation: u64,
-) -> Result<(), tables::Error> {
-    let (camera, count) = (scene.camera, scene.shots.len() as u64);
-    let kernel = choice.kernel;
-    let shots = scene.shots.par_iter_mut().enumerate();
-    shots.try_for_each(|(index, shot)| {
+/// What the estimates by samples of one scene have in common.
+#[derive(Clone, Copy)]
+pub struct Renders<'a> {
+    /// The photographs, in closed form.
+    pub scene: &'a Scene,
+    /// The table that the scene was measured with.
+    pub table: &'a Table,
+    /// How differences of the MTFs are weighed.
+    pub weights: Weights,
+    /// How many samples, how spread.
+    pub sampling: Sampling,
+}
+
+impl Renders<'_> {
+    /// The scene with samples of every photograph for the terms of `choice`, by which the models are evaluated there; another
+    /// randomisation is independent.
+    ///
+    /// # Errors
+    /// As [`Table::direction`]; not for the table that the scene was measured with.
+    pub fn drawn(&self, choice: Choice, randomisation: u64) -> Result<Scene, tables::Error> {
+        let count = self.scene.shots.len() as u64;
+        let shots = self.scene.shots.par_iter().enumerate();
+        let samples = shots
+            .map(|(index, shot)| self.samples(shot, choice, randomisation * count + index as u64));
+        Ok(self.scene.sampled(samples.collect::<Result<_, _>>()?))
+    }
+
+    /// The samples of one photograph.
+    fn samples(
+        &self,
+        shot: &Aerial,
+        choice: Choice,
+        stream: u64,
+    ) -> Result<Sampled, tables::Error> {
+        let kernel = choice.kernel;
         let sampler = if kernel.has_c() {
-            ShiftSampler::new(&table.direction(shot.incidence_deg, shot.azimuth_deg)?)
+            let azimuth_deg = shot.facing.azimuth_deg;
+            ShiftSampler::new(&self.table.direction(shot.incidence_deg, azimuth_deg)?)
         } else {
             None
         };
@@ -64,82 +87,66 @@ pub fn draw(
             .as_ref()
             .map(|sampler| (sampler, shot.incidence_deg.to_radians()));
         let shape = kernel.has_lobe().then_some(choice.shape);
-        let stream = randomisation * count + index as u64;
-        let normal = shot.view.normal();
-        let tile = |pixels| Tile::new(sampling, stream, pixels, shift, shape, normal);
         let view = &shot.view;
-        let sampled = Sampled::new(
+        let normal = view.normal();
+        let tile = |pixels| Tile::new(self.sampling, stream, pixels, shift, shape, normal);
+        Ok(Sampled::new(
             &shot.pixels.raster,
             &view.profile,
             &view.line,
-            &camera,
+            &self.scene.camera,
             tile,
-        );
-        shot.view.set_sampled(Some(sampled));
-        Ok(())
-    })
-}
+        ))
+    }
 
-/// Back to the closed form.
-pub fn clear(scene: &mut Scene) {
-    for shot in &mut scene.shots {
-        shot.view.set_sampled(None);
+    /// The estimate of one candidate by one randomisation of the samples, from a start, beside the scene with these samples. Their
+    /// own error is not in its standard errors.
+    ///
+    /// # Errors
+    /// As [`Renders::drawn`].
+    pub fn by_one_randomisation(
+        &self,
+        start: Optimum,
+        randomisation: u64,
+    ) -> Result<(Estimate, Scene), tables::Error> {
+        let drawn = self.drawn(start.choice, randomisation)?;
+        let loss = Loss::of_mtfs(&drawn, self.weights);
+        let best = refined_to(CONVERGED, &drawn, &loss, start);
+        Ok((estimate(&drawn, &loss, best), drawn))
+    }
+
+    /// The estimate of one candidate by samples, beside the scene with the samples. Standard errors hold the sampling error: the
+    /// scatter of [`RANDOMISATIONS`] further estimates, each one Gauss-Newton step from the first (their differences are so small
+    /// that the problem is linear across them).
+    ///
+    /// # Errors
+    /// As [`Renders::drawn`]; [`Error::Cancelled`].
+    pub fn estimate(&self, choice: Choice, watch: &Watch) -> Result<(Estimate, Scene), Error> {
+        let start = rough(self.scene, choice);
+        // The first samples are drawn again in the end: two drawings at a time would take twice the memory.
+        let mut best = self.by_one_randomisation(start, 0)?.0;
+        let layout = Layout::new(choice, self.scene.groups.len());
+        let mut estimates = Vec::new();
+        for randomisation in 1..=RANDOMISATIONS {
+            let drawn = self.drawn(choice, randomisation)?;
+            estimates.push(neighbour(&drawn, self.weights, &layout, &best));
+            watch.done(Step::Randomisations {
+                done: estimates.len(),
+                of: RANDOMISATIONS as usize,
+            })?;
+        }
+        best.add_sampling_error(self.sampling, &scatter(&estimates));
+        Ok((best, self.drawn(choice, 0)?))
     }
 }
 
 /// Samples of one evaluation of all photographs.
 pub fn samples(scene: &Scene) -> usize {
-    let sampled = scene.shots.iter().filter_map(|shot| shot.view.sampled());
+    let sampled = scene.shots.iter().filter_map(|shot| shot.sampled.as_ref());
     sampled.map(Sampled::samples).sum()
 }
 
-/// The estimate of one candidate, MTF differences weighed so, by one randomisation of the samples from a start, their own error not in its standard
-/// errors. The scene keeps the samples.
-///
-/// # Errors
-/// As [`draw`].
-pub fn by_one_randomisation(
-    scene: &mut Scene,
-    table: &Table,
-    weights: Weights,
-    start: Optimum,
-    sampling: Sampling,
-    randomisation: u64,
-) -> Result<Estimate, tables::Error> {
-    draw(scene, table, start.choice, sampling, randomisation)?;
-    let loss = Loss::of_mtfs(scene, weights);
-    let best = refined_to(CONVERGED, scene, &loss, start);
-    Ok(estimate(scene, &loss, best))
-}
-
-/// The estimate of one candidate by samples. Standard errors hold the sampling error: the scatter of
-/// [`RANDOMISATIONS`] further estimates, each one Gauss-Newton step from the first (their differences are so small that the
-/// problem is linear across them).
-///
-/// # Errors
-/// As [`draw`].
-pub fn by_samples(
-    scene: &mut Scene,
-    table: &Table,
-    weights: Weights,
-    choice: Choice,
-    sampling: Sampling,
-) -> Result<Estimate, tables::Error> {
-    clear(scene);
-    let start = rough(scene, choice);
-    let mut best = by_one_randomisation(scene, table, weights, start, sampling, 0)?;
-    let layout = Layout::new(choice, scene.groups.len());
-    let mut estimates = Vec::new();
-    for randomisation in 1..=RANDOMISATIONS {
-        draw(scene, table, choice, sampling, randomisation)?;
-        estimates.push(neighbour(scene, weights, &layout, &best));
-    }
-    draw(scene, table, choice, sampling, 0)?;
-    best.add_sampling_error(sampling, &scatter(&estimates));
-    Ok(best)
-}
-
-/// ln(c, spreads, mu) of the samples that the scene holds now, one step from an estimate by others.
+/// ln(c, spreads, mu) of the samples that the scene holds, one step from an estimate by others.
 fn neighbour(scene: &Scene, weights: Weights, layout: &Layout, best: &Estimate) -> DVector<f64> {
     let at = &best.solution.parameters;
     let (residuals, jacobian) = Loss::of_mtfs(scene, weights).evaluate(layout, at);
@@ -155,7 +162,7 @@ fn neighbour(scene: &Scene, weights: Weights, layout: &Layout, best: &Estimate) 
         .par_iter()
         .map(|shot| {
             let blur = layout.blur(&at, shot.group);
-            compare(shot, &shot.view, layout.choice, blur)
+            compare(shot, None, layout.choice, blur)
         })
         .collect();
     let (mu, _) = reflectances(scene, layout, &contrasts(scene, &parts));

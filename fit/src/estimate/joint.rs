@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::compare::likelihood::{Curves, Fitted, NUISANCES, Photograph, STEP};
-use crate::estimate::covariance::{Mu, Noise};
-use crate::estimate::estimate::{Choice, model};
+use crate::estimate::choice::Choice;
+use crate::estimate::compared::model;
+use crate::estimate::covariance::{Covariances, Mu};
 use crate::estimate::layout::Layout;
 use crate::estimate::reference::camera_of;
 use crate::estimate::scene::Scene;
@@ -175,7 +176,7 @@ impl<'a> Joint<'a> {
         at: &DVector<f64>,
         inflation: f64,
         used: Used,
-    ) -> Noise {
+    ) -> Covariances {
         let fitted = self.fitted(layout, at);
         let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.reference).collect();
         let steps: Vec<f64> = fitted.iter().map(|(f, _)| f.nuisances.step).collect();
@@ -206,7 +207,7 @@ impl<'a> Joint<'a> {
             .reference
             .is_some()
             .then(|| self.mu(layout, &factors, &steps, &blur, inflation));
-        Noise { blur, mu }
+        Covariances { blur, mu }
     }
 
     fn mu(
@@ -241,10 +242,11 @@ impl<'a> Joint<'a> {
             });
             if let Some(shot) = shot {
                 // Starting from mu = 1: how far the step that this says lies from the photograph's own.
-                let known = (shot.eta * scene.half_mirror * shot.exposure / exposure).ln();
+                let returned = shot.returned(layout.choice.kernel);
+                let known = (returned.eta * scene.half_mirror * shot.exposure / exposure).ln();
                 let off = known + reference_step - steps[i].ln();
                 let pull = rows.tr_mul(&(step * off));
-                let of_eta = rows.tr_mul(&step) * shot.eta_relative_error();
+                let of_eta = rows.tr_mul(&step) * returned.relative_error();
                 for (k, &column) in columns.iter().enumerate() {
                     gradient[column] += pull[k];
                     by_eta[(column, shot.group)] += of_eta[k];

@@ -2,8 +2,8 @@
 
 use nalgebra::DVector;
 
-use crate::estimate::estimate::Choice;
-use crate::model::kernel::Blur;
+use crate::estimate::choice::Choice;
+use crate::model::blur::Blur;
 
 /// The order of one candidate's parameters.
 pub struct Layout {

@@ -5,10 +5,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::compare::view::Weights;
-use crate::estimate::estimate::{Choice, Compared, compare};
+use crate::estimate::choice::Choice;
+use crate::estimate::compared::{Compared, assemble, compare};
 use crate::estimate::joint::Joint;
 use crate::estimate::layout::Layout;
-use crate::estimate::scene::Scene;
+use crate::estimate::scene::{Aerial, Scene};
 use crate::numerics::solve::Evaluation;
 
 /// The losses by name.
@@ -94,7 +95,7 @@ impl<'a> Loss<'a> {
     pub fn observations(&self) -> usize {
         match self {
             Loss::Mtf(scene) | Loss::Mse(scene) => {
-                let of = |shot: &crate::estimate::scene::Aerial| shot.view.mtf.modulus.len() - 1;
+                let of = |shot: &Aerial| shot.view.mtf.modulus.len() - 1;
                 scene.shots.iter().map(of).sum()
             }
             Loss::Edge(joint) => joint.observations(),
@@ -107,7 +108,7 @@ fn differences(scene: &Scene, layout: &Layout, at: &DVector<f64>, weights: Weigh
     let parts: Vec<Compared> = scene
         .shots
         .par_iter()
-        .map(|shot| compare(shot, &shot.view, layout.choice, layout.blur(at, shot.group)))
+        .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.group)))
         .collect();
-    crate::estimate::estimate::assemble(scene, layout, &parts, weights)
+    assemble(scene, layout, &parts, weights)
 }

@@ -35,8 +35,8 @@ const KEEP_EXPONENT: f64 = 10.8;
 /// Steps of the parameters for derivatives of a camera.
 const STEP: f64 = 1e-4;
 
-/// Measures the camera with a photograph of the source edge. `view` carries the pixel box as its camera.
-pub fn measure(view: &mut View, pixels: Pixels, exposure: f64) -> Reference {
+/// Measures the camera with a photograph of the source edge.
+pub fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
     let pitch_mm = view.pitch_mm();
     // A Gaussian of half a pixel: 1/f0 = sqrt 2 pi sigma.
     let start = (std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.5 * pitch_mm).ln();
@@ -59,8 +59,7 @@ pub fn measure(view: &mut View, pixels: Pixels, exposure: f64) -> Reference {
             .copy_from(&(inverse * reduced_chi2.max(1.0)));
     }
     let camera = camera_of(pitch_mm, &solution.parameters);
-    view.set_camera(&camera);
-    let contrast = Contrast::fit(&view.profile, &view.reference_curve());
+    let contrast = Contrast::fit(&view.profile, &view.edge_of(&camera));
     Reference {
         camera,
         lens_covariance,
@@ -112,12 +111,10 @@ pub fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
     }
 }
 
-fn fit(view: &mut View, pitch_mm: f64, start: DVector<f64>) -> Solution {
-    let view = std::cell::RefCell::new(view);
+fn fit(view: &View, pitch_mm: f64, start: DVector<f64>) -> Solution {
     let residuals = |parameters: &DVector<f64>| {
-        let mut view = view.borrow_mut();
-        view.set_camera(&camera_of(pitch_mm, parameters));
-        let (modelled, _) = view.predict(&view.reference_curve(), &[]);
+        let edge = view.edge_of(&camera_of(pitch_mm, parameters));
+        let (modelled, _) = view.predict(&edge, &[]);
         let difference: Vec<f64> = modelled
             .iter()
             .zip(&view.mtf.modulus)

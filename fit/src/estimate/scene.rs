@@ -1,27 +1,32 @@
 //! A scene ready to be fitted: all photographs measured, each with its direction of the table.
+//!
+//! Nothing rewrites a scene. One that is turned, or evaluated by samples, is another scene, which shares the photographs.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use tables::Table;
-use tables::options::Element;
+use tables::{Direction, Table};
 
 use crate::compare::pixels::Pixels;
 use crate::compare::view::View;
+use crate::estimate::facing::{Along, Facing, Returned};
 use crate::estimate::reference;
 use crate::estimate::reference::Reference;
-use crate::model::baseline;
+use crate::estimate::remarks;
+use crate::estimate::watch::{Cancelled, Step, Watch};
 use crate::model::camera::Camera;
-use crate::model::kernel::Kernel;
 use crate::model::wave;
+use crate::names::kernel::Kernel;
+use crate::names::spectrum::Spectrum;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Capture, Spectrum};
+use crate::photographs::captures::{Campaign, Capture};
 use crate::photographs::edge;
 use crate::photographs::measure;
 use crate::photographs::measure::Measurement;
-use crate::photographs::photo::Photo;
-use tables::ShiftLine;
-use tables::WaveLine;
+use crate::photographs::photo::plane::Photo;
+use crate::samples::sampled::Sampled;
 
 /// Why a scene cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +34,7 @@ use tables::WaveLine;
 pub enum Error {
     /// The manifest or a photograph.
     #[error(transparent)]
-    Captures(#[from] captures::Error),
+    Captures(#[from] captures::error::Error),
     /// The table has no such direction.
     #[error("{}: capture \"{image}\": {source}", manifest.display())]
     Direction {
@@ -46,8 +51,11 @@ pub enum Error {
         /// The photograph.
         image: PathBuf,
         /// What is wrong with it.
-        fault: edge::Fault,
+        fault: edge::fault::Fault,
     },
+    /// It was asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// Nothing to fit.
     #[error("{}: no capture is left: nothing is retroreflected at any incidence of it; \
              photograph smaller incidence angles, or check azimuth_deg", manifest.display())]
@@ -58,55 +66,65 @@ pub enum Error {
 }
 
 /// Where photographs come from.
-pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::Error> + Sync + 'a;
+pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync + 'a;
 
-/// One photograph of the mid-air edge.
+/// One photograph of the mid-air edge, and what the table makes of it.
+#[derive(Clone)]
 pub struct Aerial {
     /// File name as the manifest gives it.
     pub image: String,
     /// Incidence, degrees.
     pub incidence_deg: f64,
-    /// Azimuth, degrees; `None` where a table of the mean over azimuths needs none.
-    pub azimuth_deg: Option<f64>,
     /// Floating distance (optical path), mm.
     pub r_mm: f64,
     /// Index into [`Scene::groups`].
     pub group: usize,
     /// Relative exposure.
     pub exposure: f64,
-    /// Retroreflected fraction at this direction, > 0; see [`Scene::returning_as`].
-    pub eta: f64,
-    /// Its standard error from the table's rays.
-    pub eta_standard_error: f64,
-    /// Of the sheet's front face; 1 for hollow cubes.
-    pub refractive_index: f64,
-    /// Shift along the edge normal.
-    pub shift: Option<ShiftLine>,
-    /// Waves along the edge normal, where the campaign names wavelengths and the table allows.
-    pub wave: Result<WaveLine, wave::Fault>,
-    /// The photograph, measured.
-    pub view: View,
-    /// Its pixels.
-    pub pixels: Pixels,
+    /// The photograph, measured once and shared by every scene that shows it.
+    pub view: Arc<View>,
+    /// Its pixels, shared likewise.
+    pub pixels: Arc<Pixels>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Its direction of the table.
+    pub facing: Facing,
+    /// Its samples, where its model is evaluated by them.
+    pub sampled: Option<Sampled>,
 }
 
 impl Aerial {
-    /// Standard error of eta over eta.
-    pub fn eta_relative_error(&self) -> f64 {
-        self.eta_standard_error / self.eta
+    /// The share of the light that returns before mu, as a kernel has it.
+    pub fn returned(&self, kernel: Kernel) -> Returned {
+        self.facing.returned_as(kernel)
+    }
+
+    /// The same photograph, faced otherwise, in closed form.
+    fn faced(&self, facing: Facing) -> Aerial {
+        Aerial {
+            image: self.image.clone(),
+            incidence_deg: self.incidence_deg,
+            r_mm: self.r_mm,
+            group: self.group,
+            exposure: self.exposure,
+            view: Arc::clone(&self.view),
+            pixels: Arc::clone(&self.pixels),
+            warnings: self.warnings.clone(),
+            facing,
+            sampled: None,
+        }
     }
 }
 
 /// The photographs of a campaign, measured.
+#[derive(Clone)]
 pub struct Scene {
     /// Photographs, in the order of the manifest; those without retroreflection are left out.
     pub shots: Vec<Aerial>,
     /// Distinct incidence angles, degrees, ascending.
     pub groups: Vec<f64>,
     /// The source edge.
-    pub reference: Option<Reference>,
+    pub reference: Option<Arc<Reference>>,
     /// The camera: pixel box, and the reference's lens.
     pub camera: Camera,
     /// Transmittance times reflectance of the half mirror.
@@ -117,18 +135,8 @@ pub struct Scene {
     pub warnings: Vec<String>,
 }
 
-/// How far the table's light goes from straight back, rad, if it says so and that is seen.
-fn deviates(table: &Table) -> Option<f64> {
-    let of_beams = || {
-        let exact = table.exact.as_ref().filter(|exact| exact.deviates())?;
-        Some(exact.largest_deviation_rad())
-    };
-    let of_rays = table.deviations.as_ref().map(|found| {
-        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
-        spreads.map(|spread| spread.largest_rad).fold(0.0, f64::max)
-    });
-    of_rays.or_else(of_beams)
-}
+/// What a campaign without a reference is told, once: the manifest may have said it already.
+const NO_REFERENCE: &str = "no [reference]";
 
 impl Scene {
     /// Reads and measures all photographs of a campaign, in parallel.
@@ -145,81 +153,47 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn of(campaign: &Campaign, table: &Table, photo: &Source) -> Result<Scene, Error> {
-        let pitch_mm = campaign.setup.pixel_pitch_mm;
+        Scene::watched(campaign, table, photo, &Watch::NOBODY)
+    }
+
+    /// Measures photographs and says which are done.
+    ///
+    /// # Errors
+    /// As [`Scene::load`]; [`Error::Cancelled`].
+    pub fn watched(
+        campaign: &Campaign,
+        table: &Table,
+        photo: &Source,
+        watch: &Watch,
+    ) -> Result<Scene, Error> {
+        let setup = &campaign.setup;
         let mut warnings = campaign.warnings.clone();
-        let pixel = Camera {
-            pitch_mm,
-            lens: None,
+        warnings.extend(remarks::of_table(table, campaign));
+        let reference = source_edge(campaign, photo, &mut warnings)?;
+        let camera = reference.as_ref().map_or_else(
+            || Camera {
+                pitch_mm: setup.pixel_pitch_mm,
+                lens: None,
+            },
+            |r| r.camera,
+        );
+        let measuring = Measuring {
+            campaign,
+            table,
+            photo,
+            camera,
         };
-        if table.axes.is_mean() && campaign.captures.iter().any(|c| c.azimuth_deg.is_some()) {
-            warnings.push(
-                "the table is a mean over azimuths: azimuth_deg of the captures has no effect; bake the azimuths to use it".into(),
-            );
-        }
-        let losses = table.provenance.losses_text();
-        if losses != "none" {
-            warnings.push(format!(
-                "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
-            ));
-        }
-        if let (Some(baked), Some(source)) =
-            (table.provenance.wavelength_nm, &campaign.setup.spectrum)
-            && source
-                .lines()
-                .iter()
-                .all(|line| (line.wavelength_nm - baked).abs() > 1.0)
-        {
-            warnings.push(format!(
-                "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
-            ));
-        }
-        if table.provenance.element() == Element::Plate {
-            warnings.push(
-                "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating distances count from its \
-                 middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no half mirror"
-                    .into(),
-            );
-        }
-        if table.provenance.has_glass() {
-            warnings.push(
-                "the table is of bodies of glass, whose light returns in a cone as wide as its angular tolerance: c is the pitch, \
-                 and a is what blur the recorded directions leave over, not a cube's aperture"
-                    .into(),
-            );
-        }
-        if let Some(largest) = deviates(table) {
-            let held = match table.exact {
-                Some(_) => " where the table gives polygons",
-                None => "",
-            };
-            warnings.push(format!(
-                "the table's cubes send light up to {:.3} mrad from straight back: the model has it{held}",
-                1e3 * largest
-            ));
-        }
-        let reference = match &campaign.reference {
-            None => {
-                warnings.push(
-                    "no [reference] photograph: the camera is taken for its pixel box alone, and mu cannot be found".into(),
-                );
-                None
-            }
-            Some(shot) => {
-                let (mut view, pixels, notes) = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
-                warnings.extend(
-                    notes
-                        .into_iter()
-                        .map(|note| format!("{}: {note}", name(&shot.image))),
-                );
-                Some(reference::measure(&mut view, pixels, shot.exposure))
-            }
-        };
-        let camera = reference.as_ref().map_or(pixel, |r| r.camera);
+        let (done, of) = (AtomicUsize::new(0), campaign.captures.len());
         let read: Vec<Option<Aerial>> = campaign
             .captures
             .par_iter()
-            .map(|capture| aerial(campaign, capture, table, photo, &camera))
-            .collect::<Result<_, _>>()?;
+            .map(|capture| {
+                let aerial = measuring.aerial(capture)?;
+                let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+                watch.done(Step::Photographs { done, of })?;
+                Ok(aerial)
+            })
+            .collect::<Result<_, Error>>()?;
         for (capture, _) in campaign
             .captures
             .iter()
@@ -238,58 +212,78 @@ impl Scene {
                 manifest: campaign.file.clone(),
             });
         }
-        let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
-        groups.sort_by(f64::total_cmp);
-        groups.dedup();
-        for shot in &mut shots {
-            shot.group = groups
-                .iter()
-                .position(|&g| g == shot.incidence_deg)
-                .unwrap_or(0);
-        }
-        let setup = &campaign.setup;
-        let half_mirror = setup.half_mirror_transmittance * setup.half_mirror_reflectance;
+        let groups = group(&mut shots);
         Ok(Scene {
             shots,
             groups,
-            reference,
+            reference: reference.map(Arc::new),
             camera,
-            half_mirror,
+            half_mirror: setup.half_mirror_transmittance * setup.half_mirror_reflectance,
             spectrum: setup.spectrum.clone(),
             warnings,
         })
     }
 
-    /// Looks up the direction of every photograph again, at other azimuths, degrees; says whether light returns in all.
+    /// The same photographs with other ones in place of each.
+    fn with(&self, shots: Vec<Aerial>) -> Scene {
+        Scene {
+            shots,
+            groups: self.groups.clone(),
+            reference: self.reference.clone(),
+            spectrum: self.spectrum.clone(),
+            warnings: self.warnings.clone(),
+            ..*self
+        }
+    }
+
+    /// The same photographs at other azimuths, degrees, in closed form. Nothing is measured again.
     ///
     /// # Errors
     /// A direction that the table neither has nor brackets.
-    pub fn turn(&mut self, table: &Table, azimuths_deg: &[f64]) -> Result<bool, tables::Error> {
-        let mut returns = true;
-        for (shot, &azimuth_deg) in self.shots.iter_mut().zip(azimuths_deg) {
+    pub fn turned(&self, table: &Table, azimuths_deg: &[f64]) -> Result<Scene, tables::Error> {
+        let turned = |(shot, &azimuth_deg): (&Aerial, &f64)| {
             let direction = table.direction(shot.incidence_deg, Some(azimuth_deg))?;
-            shot.azimuth_deg = Some(azimuth_deg);
-            (shot.eta, shot.eta_standard_error) = (direction.eta, direction.standard_error);
-            if direction.eta <= 0.0 {
-                returns = false;
-                continue;
-            }
-            let (incidence, normal) = (shot.incidence_deg.to_radians(), shot.view.normal());
-            shot.shift = ShiftLine::new(&direction, incidence, normal);
-            shot.wave = wave::line(&direction, incidence, normal, self.spectrum.as_ref());
-        }
-        Ok(returns)
+            Ok(shot.faced(if direction.eta > 0.0 {
+                Facing::new(
+                    &direction,
+                    Some(azimuth_deg),
+                    shot.facing.refractive_index,
+                    Along {
+                        incidence_rad: shot.incidence_deg.to_radians(),
+                        normal: shot.view.normal(),
+                        spectrum: self.spectrum.as_ref(),
+                    },
+                )
+            } else {
+                shot.facing.dark(&direction, azimuth_deg)
+            }))
+        };
+        let shots = self.shots.iter().zip(azimuths_deg).map(turned);
+        Ok(self.with(shots.collect::<Result<_, tables::Error>>()?))
     }
 
-    /// Replaces the retroreflected fraction of every photograph by what a kernel makes of it, so that mu is that of its model.
-    pub fn returning_as(&mut self, kernel: Kernel) {
-        for shot in &mut self.shots {
-            let (incidence, index) = (shot.incidence_deg.to_radians(), shot.refractive_index);
-            let returned = |eta| baseline::returned(kernel, eta, incidence, index);
-            shot.eta_standard_error =
-                returned(shot.eta + shot.eta_standard_error) - returned(shot.eta);
-            shot.eta = returned(shot.eta);
-        }
+    /// The same photographs, each model evaluated by samples.
+    pub fn sampled(&self, samples: Vec<Sampled>) -> Scene {
+        let shots = self
+            .shots
+            .iter()
+            .zip(samples)
+            .map(|(shot, sampled)| Aerial {
+                sampled: Some(sampled),
+                ..shot.clone()
+            });
+        self.with(shots.collect())
+    }
+
+    /// Whether light returns in every photograph.
+    pub fn is_lit(&self) -> bool {
+        self.shots.iter().all(|shot| shot.facing.returned.eta > 0.0)
+    }
+
+    /// The azimuths of all photographs, degrees; 0 where one needs none.
+    pub fn azimuths_deg(&self) -> Vec<f64> {
+        let own = |shot: &Aerial| shot.facing.azimuth_deg.unwrap_or(0.0);
+        self.shots.iter().map(own).collect()
     }
 
     /// Whether every photograph has waves.
@@ -297,28 +291,14 @@ impl Scene {
     /// # Errors
     /// What the first of the others lacks.
     pub fn waves(&self) -> Result<(), wave::Fault> {
-        self.shots
-            .iter()
-            .try_for_each(|shot| shot.wave.as_ref().map(|_| ()).map_err(Clone::clone))
+        let wave = |shot: &Aerial| shot.facing.wave.as_ref().map(|_| ()).map_err(Clone::clone);
+        self.shots.iter().try_for_each(wave)
     }
 
-    /// Names of one parameter's entries: `name`, or `name_at_<incidence>` for every group.
-    pub fn names(&self, name: &str, count: usize, per_angle: bool) -> Vec<String> {
-        if per_angle {
-            self.groups
-                .iter()
-                .take(count)
-                .map(|g| format!("{name}_at_{g}"))
-                .collect()
-        } else {
-            vec![name.to_owned(); count]
-        }
-    }
-
-    /// mu of one photograph from the step of its edge; NaN without a reference.
-    pub fn reflectance(&self, shot: &Aerial, step: f64) -> f64 {
+    /// mu of one photograph from the step of its edge under a kernel; NaN without a reference.
+    pub fn reflectance(&self, shot: &Aerial, kernel: Kernel, step: f64) -> f64 {
         self.reference.as_ref().map_or(f64::NAN, |r| {
-            step / shot.exposure / (r.step * shot.eta * self.half_mirror)
+            step / shot.exposure / (r.step * shot.returned(kernel).eta * self.half_mirror)
         })
     }
 
@@ -334,6 +314,43 @@ fn name(path: &std::path::Path) -> String {
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned()
+}
+
+/// Distinct incidence angles, ascending; every photograph is told which one is its own.
+fn group(shots: &mut [Aerial]) -> Vec<f64> {
+    let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
+    groups.sort_by(f64::total_cmp);
+    groups.dedup();
+    for shot in shots {
+        let own = groups.iter().position(|&g| g == shot.incidence_deg);
+        shot.group = own.unwrap_or(0);
+    }
+    groups
+}
+
+/// Measures the reference, where there is one.
+fn source_edge(
+    campaign: &Campaign,
+    photo: &Source,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Reference>, Error> {
+    let Some(shot) = &campaign.reference else {
+        if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
+            warnings.push(format!(
+                "{NO_REFERENCE} photograph: the camera is taken for its pixel box alone, and mu cannot be found"
+            ));
+        }
+        return Ok(None);
+    };
+    let pitch_mm = campaign.setup.pixel_pitch_mm;
+    let pixel = Camera {
+        pitch_mm,
+        lens: None,
+    };
+    let (view, pixels, notes) = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
+    let name = name(&shot.image);
+    warnings.extend(notes.into_iter().map(|note| format!("{name}: {note}")));
+    Ok(Some(reference::measure(&view, pixels, shot.exposure)))
 }
 
 /// Decodes a photograph, finds its edge and sorts its pixels.
@@ -364,55 +381,68 @@ fn measure(
     ))
 }
 
-fn aerial(
-    campaign: &Campaign,
-    capture: &Capture,
-    table: &Table,
-    photo: &Source,
-    camera: &Camera,
-) -> Result<Option<Aerial>, Error> {
-    let image = name(&capture.shot.image);
-    let direction = table
-        .direction(capture.incidence_deg, capture.azimuth_deg)
-        .map_err(|source| Error::Direction {
-            manifest: campaign.file.clone(),
-            image: image.clone(),
-            source: Box::new(source),
-        })?;
-    if direction.eta <= 0.0 {
-        return Ok(None);
+/// What every photograph of a campaign is measured with.
+struct Measuring<'a> {
+    campaign: &'a Campaign,
+    table: &'a Table,
+    photo: &'a Source<'a>,
+    camera: Camera,
+}
+
+impl Measuring<'_> {
+    /// One photograph; `None` where the table says that nothing returns.
+    fn aerial(&self, capture: &Capture) -> Result<Option<Aerial>, Error> {
+        let image = name(&capture.shot.image);
+        let direction = self
+            .table
+            .direction(capture.incidence_deg, capture.azimuth_deg)
+            .map_err(|source| Error::Direction {
+                manifest: self.campaign.file.clone(),
+                image: image.clone(),
+                source: Box::new(source),
+            })?;
+        if direction.eta <= 0.0 {
+            return Ok(None);
+        }
+        let setup = &self.campaign.setup;
+        let (view, pixels, mut warnings) = measure(
+            &capture.shot,
+            self.photo,
+            setup.pixel_pitch_mm,
+            capture.tangential_axis_rad(),
+            &self.camera,
+        )?;
+        warnings.extend(self.between(capture, &direction));
+        let along = Along {
+            incidence_rad: capture.incidence_rad(),
+            normal: view.normal(),
+            spectrum: setup.spectrum.as_ref(),
+        };
+        let index = self.table.provenance.refractive_index;
+        Ok(Some(Aerial {
+            image,
+            incidence_deg: capture.incidence_deg,
+            r_mm: capture.range_mm(),
+            group: 0,
+            exposure: capture.shot.exposure,
+            view: Arc::new(view),
+            pixels: Arc::new(pixels),
+            warnings,
+            facing: Facing::new(&direction, capture.azimuth_deg, index, along),
+            sampled: None,
+        }))
     }
-    let (view, pixels, mut warnings) = measure(
-        &capture.shot,
-        photo,
-        campaign.setup.pixel_pitch_mm,
-        capture.tangential_axis_rad(),
-        camera,
-    )?;
-    // The tolerance is one of polygons; where they do not tell, bins are mixed.
-    let within = table.provenance.direction_tolerance.is_some() && direction.paths.is_some();
-    if direction.interpolated && !within {
-        warnings.push(format!(
-            "incidence {} deg is interpolated between directions of the table; bake it for full accuracy",
-            capture.incidence_deg
-        ));
+
+    /// What to say of a direction that the table does not hold.
+    fn between(&self, capture: &Capture, direction: &Direction) -> Option<String> {
+        // The tolerance is one of polygons; where they do not tell, bins are mixed.
+        let tolerance = self.table.provenance.direction_tolerance;
+        let within = tolerance.is_some() && direction.paths.is_some();
+        (direction.interpolated && !within).then(|| {
+            format!(
+                "incidence {} deg is interpolated between directions of the table; bake it for full accuracy",
+                capture.incidence_deg
+            )
+        })
     }
-    let normal = view.normal();
-    let spectrum = campaign.setup.spectrum.as_ref();
-    Ok(Some(Aerial {
-        image,
-        incidence_deg: capture.incidence_deg,
-        azimuth_deg: capture.azimuth_deg,
-        r_mm: capture.range_mm(),
-        group: 0,
-        exposure: capture.shot.exposure,
-        eta: direction.eta,
-        eta_standard_error: direction.standard_error,
-        refractive_index: table.provenance.refractive_index,
-        shift: ShiftLine::new(&direction, capture.incidence_rad(), normal),
-        wave: wave::line(&direction, capture.incidence_rad(), normal, spectrum),
-        view,
-        pixels,
-        warnings,
-    }))
 }

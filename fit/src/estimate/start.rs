@@ -4,7 +4,8 @@ use std::f64::consts::LN_10;
 
 use rayon::prelude::*;
 
-use crate::estimate::estimate::{Choice, model};
+use crate::estimate::choice::Choice;
+use crate::estimate::compared::model;
 use crate::estimate::scene::Scene;
 
 /// A starting point.

@@ -3,9 +3,11 @@
 //! All are of what a display shows: linear light, clipped to 0..1, as sRGB values. PSNR and SSIM are worked on in f32; FLIP
 //! and LPIPS are defined on 8-bit pictures and get them rounded.
 
+pub mod error;
 pub mod lpips;
 
-use crate::photographs::photo::{Picture, Transfer};
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::transfer::Transfer;
 
 /// The luminance constants of SSIM for a range of 1 (Wang et al. 2004, Sec. III-B).
 const C1: f64 = 0.01 * 0.01;

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 use tables::Direction;
 
-use crate::photographs::sfr::sinc;
+use crate::numerics::sinc::sinc;
 
 /// Points of the lattice per radian of the fastest phase, times 2 pi.
 ///

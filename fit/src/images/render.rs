@@ -13,11 +13,11 @@ use std::path::PathBuf;
 use crate::images::render::psf::{Fault, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::render::view::{Seen, View};
+use crate::images::render::view::{CameraView, Seen};
 use rayon::prelude::*;
 
-use crate::images::spot::{Place, Sheet};
-use crate::photographs::photo::Picture;
+use crate::images::spot::{Sheet, Viewpoint};
+use crate::photographs::photo::picture::Picture;
 
 /// Why there is no image.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +42,7 @@ pub enum Error {
     Blur(#[from] Fault),
     /// A view that cannot be read.
     #[error(transparent)]
-    View(#[from] crate::photographs::captures::Error),
+    CameraView(#[from] crate::document::error::Error),
     /// A view that does not show the sheet.
     #[error(transparent)]
     Unseen(#[from] view::Error),
@@ -84,7 +84,7 @@ impl Scale {
 ///
 /// # Errors
 /// [`Fault`].
-pub fn uniform_psf(sheet: &dyn Sheet, place: &Place, scale: &Scale) -> Result<Psf, Fault> {
+pub fn uniform_psf(sheet: &dyn Sheet, place: &Viewpoint, scale: &Scale) -> Result<Psf, Fault> {
     Psf::new(sheet, place, scale.pixels_from_mm())
 }
 
@@ -124,7 +124,7 @@ pub fn uniform(source: &Picture, psf: &Psf) -> Picture {
 pub fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
-    view: &View,
+    view: &CameraView,
     half_mirror: f64,
     tolerance: f64,
 ) -> Result<(Picture, Tiles), Error> {
@@ -155,7 +155,7 @@ pub fn viewed(
 
 /// How the view shows the pixels of a picture, given as (column, row).
 fn seen_by<'a>(
-    view: &'a View,
+    view: &'a CameraView,
     source: &Picture,
 ) -> impl Fn([f64; 2]) -> Result<Seen, view::Error> + Sync + use<'a> {
     let middle = middle(source);
@@ -170,7 +170,7 @@ fn middle(source: &Picture) -> [f64; 2] {
 fn coat(
     planes: &mut [Vec<f32>],
     source: &Picture,
-    view: &View,
+    view: &CameraView,
     half_mirror: f64,
 ) -> Result<(), view::Error> {
     let Some(index) = view.coating else {

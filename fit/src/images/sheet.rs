@@ -1,93 +1,25 @@
-//! The fitted sheet: a result and a table of its cell, as [`Spot`]s at any place.
+//! The spots of a fitted sheet: what a result and a table of its cell make of a point of light at any place.
 
 use num_complex::Complex64;
-use tables::{Direction, Table};
+use tables::Direction;
 
 use crate::images::plane::ShiftPlane;
-use crate::images::spot::{Error, Place, Sampler, Sheet, Spot, TAIL};
-use crate::model::baseline;
+use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
 use crate::model::baseline::Baseline;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::{CUT, Shape};
+use crate::model::blur::Blur;
+use crate::model::lobe::CUT;
 use crate::model::wave;
-use crate::result::report::{ResultFile, TableResult};
-use crate::samples::sample::{LobeSampler, ShiftSampler};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::predict::error::Error;
+use crate::predict::sheet::Fitted;
+use crate::samples::lobe::LobeSampler;
 use crate::samples::sampled::has_samples;
+use crate::samples::shift::ShiftSampler;
 use tables::WaveLine;
 
-/// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly in the incidence and
-/// held constant beyond the fitted angles.
-#[derive(Debug, Clone, Copy)]
-pub struct Fitted<'a> {
-    /// What was fitted.
-    pub result: &'a ResultFile,
-    /// A table of the same cell, perhaps with other directions.
-    pub table: &'a Table,
-}
-
-impl<'a> Fitted<'a> {
-    /// Pairs them.
-    ///
-    /// # Errors
-    /// [`Error::OtherCell`].
-    pub fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
-        let given = TableResult::of(table);
-        if result.table.same_cell(&given) {
-            return Ok(Fitted { result, table });
-        }
-        let name = |table: &TableResult| format!("{} {}", table.design, table.content_hash);
-        Err(Error::OtherCell {
-            fitted: name(&result.table),
-            given: name(&given),
-        })
-    }
-
-    /// Spread and corner size, or roughnesses, at an incidence. A roughness that the photographs only bound is 0: what they do
-    /// not show is left out.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`].
-    pub fn blur(&self, incidence_deg: f64) -> Result<Blur, Error> {
-        let result = self.result;
-        let at = |parameter, values: &Option<crate::result::report::Parameter>| {
-            let value = values.as_ref().and_then(|values| values.at(incidence_deg));
-            value.ok_or(Error::Unknown { parameter })
-        };
-        let spread = match result.kernel {
-            Kernel::Shift | Kernel::Wave => 1.0,
-            Kernel::Eq1 | Kernel::Lobe => at("a_per_mm", &result.a_per_mm)?,
-            Kernel::Angular => at("a_times_r", &result.a_times_r)?,
-            Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo | Kernel::Mrm => {
-                at("roughness", &result.roughness).unwrap_or(0.0)
-            }
-        };
-        let c_mm = if result.kernel.has_c() {
-            let value = result.c_mm.and_then(|c| c.value);
-            let smooth = result.surface_roughness.map(|c| c.value.unwrap_or(0.0));
-            let parameter = result.kernel.c_name();
-            value.or(smooth).ok_or(Error::Unknown { parameter })?
-        } else {
-            1.0
-        };
-        Ok(Blur { spread, c_mm })
-    }
-
-    /// What the model makes of the fraction `eta` that the table returns; itself but for baselines.
-    pub fn returned(&self, incidence_deg: f64, eta: f64) -> f64 {
-        let index = self.table.provenance.refractive_index;
-        baseline::returned(self.result.kernel, eta, incidence_deg.to_radians(), index)
-    }
-
-    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and Fresnel's or other shares of
-    /// a baseline; `None` without mu.
-    pub fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
-        let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
-        mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)
-    }
-}
-
 impl Sheet for Fitted<'_> {
-    fn spot(&self, place: &Place, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
+    fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
         let direction = self
             .table
             .direction(place.incidence_deg, place.azimuth_deg)?;
@@ -108,7 +40,7 @@ impl Sheet for Fitted<'_> {
         };
         let shift = (shifts && returns)
             .then(|| ShiftPlane::new(&direction, cosine, blur.c_mm, finest_per_mm));
-        let shape = self.result.lobe.unwrap_or(Shape::Radial);
+        let shape = self.result.lobe.unwrap_or(LobeShape::Radial);
         let lobe = kernel
             .has_lobe()
             .then(|| (shape, blur.spread / kernel.distance_scale(place.r_mm)));
@@ -131,7 +63,7 @@ impl Sheet for Fitted<'_> {
 /// The fitted sheet at one place.
 struct FittedSpot<'a> {
     sheet: Fitted<'a>,
-    place: Place,
+    place: Viewpoint,
     direction: Direction,
     blur: Blur,
     energy: Option<f64>,
@@ -139,7 +71,7 @@ struct FittedSpot<'a> {
     /// `None` for kernels without a shift of their own.
     shift: Option<ShiftPlane>,
     /// Shape and a, 1/mm.
-    lobe: Option<(Shape, f64)>,
+    lobe: Option<(LobeShape, f64)>,
     reach_mm: f64,
 }
 
@@ -187,11 +119,11 @@ impl FittedSpot<'_> {
         }
         let lobe = match self.lobe {
             None => 0.0,
-            Some((Shape::Radial, a)) => CUT / a,
+            Some((LobeShape::Radial, a)) => CUT / a,
             // Lobes of rough facets: see above.
-            Some((Shape::Beckmann | Shape::Ggx, _)) => 0.0,
+            Some((LobeShape::Beckmann | LobeShape::Ggx, _)) => 0.0,
             // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies beyond x.
-            Some((Shape::Separable, a)) => 1.0 / (PI * a * TAIL),
+            Some((LobeShape::Separable, a)) => 1.0 / (PI * a * TAIL),
         };
         Ok(shift + lobe)
     }

@@ -5,12 +5,12 @@
 
 use num_complex::Complex64;
 
-use crate::model::wave;
+use crate::predict::error::Error;
 use crate::samples::sequence::DIMENSIONS;
 
 /// Where a point of the mid-air image is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct Viewpoint {
     /// Incidence on the sheet, degrees from its normal.
     pub incidence_deg: f64,
     /// Azimuth about the normal, degrees; `None` for a table that is a mean over azimuths.
@@ -45,7 +45,7 @@ pub trait Spot: Send + Sync {
     }
 }
 
-/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::sample::Points`].
+/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::sequence::Points`].
 pub type Sampler<'a> = dyn Fn([f64; DIMENSIONS]) -> [f64; 2] + Sync + 'a;
 
 /// Share of the light that may fall outside of [`Spot::reach_mm`].
@@ -58,46 +58,5 @@ pub trait Sheet: Sync {
     ///
     /// # Errors
     /// [`Error`].
-    fn spot(&self, place: &Place, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error>;
-}
-
-/// Why a sheet shows nothing that could be predicted.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// The result holds only a bound where a number is needed.
-    #[error(
-        "the result gives no number for {parameter} (its photographs only bound it); \
-             fit with a --kernel without it, or add photographs"
-    )]
-    Unknown {
-        /// The parameter.
-        parameter: &'static str,
-    },
-    /// The table is one of another cell than the fit's.
-    #[error(
-        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): mesh, edge length, \
-             azimuth zero, refractive index, back, losses or options such as --roughness differ; bake the fitted cell, or fit \
-             again"
-    )]
-    OtherCell {
-        /// Design and content hash in the result.
-        fitted: String,
-        /// Those of the table given.
-        given: String,
-    },
-    /// Nothing returns, so that there is nothing to be like.
-    #[error(
-        "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"
-    )]
-    Dark {
-        /// Incidence, degrees.
-        incidence_deg: f64,
-    },
-    /// The table has no such direction.
-    #[error(transparent)]
-    Direction(#[from] tables::Error),
-    /// The table has the direction, but not for the `wave` kernel.
-    #[error(transparent)]
-    Wave(#[from] wave::Fault),
+    fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error>;
 }

@@ -24,8 +24,9 @@
 
 use num_complex::Complex64;
 
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
+use crate::model::blur::Blur;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 
 /// Facets of one roughness that the light meets one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +85,7 @@ impl Baseline {
 
     /// OTF at `frequency` (1/mm) along the line and optical path `r_mm`, and its derivatives by the logarithms of the
     /// roughness and of the front's.
-    pub fn otf(&self, shape: Shape, blur: Blur, r_mm: f64, frequency: f64) -> [Complex64; 3] {
+    pub fn otf(&self, shape: LobeShape, blur: Blur, r_mm: f64, frequency: f64) -> [Complex64; 3] {
         let [own, by_own] = self.own_otf(shape, blur.spread * r_mm, frequency);
         let [front, by_front] = self.front_otf(shape, blur.c_mm * r_mm, frequency);
         [own * front, by_own * front, own * by_front].map(Complex64::from)
@@ -92,21 +93,21 @@ impl Baseline {
 
     /// The factor of the own facets, whose slopes have this scale (roughness times distance, mm), and its derivative by the
     /// scale's logarithm.
-    pub fn own_otf(&self, shape: Shape, scale_mm: f64, frequency: f64) -> [f64; 2] {
+    pub fn own_otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> [f64; 2] {
         self.own.otf(shape, scale_mm, frequency).into()
     }
 
     /// The same of the front; 1 and 0 where it is smooth.
-    pub fn front_otf(&self, shape: Shape, scale_mm: f64, frequency: f64) -> [f64; 2] {
+    pub fn front_otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> [f64; 2] {
         self.front.otf(shape, scale_mm, frequency).into()
     }
 
     /// Distance along the line, mm, beyond which on both sides together lies the share `tail` of the light, well below 1.
-    pub fn reach_mm(&self, shape: Shape, blur: Blur, r_mm: f64, tail: f64) -> f64 {
+    pub fn reach_mm(&self, shape: LobeShape, blur: Blur, r_mm: f64, tail: f64) -> f64 {
         let spread = self.own.spread(blur.spread * r_mm) + self.front.spread(blur.c_mm * r_mm);
         match shape {
             // Along a line GGX is Student's t: 1 - x / sqrt(x^2 + w^2) = w^2 / 2 x^2 lies beyond x, and tails add.
-            Shape::Ggx => (0.5 * spread / tail).sqrt(),
+            LobeShape::Ggx => (0.5 * spread / tail).sqrt(),
             // A normal distribution of variance w^2 / 2: erfc(x / w) < exp(-(x / w)^2) lies beyond x.
             _ => (-spread * tail.ln()).sqrt(),
         }
@@ -120,7 +121,7 @@ impl Facets {
     }
 
     /// OTF of facets whose slopes have this scale (roughness times distance, mm), and its derivative by the scale's logarithm.
-    fn otf(&self, shape: Shape, scale_mm: f64, frequency: f64) -> (f64, f64) {
+    fn otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> (f64, f64) {
         let width = self.gain * scale_mm;
         if self.count == 0 || width == 0.0 {
             return (1.0, 0.0);

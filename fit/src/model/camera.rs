@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::photographs::sfr::sinc;
+use crate::numerics::sinc::sinc;
 
 /// Transfer function of a camera in the plane of the aerial image.
 #[derive(Debug, Clone, Copy, PartialEq)]

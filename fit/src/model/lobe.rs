@@ -8,68 +8,30 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use serde::{Deserialize, Serialize};
-
 use crate::model::microfacet;
+use crate::names::lobe::LobeShape;
+use crate::numerics::quadrature::GAUSS_16;
 use tables::Samples;
 
 /// Where the radial lobe is cut, as a r.
 pub const CUT: f64 = 2.4 * PI;
 
-/// The two-dimensional shape of the diffraction lobe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum Shape {
-    /// sinc^2(a r), cut at a r = 2.4 pi and energy-normalised.
-    Radial,
-    /// sinc^2(a x) sinc^2(a y).
-    Separable,
-    /// exp(-(a r)^2): slopes after Beckmann.
-    Beckmann,
-    /// 1 / (1 + (a r)^2)^2: slopes after GGX.
-    Ggx,
-}
-
-impl Shape {
-    /// The shapes of a diffraction lobe; a scene that names none means the first.
-    pub const ALL: [Shape; 2] = [Shape::Radial, Shape::Separable];
-
-    /// Their names in files.
-    pub const NAMES: [&'static str; 2] = ["radial", "separable"];
-
-    /// The shapes of a baseline's lobe.
-    pub const MICROFACETS: [Shape; 2] = [Shape::Beckmann, Shape::Ggx];
-
-    /// The shape of a diffraction lobe by its name in a file.
-    pub fn from_name(name: &str) -> Option<Shape> {
-        Shape::ALL.into_iter().find(|shape| shape.name() == name)
-    }
-
-    /// The name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Shape::Radial => "radial",
-            Shape::Separable => "separable",
-            Shape::Beckmann => "beckmann",
-            Shape::Ggx => "ggx",
-        }
-    }
-
+impl LobeShape {
     /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal` (tangential, sagittal), for
     /// `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial, see [`radial`]), 3e-7 (ggx); rounding (separable,
     /// beckmann).
     pub fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
-            Shape::Radial | Shape::Beckmann | Shape::Ggx => {
+            LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => {
                 let k = 2.0 * PI * frequency.abs() / a;
                 let (g, slope) = match self {
-                    Shape::Beckmann => microfacet::beckmann(k),
-                    Shape::Ggx => microfacet::ggx(k),
+                    LobeShape::Beckmann => microfacet::beckmann(k),
+                    LobeShape::Ggx => microfacet::ggx(k),
                     _ => radial(k),
                 };
                 (g, -slope * k / a)
             }
-            Shape::Separable => {
+            LobeShape::Separable => {
                 let [x, y] = normal.map(|n| PI * (frequency * n).abs() / a);
                 if x >= 1.0 || y >= 1.0 {
                     return (0.0, 0.0);
@@ -83,8 +45,8 @@ impl Shape {
     /// 1/x tails. 0 for the others: the radial lobe's support is finite, and ggx falls off as 1/r^4.
     pub fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
-            Shape::Radial | Shape::Beckmann | Shape::Ggx => (0.0, 0.0),
-            Shape::Separable => {
+            LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => (0.0, 0.0),
+            LobeShape::Separable => {
                 let kink = PI * (normal[0].abs() + normal[1].abs()) / a;
                 (kink, -kink / a)
             }
@@ -144,18 +106,6 @@ fn quadrature(k: f64) -> (f64, f64) {
     }
     sum
 }
-
-/// Positive nodes and weights of the 16-point Gauss-Legendre rule on [-1, 1] (Abramowitz and Stegun, table 25.4).
-pub(crate) const GAUSS_16: [(f64, f64); 8] = [
-    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
-    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
-    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
-    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
-    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
-    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
-    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
-    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
-];
 
 /// Large-k series from the cut: I[F] = T F J1(kT)/k + T F' J0(kT)/k^2 - I[lap F]/k^2 with F = sinc^2 and its Laplacian in
 /// two dimensions (twice integrated by parts; F is band-limited to k <= 2, so only the cut contributes beyond).
@@ -240,7 +190,7 @@ mod tests {
     #[test]
     fn separable_is_the_product_of_triangles_and_both_shapes_differentiate() {
         let mut cases = 0;
-        for shape in [Shape::Radial, Shape::Separable] {
+        for shape in [LobeShape::Radial, LobeShape::Separable] {
             for f in [0.05, 0.3, 0.9, 1.2] {
                 for angle in [0.0_f64, 0.1, 0.6, 1.5] {
                     let normal = [angle.cos(), angle.sin()];
@@ -258,7 +208,7 @@ mod tests {
             }
         }
         assert_eq!(cases, 32);
-        let (value, _) = Shape::Separable.otf(4.2, 0.5, [0.6, 0.8]);
+        let (value, _) = LobeShape::Separable.otf(4.2, 0.5, [0.6, 0.8]);
         assert!((value - (1.0 - PI * 0.3 / 4.2) * (1.0 - PI * 0.4 / 4.2)).abs() < 1e-15);
     }
 }

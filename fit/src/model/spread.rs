@@ -7,8 +7,8 @@ use num_complex::Complex64;
 use realfft::ComplexToReal;
 
 use crate::numerics::fourier;
+use crate::numerics::sinc::sinc;
 use crate::photographs::profile::{BIN_PX, Profile};
-use crate::photographs::sfr::sinc;
 
 /// The frequencies at which an OTF is wanted, and the transform from there to the bins.
 #[derive(Clone)]

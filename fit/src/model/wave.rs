@@ -2,7 +2,7 @@
 
 use tables::{Direction, NoWaves, WaveLine};
 
-use crate::photographs::captures::Spectrum;
+use crate::names::spectrum::Spectrum;
 
 /// Why a direction has no waves.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

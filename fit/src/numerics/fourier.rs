@@ -38,6 +38,27 @@ pub fn is_smooth(n: usize, primes: &[usize]) -> bool {
     rest == 1
 }
 
+/// Prime factors of the length of a fast transform in two dimensions.
+const PRIMES: [usize; 4] = [2, 3, 5, 7];
+
+/// The smallest fast length from `least` >= 1 on.
+pub fn smooth(least: usize) -> usize {
+    (least..).find(|&n| is_smooth(n, &PRIMES)).unwrap_or(least)
+}
+
+/// The smallest fast even length from `least` >= 1 on.
+pub fn smooth_even(least: usize) -> usize {
+    2 * smooth(least.div_ceil(2))
+}
+
+/// The smallest fast odd length from `least` >= 1 on.
+pub fn smooth_odd(least: usize) -> usize {
+    (least | 1..)
+        .step_by(2)
+        .find(|&n| is_smooth(n, &PRIMES))
+        .unwrap_or(least)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

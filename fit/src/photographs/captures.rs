@@ -4,20 +4,23 @@
 //! x runs along columns to the right and y along rows downward; angles in it run from +x towards +y. Every key is
 //! checked here, so that whatever comes out is finite and in range and every image exists.
 
-mod bounds;
-mod error;
-pub mod keys;
-mod spectrum;
-pub(crate) mod text;
+pub mod error;
 
 use std::path::{Path, PathBuf};
 
-pub use crate::photographs::captures::error::Error;
-use crate::photographs::captures::keys::{Bounds, Document, Place, Section};
-pub use crate::photographs::captures::spectrum::{Line, Spectrum, SpectrumError};
-use crate::photographs::edge::Accepted;
+use crate::document::bounds::Bounds;
+use crate::document::error as document;
+use crate::document::line::FileLine;
+use crate::document::section::{Document, Section};
+use crate::names::spectrum::Spectrum;
+use crate::photographs::captures::error::Error;
+use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;
-use crate::photographs::photo::{Channel, Decode, Photo, Settings, Transfer};
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::settings::Settings;
+use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::roi::Roi;
 
 /// Keys of [setup] that every capture may override, then those of a photograph, then those of a capture.
 const SHARED: [&str; 6] = [
@@ -42,39 +45,6 @@ const CAPTURE: [&str; 5] = [
     "path_mm",
     "tangential_axis_deg",
 ];
-
-/// A rectangle of a photograph.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Roi {
-    /// First column.
-    pub x: usize,
-    /// First row.
-    pub y: usize,
-    /// Columns, at least 1.
-    pub width: usize,
-    /// Rows, at least 1.
-    pub height: usize,
-}
-
-impl Roi {
-    /// Whether all of it lies in a picture of `width` x `height` pixels.
-    pub fn fits(&self, width: usize, height: usize) -> bool {
-        let within = |first: usize, size: usize, whole| {
-            first.checked_add(size).is_some_and(|end| end <= whole)
-        };
-        within(self.x, self.width, width) && within(self.y, self.height, height)
-    }
-}
-
-impl std::fmt::Display for Roi {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            formatter,
-            "roi = [{}, {}, {}, {}]",
-            self.x, self.y, self.width, self.height
-        )
-    }
-}
 
 /// What all captures have in common.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,10 +73,26 @@ pub struct Shot {
     /// Transfer and channel.
     pub decode: Decode,
     /// Line of the manifest that names the image.
-    pub place: Place,
+    pub place: FileLine,
 }
 
 impl Shot {
+    /// A photograph that is in no manifest: whoever hands out the photographs knows it by this name.
+    pub fn named(name: impl Into<PathBuf>, exposure: f64) -> Shot {
+        let name = name.into();
+        Shot {
+            place: FileLine {
+                file: name.clone(),
+                line: 0,
+            },
+            image: name,
+            exposure,
+            roi: None,
+            accepted: Vec::new(),
+            decode: Decode::default(),
+        }
+    }
+
     /// Reads the photograph and checks that the region lies in it.
     ///
     /// # Errors
@@ -325,27 +311,7 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
         pixel_pitch_mm,
         half_mirror_transmittance: transmittance.unwrap_or(1.0),
         half_mirror_reflectance: reflectance.unwrap_or(1.0),
-        spectrum: spectrum(keys)?,
-    })
-}
-
-/// The key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads it.
-///
-/// # Errors
-/// [`Error::Spectrum`], or that the value is neither.
-pub(crate) fn spectrum(keys: &Section<'_>) -> Result<Option<Spectrum>, Error> {
-    let key = "wavelength_nm";
-    let spectrum = match keys.text(key) {
-        Ok(None) => None,
-        Ok(Some(text)) => Some(Spectrum::parse(text)),
-        // Not a string: a number is as good, and the message of `number` covers the rest.
-        Err(_) => keys
-            .number(key, Bounds::FINITE)?
-            .map(Spectrum::monochromatic),
-    };
-    spectrum.transpose().map_err(|source| Error::Spectrum {
-        place: keys.place_of(key),
-        source,
+        spectrum: keys.spectrum()?,
     })
 }
 
@@ -400,11 +366,11 @@ impl Shared<'_, '_> {
     }
 }
 
-fn read_accepted(keys: &Section<'_>) -> Result<Option<Vec<Accepted>>, Error> {
+fn read_accepted(keys: &Section<'_>) -> Result<Option<Vec<Accepted>>, document::Error> {
     keys.choices("accept", &Accepted::NAMES, Accepted::from_name)
 }
 
-fn read_transfer(keys: &Section<'_>) -> Result<Option<Transfer>, Error> {
+fn read_transfer(keys: &Section<'_>) -> Result<Option<Transfer>, document::Error> {
     keys.choice("transfer", &Transfer::NAMES, Transfer::from_name)
 }
 
@@ -417,12 +383,13 @@ fn read_roi(keys: &Section<'_>) -> Result<Option<Roi>, Error> {
     for (side, name) in [(width, "width of roi"), (height, "height of roi")] {
         if side == 0 {
             let must_be = Bounds::POSITIVE.words;
-            return Err(Error::OutOfRange {
-                place: keys.place_of("roi"),
+            let place = keys.place_of("roi");
+            return Err(Error::Document(document::Error::OutOfRange {
+                place,
                 key: name.to_owned(),
                 value: 0.0,
                 must_be,
-            });
+            }));
         }
     }
     Ok(Some(Roi {

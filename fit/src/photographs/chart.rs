@@ -4,9 +4,9 @@
 //! are a piece (the idea of von Gioi et al., LSD, IPOL 2012); a piece that is long, thin and tilted by 1 to 44 degrees
 //! from rows and columns is an edge. Its region is the largest upright rectangle about its middle that holds no other mark.
 
-use crate::photographs::captures::Roi;
-use crate::photographs::edge::Line;
-use crate::photographs::photo::Photo;
+use crate::photographs::edge::line::EdgeLine;
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
 
 /// Blocks in the averaged picture, about.
@@ -55,7 +55,7 @@ pub fn middle(roi: &Roi) -> Roi {
 }
 
 /// Whether two edges lie on one line: within 1 degree, and each in the other's direction within 1 % of their distance.
-pub fn one_line((roi_a, a): (&Roi, &Line), (roi_b, b): (&Roi, &Line)) -> bool {
+pub fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLine)) -> bool {
     let turn = (a.normal_rad - b.normal_rad).sin().abs();
     let centre = |roi: &Roi| {
         (

@@ -1,6 +1,6 @@
 //! Pixels that do not follow the edge: hot and dead ones, dust, other marks.
 
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::Window;
 
@@ -27,7 +27,7 @@ pub fn exclude_gross(window: &mut Window) -> usize {
 /// Returns their number.
 ///
 /// The profile is that of the medians, which a few wild pixels do not move; it is only formed where the means raise a doubt.
-pub fn exclude(window: &mut Window, line: &Line, profile: &Profile, arc_px: f64) -> usize {
+pub fn exclude(window: &mut Window, line: &EdgeLine, profile: &Profile, arc_px: f64) -> usize {
     let (dark, bright) = profile.plateaus();
     let least = LEAST_STEPS * (bright - dark);
     let limits: Vec<f64> = (0..profile.len())

@@ -1,40 +1,14 @@
 //! Finding the slanted edge: direction, place, and whether there is exactly one.
 
-mod fault;
+pub mod accepted;
+pub mod fault;
+pub mod line;
 pub mod shape;
 
-pub use crate::photographs::edge::fault::{Accepted, Fault};
-
-use crate::photographs::profile::{BIN_PX, Profile};
-use crate::photographs::window::{Pixel, Window};
-
-/// A straight edge in a window.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
-    /// Direction of the normal, from dark to bright, from +x (right) towards +y (down); rad, in (-pi, pi].
-    pub normal_rad: f64,
-    /// Signed distance of the edge from the window's centre along the normal, pixels.
-    pub offset_px: f64,
-    /// Standard error of `normal_rad` by pixel noise.
-    pub normal_standard_error_rad: f64,
-}
-
-impl Line {
-    /// Whether the edge is tilted by 1 to 44 degrees from rows and columns.
-    pub fn is_slanted(&self) -> bool {
-        let tilt = self.normal_rad.to_degrees().rem_euclid(90.0);
-        (1.0..=44.0).contains(&tilt.min(90.0 - tilt))
-    }
-
-    /// Distance of a pixel from the edge, towards the bright side, and its place along the edge; pixels.
-    pub fn place(&self, pixel: &Pixel) -> (f64, f64) {
-        let (sin, cos) = self.normal_rad.sin_cos();
-        (
-            pixel.x * cos + pixel.y * sin - self.offset_px,
-            pixel.y * cos - pixel.x * sin,
-        )
-    }
-}
+use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::line::EdgeLine;
+use crate::photographs::profile::{BIN_PX, Profile, smoothed};
+use crate::photographs::window::Window;
 
 /// Pixels from which a window is searched in a reduced copy first.
 const LARGE: usize = 400_000;
@@ -43,20 +17,20 @@ const LARGE: usize = 400_000;
 ///
 /// The first direction is that of the first moment under a rotationally symmetric weight, which is exact for any straight
 /// edge; direction and place are then refined, see [`refine`]. Large windows are averaged down for that start.
-pub fn locate(window: &Window) -> Result<Line, Fault> {
+pub fn locate(window: &Window) -> Result<EdgeLine, Fault> {
     let pixels = window.width() * window.height();
     if pixels > LARGE {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
         match locate(&window.reduced(side)) {
             Ok(small) => {
                 let offset_px = small.offset_px * side as f64;
-                return refine(window, Line { offset_px, ..small });
+                return refine(window, EdgeLine { offset_px, ..small });
             }
             Err(Fault::TooSmall) => {}
             Err(fault) => return Err(fault),
         }
     }
-    let start = Line {
+    let start = EdgeLine {
         normal_rad: first_direction(window)?,
         offset_px: 0.0,
         normal_standard_error_rad: 0.0,
@@ -66,7 +40,7 @@ pub fn locate(window: &Window) -> Result<Line, Fault> {
 
 /// Refines an edge until the pixels scatter least about their common profile (Gauss-Newton on the angle; the place is the half
 /// level). Accuracy: noise-limited, see the standard error; noise-free below 2e-5 rad.
-pub fn refine(window: &Window, mut line: Line) -> Result<Line, Fault> {
+pub fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
     let mut profile = centre(window, &mut line)?;
     // 1e-4 px at the end of the edge moves no MTF.
     let least = 2e-4 / (window.width() as f64).hypot(window.height() as f64);
@@ -106,7 +80,7 @@ fn first_direction(window: &Window) -> Result<f64, Fault> {
 }
 
 /// Moves the line to the half level of its profile and returns the profile about the new place.
-fn centre(window: &Window, line: &mut Line) -> Result<Profile, Fault> {
+fn centre(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
     // The profile about a line far off the edge is short: each round re-centres, and the second is nearly exact.
     for _ in 0..4 {
         let profile = Profile::new(window, line).ok_or(Fault::TooSmall)?;
@@ -163,19 +137,9 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
     Ok((crossing as f64 + part - profile.reach as f64) * BIN_PX)
 }
 
-/// Running mean over +-`half` bins (shorter, but symmetric, towards the ends).
-fn smoothed(curve: &[f64], half: usize) -> Vec<f64> {
-    (0..curve.len())
-        .map(|j| {
-            let h = half.min(j).min(curve.len() - 1 - j);
-            curve[j - h..=j + h].iter().sum::<f64>() / (2 * h + 1) as f64
-        })
-        .collect()
-}
-
 /// One Gauss-Newton step of the angle: the pixels' distances from the common profile, regressed on its slope times the
 /// position along the edge. Returns the step taken, rad.
-fn turn(window: &Window, line: &mut Line, profile: &Profile) -> f64 {
+fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     let (sin, cos) = line.normal_rad.sin_cos();
     let smooth = smoothed(&profile.mean, 2);
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();

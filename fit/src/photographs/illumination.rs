@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::{Pixel, Window};
 
@@ -21,7 +21,7 @@ const BELIEVED: f64 = 50.0;
 /// The light about an edge, 1 on the edge abreast of the window's centre. Lengths in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    line: Line,
+    line: EdgeLine,
     /// Of s, t and s^2 + t^2.
     terms: [f64; 3],
 }
@@ -49,7 +49,7 @@ pub fn unevenness(lights: &[Light], window: &Window) -> f64 {
 }
 
 /// Finds the light of a window, where it is uneven beyond noise and doubt; `None` where it is even.
-pub fn find(window: &Window, line: &Line, profile: &Profile) -> Option<Light> {
+pub fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
     let ([g2, g3], fall_along) = along(window, line, profile)?;
     let (g1, fall_across) = across(profile, g3);
     let light = Light {
@@ -70,7 +70,7 @@ struct Bin {
 
 /// g2 and g3, and the fall of chi-square that they bring: within each bin of equal s the pixels are regressed on
 /// level x (t, t^2).
-fn along(window: &Window, line: &Line, profile: &Profile) -> Option<([f64; 2], f64)> {
+fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<([f64; 2], f64)> {
     let unit = 0.5 * (window.width() as f64).hypot(window.height() as f64);
     let mut bins = vec![Bin::default(); profile.len()];
     for pixel in window.pixels() {

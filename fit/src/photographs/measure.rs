@@ -3,13 +3,16 @@
 //! Every repair is made only where its cause is seen, and is a warning. A veil (light that reaches both sides alike) needs
 //! none: both plateaus are free in everything that follows.
 
-use crate::photographs::captures::Roi;
 use crate::photographs::edge;
-use crate::photographs::edge::{Accepted, Fault, Line, shape};
+use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::line::EdgeLine;
+use crate::photographs::edge::shape;
 use crate::photographs::illumination;
 use crate::photographs::illumination::Light;
-use crate::photographs::photo::Photo;
+use crate::photographs::photo::plane::Photo;
 use crate::photographs::profile::Profile;
+use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
 use crate::photographs::{chart, defects, saturation};
 
@@ -30,7 +33,7 @@ pub struct Measurement {
     /// The window, repaired.
     pub window: Window,
     /// Where the edge lies in it.
-    pub line: Line,
+    pub line: EdgeLine,
     /// Its pixels, sorted.
     pub profile: Profile,
     /// What was assumed, repaired or is doubtful, one sentence each, those of the photograph first.
@@ -157,7 +160,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     })
 }
 
-fn refined(window: &Window, line: Line) -> Result<(Line, Profile), Fault> {
+fn refined(window: &Window, line: EdgeLine) -> Result<(EdgeLine, Profile), Fault> {
     let line = edge::refine(window, line)?;
     let profile = Profile::new(window, &line).ok_or(Fault::TooSmall)?;
     Ok((line, profile))

@@ -3,7 +3,7 @@
 //! A bin knows where its pixels really are: a model is averaged over those positions, not over the bin, so that the
 //! phases of the pixel grid bias neither the measured curve nor the comparison.
 
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::window::Window;
 
 /// Width of a bin, pixels along the edge normal (fourfold oversampling, as ISO 12233).
@@ -46,7 +46,7 @@ struct Sums {
 impl Profile {
     /// Sorts the window's pixels by their distance from `line`. `None` where fewer than 8 pixels on either side of the
     /// edge are covered.
-    pub fn new(window: &Window, line: &Line) -> Option<Profile> {
+    pub fn new(window: &Window, line: &EdgeLine) -> Option<Profile> {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as usize;
         let mut sums = vec![Sums::default(); 2 * limit + 1];
         let (sin, cos) = line.normal_rad.sin_cos();
@@ -107,7 +107,7 @@ impl Profile {
     }
 
     /// What the user should know about the bins.
-    pub fn warnings(&self, line: &Line) -> Vec<String> {
+    pub fn warnings(&self, line: &EdgeLine) -> Vec<String> {
         let empty = self.empty_bins();
         let bridged = (empty > 0).then(|| {
             let angle = line.normal_rad.to_degrees();
@@ -279,4 +279,14 @@ fn covered(sums: &[Sums], limit: usize) -> Option<usize> {
         .count();
     let reach = right.min(left);
     (reach >= 8 * per_px).then_some(reach)
+}
+
+/// Running mean over +-`half` bins (shorter, but symmetric, towards the ends).
+pub(crate) fn smoothed(curve: &[f64], half: usize) -> Vec<f64> {
+    (0..curve.len())
+        .map(|j| {
+            let h = half.min(j).min(curve.len() - 1 - j);
+            curve[j - h..=j + h].iter().sum::<f64>() / (2 * h + 1) as f64
+        })
+        .collect()
 }

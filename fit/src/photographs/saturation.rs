@@ -5,8 +5,8 @@
 //! falls by (density - p z) standard deviations of a pixel, z the normal quantile of p: 0.02 at p = 0.05, and at 1 % noise
 //! 0.02 % of the step; at p = 0.5 it is 0.4.
 
-use crate::photographs::edge::Fault;
-use crate::photographs::photo::Photo;
+use crate::photographs::edge::fault::Fault;
+use crate::photographs::photo::plane::Photo;
 use crate::photographs::window::Window;
 
 /// Share of the bright pixels from which clipping is refused.

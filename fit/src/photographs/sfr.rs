@@ -12,6 +12,7 @@ use num_complex::Complex64;
 use realfft::RealToComplex;
 
 use crate::numerics::fourier;
+use crate::numerics::sinc::sinc;
 use crate::photographs::profile::{BIN_PX, Profile};
 
 /// Share of the window that the taper leaves untouched; the rest falls to 0 as a raised cosine (Tukey window).
@@ -232,15 +233,6 @@ fn tukey(x: f64) -> f64 {
         1.0
     } else {
         0.5 + 0.5 * (PI * (x - FLAT) / (1.0 - FLAT)).cos()
-    }
-}
-
-/// sin t / t.
-pub fn sinc(t: f64) -> f64 {
-    if t.abs() < 1e-4 {
-        1.0 - t * t / 6.0
-    } else {
-        t.sin() / t
     }
 }
 

@@ -1,6 +1,6 @@
 //! The part of a photograph that an edge is looked for in: linear light, pixel units, origin at its centre.
 
-use crate::photographs::photo::Photo;
+use crate::photographs::photo::plane::Photo;
 
 /// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, x to the right, y down.
 #[derive(Debug, Clone)]

@@ -9,9 +9,12 @@ use serde_json::{Value, json};
 use tables::Table;
 
 use crate::model::baseline::Baseline;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
-use crate::predict::predict::{Error, Places, Prediction, predict};
+use crate::model::blur::Blur;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::parameter::ParameterKind;
+use crate::predict::error::Error;
+use crate::predict::prediction::{Places, Prediction, predict};
 use crate::result::report::ResultFile;
 
 /// Forms of a material.
@@ -72,7 +75,9 @@ pub fn nearest(
     };
     let axes = predict(result, table, &places)?;
     let luminance = axes.first().and_then(|axis| axis.luminance);
-    let luminance = luminance.ok_or(Error::Unknown { parameter: "mu" })?;
+    let luminance = luminance.ok_or(Error::Unknown {
+        parameter: ParameterKind::Mu,
+    })?;
     if axes.iter().any(|axis| axis.mtf.is_empty()) {
         return Err(Error::Dark { incidence_deg });
     }
@@ -91,7 +96,7 @@ pub fn nearest(
             let lobe = Baseline::new(Kernel::Mrm, incidence_deg.to_radians(), index, normal);
             let difference = |(f, m): (&f64, &f64)| {
                 lobe.map_or(f64::NAN, |lobe| {
-                    lobe.otf(Shape::Ggx, blur, distance_mm, *f)[0].re - m
+                    lobe.otf(LobeShape::Ggx, blur, distance_mm, *f)[0].re - m
                 })
             };
             frequencies

@@ -5,37 +5,18 @@ mod chart;
 mod crop;
 mod curves;
 mod estimates;
-mod evidence;
+pub mod evidence;
 mod identify;
 mod markup;
 mod photographs;
 mod provenance;
+pub mod shown;
 mod terms;
 
-use std::path::Path;
-
-use crate::photographs::captures::Campaign;
 use crate::report::page::markup::{count, escape, significant};
-use crate::result::report::ResultFile;
-use crate::simulate::truth::Truth;
-
-pub use crate::report::page::evidence::{Evidence, Profile};
+use crate::report::page::shown::Page;
 
 const STYLE: &str = include_str!("page/style.css");
-
-/// What is shown.
-pub struct Page<'a> {
-    /// The estimate.
-    pub result: &'a ResultFile,
-    /// The photographs and where they lie; those that are warned about are read again for their crops.
-    pub campaign: &'a Campaign,
-    /// The planted answer, where there is one.
-    pub truth: Option<&'a Truth>,
-    /// What the result does not hold.
-    pub evidence: &'a Evidence,
-    /// The command line.
-    pub command: &'a str,
-}
 
 /// One section: its anchor, its heading, its markup.
 type Section = (&'static str, &'static str, String);
@@ -92,7 +73,7 @@ impl Page<'_> {
             values.len()
         };
         let warnings = photographs::number(result);
-        let (class, fits) = if self.evidence.reduced_chi2 > crate::result::report::POOR_FIT {
+        let (class, fits) = if self.evidence.reduced_chi2 > crate::estimate::verdict::POOR_FIT {
             ("poor", "does not describe them within their noise")
         } else {
             ("good", "describes them within their noise")
@@ -122,12 +103,4 @@ impl Page<'_> {
         }
         text
     }
-}
-
-/// A file's name without its folder.
-fn name(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or(path.as_os_str())
-        .to_string_lossy()
-        .into_owned()
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kuva::prelude::*;
 
-use crate::predict::predict::{Around, Axis, Prediction};
+use crate::predict::prediction::{Around, Axis, Prediction};
 use crate::result::report::ResultFile;
 
 /// Why a picture cannot be drawn.

@@ -1,17 +1,19 @@
 //! RESULT.json: what an estimate says, for scripts and for `fit predict`.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::estimate::{Estimate, Value};
+use crate::estimate::bound::Bounds;
+use crate::estimate::campaign::Estimated;
+use crate::estimate::choice::Value;
+use crate::estimate::estimate::Estimate;
 use crate::estimate::forward::Forward;
 use crate::estimate::loss::Kind;
-use crate::estimate::scene::Scene;
-use crate::estimate::select::Selection;
-use crate::model::kernel::{Family, Kernel};
-use crate::model::lobe::Shape;
-use crate::photographs::captures::Spectrum;
+use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::select::Ranked;
+use crate::names::kernel::{Family, Kernel};
+use crate::names::lobe::LobeShape;
+use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::names::spectrum::Spectrum;
 pub use crate::result::table::{CellResult, TableResult};
 use crate::samples::sampled::Sampling;
 
@@ -73,26 +75,13 @@ impl Parameter {
     }
 }
 
-/// A one-sided bound at a confidence.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Bound {
-    /// The parameter is larger.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub at_least: Option<f64>,
-    /// The parameter is smaller.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub at_most: Option<f64>,
-    /// Confidence of the bound.
-    pub confidence: f64,
-}
-
 /// Covariance of the parameters, rows and columns in the order of `names`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Covariance {
     /// c_mm, a_per_mm or a_times_r, mu; `_at_<incidence>` where there is one per angle.
-    pub names: Vec<String>,
-    /// The matrix.
-    pub matrix: Vec<Vec<f64>>,
+    pub names: Vec<ParameterId>,
+    /// The matrix. Null where an entry is not finite: the photographs do not tell these parameters, or not apart; a warning says so.
+    pub matrix: Vec<Vec<Option<f64>>>,
 }
 
 /// One model that was compared.
@@ -101,7 +90,7 @@ pub struct Candidate {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
-    pub lobe: Option<Shape>,
+    pub lobe: Option<LobeShape>,
     /// Whether a (of a baseline the roughness) is shared or per angle.
     pub sharing: String,
     /// Bayes' criterion (smaller is better).
@@ -177,7 +166,7 @@ pub struct ResultFile {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Lobe shape; null without a lobe.
-    pub lobe: Option<Shape>,
+    pub lobe: Option<LobeShape>,
     /// What was minimised.
     pub loss: Kind,
     /// How the model was evaluated.
@@ -215,7 +204,7 @@ pub struct ResultFile {
     /// Of all the parameters above.
     pub covariance: Covariance,
     /// One-sided bounds of what the photographs cannot pin down.
-    pub bounds: BTreeMap<String, Bound>,
+    pub bounds: Bounds,
     /// The models that were compared, best criterion first.
     pub candidates: Vec<Candidate>,
     /// The photographs, in the order of the manifest.
@@ -231,60 +220,18 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
-    /// Gathers an estimate.
-    pub fn new(
-        scene: &Scene,
-        selection: &Selection,
-        bounds: BTreeMap<String, Bound>,
-        table: TableResult,
-        seconds: f64,
-    ) -> ResultFile {
-        let best = &selection.best;
+    /// Writes an estimate down, beside the table that it was made with and the seconds that it took.
+    pub fn new(estimated: &Estimated, table: TableResult, seconds: f64) -> ResultFile {
+        let Estimated { scene, best, .. } = estimated;
         let kernel = best.choice.kernel;
-        let number = |name: &str, value: Value| {
-            let bounded = bounds.contains_key(name);
-            Number {
-                value: (!bounded).then_some(value.value),
-                standard_error: (!bounded && value.standard_error.is_finite())
-                    .then_some(value.standard_error),
-            }
-        };
-        let parameter = |name: &str, values: &[Value], per_angle: bool| -> Option<Parameter> {
-            if !per_angle {
-                return values.first().map(|&v| Parameter::Shared(number(name, v)));
-            }
-            let entries = scene
-                .groups
-                .iter()
-                .zip(scene.names(name, values.len(), true))
-                .zip(values);
-            let per_angle = entries
-                .map(|((&incidence_deg, name), &v)| {
-                    let Number {
-                        value,
-                        standard_error,
-                    } = number(&name, v);
-                    AtAngle {
-                        incidence_deg,
-                        value,
-                        standard_error,
-                    }
-                })
-                .collect();
-            Some(Parameter::PerAngle { per_angle })
-        };
-        let spread = |name: &str| parameter(name, &best.spread, best.choice.per_angle_a);
+        let written = Written { estimated };
+        let is_rough = kernel.is_baseline();
         let lens = best.camera.lens;
-        let size = |is_roughness: bool| {
-            let own = kernel.is_baseline() == is_roughness;
-            let c = best.c_mm.filter(|_| own);
-            c.map(|c| number(kernel.c_name(), c))
-        };
         ResultFile {
             model: kernel.family(),
             kernel,
             lobe: kernel.has_lobe().then_some(best.choice.shape),
-            loss: selection.loss.kind(),
+            loss: estimated.kind,
             forward: match best.sampling {
                 Some(_) => Forward::Render,
                 None => Forward::Spectral,
@@ -297,33 +244,22 @@ impl ResultFile {
             stop: best.solution.stop.name().into(),
             seconds,
             wavelength_nm: scene.spectrum.clone(),
-            c_mm: size(false),
-            a_per_mm: matches!(kernel, Kernel::Eq1 | Kernel::Lobe)
-                .then(|| spread("a_per_mm"))
-                .flatten(),
-            a_times_r: (kernel == Kernel::Angular)
-                .then(|| spread("a_times_r"))
-                .flatten(),
-            roughness: kernel.is_baseline().then(|| spread("roughness")).flatten(),
-            surface_roughness: size(true),
+            c_mm: written.size().filter(|_| !is_rough),
+            a_per_mm: written.spread(ParameterKind::APerMm),
+            a_times_r: written.spread(ParameterKind::ATimesR),
+            roughness: written.spread(ParameterKind::Roughness),
+            surface_roughness: written.size().filter(|_| is_rough),
             mu: best
                 .mu
                 .as_ref()
-                .and_then(|mu| parameter("mu", mu, best.choice.per_angle_mu)),
-            azimuth_deg: None,
+                .and_then(|mu| written.parameter(ParameterKind::Mu, mu, best.choice.per_angle_mu)),
+            azimuth_deg: estimated.azimuth.as_ref().map(|found| Number {
+                value: Some(found.deg.value),
+                standard_error: Some(found.deg.standard_error),
+            }),
             covariance: covariance(best),
-            candidates: selection
-                .compared
-                .iter()
-                .map(|row| Candidate {
-                    kernel: row.choice.kernel,
-                    lobe: row.choice.kernel.has_lobe().then_some(row.choice.shape),
-                    sharing: sharing(row.choice.kernel, row.choice.per_angle_a),
-                    criterion: row.criterion,
-                    loss: row.chi2,
-                    parameters: row.parameters,
-                })
-                .collect(),
+            bounds: estimated.bounds.clone(),
+            candidates: estimated.compared.iter().map(candidate).collect(),
             captures: captures(scene, best),
             camera: CameraResult {
                 pixel_pitch_mm: scene.camera.pitch_mm,
@@ -332,9 +268,80 @@ impl ResultFile {
             },
             half_mirror: scene.half_mirror,
             table,
-            warnings: warnings(scene, selection),
-            bounds,
+            warnings: estimated.warnings.clone(),
         }
+    }
+}
+
+/// The numbers of an estimate as they are written.
+struct Written<'a> {
+    estimated: &'a Estimated,
+}
+
+impl Written<'_> {
+    /// A number, null where it is only bounded; its error, null where it has none.
+    fn number(&self, id: ParameterId, value: Value) -> Number {
+        let bounded = self.estimated.bounds.contains_key(&id);
+        let error = value.standard_error;
+        Number {
+            value: (!bounded).then_some(value.value),
+            standard_error: (!bounded && error.is_finite()).then_some(error),
+        }
+    }
+
+    /// A parameter that has one value, or one for every incidence.
+    fn parameter(
+        &self,
+        kind: ParameterKind,
+        values: &[Value],
+        per_angle: bool,
+    ) -> Option<Parameter> {
+        if !per_angle {
+            let first = values.first()?;
+            return Some(Parameter::Shared(self.number(kind.shared(), *first)));
+        }
+        let entry = |(&incidence_deg, &v): (&f64, &Value)| {
+            let Number {
+                value,
+                standard_error,
+            } = self.number(kind.at(incidence_deg), v);
+            AtAngle {
+                incidence_deg,
+                value,
+                standard_error,
+            }
+        };
+        let groups = &self.estimated.scene.groups;
+        let per_angle = groups.iter().zip(values).map(entry).collect();
+        Some(Parameter::PerAngle { per_angle })
+    }
+
+    /// The spread, where it is of this kind.
+    fn spread(&self, kind: ParameterKind) -> Option<Parameter> {
+        let best = &self.estimated.best;
+        let kernel = best.choice.kernel;
+        (kernel.has_lobe() && ParameterKind::spread_of(kernel) == kind)
+            .then(|| self.parameter(kind, &best.spread, best.choice.per_angle_a))
+            .flatten()
+    }
+
+    /// c, or the roughness of a baseline's front.
+    fn size(&self) -> Option<Number> {
+        let best = &self.estimated.best;
+        let id = ParameterKind::size_of(best.choice.kernel).shared();
+        best.c_mm.map(|size| self.number(id, size))
+    }
+}
+
+fn candidate(row: &Ranked) -> Candidate {
+    let kernel = row.choice.kernel;
+    Candidate {
+        kernel,
+        lobe: kernel.has_lobe().then_some(row.choice.shape),
+        sharing: sharing(kernel, row.choice.per_angle_a),
+        criterion: row.criterion,
+        loss: row.chi2,
+        parameters: row.parameters,
     }
 }
 
@@ -361,106 +368,36 @@ pub fn sharing(kernel: Kernel, per_angle: bool) -> String {
 }
 
 fn covariance(best: &Estimate) -> Covariance {
-    let finite = |v: f64| if v.is_finite() { v } else { f64::MAX };
-    let matrix = best
-        .covariance
-        .row_iter()
-        .map(|row| row.iter().copied().map(finite).collect())
-        .collect();
+    let finite = |&v: &f64| v.is_finite().then_some(v);
+    let rows = best.covariance.row_iter();
     Covariance {
-        names: best.names.clone(),
-        matrix,
+        names: best.parameters.clone(),
+        matrix: rows.map(|row| row.iter().map(finite).collect()).collect(),
     }
 }
 
 fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
     let shots = scene.shots.iter().zip(&best.modelled).zip(&best.losses);
     shots
-        .map(|((shot, modelled), &loss)| CaptureResult {
-            image: shot.image.clone(),
-            incidence_deg: shot.incidence_deg,
-            floating_distance_mm: shot.r_mm,
-            edge_angle_deg: shot.view.line.normal_rad.to_degrees(),
-            mtf50_per_mm: shot.view.mtf50_per_mm(),
-            loss,
-            warnings: shot.warnings.clone(),
-            curves: Curves {
-                frequency_per_mm: shot.view.estimator.frequencies_per_mm.clone(),
-                measured: shot.view.mtf.modulus.clone(),
-                standard_error: shot.view.mtf_standard_error.clone(),
-                modelled: modelled.clone(),
-            },
-        })
+        .map(|((shot, modelled), &loss)| capture(shot, modelled, loss))
         .collect()
 }
 
-/// Reduced chi-square above which the model is said not to describe the photographs.
-pub const POOR_FIT: f64 = 2.0;
-
-fn warnings(scene: &Scene, selection: &Selection) -> Vec<String> {
-    let best = &selection.best;
-    let mut warnings = scene.warnings.clone();
-    // Which way a scales with distance: told apart only by photographs at several distances, or named by the user.
-    let tried = |kernel| {
-        selection
-            .compared
-            .iter()
-            .any(|row| row.choice.kernel == kernel)
-    };
-    let open = best.choice.kernel.has_lobe() && tried(Kernel::Eq1) && tried(Kernel::Angular);
-    let one_distance = scene
-        .shots
-        .iter()
-        .all(|shot| (shot.r_mm / scene.shots[0].r_mm - 1.0).abs() < 1e-6);
-    if open && one_distance {
-        warnings.push(
-            "all photographs are at one floating distance: whether a (eq1) or a R (angular) is constant cannot be told, \
-             and predictions at other distances depend on it; photograph a second distance, or name --kernel"
-                .into(),
-        );
+fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
+    let view = &shot.view;
+    CaptureResult {
+        image: shot.image.clone(),
+        incidence_deg: shot.incidence_deg,
+        floating_distance_mm: shot.r_mm,
+        edge_angle_deg: view.line.normal_rad.to_degrees(),
+        mtf50_per_mm: view.mtf50_per_mm(),
+        loss,
+        warnings: shot.warnings.clone(),
+        curves: Curves {
+            frequency_per_mm: view.estimator.frequencies_per_mm.clone(),
+            measured: view.mtf.modulus.clone(),
+            standard_error: view.mtf_standard_error.clone(),
+            modelled: modelled.to_vec(),
+        },
     }
-    let reduced = best.reduced_chi2();
-    if reduced > POOR_FIT {
-        warnings.push(format!(
-            "the model does not describe the photographs within their noise (chi-square {reduced:.1} per degree of \
-             freedom): the standard errors are raised accordingly; try another --kernel or --lobe, or check the manifest"
-        ));
-    }
-    warnings.extend(coarse(best));
-    let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
-    if let Some(mu) = best.mu.iter().flatten().find(above_one) {
-        warnings.push(format!(
-            "mu {:.3} is more light than falls on the sheet: check the exposures, the half mirror and the table's cell",
-            mu.value
-        ));
-    }
-    if let Some(reference) = scene
-        .reference
-        .as_ref()
-        .filter(|r| r.reduced_chi2 > POOR_FIT)
-    {
-        warnings.push(format!(
-            "the lens model does not describe the reference photograph within its noise (chi-square {:.1} per degree \
-             of freedom)",
-            reference.reduced_chi2
-        ));
-    }
-    warnings
-}
-
-/// What to say where the samples of a render make a good part of the errors.
-fn coarse(best: &Estimate) -> Option<String> {
-    const GOOD_PART: f64 = 0.5;
-    let own = best.sampling.as_ref()?;
-    let parts = own.standard_error.iter().enumerate();
-    let worst = parts
-        .map(|(i, error)| error / best.covariance[(i, i)].sqrt())
-        .fold(0.0, f64::max);
-    (worst > GOOD_PART).then(|| {
-        format!(
-            "up to {:.0} % of a standard error is the render's own sampling error: give more than --samples {}",
-            100.0 * worst,
-            own.sampling.samples
-        )
-    })
 }

@@ -11,8 +11,9 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
 
-use crate::model::lobe::{CUT, Shape};
-use crate::samples::sample::Quantile;
+use crate::model::lobe::CUT;
+use crate::names::lobe::LobeShape;
+use crate::samples::quantile::Quantile;
 
 /// Cells of the radial table.
 const CELLS: usize = 4096;
@@ -24,12 +25,12 @@ const PER_PERIOD: usize = 256;
 /// Maps points of the unit square to offsets of a lobe with a = 1.
 #[derive(Debug, Clone, Copy)]
 pub struct LobeSampler {
-    shape: Shape,
+    shape: LobeShape,
 }
 
 impl LobeSampler {
     /// The sampler of a shape.
-    pub fn new(shape: Shape) -> LobeSampler {
+    pub fn new(shape: LobeShape) -> LobeSampler {
         LobeSampler { shape }
     }
 
@@ -40,10 +41,10 @@ impl LobeSampler {
             [r * cos, r * sin]
         };
         match self.shape {
-            Shape::Radial => about(radius(u)),
-            Shape::Beckmann => about((-(-u).ln_1p()).sqrt()),
-            Shape::Ggx => about((u / (1.0 - u)).sqrt()),
-            Shape::Separable => [axis(u), axis(v)],
+            LobeShape::Radial => about(radius(u)),
+            LobeShape::Beckmann => about((-(-u).ln_1p()).sqrt()),
+            LobeShape::Ggx => about((u / (1.0 - u)).sqrt()),
+            LobeShape::Separable => [axis(u), axis(v)],
         }
     }
 }

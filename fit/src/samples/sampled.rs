@@ -21,15 +21,18 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::compare::view::{Curve, Model};
+use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::kernel::{Blur, Kernel};
-use crate::model::lobe::Shape;
-use crate::photographs::edge::Line;
+use crate::model::model::{Curve, Model};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::Raster;
-use crate::samples::sample::{Departure, LobeSampler, Points, Sequence, ShiftSampler};
+use crate::samples::lobe::LobeSampler;
 use crate::samples::sampled::texture::{CELLS_PER_PX, Texture};
+use crate::samples::sequence::{Points, Sequence};
+use crate::samples::shift::{Departure, ShiftSampler};
 
 /// Most points of a photograph that are evenly spread: 2 MB, which a core's second cache holds.
 pub const EVEN_POINTS: usize = 1 << 18;
@@ -68,7 +71,7 @@ impl Tile {
         stream: u64,
         pixels: usize,
         shift: Option<(&ShiftSampler, f64)>,
-        shape: Option<Shape>,
+        shape: Option<LobeShape>,
         normal: [f64; 2],
     ) -> Tile {
         let most = match sampling.sequence {
@@ -138,7 +141,7 @@ impl Sampled {
     pub fn new(
         raster: &Raster,
         profile: &Profile,
-        line: &Line,
+        line: &EdgeLine,
         camera: &Camera,
         tile: impl FnOnce(usize) -> Tile,
     ) -> Sampled {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use tables::deviation::Exits;
 use tables::{Direction, Path};
 
-use crate::samples::sample::Quantile;
+use crate::samples::quantile::Quantile;
 
 /// How far from where it came a ray leaves, and where to.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::photographs::captures;
+use crate::document::error as document;
+use crate::document::line::FileLine;
+use crate::names::kernel::Kernel;
 
 /// A simulation that was refused or could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -10,14 +12,20 @@ use crate::photographs::captures;
 pub enum Error {
     /// The parameter file is wrong.
     #[error(transparent)]
-    Params(#[from] captures::Error),
+    Params(#[from] document::Error),
+    /// Nothing to photograph.
+    #[error("{file}: has no [[capture]]; add one for each photograph of the mid-air image")]
+    NoCaptures {
+        /// The parameter file.
+        file: PathBuf,
+    },
     /// A table by incidence lacks the incidence of a capture.
     #[error(
         "{place}: incidence {incidence_deg} has no entry in the table `{key}` of [truth]; add it"
     )]
     NoEntry {
         /// Line of the capture.
-        place: captures::keys::Place,
+        place: FileLine,
         /// `a` or `mu`.
         key: &'static str,
         /// Incidence of the capture, degrees.
@@ -29,7 +37,7 @@ pub enum Error {
     )]
     EntryName {
         /// Line of the table.
-        place: captures::keys::Place,
+        place: FileLine,
         /// `a` or `mu`.
         key: &'static str,
         /// The name.
@@ -39,13 +47,13 @@ pub enum Error {
     #[error("kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; name one of these", kernel.name())]
     Unplanted {
         /// Its kernel.
-        kernel: crate::model::kernel::Kernel,
+        kernel: Kernel,
     },
     /// A range that ends before it starts.
     #[error("{place}: `{key}` goes from {from} to {to}; write the smaller number under `from`")]
     Range {
         /// Line of the range.
-        place: captures::keys::Place,
+        place: FileLine,
         /// Its key.
         key: &'static str,
         /// Where it starts.

@@ -1,14 +1,15 @@
 //! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
 
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
-use crate::photographs::captures;
-use crate::photographs::captures::Spectrum;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
 use std::path::Path;
 
-use crate::photographs::captures::keys::{Bounds, Document, NumberOrTable, Place, Section};
+use crate::document::bounds::Bounds;
+use crate::document::line::FileLine;
+use crate::document::section::{Document, NumberOrTable, Section};
 use crate::simulate::cell::CubeShift;
-use crate::simulate::photograph::Error;
+use crate::simulate::error::Error;
 
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
 /// Its keys.
@@ -58,7 +59,7 @@ const CAPTURE: [&str; 10] = [
 
 /// The camera and the bench.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Camera {
+pub struct PlantedCamera {
     /// Columns.
     pub width: usize,
     /// Rows.
@@ -109,11 +110,11 @@ impl ByIncidence {
 
 /// The sheet.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
+pub struct PlantedSheet {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Shape of the lobe.
-    pub lobe: Shape,
+    pub lobe: LobeShape,
     /// Wavelengths of the source; the `wave` kernel needs them.
     pub spectrum: Option<Spectrum>,
     /// Refractive index behind the flat front; 1 for hollow cubes.
@@ -130,7 +131,7 @@ pub struct Truth {
 
 /// The edge in one photograph.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Edge {
+pub struct PlantedEdge {
     /// Direction from dark to bright in the photograph, degrees from +x towards +y.
     pub normal_deg: f64,
     /// Columns by which the edge is left of the centre of the picture, along the rows whatever the normal: towards
@@ -143,16 +144,16 @@ pub struct Edge {
     pub light: [f64; 2],
 }
 
-impl Edge {
+impl PlantedEdge {
     /// The source edge where the file does not say.
-    pub const SOURCE: Edge = Edge {
+    pub const SOURCE: PlantedEdge = PlantedEdge {
         normal_deg: 4.0,
         offset_px: 0.0,
         exposure: 1.0,
         light: [0.0; 2],
     };
     /// An aerial edge where the file does not say.
-    pub const AERIAL: Edge = Edge {
+    pub const AERIAL: PlantedEdge = PlantedEdge {
         normal_deg: 5.0,
         offset_px: 0.0,
         exposure: 6.0,
@@ -162,9 +163,9 @@ impl Edge {
 
 /// One photograph of the aerial edge.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shot {
+pub struct PlantedShot {
     /// The edge.
-    pub edge: Edge,
+    pub edge: PlantedEdge,
     /// Floating distance, mm.
     pub floating_distance_mm: f64,
     /// Optical path from sheet to image, mm, where it differs.
@@ -186,13 +187,13 @@ pub struct Params {
     /// Seed of all noise.
     pub seed: u64,
     /// Camera and bench.
-    pub camera: Camera,
+    pub camera: PlantedCamera,
     /// The sheet.
-    pub truth: Truth,
+    pub truth: PlantedSheet,
     /// The source edge, photographed with no retroreflector; `None` leaves the reference out.
-    pub reference: Option<Edge>,
+    pub reference: Option<PlantedEdge>,
     /// The aerial photographs; not empty.
-    pub captures: Vec<Shot>,
+    pub captures: Vec<PlantedShot>,
 }
 
 impl Params {
@@ -208,8 +209,8 @@ impl Params {
         let camera = camera(root.section("camera", &CAMERA)?.as_ref())?;
         let truth = truth(&root.required("truth", root.section("truth", &TRUTH)?)?)?;
         let reference = match root.section("reference", &REFERENCE)? {
-            Some(keys) => Some(edge(&keys, Edge::SOURCE)?),
-            None => Some(Edge::SOURCE),
+            Some(keys) => Some(edge(&keys, PlantedEdge::SOURCE)?),
+            None => Some(PlantedEdge::SOURCE),
         };
         let mut captures = Vec::new();
         for keys in root.sections("capture", &CAPTURE)? {
@@ -218,10 +219,9 @@ impl Params {
             captures.push(shot);
         }
         if captures.is_empty() {
-            return Err(crate::photographs::captures::Error::NoCaptures {
+            return Err(Error::NoCaptures {
                 file: file.to_owned(),
-            }
-            .into());
+            });
         }
         Ok(Params {
             seed,
@@ -234,9 +234,9 @@ impl Params {
 }
 
 /// What a camera is where the file does not say.
-impl Default for Camera {
-    fn default() -> Camera {
-        Camera {
+impl Default for PlantedCamera {
+    fn default() -> PlantedCamera {
+        PlantedCamera {
             width: 320,
             height: 256,
             pixel_pitch_mm: 0.05,
@@ -254,7 +254,7 @@ impl Default for Camera {
 }
 
 /// The camera of a `[camera]` section.
-pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
+pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<PlantedCamera, Error> {
     const SIZE: Bounds = Bounds {
         words: "between 8 and 20000",
         holds: |x| (8.0..=20_000.0).contains(&x),
@@ -271,7 +271,7 @@ pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
         words: "between 1 and 24",
         holds: |x| (1.0..=24.0).contains(&x),
     };
-    let default = Camera::default();
+    let default = PlantedCamera::default();
     let Some(keys) = keys else { return Ok(default) };
     let number =
         |key, bounds, default| Ok::<f64, Error>(keys.number(key, bounds)?.unwrap_or(default));
@@ -282,7 +282,7 @@ pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
                 .map_or(default, |value| value as u64),
         )
     };
-    Ok(Camera {
+    Ok(PlantedCamera {
         width: whole("width", SIZE, default.width as u64)? as usize,
         height: whole("height", SIZE, default.height as u64)? as usize,
         pixel_pitch_mm: number("pixel_pitch_mm", Bounds::POSITIVE, default.pixel_pitch_mm)?,
@@ -302,7 +302,7 @@ pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<Camera, Error> {
     })
 }
 
-fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
+fn truth(keys: &Section<'_>) -> Result<PlantedSheet, Error> {
     const INDEX: Bounds = Bounds {
         words: "at least 1",
         holds: |x| x >= 1.0,
@@ -312,8 +312,8 @@ fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
         keys.choice("kernel", &Kernel::NAMES, Kernel::from_name)?,
     )?;
     let lobe = keys
-        .choice("lobe", &Shape::NAMES, Shape::from_name)?
-        .unwrap_or(Shape::Radial);
+        .choice("lobe", &LobeShape::NAMES, LobeShape::from_name)?
+        .unwrap_or(LobeShape::Radial);
     // A parameter that the kernel does not have may be left out.
     let a = match kernel {
         Kernel::Shift | Kernel::Wave => {
@@ -325,11 +325,11 @@ fn truth(keys: &Section<'_>) -> Result<Truth, Error> {
         Kernel::Lobe => keys.number("c", Bounds::POSITIVE)?.unwrap_or(1.0),
         _ => keys.required("c", keys.number("c", Bounds::POSITIVE)?)?,
     };
-    let spectrum = captures::spectrum(keys)?;
+    let spectrum = keys.spectrum()?;
     if kernel == Kernel::Wave {
         keys.required("wavelength_nm", spectrum.as_ref())?;
     }
-    Ok(Truth {
+    Ok(PlantedSheet {
         kernel,
         lobe,
         spectrum,
@@ -364,13 +364,13 @@ fn by_incidence(keys: &Section<'_>, key: &'static str) -> Result<Option<ByIncide
     }
 }
 
-fn edge(keys: &Section<'_>, default: Edge) -> Result<Edge, Error> {
+fn edge(keys: &Section<'_>, default: PlantedEdge) -> Result<PlantedEdge, Error> {
     const GAIN: Bounds = Bounds {
         words: "between -0.5 and 0.5",
         holds: |x| (-0.5..=0.5).contains(&x),
     };
     let gain = |key| Ok::<f64, Error>(keys.number(key, GAIN)?.unwrap_or(0.0));
-    Ok(Edge {
+    Ok(PlantedEdge {
         light: [gain("light_to_right")?, gain("light_to_bottom")?],
         normal_deg: keys
             .number("edge_normal_deg", Bounds::TURN)?
@@ -384,11 +384,11 @@ fn edge(keys: &Section<'_>, default: Edge) -> Result<Edge, Error> {
     })
 }
 
-fn shot(keys: &Section<'_>) -> Result<Shot, Error> {
+fn shot(keys: &Section<'_>) -> Result<PlantedShot, Error> {
     let distance = keys.number("floating_distance_mm", Bounds::POSITIVE)?;
     let incidence = keys.number("incidence_deg", Bounds::INCIDENCE)?;
-    Ok(Shot {
-        edge: edge(keys, Edge::AERIAL)?,
+    Ok(PlantedShot {
+        edge: edge(keys, PlantedEdge::AERIAL)?,
         floating_distance_mm: keys.required("floating_distance_mm", distance)?,
         path_mm: keys.number("path_mm", Bounds::POSITIVE)?,
         incidence_deg: keys.required("incidence_deg", incidence)?,
@@ -400,7 +400,7 @@ fn shot(keys: &Section<'_>) -> Result<Shot, Error> {
     })
 }
 
-fn check_entries(truth: &Truth, shot: &Shot, place: &Place) -> Result<(), Error> {
+fn check_entries(truth: &PlantedSheet, shot: &PlantedShot, place: &FileLine) -> Result<(), Error> {
     for (key, values) in [("a", &truth.a), ("mu", &truth.mu)] {
         if values.at(shot.incidence_deg).is_none() {
             return Err(Error::NoEntry {

@@ -9,17 +9,16 @@
 //! for the reference and source_level x mu x eta x T x R of the half mirror for a capture; then shot noise and reading
 //! noise in electrons, rounding to the converter's steps, and clipping to [0, 1].
 
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
-use crate::photographs::captures::{Line, Spectrum};
+use crate::document::line::FileLine;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::{SpectralLine, Spectrum};
 use crate::simulate::cell;
 use crate::simulate::cell::CubeShift;
-pub use crate::simulate::error::Error;
+use crate::simulate::error::Error;
 use crate::simulate::noise::PixelNoise;
-pub use crate::simulate::params::{ByIncidence, Camera, Edge, Params, Shot, Truth};
-pub(crate) use crate::simulate::params::{CAMERA, camera};
-use crate::simulate::profile::{Blur, Profile, STEPS_PER_PIXEL, Spread};
-pub use crate::simulate::write::{Report, run};
+use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
+use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 
 /// Light on each pixel without noise, rounding or clipping, full scale 1, row-major: of capture `index`, or of the
 /// reference (`None`; a default edge where the campaign has no reference). Accurate to 1e-6 of the contrast.
@@ -33,7 +32,7 @@ pub fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
     let camera = &params.camera;
     let (edge, blur, contrast) = match index {
         None => {
-            let edge = params.reference.unwrap_or(Edge::SOURCE);
+            let edge = params.reference.unwrap_or(PlantedEdge::SOURCE);
             (edge, source_blur(camera, &edge), camera.source_level)
         }
         Some(index) => {
@@ -51,7 +50,7 @@ pub fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
         ((x as f64 - centre_x + edge.offset_px) * cos + (y as f64 - centre_y) * sin) * pitch
     };
     let reach_mm = (centre_x.hypot(centre_y) + edge.offset_px.abs()) * pitch;
-    let profile = Profile::new(&blur, reach_mm, STEPS_PER_PIXEL);
+    let profile = EdgeProfile::new(&blur, reach_mm, STEPS_PER_PIXEL);
     let [to_right, to_bottom] = edge.light;
     let level = |(x, y): (usize, usize)| {
         let share = camera.dark_ratio + (1.0 - camera.dark_ratio) * profile.at(distance_mm(x, y));
@@ -90,9 +89,9 @@ pub fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Err
         .collect())
 }
 
-fn source_blur(camera: &Camera, edge: &Edge) -> Blur {
+fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {
     let normal_rad = edge.normal_deg.to_radians();
-    Blur {
+    EdgeBlur {
         normal_rad,
         normal_in_picture_rad: normal_rad,
         spread: Spread::None,
@@ -104,11 +103,11 @@ fn source_blur(camera: &Camera, edge: &Edge) -> Blur {
 }
 
 /// Blur of a capture, and its bright level at exposure 1 without the veil.
-fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
+fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> {
     let (camera, truth, shot) = (&params.camera, &params.truth, &params.captures[index]);
     let look_up = |key: &'static str, values: &ByIncidence| {
         values.at(shot.incidence_deg).ok_or_else(|| Error::NoEntry {
-            place: crate::photographs::captures::keys::Place {
+            place: FileLine {
                 file: "parameters".into(),
                 line: index + 1,
             },
@@ -140,18 +139,19 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(Blur, f64), Error> {
         (Kernel::Wave, _) => {
             let lines = truth.spectrum.iter().flat_map(Spectrum::lines);
             let total: f64 = lines.clone().map(|line| line.weight).sum();
-            let line = |line: &Line| (line.wavelength_nm * 1e-6 * r_mm, line.weight / total);
+            let line =
+                |line: &SpectralLine| (line.wavelength_nm * 1e-6 * r_mm, line.weight / total);
             Spread::Wave {
                 lines: lines.map(line).collect(),
             }
         }
-        (kernel, Shape::Beckmann | Shape::Ggx) => return Err(Error::Unplanted { kernel }),
+        (kernel, LobeShape::Beckmann | LobeShape::Ggx) => return Err(Error::Unplanted { kernel }),
         (kernel, _) if kernel.is_baseline() => return Err(Error::Unplanted { kernel }),
-        (_, Shape::Radial) => Spread::Radial { a_per_mm },
-        (_, Shape::Separable) => Spread::Separable { a_per_mm },
+        (_, LobeShape::Radial) => Spread::Radial { a_per_mm },
+        (_, LobeShape::Separable) => Spread::Separable { a_per_mm },
     };
     let source = source_blur(camera, &shot.edge);
-    let blur = Blur {
+    let blur = EdgeBlur {
         normal_rad: (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians(),
         spread,
         shifts: if truth.kernel == Kernel::Lobe {

@@ -36,7 +36,7 @@ pub enum Spread {
 
 /// All that shapes one edge.
 #[derive(Debug, Clone)]
-pub struct Blur {
+pub struct EdgeBlur {
     /// Direction of the edge normal against the tangential axis, radians from +x towards +y.
     pub normal_rad: f64,
     /// Direction of the edge normal against the pixel columns, radians.
@@ -55,15 +55,15 @@ pub struct Blur {
 
 /// An edge profile on a grid: 0 far on the dark side, 1 far on the bright.
 #[derive(Debug, Clone)]
-pub struct Profile {
+pub struct EdgeProfile {
     step_mm: f64,
     half: usize,
     values: Vec<f64>,
 }
 
-impl Profile {
+impl EdgeProfile {
     /// The profile for distances up to `reach_mm` from the edge, `steps` to a pixel.
-    pub fn new(blur: &Blur, reach_mm: f64, steps: f64) -> Profile {
+    pub fn new(blur: &EdgeBlur, reach_mm: f64, steps: f64) -> EdgeProfile {
         let step = blur.pixel_pitch_mm / steps;
         let kernel = compact(blur, step);
         let half = (reach_mm / step).ceil() as usize + 2;
@@ -72,7 +72,7 @@ impl Profile {
         let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
         let lobe: Vec<f64> = match &blur.spread {
             Spread::None => {
-                return Profile {
+                return EdgeProfile {
                     step_mm: step,
                     half,
                     values: kernel.cumulative(half),
@@ -98,7 +98,7 @@ impl Profile {
                     .sum()
             })
             .collect();
-        Profile {
+        EdgeProfile {
             step_mm: step,
             half,
             values,
@@ -187,7 +187,7 @@ impl Masses {
 }
 
 /// Shift, pixel and lens along the edge normal.
-fn compact(blur: &Blur, step: f64) -> Masses {
+fn compact(blur: &EdgeBlur, step: f64) -> Masses {
     let sigma = blur.sigma_mm;
     let half = (8.5 * sigma / step).ceil() as usize;
     let bell: Vec<f64> = (0..=2 * half)
@@ -219,7 +219,7 @@ fn compact(blur: &Blur, step: f64) -> Masses {
 }
 
 /// Ray shift along the normal: the cubes weighted by what each returns. `None` where nothing shifts, or waves hold it.
-fn shift_masses(blur: &Blur, step: f64) -> Option<Masses> {
+fn shift_masses(blur: &EdgeBlur, step: f64) -> Option<Masses> {
     let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
     let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();
     if total <= 0.0 || matches!(blur.spread, Spread::Wave { .. }) {
@@ -261,10 +261,10 @@ mod tests {
     use super::*;
     use crate::simulate::cell::shifts;
 
-    fn blur(spread: Spread, incidence_deg: f64, normal_deg: f64, sigma_px: f64) -> Blur {
+    fn blur(spread: Spread, incidence_deg: f64, normal_deg: f64, sigma_px: f64) -> EdgeBlur {
         let c_mm = 0.24;
         let incidence = incidence_deg.to_radians();
-        Blur {
+        EdgeBlur {
             normal_rad: normal_deg.to_radians(),
             normal_in_picture_rad: normal_deg.to_radians(),
             spread,
@@ -294,8 +294,8 @@ mod tests {
                 (0.0, 90.0, 0.3),
             ] {
                 let blur = blur(spread.clone(), incidence, normal, sigma);
-                let coarse = Profile::new(&blur, 8.0, STEPS_PER_PIXEL);
-                let fine = Profile::new(&blur, 8.0, 2.0 * STEPS_PER_PIXEL);
+                let coarse = EdgeProfile::new(&blur, 8.0, STEPS_PER_PIXEL);
+                let fine = EdgeProfile::new(&blur, 8.0, 2.0 * STEPS_PER_PIXEL);
                 for k in -2000..=2000 {
                     let s = f64::from(k) * 0.00391;
                     largest = largest.max((coarse.at(s) - fine.at(s)).abs());
@@ -312,7 +312,7 @@ mod tests {
     fn profiles_run_from_dark_to_bright() {
         let mut cases = 0;
         for spread in [Spread::None, Spread::Radial { a_per_mm: 4.9 }] {
-            let profile = Profile::new(&blur(spread, 20.0, 12.0, 0.55), 8.0, STEPS_PER_PIXEL);
+            let profile = EdgeProfile::new(&blur(spread, 20.0, 12.0, 0.55), 8.0, STEPS_PER_PIXEL);
             assert!(profile.at(-8.0).abs() < 1e-12 && (profile.at(8.0) - 1.0).abs() < 1e-12);
             // Every part is symmetric about 0.
             assert!((profile.at(0.0) - 0.5).abs() < 1e-12);
@@ -326,7 +326,7 @@ mod tests {
         }
         // The separable lobe has not arrived at 8 mm: both axes leave a tail 1/(2 pi a s) times their cosines.
         let (a, angle) = (4.2, 12_f64);
-        let profile = Profile::new(
+        let profile = EdgeProfile::new(
             &blur(Spread::Separable { a_per_mm: a }, 20.0, angle, 0.55),
             8.0,
             STEPS_PER_PIXEL,
@@ -346,7 +346,7 @@ mod tests {
         // Monte Carlo over shift, lobe-free, lens and pixel: n samples leave at most 0.5/sqrt(n) of standard error.
         use crate::simulate::noise::PixelNoise;
         let blur = blur(Spread::None, 35.0, 33.0, 0.55);
-        let profile = Profile::new(&blur, 2.0, STEPS_PER_PIXEL);
+        let profile = EdgeProfile::new(&blur, 2.0, STEPS_PER_PIXEL);
         let n = 400_000_u64;
         let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
         let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();

@@ -3,9 +3,10 @@
 
 use tables::Table;
 
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 use crate::simulate::cell::CubeShift;
-use crate::simulate::photograph::{Error, Params, Shot};
+use crate::simulate::error::Error;
+use crate::simulate::params::{Params, PlantedShot};
 
 impl Params {
     /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.
@@ -19,7 +20,7 @@ impl Params {
         }
         let c_mm = self.truth.c_mm;
         for shot in &mut self.captures {
-            let Shot {
+            let PlantedShot {
                 incidence_deg,
                 azimuth_deg,
                 ..

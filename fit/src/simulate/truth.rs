@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
+use crate::names::parameter::{ParameterId, ParameterKind};
 
 /// The numbers that a campaign was made with.
 #[derive(Debug, Clone, Deserialize)]
@@ -11,21 +12,21 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The planted value of `c_mm`, `a_per_mm`, `a_times_r` or `mu`, at an incidence (degrees) where it differs by angle.
+    /// The planted value of a parameter, at its incidence where the value differs by angle.
     /// `None` where the planted kernel has no such parameter: `a` is a R under `angular`, else in 1/mm.
-    pub fn of(&self, parameter: &str, incidence_deg: Option<f64>) -> Option<f64> {
+    pub fn of(&self, id: ParameterId) -> Option<f64> {
         let kernel = Kernel::from_name(self.truth.get("kernel")?.as_str()?)?;
-        let key = match parameter {
-            "c_mm" if kernel.has_c() => "c",
-            "a_per_mm" if kernel.has_lobe() && kernel != Kernel::Angular => "a",
-            "a_times_r" if kernel == Kernel::Angular => "a",
-            "mu" => "mu",
+        let key = match id.kind {
+            ParameterKind::CornerSize if kernel.has_c() => "c",
+            ParameterKind::APerMm if kernel.has_lobe() && kernel != Kernel::Angular => "a",
+            ParameterKind::ATimesR if kernel == Kernel::Angular => "a",
+            ParameterKind::Mu => "mu",
             _ => return None,
         };
         let value = self.truth.get(key)?;
         value
             .as_f64()
-            .or_else(|| value.get(incidence_deg?.to_string())?.as_f64())
+            .or_else(|| value.get(id.incidence_deg?.to_string())?.as_f64())
     }
 }
 
@@ -42,14 +43,14 @@ mod tests {
             serde_json::from_str(&text).expect("it is JSON")
         };
         let (eq1, angular) = (planted("eq1"), planted("angular"));
-        assert_eq!(eq1.of("a_per_mm", Some(12.5)), Some(4.0));
-        assert_eq!(eq1.of("a_times_r", Some(12.5)), None);
-        assert_eq!(angular.of("a_times_r", Some(0.0)), Some(4.5));
-        assert_eq!(angular.of("a_per_mm", Some(0.0)), None);
-        assert_eq!(eq1.of("a_per_mm", None), None);
-        assert_eq!(eq1.of("c_mm", Some(12.5)), Some(0.2));
-        assert_eq!(eq1.of("mu", None), None);
-        assert_eq!(planted("shift").of("a_per_mm", Some(0.0)), None);
-        assert_eq!(planted("lobe").of("c_mm", None), None);
+        assert_eq!(eq1.of(ParameterKind::APerMm.at(12.5)), Some(4.0));
+        assert_eq!(eq1.of(ParameterKind::ATimesR.at(12.5)), None);
+        assert_eq!(angular.of(ParameterKind::ATimesR.at(0.0)), Some(4.5));
+        assert_eq!(angular.of(ParameterKind::APerMm.at(0.0)), None);
+        assert_eq!(eq1.of(ParameterKind::APerMm.shared()), None);
+        assert_eq!(eq1.of(ParameterKind::CornerSize.at(12.5)), Some(0.2));
+        assert_eq!(eq1.of(ParameterKind::Mu.shared()), None);
+        assert_eq!(planted("shift").of(ParameterKind::APerMm.at(0.0)), None);
+        assert_eq!(planted("lobe").of(ParameterKind::CornerSize.shared()), None);
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::model::lobe::GAUSS_16;
+use crate::numerics::quadrature::GAUSS_16;
 use crate::simulate::cell::CubeShift;
 use tables::Samples;
 

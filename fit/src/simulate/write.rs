@@ -8,7 +8,9 @@ use exr::prelude::{
 };
 use serde_json::{Value, json};
 
-use crate::simulate::photograph::{ByIncidence, Error, Params, Shot, photograph};
+use crate::simulate::error::Error;
+use crate::simulate::params::{ByIncidence, Params, PlantedShot};
+use crate::simulate::photograph::photograph;
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +132,7 @@ fn save(
         .map_err(cannot)
 }
 
-fn image_name(index: usize, shot: &Shot) -> String {
+fn image_name(index: usize, shot: &PlantedShot) -> String {
     let from_axis = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
     let axis = if from_axis.cos().abs() >= from_axis.sin().abs() {
         "tan"

@@ -10,21 +10,24 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use tables::Table;
 
-use crate::estimate::bound;
-use crate::estimate::estimate::{Choice, Optimum, refined};
+use crate::estimate::campaign as estimate;
+use crate::estimate::campaign::{Estimated, Options};
+use crate::estimate::choice::Choice;
+use crate::estimate::error::Error;
 use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::scene;
+use crate::estimate::loss::Loss;
+use crate::estimate::optimum::{Optimum, refined};
 use crate::estimate::scene::Scene;
-use crate::estimate::select::{CLEAR, Candidates, Compared, own_mu_limit, scatter_of_mu, select};
-use crate::model::kernel::Kernel;
+use crate::estimate::select::{CLEAR, Candidates, Ranked, own_mu_limit, scatter_of_mu};
+use crate::estimate::watch::Watch;
+use crate::names::kernel::Kernel;
+use crate::names::parameter::ParameterKind;
 use crate::numerics::solve::{Solution, Stop};
-use crate::photographs::edge::Accepted;
-use crate::result::report::Bound;
+use crate::photographs::edge::accepted::Accepted;
 use crate::simulate::noise::PixelNoise;
+use crate::simulate::params::{ByIncidence, Params};
 use crate::simulate::photograph as simulate;
-use crate::simulate::photograph::{ByIncidence, Params};
 use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial;
@@ -89,93 +92,94 @@ pub struct Trial {
 /// Runs a campaign of any terms with all of them open.
 ///
 /// # Errors
-/// As [`Scene::load`]: photographs so noisy that their edge is not found.
-pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
-    let scene = trial::scene(params, table, &[], simulate::photograph)?;
+/// Photographs so noisy that their edge is not found, or a fit that failed.
+pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let truth = &params.truth;
     let own = |values: &ByIncidence| matches!(values, ByIncidence::Table(_));
-    let choice = Choice {
+    let planted = Choice {
         kernel: truth.kernel,
         shape: truth.lobe,
         per_angle_a: own(&truth.a),
         per_angle_mu: own(&truth.mu),
     };
-    let mut kernels = Kernel::ALL.to_vec();
-    kernels.retain(|&kernel| kernel != Kernel::Wave || scene.waves().is_ok());
-    let open = Candidates {
-        kernels,
+    let options = Options::new(Candidates {
         shapes: vec![truth.lobe],
-        per_angle_a: None,
-        per_angle_mu: None,
-    };
-    let selection = select(&scene, Kind::Edge, &open);
-    let best = &selection.best;
+        ..Candidates::proposed()
+    });
+    let photographs = trial::source(params, simulate::photograph);
+    let campaign = trial::campaign(params, &[]);
+    let found = estimate::campaign(&campaign, &photographs, table, &options, &Watch::NOBODY)?;
+    let (scene, chosen) = (&found.scene, found.best.choice);
+    let (margin, mu_margin) = margins(params, &silent(params, table)?, planted, &found.compared);
+    let row = found.compared.iter().find(|row| {
+        let (a, b) = (row.choice, chosen);
+        (a.kernel, a.per_angle_a) == (b.kernel, b.per_angle_a)
+    });
+    let parameters = Layout::new(planted, scene.groups.len()).parameters();
+    let mu = (scene.groups.len() > 1).then_some(Verdict {
+        margin: mu_margin,
+        right: chosen.per_angle_mu == planted.per_angle_mu,
+        simpler: planted.per_angle_mu && !chosen.per_angle_mu,
+    });
+    let [c_at_most, a_at_least] = one_sided(params, planted, &found);
+    Ok(Trial {
+        index,
+        photographs: scene.shots.len(),
+        planted: terms(planted),
+        chosen: terms(chosen),
+        blur: Verdict {
+            margin,
+            right: (chosen.kernel, chosen.per_angle_a) == (planted.kernel, planted.per_angle_a),
+            simpler: row.is_some_and(|row| row.precedes(planted, parameters)),
+        },
+        mu,
+        c_at_most,
+        a_at_least,
+    })
+}
+
+/// The same photographs without noise.
+fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
     // A plateau without noise looks clipped: a millionth of noise parts its pixels. And where noise does not hide it, a ripple
     // of the blur may look like a second edge.
-    let silent = |params: &Params, index: Option<usize>| {
+    let photograph = |params: &Params, index: Option<usize>| {
         let light = simulate::light(params, index)?.into_iter().enumerate();
         let photograph = index.map_or(0, |index| index as u64 + 1);
         let part = |pixel| 1e-6 * PixelNoise::new(0, photograph, pixel as u64).normal();
         Ok(light.map(|(i, v)| (v + part(i)) as f32).collect())
     };
-    let (margin, mu_margin) = {
-        let scene = trial::scene(params, table, &[Accepted::Doubled], silent)?;
-        margins(params, &scene, choice, &selection.compared)
-    };
-    let chosen = selection.compared.iter().find(|row| {
-        let (a, b) = (row.choice, best.choice);
-        (a.kernel, a.per_angle_a) == (b.kernel, b.per_angle_a)
-    });
-    let parameters = Layout::new(choice, scene.groups.len()).parameters();
-    let mu = (scene.groups.len() > 1).then_some(Verdict {
-        margin: mu_margin,
-        right: best.choice.per_angle_mu == choice.per_angle_mu,
-        simpler: choice.per_angle_mu && !best.choice.per_angle_mu,
-    });
-    let mut bounds = bound::bounds(&scene, &selection.loss, best);
-    bounds.extend(bound::absent(&scene, &selection));
-    let one_sided = |name: &str, side: fn(&Bound) -> Option<f64>, planted: Option<f64>| {
-        bounds.get(name).map(|found| {
-            let bound = side(found);
-            let holds = match (name, bound, planted) {
-                ("c_mm", Some(bound), Some(c)) => c <= bound,
-                (_, Some(bound), Some(a)) => a >= bound,
-                _ => true,
-            };
-            OneSided {
-                bound,
-                planted,
-                holds,
-            }
-        })
-    };
+    let campaign = trial::campaign(params, &[Accepted::Doubled]);
+    let photographs = trial::source(params, photograph);
+    Ok(Scene::of(&campaign, table, &photographs)?)
+}
+
+/// c from above and a from below, where they came back as bounds, beside the planted values.
+fn one_sided(params: &Params, planted: Choice, found: &Estimated) -> [Option<OneSided>; 2] {
+    let truth = &params.truth;
+    let of = |kind: ParameterKind| found.bounds.get(&kind.shared());
     let c = if truth.kernel.has_c() {
         truth.c_mm
     } else {
         0.0
     };
+    let c_at_most = of(ParameterKind::CornerSize).map(|found| OneSided {
+        bound: found.at_most,
+        planted: Some(c),
+        holds: found.at_most.is_none_or(|bound| c <= bound),
+    });
     // Bounds of a are of the literal Eq. (1); of another lobe there is no such a.
     let a = (truth.kernel == Kernel::Eq1 || truth.kernel == Kernel::Lobe)
-        .then(|| truth.a.at(scene.groups[0]))
+        .then(|| truth.a.at(found.scene.groups[0]))
         .flatten();
     let literal = truth.kernel != Kernel::Angular && truth.kernel != Kernel::Wave;
-    Ok(Trial {
-        index,
-        photographs: scene.shots.len(),
-        planted: terms(choice),
-        chosen: terms(best.choice),
-        blur: Verdict {
-            margin,
-            right: (best.choice.kernel, best.choice.per_angle_a)
-                == (choice.kernel, choice.per_angle_a),
-            simpler: chosen.is_some_and(|row| row.precedes(choice, parameters)),
-        },
-        mu,
-        c_at_most: one_sided("c_mm", |b| b.at_most, Some(c)),
-        a_at_least: (literal && !choice.per_angle_a)
-            .then(|| one_sided("a_per_mm", |b| b.at_least, a))
-            .flatten(),
-    })
+    let a_at_least = of(ParameterKind::APerMm)
+        .filter(|_| literal && !planted.per_angle_a)
+        .map(|found| OneSided {
+            bound: found.at_least,
+            planted: a,
+            holds: found.at_least.zip(a).is_none_or(|(bound, a)| a >= bound),
+        });
+    [c_at_most, a_at_least]
 }
 
 fn terms(choice: Choice) -> Terms {
@@ -191,7 +195,7 @@ fn margins(
     params: &Params,
     scene: &Scene,
     choice: Choice,
-    rivals: &[Compared],
+    rivals: &[Ranked],
 ) -> (Option<f64>, Option<f64>) {
     let layout = Layout::new(choice, scene.groups.len());
     let truth = &params.truth;

@@ -8,15 +8,18 @@ use serde::Serialize;
 use tables::Table;
 
 use crate::compare::view::Weights;
-use crate::estimate::estimate::{Choice, Estimate, Optimum, estimate, model, optimum};
+use crate::estimate::choice::{Choice, Value};
+use crate::estimate::compared::curve;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::forward;
-use crate::estimate::forward::by_one_randomisation;
+use crate::estimate::forward::Renders;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
+use crate::estimate::optimum::{Optimum, optimum};
 use crate::estimate::scene::Scene;
 use crate::numerics::solve::Solution;
-use crate::samples::sample::Sequence;
 use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
 
 /// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
 /// they are compared with begin (fit/BENCHMARKS.md).
@@ -76,71 +79,34 @@ pub struct Speed {
     pub rows: Vec<Row>,
 }
 
-/// Times the estimate of one candidate by every forward model, with the loss `mtf`. The scene is left in closed form.
+/// Times the estimate of one candidate by every forward model, with the loss `mtf`.
 ///
 /// # Errors
-/// As [`forward::draw`].
+/// As [`Renders::drawn`].
 pub fn speed(
-    scene: &mut Scene,
+    scene: &Scene,
     table: &Table,
     choice: Choice,
     samplings: &[Sampling],
     randomisations: u64,
 ) -> Result<Speed, tables::Error> {
     const REPEATS: u64 = 3;
-    forward::clear(scene);
     let layout = Layout::new(choice, scene.groups.len());
-    let closed = |scene: &Scene| estimate(scene, &Loss::Mtf(scene), optimum(scene, choice));
-    let (best, spectral_seconds) = timed(REPEATS, |_| closed(scene));
-    let at = best.solution.parameters.clone();
-    let evaluate = |scene: &Scene| Loss::Mtf(scene).evaluate(&layout, &at);
-    let (_, spectral_seconds_to_evaluate) = timed(REPEATS, |_| evaluate(scene));
-    // All renders begin far off, where the peers' loop begins.
-    let far = Optimum {
-        choice,
-        solution: Solution {
-            parameters: away(&layout, &at),
-            iterations: 0,
-            ..best.solution.clone()
-        },
-        observations: best.residuals,
-    };
+    let closed = || estimate(scene, &Loss::Mtf(scene), optimum(scene, choice));
+    let (best, spectral_seconds) = timed(REPEATS, |_| closed());
+    let at = &best.solution.parameters;
+    let evaluate = || Loss::Mtf(scene).evaluate(&layout, at);
+    let (_, spectral_seconds_to_evaluate) = timed(REPEATS, |_| evaluate());
     let mut rows = Vec::new();
     for &sampling in samplings {
-        let (mut fits, mut gradients) = (Vec::new(), Vec::new());
-        let [mut drawing, mut evaluating, mut fitting] = [const { Vec::new() }; 3];
-        for randomisation in 0..randomisations {
-            let start = Instant::now();
-            let from = far.clone();
-            let fit =
-                by_one_randomisation(scene, table, Weights::Noise, from, sampling, randomisation)?;
-            fitting.push(start.elapsed().as_secs_f64());
-            fits.push(fit);
-            let start = Instant::now();
-            forward::draw(scene, table, choice, sampling, randomisation)?;
-            drawing.push(start.elapsed().as_secs_f64());
-            let start = Instant::now();
-            std::hint::black_box(evaluate(scene));
-            evaluating.push(start.elapsed().as_secs_f64());
-            gradients.push(gradient(scene, &layout, &away(&layout, &at)));
-        }
-        rows.push(Row {
-            samples: sampling.samples,
-            sequence: sampling.sequence,
-            samples_in_all: forward::samples(scene),
-            seconds_to_draw: median(drawing),
-            seconds_to_evaluate: median(evaluating),
-            seconds: median(fitting),
-            iterations: fits
-                .iter()
-                .map(|f| f.solution.iterations)
-                .max()
-                .unwrap_or(0),
-            errors: errors(&fits, &best),
-            gradient_noise: noise(&layout, &gradients),
-        });
+        let renders = Renders {
+            scene,
+            table,
+            weights: Weights::Noise,
+            sampling,
+        };
+        rows.push(row(&renders, &layout, &best, randomisations)?);
     }
-    forward::clear(scene);
     Ok(Speed {
         photographs: scene.shots.len(),
         spectral_seconds,
@@ -149,6 +115,55 @@ pub fn speed(
         pixel_noise: pixel_noise(&best),
         randomisations,
         rows,
+    })
+}
+
+/// One forward model beside the estimate in closed form.
+fn row(
+    renders: &Renders,
+    layout: &Layout,
+    best: &Estimate,
+    randomisations: u64,
+) -> Result<Row, tables::Error> {
+    let at = &best.solution.parameters;
+    // All renders begin far off, where the peers' loop begins.
+    let far = Optimum {
+        choice: best.choice,
+        solution: Solution {
+            parameters: away(layout, at),
+            iterations: 0,
+            ..best.solution.clone()
+        },
+        observations: best.residuals,
+    };
+    let (mut fits, mut gradients, mut samples_in_all) = (Vec::new(), Vec::new(), 0);
+    let [mut drawing, mut evaluating, mut fitting] = [const { Vec::new() }; 3];
+    for randomisation in 0..randomisations {
+        let from = far.clone();
+        let start = Instant::now();
+        let (fit, _) = renders.by_one_randomisation(from, randomisation)?;
+        fitting.push(start.elapsed().as_secs_f64());
+        fits.push(fit);
+        let start = Instant::now();
+        let drawn = renders.drawn(best.choice, randomisation)?;
+        drawing.push(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        std::hint::black_box(Loss::Mtf(&drawn).evaluate(layout, at));
+        evaluating.push(start.elapsed().as_secs_f64());
+        gradients.push(gradient(&drawn, layout, &away(layout, at)));
+        samples_in_all = forward::samples(&drawn);
+    }
+    let iterations = fits.iter().map(|f| f.solution.iterations);
+    Ok(Row {
+        samples: renders.sampling.samples,
+        sequence: renders.sampling.sequence,
+        samples_in_all,
+        seconds_to_draw: median(drawing),
+        seconds_to_evaluate: median(evaluating),
+        seconds: median(fitting),
+        iterations: iterations.max().unwrap_or(0),
+        errors: errors(&fits, best),
+        gradient_noise: noise(layout, &gradients),
     })
 }
 
@@ -171,7 +186,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Values of a, c and mu.
 fn values(fit: &Estimate) -> [Vec<f64>; 3] {
-    let of = |list: &[crate::estimate::estimate::Value]| list.iter().map(|v| v.value).collect();
+    let of = |list: &[Value]| list.iter().map(|v| v.value).collect();
     let mu = fit.mu.as_deref().unwrap_or_default();
     [
         of(&fit.spread),
@@ -203,7 +218,7 @@ fn errors(fits: &[Estimate], best: &Estimate) -> Errors {
 }
 
 fn pixel_noise(best: &Estimate) -> Errors {
-    let of = |list: &[crate::estimate::estimate::Value]| {
+    let of = |list: &[Value]| {
         let squares = list.iter().map(|v| (v.standard_error / v.value).powi(2));
         root_mean(&squares.collect::<Vec<_>>())
     };
@@ -232,7 +247,7 @@ fn gradient(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> DVector<f64> {
         .par_iter()
         .map(|shot| {
             let view = &shot.view;
-            let curve = view.curve(&model(shot, layout.choice), layout.blur(at, shot.group));
+            let curve = curve(shot, None, layout.choice, layout.blur(at, shot.group));
             let by = curve.by_ln_spread.iter().chain(&curve.by_ln_c);
             let by: Vec<Vec<f64>> = by.cloned().collect();
             let (modelled, slopes) = view.predict(&curve.bins, &by);

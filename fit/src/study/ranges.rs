@@ -5,14 +5,17 @@ use std::path::Path;
 
 use tables::Table;
 
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
-use crate::photographs::captures;
-use crate::photographs::captures::Spectrum;
-use crate::photographs::captures::keys::{Bounds, Document, Section};
+use crate::document::bounds::Bounds;
+use crate::document::section::{Document, Section};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
+use crate::simulate::cell;
+use crate::simulate::error::Error;
 use crate::simulate::noise::PixelNoise;
-use crate::simulate::photograph::{ByIncidence, CAMERA, Camera, Edge, Error, Params, Shot, Truth};
-use crate::simulate::{cell, photograph as simulate};
+use crate::simulate::params::{
+    ByIncidence, CAMERA, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
+};
 
 const ROOT: [&str; 15] = [
     "ior",
@@ -49,7 +52,7 @@ pub struct Ranges {
     /// Pair of cubes rather than one.
     pub pair: bool,
     /// Shape of the lobe.
-    pub lobe: Shape,
+    pub lobe: LobeShape,
     /// Diffraction spread, 1/mm.
     pub a_per_mm: [f64; 2],
     /// Edge length of the cubes, mm.
@@ -73,7 +76,7 @@ pub struct Ranges {
     /// The same of mu.
     pub mu_fall: [f64; 2],
     /// The camera; its full well is drawn.
-    pub camera: Camera,
+    pub camera: PlantedCamera,
 }
 
 impl Default for Ranges {
@@ -81,7 +84,7 @@ impl Default for Ranges {
         Ranges {
             ior: 1.49,
             pair: true,
-            lobe: Shape::Radial,
+            lobe: LobeShape::Radial,
             a_per_mm: [1.5, 8.0],
             c_mm: [0.05, 0.5],
             mu: [0.2, 0.8],
@@ -93,11 +96,11 @@ impl Default for Ranges {
             spectrum: None,
             a_fall: [0.005, 1.5],
             mu_fall: [0.0005, 0.5],
-            camera: Camera {
+            camera: PlantedCamera {
                 width: 192,
                 height: 128,
                 pixel_pitch_mm: 0.08,
-                ..Camera::default()
+                ..PlantedCamera::default()
             },
         }
     }
@@ -132,7 +135,7 @@ impl Ranges {
         let kernels = root
             .choices("kernels", &Kernel::NAMES, Kernel::from_name)?
             .unwrap_or(default.kernels);
-        let spectrum = captures::spectrum(&root)?;
+        let spectrum = root.spectrum()?;
         if kernels.contains(&Kernel::Wave) {
             root.required("wavelength_nm", spectrum.as_ref())?;
         }
@@ -140,7 +143,7 @@ impl Ranges {
             ior: root.number("ior", INDEX)?.unwrap_or(default.ior),
             pair: root.flag("pair")?.unwrap_or(default.pair),
             lobe: root
-                .choice("lobe", &Shape::NAMES, Shape::from_name)?
+                .choice("lobe", &LobeShape::NAMES, LobeShape::from_name)?
                 .unwrap_or(default.lobe),
             a_per_mm: range("a_per_mm", Bounds::POSITIVE, default.a_per_mm)?,
             c_mm: range("c_mm", Bounds::POSITIVE, default.c_mm)?,
@@ -154,7 +157,7 @@ impl Ranges {
             a_fall: range("a_fall", Bounds::POSITIVE, default.a_fall)?,
             mu_fall: range("mu_fall", Bounds::POSITIVE, default.mu_fall)?,
             camera: match &own {
-                Some(keys) => simulate::camera(Some(keys))?,
+                Some(keys) => crate::simulate::params::camera(Some(keys))?,
                 None => default.camera,
             },
         })
@@ -184,7 +187,7 @@ impl Ranges {
         // Whole numbers: each is as likely as its share of the logarithm.
         let [least, most] = self.photographs;
         let count = log(&mut draw, [least, most + 1.0]).floor().min(most) as usize;
-        let camera = Camera {
+        let camera = PlantedCamera {
             full_well_e,
             ..self.camera.clone()
         };
@@ -193,7 +196,7 @@ impl Ranges {
             let quarter = 90.0 * (4.0 * draw.uniform()).floor();
             let sign = if draw.uniform() < 0.5 { -1.0 } else { 1.0 };
             let tilt = TILT_DEG[0] + (TILT_DEG[1] - TILT_DEG[0]) * draw.uniform();
-            Edge {
+            PlantedEdge {
                 normal_deg: quarter + sign * tilt,
                 offset_px: 2.0 * draw.uniform() - 1.0,
                 exposure,
@@ -207,7 +210,7 @@ impl Ranges {
                 let [incidence_deg, azimuth_deg] = directions[direction];
                 let light = camera.source_level * mu * half_mirror;
                 let exposure = BRIGHT / (light * self.eta([incidence_deg, azimuth_deg]));
-                Shot {
+                PlantedShot {
                     edge: edge(&mut draw, exposure),
                     floating_distance_mm: log(&mut draw, self.distance_mm),
                     path_mm: None,
@@ -221,7 +224,7 @@ impl Ranges {
         let mut params = Params {
             seed: (draw.uniform() * (1_u64 << 52) as f64) as u64,
             camera,
-            truth: Truth {
+            truth: PlantedSheet {
                 kernel: Kernel::Eq1,
                 lobe: self.lobe,
                 ior: self.ior,

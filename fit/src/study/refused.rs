@@ -5,12 +5,13 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::estimate::scene::Error;
+use crate::estimate::error::Error;
+use crate::estimate::scene;
 
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Refused {
-    /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::Fault::kind`].
+    /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::fault::Fault::kind`].
     pub reason: &'static str,
     /// How many.
     pub campaigns: usize,
@@ -46,9 +47,10 @@ pub fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T>, Vec<
 
 fn reason(error: &Error) -> &'static str {
     match error {
-        Error::Edge { fault, .. } => fault.kind(),
-        Error::NothingLeft { .. } => "nothing retroreflected",
-        Error::Captures(_) | Error::Direction { .. } => "no photograph",
+        Error::Scene(scene::Error::Edge { fault, .. }) => fault.kind(),
+        Error::Scene(scene::Error::NothingLeft { .. }) => "nothing retroreflected",
+        Error::Scene(_) => "no photograph",
+        _ => "no estimate",
     }
 }
 

@@ -4,13 +4,18 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::estimate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use crate::estimate::choice::Choice;
+use crate::estimate::error::Error;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{optimum, refined};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{Candidates, select};
-use crate::model::kernel::Kernel;
+use crate::estimate::watch::Watch;
+use crate::names::kernel::Kernel;
+use crate::names::parameter::ParameterId;
 
 /// What the photographs of a campaign allow, and what the losses make of them.
 #[derive(Debug, Clone, Serialize)]
@@ -31,7 +36,7 @@ pub struct Study {
 #[derive(Debug, Clone, Serialize)]
 pub struct Parameter {
     /// c_mm, a_per_mm or a_times_r, mu; `_at_<incidence>` where there is one per angle.
-    pub name: String,
+    pub name: ParameterId,
     /// Estimate of the pixels.
     pub value: f64,
     /// The Cramer-Rao bound there: no unbiased estimate from these pixels has a smaller standard deviation.
@@ -70,8 +75,15 @@ pub fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
 }
 
 /// Studies given photographs, measured in so many seconds.
-pub fn photographs(scene: &Scene, seconds_to_measure: f64, open: &Candidates) -> Study {
-    let selection = select(scene, Kind::Edge, open);
+///
+/// # Errors
+/// As [`select`].
+pub fn photographs(
+    scene: &Scene,
+    seconds_to_measure: f64,
+    open: &Candidates,
+) -> Result<Study, Error> {
+    let selection = select(scene, Kind::Edge, open, &Watch::NOBODY)?;
     let best = &selection.best;
     let with_mtf = fit(scene, best.choice, Kind::Mtf);
     let parameters = parameters(scene, &selection.loss, best, &with_mtf);
@@ -95,13 +107,13 @@ pub fn photographs(scene: &Scene, seconds_to_measure: f64, open: &Candidates) ->
             });
         }
     }
-    Study {
+    Ok(Study {
         kernel: best.choice.kernel,
         photographs: scene.shots.len(),
         seconds_to_measure,
         parameters,
         fits,
-    }
+    })
 }
 
 fn over_bound(found: &Estimate, parameters: &[Parameter]) -> f64 {
@@ -126,10 +138,10 @@ fn parameters(scene: &Scene, loss: &Loss, best: &Estimate, with_mtf: &Estimate) 
         .chain(&best.spread)
         .chain(best.mu.iter().flatten());
     values
-        .zip(&best.names)
+        .zip(&best.parameters)
         .enumerate()
-        .map(|(i, (value, name))| Parameter {
-            name: name.clone(),
+        .map(|(i, (value, &name))| Parameter {
+            name,
             value: value.value,
             bound: bound[(i, i)].sqrt() * value.value,
             edge: best.covariance[(i, i)].sqrt(),

@@ -6,21 +6,22 @@ use nalgebra::DVector;
 use serde::Serialize;
 use tables::Table;
 
-use crate::estimate::estimate::{Choice, Estimate, estimate, optimum, refined};
+use crate::estimate::choice::Choice;
+use crate::estimate::error::Error;
+use crate::estimate::estimate::{Estimate, estimate};
 use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::scene;
+use crate::estimate::optimum::{optimum, refined};
 use crate::estimate::scene::Scene;
-use crate::model::kernel::Kernel;
+use crate::names::kernel::Kernel;
 use crate::photographs::captures;
-use crate::photographs::captures::keys::Place;
 use crate::photographs::captures::{Campaign, Capture, Setup};
-use crate::photographs::edge::Accepted;
+use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::noise::PixelNoise;
-use crate::photographs::photo::{Decode, Photo};
-use crate::simulate::photograph as simulate;
-use crate::simulate::photograph::{Camera, Params};
+use crate::photographs::photo::plane::Photo;
+use crate::simulate;
+use crate::simulate::params::{Params, PlantedCamera};
 
 /// The parameters of a trial, in their order everywhere.
 pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
@@ -51,15 +52,16 @@ pub struct Trial {
 ///
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
-pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, scene::Error> {
-    let scene = scene(params, table, &[], simulate::photograph)?;
+pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
+    let photographs = source(params, simulate::photograph::photograph);
+    let scene = Scene::of(&campaign(params, &[]), table, &photographs)?;
     let choice = Choice {
         kernel: Kernel::Eq1,
         shape: params.truth.lobe,
         per_angle_a: false,
         per_angle_mu: false,
     };
-    let shared = |values: &simulate::ByIncidence| {
+    let shared = |values: &crate::simulate::params::ByIncidence| {
         values
             .at(params.captures[0].incidence_deg)
             .unwrap_or(f64::NAN)
@@ -113,7 +115,7 @@ fn bound(
 }
 
 /// The planted point: a blur, and the planted lens behind it.
-pub(crate) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn planted(joint: &Joint, camera: &PlantedCamera, blur: &DVector<f64>) -> DVector<f64> {
     // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
     let blur_mm =
         std::f64::consts::SQRT_2 * std::f64::consts::PI * camera.sigma_px * camera.pixel_pitch_mm;
@@ -125,7 +127,7 @@ pub(crate) fn planted(joint: &Joint, camera: &Camera, blur: &DVector<f64>) -> DV
 }
 
 /// The planted noise.
-pub(crate) fn noise(camera: &Camera) -> PixelNoise {
+pub(crate) fn noise(camera: &PlantedCamera) -> PixelNoise {
     let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
     PixelNoise {
         read: (camera.read_noise_e / camera.full_well_e).powi(2) + step * step / 12.0,
@@ -133,29 +135,17 @@ pub(crate) fn noise(camera: &Camera) -> PixelNoise {
     }
 }
 
-/// Measures a campaign without a file; `photograph` gives the pixels of a capture, or of the reference. Faults of their edges
-/// that are `accepted` are no reason to refuse them.
-pub(crate) fn scene(
-    params: &Params,
-    table: &Table,
-    accepted: &[Accepted],
-    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::Error> + Sync,
-) -> Result<Scene, scene::Error> {
+/// A campaign without a file: its photographs are named by their numbers. Faults of their edges that are `accepted` are no reason
+/// to refuse them.
+pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
     let shot = |index: Option<usize>, exposure: f64| captures::Shot {
-        image: name(index),
-        exposure,
-        roi: None,
         accepted: accepted.to_vec(),
-        decode: Decode::default(),
-        place: Place {
-            file: "simulated".into(),
-            line: 0,
-        },
+        ..captures::Shot::named(name(index), exposure)
     };
     let camera = &params.camera;
-    let campaign = Campaign {
+    Campaign {
         file: "simulated".into(),
         setup: Setup {
             pixel_pitch_mm: camera.pixel_pitch_mm,
@@ -178,16 +168,23 @@ pub(crate) fn scene(
             })
             .collect(),
         warnings: Vec::new(),
-    };
-    Scene::of(&campaign, table, &|shot| {
+    }
+}
+
+/// Photographs of such a campaign; `photograph` gives the pixels of a capture, or of the reference.
+pub(crate) fn source(
+    params: &Params,
+    photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::error::Error> + Sync,
+) -> impl Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync {
+    move |shot| {
         let index = shot.image.to_str().and_then(|name| name.parse().ok());
         Ok(Photo {
-            width: camera.width,
-            height: camera.height,
+            width: params.camera.width,
+            height: params.camera.height,
             // The truth of a drawn campaign has an entry for each of its angles.
             luminance: photograph(params, index).unwrap_or_default(),
             clip_level: None,
             warnings: Vec::new(),
         })
-    })
+    }
 }

@@ -12,10 +12,10 @@ use serde_json::Value;
 use crate::images::metrics::Shown;
 
 /// A layer's shape: outputs, inputs, size, stride, padding; and whether pixels are pooled before it.
-type Shape = (usize, usize, usize, usize, usize, bool);
+type Convolution = (usize, usize, usize, usize, usize, bool);
 
 /// The convolutions of torchvision's AlexNet.
-const LAYERS: [Shape; 5] = [
+const LAYERS: [Convolution; 5] = [
     (64, 3, 11, 4, 2, false),
     (192, 64, 5, 1, 2, true),
     (384, 192, 3, 1, 1, true),
@@ -68,7 +68,7 @@ pub struct Lpips {
 
 #[derive(Debug, Clone)]
 struct Layer {
-    shape: Shape,
+    shape: Convolution,
     /// A row per (input, row, column), a column per output.
     weights: DMatrix<f32>,
     bias: Vec<f32>,

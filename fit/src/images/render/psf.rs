@@ -15,9 +15,10 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
-use crate::images::render::transform::smooth_odd;
-use crate::images::spot::{Error, Place, Sheet};
-use crate::photographs::sfr::sinc;
+use crate::images::spot::{Sheet, Viewpoint};
+use crate::numerics::fourier::smooth_odd;
+use crate::numerics::sinc::sinc;
+use crate::predict::error::Error;
 
 /// Error of the transfer at any frequency that the sum over m may leave.
 const TOLERANCE: f64 = 1e-4;
@@ -73,7 +74,7 @@ impl Psf {
     /// [`Fault`].
     pub fn new(
         sheet: &dyn Sheet,
-        place: &Place,
+        place: &Viewpoint,
         pixels_from_mm: [[f64; 2]; 2],
     ) -> Result<Psf, Fault> {
         let [[a, b], [c, d]] = pixels_from_mm;

@@ -9,12 +9,13 @@ use rayon::prelude::*;
 
 use crate::images::render::psf::Fault;
 use crate::images::render::view;
-use crate::images::render::view::View;
+use crate::images::render::view::CameraView;
 use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
-use crate::images::spot::{Error as Dark, Place, Sheet, Spot};
-use crate::photographs::photo::Picture;
-use crate::samples::sample::Points;
+use crate::images::spot::{Sheet, Spot, Viewpoint};
+use crate::photographs::photo::picture::Picture;
+use crate::predict::error::Error as Unshown;
 use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Points;
 
 /// Independent randomisations among which a pixel's samples are shared out; its standard error comes from their scatter.
 const RANDOMISATIONS: usize = 8;
@@ -37,7 +38,7 @@ pub struct Sampled {
 #[derive(Debug, Clone, Copy)]
 pub struct Spotted {
     /// The place.
-    pub place: Place,
+    pub place: Viewpoint,
     /// Luminance over the source's; `None` without mu.
     pub energy: Option<f64>,
     /// Whether the place lies between the directions of the table.
@@ -45,7 +46,7 @@ pub struct Spotted {
 }
 
 impl Spotted {
-    fn of(place: Place, spot: &dyn Spot) -> Spotted {
+    fn of(place: Viewpoint, spot: &dyn Spot) -> Spotted {
         Spotted {
             place,
             energy: spot.energy(),
@@ -145,7 +146,7 @@ fn turned(matrix: &[[f64; 2]; 2], offset: [f64; 2]) -> [f64; 2] {
 pub fn uniform(
     source: &Picture,
     sheet: &dyn Sheet,
-    place: &Place,
+    place: &Viewpoint,
     scale: &Scale,
     sampling: Sampling,
 ) -> Result<Sampled, Error> {
@@ -190,7 +191,7 @@ pub fn uniform(
 pub fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
-    view: &View,
+    view: &CameraView,
     half_mirror: f64,
     sampling: Sampling,
 ) -> Result<Sampled, Error> {
@@ -204,7 +205,7 @@ pub fn viewed(
             pixels_from_mm,
             ..
         } = seen(at)?;
-        let fault = |fault: Dark| Error::Pixel {
+        let fault = |fault: Unshown| Error::Pixel {
             column: at[0],
             row: at[1],
             fault: Box::new(fault.into()),

@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
 use crate::images::render::psf::Psf;
-use crate::numerics::fourier::is_smooth;
+use crate::numerics::fourier::{smooth, smooth_even};
 
 /// Columns that are transformed together: a cache line of the rows that they are gathered from.
 const BLOCK: usize = 16;
@@ -165,24 +165,4 @@ impl Spectrum {
             blocks: blocks.map(product).collect(),
         }
     }
-}
-
-/// Prime factors of a fast length.
-const PRIMES: [usize; 4] = [2, 3, 5, 7];
-
-/// The smallest fast length from `least` >= 1 on.
-fn smooth(least: usize) -> usize {
-    (least..).find(|&n| is_smooth(n, &PRIMES)).unwrap_or(least)
-}
-
-fn smooth_even(least: usize) -> usize {
-    2 * smooth(least.div_ceil(2))
-}
-
-/// Likewise, odd.
-pub fn smooth_odd(least: usize) -> usize {
-    (least | 1..)
-        .step_by(2)
-        .find(|&n| is_smooth(n, &PRIMES))
-        .unwrap_or(least)
 }

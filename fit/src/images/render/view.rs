@@ -18,16 +18,17 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use crate::images::spot::Place;
-use crate::photographs::captures;
-use crate::photographs::captures::keys::{Bounds, Document, Section};
+use crate::document::bounds::Bounds;
+use crate::document::error as document;
+use crate::document::section::{Document, Section};
+use crate::images::spot::Viewpoint;
 
 /// Directions this close to the normal have no azimuth of their own, rad.
 const UPRIGHT: f64 = 1e-9;
 
 /// What a VIEW.toml says; lengths in mm, directions of length 1.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub struct CameraView {
     file: PathBuf,
     camera: Vector3<f64>,
     centre: Vector3<f64>,
@@ -50,7 +51,7 @@ pub struct View {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// Where on the sheet.
-    pub place: Place,
+    pub place: Viewpoint,
     /// From (tangential, sagittal) mm across the ray to (columns, rows).
     pub pixels_from_mm: [[f64; 2]; 2],
     /// The place in the picture, columns and rows from its middle, that the sheet's front face mirrors there; `None` where
@@ -92,12 +93,12 @@ pub enum Error {
     },
 }
 
-impl View {
+impl CameraView {
     /// Reads a VIEW.toml.
     ///
     /// # Errors
-    /// [`captures::Error`] with file, line, key and remedy.
-    pub fn load(file: &Path) -> Result<View, captures::Error> {
+    /// [`document::Error`] with file, line, key and remedy.
+    pub fn load(file: &Path) -> Result<CameraView, document::Error> {
         let document = Document::read(file)?;
         let parsed = document.parse()?;
         let known = ["camera", "image", "sheet", "ambient", "coating"];
@@ -126,7 +127,7 @@ impl View {
             }
             None => None,
         };
-        Ok(View {
+        Ok(CameraView {
             file: file.to_owned(),
             camera: point(&camera, "position_mm")?,
             centre: point(&image, "centre_mm")?,
@@ -196,7 +197,7 @@ impl View {
         };
         let [t, s] = [tangential, sagittal].map(carried);
         Ok(Seen {
-            place: Place {
+            place: Viewpoint {
                 incidence_deg: sine.atan2(cosine).to_degrees(),
                 azimuth_deg: Some(azimuth.to_degrees()),
                 r_mm,
@@ -234,7 +235,7 @@ pub fn fresnel(index: f64, incidence_deg: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-fn point(section: &Section<'_>, key: &'static str) -> Result<Vector3<f64>, captures::Error> {
+fn point(section: &Section<'_>, key: &'static str) -> Result<Vector3<f64>, document::Error> {
     Ok(Vector3::from(section.required(key, section.vector(key)?)?))
 }
 
@@ -243,14 +244,14 @@ fn direction(
     section: &Section<'_>,
     key: &'static str,
     to: Option<&Vector3<f64>>,
-) -> Result<Vector3<f64>, captures::Error> {
+) -> Result<Vector3<f64>, document::Error> {
     let given = point(section, key)?;
     let rest = to.map_or(given, |to| given - to * given.dot(to));
     let length = rest.norm() / given.norm();
     if length > 1e-6 {
         return Ok(rest.normalize());
     }
-    Err(captures::Error::OutOfRange {
+    Err(document::Error::OutOfRange {
         place: section.place_of(key),
         key: key.to_owned(),
         value: rest.norm(),

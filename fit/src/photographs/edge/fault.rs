@@ -1,23 +1,6 @@
 //! Why a window holds no edge that can be measured, and what to do about it.
 
-use crate::photographs::captures::Roi;
-
-/// A refusal that a user who knows better may overrule; a warning is left of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Accepted {
-    /// A second edge: [`Fault::Doubled`].
-    Doubled,
-}
-
-impl Accepted {
-    /// The names that a manifest may use, in the order of the variants.
-    pub const NAMES: [&'static str; 1] = ["doubled"];
-
-    /// What is called `name` in a manifest.
-    pub fn from_name(name: &str) -> Option<Accepted> {
-        (name == "doubled").then_some(Accepted::Doubled)
-    }
-}
+use crate::photographs::roi::Roi;
 
 /// Why no edge was found, or none that can be trusted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,7 +1,9 @@
 //! Whether what was found is one straight edge, sharp enough for its window.
 
-use crate::photographs::edge::{Accepted, Fault, Line, smoothed};
-use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::line::EdgeLine;
+use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
 
 /// Steepness of a second edge, over that of the first, from which the edge counts as doubled. The line spread of an ideal
@@ -22,7 +24,7 @@ const BOW: [f64; 2] = [0.1, 1.0];
 /// accepted.
 pub fn check(
     window: &Window,
-    line: &Line,
+    line: &EdgeLine,
     profile: &Profile,
     accepted: &[Accepted],
 ) -> Result<Vec<String>, Fault> {
@@ -63,7 +65,7 @@ pub fn check(
 ///
 /// # Errors
 /// [`Fault::Bowed`].
-pub fn arc(window: &Window, line: &Line, profile: &Profile) -> Result<f64, Fault> {
+pub fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<f64, Fault> {
     let (sagitta_px, error) = bow(window, line, profile);
     let sagitta_px = sagitta_px.abs();
     if sagitta_px <= 5.0 * error {
@@ -118,7 +120,7 @@ fn double(profile: &Profile) -> Option<(f64, f64)> {
 
 /// Height of the edge's arc over the chord of the window (pixels), and its standard error: the pixels' distances from the
 /// profile, regressed on its slope times the square of the place along the edge.
-fn bow(window: &Window, line: &Line, profile: &Profile) -> (f64, f64) {
+fn bow(window: &Window, line: &EdgeLine, profile: &Profile) -> (f64, f64) {
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
     let mut sums = [0.0; 6];
     let mut farthest = 0.0_f64;

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::photographs::photo::{Channel, Format};
+use crate::photographs::photo::channel::Channel;
+use crate::photographs::photo::format::Format;
 
 /// A photograph that was refused.
 #[derive(Debug, thiserror::Error)]

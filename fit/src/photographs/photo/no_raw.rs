@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use crate::photographs::photo::{Decode, Error, Photo, Settings};
+use crate::photographs::photo::channel::Decode;
+use crate::photographs::photo::error::Error;
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::settings::Settings;
 
 /// Refuses.
 ///

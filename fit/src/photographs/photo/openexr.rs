@@ -10,9 +10,12 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
-use crate::photographs::photo::{
-    Channel, Decode, Error, Photo, Picture, REC709, Transfer, check_packed, check_size,
-};
+use crate::photographs::photo::channel::{Channel, Decode, REC709};
+use crate::photographs::photo::error::Error;
+use crate::photographs::photo::limits::{check_packed, check_size};
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::transfer::Transfer;
 
 /// Bit of the version field that says "deep data inside" (OpenEXR file layout, version field).
 const DEEP_FLAG: u8 = 0x08;

@@ -10,7 +10,8 @@ use exr::prelude::{
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 
-use crate::photographs::photo::{REC709, Transfer};
+use crate::photographs::photo::channel::REC709;
+use crate::photographs::photo::transfer::Transfer;
 
 /// One plane of linear light, or three: red, green and blue.
 #[derive(Debug, Clone, PartialEq)]

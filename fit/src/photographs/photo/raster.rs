@@ -9,10 +9,13 @@ use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageRea
 
 use rayon::prelude::*;
 
-use crate::photographs::photo::{
-    Channel, Decode, Error, Format, MAX_PIXELS, Photo, Picture, REC709, TURNED, Transfer,
-    check_packed, check_size,
-};
+use crate::photographs::photo::channel::{Channel, Decode, REC709};
+use crate::photographs::photo::error::Error;
+use crate::photographs::photo::format::Format;
+use crate::photographs::photo::limits::{MAX_PIXELS, check_packed, check_size};
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::plane::{Photo, TURNED};
+use crate::photographs::photo::transfer::Transfer;
 
 /// Most that a decoder may allocate: the largest picture as four 16-bit channels.
 const MAX_BYTES: u64 = MAX_PIXELS * 8;

@@ -18,9 +18,12 @@ use rawler::rawimage::{BlackLevel, RawPhotometricInterpretation, WhiteLevel};
 use rawler::rawsource::RawSource;
 use rawler::{CFA, Orientation, RawImage, RawImageData};
 
-use crate::photographs::photo::exposure;
-use crate::photographs::photo::exposure::Settings;
-use crate::photographs::photo::{Channel, Decode, Error, Photo, check_size};
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::error::Error;
+use crate::photographs::photo::limits::check_size;
+use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::settings as camera;
+use crate::photographs::photo::settings::Settings;
 
 /// The colours of a filter, as rawler counts them.
 const COLOURS: [Channel; 3] = Channel::PRIMARIES;
@@ -30,7 +33,7 @@ const COLOURS: [Channel; 3] = Channel::PRIMARIES;
 /// colours it is all pixels.
 ///
 /// # Errors
-/// What rawler does not know or cannot decode; a colour that the sensor does not see; sizes beyond [`crate::photographs::photo::MAX_PIXELS`].
+/// What rawler does not know or cannot decode; a colour that the sensor does not see; sizes beyond [`crate::photographs::photo::limits::MAX_PIXELS`].
 pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let fault = |reason: String| Error::Raw {
         file: path.to_owned(),
@@ -74,7 +77,7 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let plane = plane(&raw, channel).ok_or_else(|| fault("its black level is its white".into()))?;
     let plane = upright(plane, raw.orientation);
     if raw.orientation != Orientation::Normal {
-        warnings.push(crate::photographs::photo::TURNED.into());
+        warnings.push(crate::photographs::photo::plane::TURNED.into());
     }
     Ok(Photo {
         width: plane.width() as usize,
@@ -107,7 +110,7 @@ pub(crate) fn settings(path: &Path) -> Result<Settings, String> {
         .map(f64::from)
         .or(exif.recommended_exposure_index.map(f64::from))
         .or(exif.iso_speed.map(f64::from));
-    exposure::settings([number(exif.exposure_time), number(exif.fnumber), iso])
+    camera::settings([number(exif.exposure_time), number(exif.fnumber), iso])
 }
 
 /// Indices of the colours that the sensor tells apart; none where it is without colours.

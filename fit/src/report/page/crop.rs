@@ -6,9 +6,9 @@ use base64::Engine;
 use image::{ImageFormat, Rgb, RgbImage};
 
 use crate::photographs::captures::Shot;
-use crate::photographs::edge::Line;
+use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::measure;
-use crate::photographs::photo::Photo;
+use crate::photographs::photo::plane::Photo;
 
 use crate::report::page::markup::escape;
 
@@ -112,7 +112,7 @@ fn drawn_region([x, y, width, height]: Rectangle) -> String {
 }
 
 /// The line, cut at the region that it was found in. Pixel (i, j) covers i to i + 1 and j to j + 1.
-fn drawn_edge(line: Line, [x, y, width, height]: Rectangle) -> String {
+fn drawn_edge(line: EdgeLine, [x, y, width, height]: Rectangle) -> String {
     let (sin, cos) = line.normal_rad.sin_cos();
     let centre = [
         0.5 * width as f64 + line.offset_px * cos,
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn the_edge_is_drawn_where_it_lies() {
         // An upright edge 10 pixels right of the centre of a region of 100 x 40.
-        let line = Line {
+        let line = EdgeLine {
             normal_rad: 0.0,
             offset_px: 10.0,
             normal_standard_error_rad: 0.0,

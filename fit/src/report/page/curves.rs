@@ -2,9 +2,9 @@
 
 use crate::result::report::CaptureResult;
 
-use crate::report::page::Page;
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{escape, significant};
+use crate::report::page::shown::Page;
 
 /// Modulus below which nothing is to be seen.
 const VISIBLE: f64 = 0.02;

@@ -1,18 +1,19 @@
 //! The numbers: c, a and mu with 95 % intervals, or bounds.
 
-use crate::result::report::{AtAngle, Bound, Number, Parameter};
+use crate::estimate::bound::Bound;
+use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::result::report::{AtAngle, Number, Parameter};
 
-use crate::report::page::Page;
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{Row, minus, rounded, significant, table};
+use crate::report::page::shown::Page;
 
 /// Half a 95 % interval, in standard errors of a normal distribution.
 pub const INTERVAL: f64 = 1.959_964;
 
 /// One parameter as the page shows it.
 struct Shown<'a> {
-    /// As in the covariance.
-    key: &'static str,
+    kind: ParameterKind,
     symbol: &'static str,
     meaning: &'static str,
     unit: &'static str,
@@ -28,30 +29,33 @@ struct Entry {
     truth: Option<f64>,
 }
 
-/// Symbol, meaning and unit of a parameter by its name in the covariance.
-pub fn symbol(key: &str) -> (&'static str, &'static str, &'static str) {
-    match key {
-        "c_mm" => ("c", "corner size", "mm"),
-        "a_times_r" => ("a\u{a0}R", "diffraction spread times distance", ""),
-        "roughness" => ("\u{3b1}", "roughness", ""),
-        "azimuth_deg" => ("\u{3c6}", "azimuth of the sheet", "\u{b0}"),
-        "surface_roughness" => ("\u{3b1}\u{2080}", "roughness of the front", ""),
-        "mu" => ("\u{b5}", "reflectance", ""),
-        _ => ("a", "diffraction spread", "1/mm"),
+/// Symbol, meaning and unit of a parameter.
+pub fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'static str) {
+    match kind {
+        ParameterKind::CornerSize => ("c", "corner size", "mm"),
+        ParameterKind::ATimesR => ("a\u{a0}R", "diffraction spread times distance", ""),
+        ParameterKind::Roughness => ("\u{3b1}", "roughness", ""),
+        ParameterKind::Azimuth => ("\u{3c6}", "azimuth of the sheet", "\u{b0}"),
+        ParameterKind::SurfaceRoughness => ("\u{3b1}\u{2080}", "roughness of the front", ""),
+        ParameterKind::Mu => ("\u{b5}", "reflectance", ""),
+        ParameterKind::APerMm => ("a", "diffraction spread", "1/mm"),
     }
 }
 
-fn shown<'a>(page: &'a Page, key: &'static str, parameter: &Parameter) -> Shown<'a> {
+fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Shown<'a> {
     let entry = |incidence_deg: Option<f64>, number: Number| {
-        let name = incidence_deg.map_or(key.to_owned(), |angle| format!("{key}_at_{angle}"));
+        let id = ParameterId {
+            kind,
+            incidence_deg,
+        };
         Entry {
             incidence_deg,
             number,
-            bound: page.result.bounds.get(&name).copied(),
-            truth: page.truth.and_then(|truth| truth.of(key, incidence_deg)),
+            bound: page.result.bounds.get(&id).copied(),
+            truth: page.truth.and_then(|truth| truth.of(id)),
         }
     };
-    let (symbol, meaning, unit) = symbol(key);
+    let (symbol, meaning, unit) = symbol(kind);
     let entries = match parameter {
         Parameter::Shared(number) => vec![entry(None, *number)],
         Parameter::PerAngle { per_angle } => per_angle
@@ -74,7 +78,7 @@ fn shown<'a>(page: &'a Page, key: &'static str, parameter: &Parameter) -> Shown<
             .collect(),
     };
     Shown {
-        key,
+        kind,
         symbol,
         meaning,
         unit,
@@ -87,31 +91,34 @@ fn shown<'a>(page: &'a Page, key: &'static str, parameter: &Parameter) -> Shown<
 pub fn section(page: &Page) -> String {
     let result = page.result;
     // A term that the model lacks may have a bound all the same.
-    let absent = |key: &str| {
+    let absent = |kind: ParameterKind| {
         let nothing = Number {
             value: None,
             standard_error: None,
         };
-        let bounded = result.bounds.contains_key(key);
+        let bounded = result.bounds.contains_key(&kind.shared());
         bounded.then_some(Parameter::Shared(nothing))
     };
     let c = result.c_mm.map(Parameter::Shared);
-    let c = c.or_else(|| absent("c_mm"));
-    let a = result.a_per_mm.clone().or_else(|| absent("a_per_mm"));
+    let c = c.or_else(|| absent(ParameterKind::CornerSize));
+    let a = result
+        .a_per_mm
+        .clone()
+        .or_else(|| absent(ParameterKind::APerMm));
     let front = result.surface_roughness.map(Parameter::Shared);
-    let front = front.or_else(|| absent("surface_roughness"));
+    let front = front.or_else(|| absent(ParameterKind::SurfaceRoughness));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
     let all: Vec<Shown> = [
-        ("c_mm", c.as_ref()),
-        ("a_per_mm", a.as_ref()),
-        ("a_times_r", result.a_times_r.as_ref()),
-        ("roughness", result.roughness.as_ref()),
-        ("surface_roughness", front.as_ref()),
-        ("mu", result.mu.as_ref()),
-        ("azimuth_deg", azimuth.as_ref()),
+        (ParameterKind::CornerSize, c.as_ref()),
+        (ParameterKind::APerMm, a.as_ref()),
+        (ParameterKind::ATimesR, result.a_times_r.as_ref()),
+        (ParameterKind::Roughness, result.roughness.as_ref()),
+        (ParameterKind::SurfaceRoughness, front.as_ref()),
+        (ParameterKind::Mu, result.mu.as_ref()),
+        (ParameterKind::Azimuth, azimuth.as_ref()),
     ]
     .into_iter()
-    .filter_map(|(key, parameter)| Some(shown(page, key, parameter?)))
+    .filter_map(|(kind, parameter)| Some(shown(page, kind, parameter?)))
     .collect();
     let mut out = String::from("<dl class=\"cards\">\n");
     out.extend(all.iter().map(Shown::card));
@@ -295,7 +302,8 @@ impl Shown<'_> {
             [360.0, 196.0],
             &format!(
                 "{} ({}) against incidence; the values are in the table below",
-                self.symbol, self.key
+                self.symbol,
+                self.kind.name()
             ),
             &body,
         );

@@ -1,12 +1,10 @@
 //! What an estimate rests on: profile likelihoods, how much worse the best fit becomes as one parameter is moved away.
 
-use std::collections::BTreeMap;
-
-use crate::estimate::estimate::sum_of_squares_with;
-use crate::estimate::loss::Kind;
-use crate::estimate::scene::Scene;
-use crate::estimate::select::Selection;
-use crate::result::report::Bound;
+use crate::estimate::bound::Bound;
+use crate::estimate::campaign::Estimated;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::sum_of_squares_with;
+use crate::names::parameter::{ParameterId, ParameterKind};
 
 /// Most parameters that are followed: of a campaign with many angles the first.
 const MOST: usize = 4;
@@ -19,9 +17,9 @@ const REACH: f64 = 3.0;
 
 /// The profile likelihood of one parameter.
 #[derive(Debug, Clone)]
-pub struct Profile {
-    /// `c_mm`, `a_per_mm`..., as in the covariance.
-    pub name: String,
+pub struct LikelihoodProfile {
+    /// The parameter.
+    pub id: ParameterId,
     /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per degree of freedom, at least 1).
     pub points: Vec<[f64; 2]>,
     /// Whether the photographs only bound the parameter; its values are then spread by powers.
@@ -35,22 +33,24 @@ pub struct Evidence {
     pub reduced_chi2: f64,
     /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four. None under `mse`, which is no
     /// likelihood.
-    pub profiles: Vec<Profile>,
+    pub profiles: Vec<LikelihoodProfile>,
 }
 
 impl Evidence {
     /// Follows the profiles of a fit: each point is a least-squares fit of all other parameters.
-    pub fn of(scene: &Scene, selection: &Selection, bounds: &BTreeMap<String, Bound>) -> Evidence {
-        let fit = &selection.best;
+    pub fn of(estimated: &Estimated) -> Evidence {
+        let (fit, bounds) = (&estimated.best, &estimated.bounds);
+        let size = ParameterKind::size_of(fit.choice.kernel);
         let wanted = |i: &usize| {
-            let name = &fit.names[*i];
-            name == fit.choice.kernel.c_name() || fit.spread.len() == 1 || bounds.contains_key(name)
+            let id = &fit.parameters[*i];
+            id.kind == size || fit.spread.len() == 1 || bounds.contains_key(id)
         };
-        let likelihood = selection.loss.kind() != Kind::Mse;
+        let likelihood = estimated.kind != Kind::Mse;
+        let loss = estimated.loss();
         let profiles = (0..fit.blur_parameters())
             .filter(wanted)
             .take(if likelihood { MOST } else { 0 })
-            .map(|i| profile(scene, selection, bounds.get(&fit.names[i]), i))
+            .map(|i| profile(estimated, &loss, i))
             .collect();
         Evidence {
             reduced_chi2: fit.reduced_chi2(),
@@ -59,8 +59,10 @@ impl Evidence {
     }
 }
 
-fn profile(scene: &Scene, selection: &Selection, bound: Option<&Bound>, i: usize) -> Profile {
-    let (fit, loss) = (&selection.best, &selection.loss);
+fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
+    let (scene, fit) = (&estimated.scene, &estimated.best);
+    let id = fit.parameters[i];
+    let bound: Option<&Bound> = estimated.bounds.get(&id);
     let unit = fit.reduced_chi2().max(1.0);
     let estimate = fit.solution.parameters[i];
     let error = fit.covariance[(i, i)].sqrt() / estimate.exp();
@@ -89,8 +91,8 @@ fn profile(scene: &Scene, selection: &Selection, bound: Option<&Bound>, i: usize
     }
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points.dedup_by(|a, b| a[0] == b[0]);
-    Profile {
-        name: fit.names[i].clone(),
+    LikelihoodProfile {
+        id,
         points,
         bounded: bound.is_some(),
     }

@@ -2,14 +2,15 @@
 
 use std::fmt::Write;
 
+use crate::names::parameter::{ParameterId, ParameterKind};
 use crate::result::report::Parameter;
 
-use crate::report::page::Page;
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::estimates::{INTERVAL, symbol};
-use crate::report::page::evidence::Profile;
+use crate::report::page::evidence::LikelihoodProfile;
 use crate::report::page::markup::minus;
 use crate::report::page::markup::{significant, table};
+use crate::report::page::shown::Page;
 
 /// Rise of the sum of squares at the ends of a 95 % interval of one parameter (chi-square, 1 degree of freedom).
 const INTERVAL_RISE: f64 = 3.841;
@@ -61,23 +62,20 @@ pub fn section(page: &Page) -> String {
 }
 
 /// The symbol of a parameter, with its incidence where it has one.
-fn symbol_at(name: &str) -> (String, &'static str) {
-    let (key, angle) = name.split_once("_at_").unwrap_or((name, ""));
-    let (symbol, _, unit) = symbol(key);
-    let at = if angle.is_empty() {
-        String::new()
-    } else {
-        format!(" at {angle}\u{b0}")
-    };
+fn symbol_at(id: ParameterId) -> (String, &'static str) {
+    let (symbol, _, unit) = symbol(id.kind);
+    let at = id
+        .incidence_deg
+        .map_or(String::new(), |angle| format!(" at {angle}\u{b0}"));
     (format!("{symbol}{at}"), unit)
 }
 
-fn profile(page: &Page, profile: &Profile) -> String {
+fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
     let points = &profile.points;
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return String::new();
     };
-    let (symbol, unit) = symbol_at(&profile.name);
+    let (symbol, unit) = symbol_at(profile.id);
     let axis = if profile.bounded {
         Axis::logarithmic(first[0], last[0])
     } else {
@@ -91,7 +89,7 @@ fn profile(page: &Page, profile: &Profile) -> String {
     let bound = page
         .result
         .bounds
-        .get(&profile.name)
+        .get(&profile.id)
         .map(|b| [b.at_least, b.at_most]);
     let (rise, shade, caption) = match bound {
         Some([Some(least), Some(most)]) => (
@@ -116,17 +114,13 @@ fn profile(page: &Page, profile: &Profile) -> String {
         Some(_) => (BOUND_RISE, None, format!("{symbol} is not bounded")),
         None => (
             INTERVAL_RISE,
-            interval(page, &profile.name),
+            interval(page, profile.id),
             format!("{symbol} and its 95 % interval (shaded)"),
         ),
     };
-    let (key, angle) = match profile.name.split_once("_at_") {
-        Some((key, angle)) => (key, angle.parse().ok()),
-        None => (profile.name.as_str(), None),
-    };
     let truth = page
         .truth
-        .and_then(|t| t.of(key, angle))
+        .and_then(|t| t.of(profile.id))
         .filter(|t| (first[0]..=last[0]).contains(t));
     let name = if unit.is_empty() {
         symbol.clone()
@@ -157,33 +151,31 @@ fn profile(page: &Page, profile: &Profile) -> String {
 }
 
 /// The 95 % interval of the covariance, which carries the errors of lens and table too.
-fn interval(page: &Page, name: &str) -> Option<[f64; 2]> {
+fn interval(page: &Page, id: ParameterId) -> Option<[f64; 2]> {
     let covariance = &page.result.covariance;
-    let i = covariance.names.iter().position(|n| n == name)?;
-    let half = INTERVAL * covariance.matrix[i][i].sqrt();
-    let value = value(page, name)?;
+    let i = covariance.names.iter().position(|&own| own == id)?;
+    let half = INTERVAL * covariance.matrix[i][i]?.sqrt();
+    let value = value(page, id)?;
     Some([value - half, value + half])
 }
 
-/// An estimate by its name in the covariance.
-fn value(page: &Page, name: &str) -> Option<f64> {
+/// An estimate of the blur.
+fn value(page: &Page, id: ParameterId) -> Option<f64> {
     let result = page.result;
-    let (key, angle) = match name.split_once("_at_") {
-        Some((key, angle)) => (key, angle.parse().ok()),
-        None => (name, None),
-    };
-    let parameter = match key {
-        "c_mm" => return result.c_mm?.value,
-        "a_per_mm" => result.a_per_mm.as_ref()?,
-        "a_times_r" => result.a_times_r.as_ref()?,
-        "roughness" => result.roughness.as_ref()?,
-        "surface_roughness" => return result.surface_roughness?.value,
-        _ => return None,
+    let parameter = match id.kind {
+        ParameterKind::CornerSize => return result.c_mm?.value,
+        ParameterKind::APerMm => result.a_per_mm.as_ref()?,
+        ParameterKind::ATimesR => result.a_times_r.as_ref()?,
+        ParameterKind::Roughness => result.roughness.as_ref()?,
+        ParameterKind::SurfaceRoughness => return result.surface_roughness?.value,
+        ParameterKind::Mu | ParameterKind::Azimuth => return None,
     };
     match parameter {
         Parameter::Shared(number) => number.value,
         Parameter::PerAngle { per_angle } => {
-            let at_angle = per_angle.iter().find(|p| Some(p.incidence_deg) == angle);
+            let at_angle = per_angle
+                .iter()
+                .find(|p| Some(p.incidence_deg) == id.incidence_deg);
             at_angle?.value
         }
     }
@@ -202,29 +194,28 @@ struct Pair {
 impl Pair {
     fn of(page: &Page) -> Vec<Pair> {
         let covariance = &page.result.covariance;
-        let Some(c) = covariance.names.iter().position(|n| n == "c_mm") else {
+        let size = ParameterKind::CornerSize.shared();
+        let Some(c) = covariance.names.iter().position(|&own| own == size) else {
             return Vec::new();
         };
-        let Some(c_mm) = value(page, "c_mm") else {
+        let Some(c_mm) = value(page, size) else {
             return Vec::new();
         };
         let entries = covariance.names.iter().enumerate();
         entries
-            .filter_map(|(i, name)| {
-                let spread = value(page, name).filter(|_| i != c)?;
-                let (key, angle) = name.split_once("_at_").unwrap_or((name, ""));
-                let incidence_deg = angle.parse().ok();
-                let variance = |i: usize, j: usize| covariance.matrix[i][j];
-                let error = |i: usize| variance(i, i).sqrt();
-                let planted = page.truth.and_then(|truth| {
-                    Some([truth.of("c_mm", None)?, truth.of(key, incidence_deg)?])
-                });
+            .filter_map(|(i, &id)| {
+                let spread = value(page, id).filter(|_| i != c)?;
+                let of = |i: usize, j: usize| covariance.matrix[i][j];
+                let (error_c, error_spread) = (of(c, c)?.sqrt(), of(i, i)?.sqrt());
+                let planted = page
+                    .truth
+                    .and_then(|truth| Some([truth.of(size)?, truth.of(id)?]));
                 Some(Pair {
-                    symbol: symbol(key).0.to_owned(),
-                    incidence_deg,
-                    error_c: 100.0 * error(c) / c_mm,
-                    error_spread: 100.0 * error(i) / spread,
-                    correlation: variance(c, i) / (error(c) * error(i)),
+                    symbol: symbol(id.kind).0.to_owned(),
+                    incidence_deg: id.incidence_deg,
+                    error_c: 100.0 * error_c / c_mm,
+                    error_spread: 100.0 * error_spread / spread,
+                    correlation: of(c, i)? / (error_c * error_spread),
                     truth: planted
                         .map(|[c, a]| [100.0 * (c / c_mm - 1.0), 100.0 * (a / spread - 1.0)]),
                 })

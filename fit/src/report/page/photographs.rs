@@ -7,7 +7,7 @@ use crate::result::report::ResultFile;
 
 use crate::report::page::crop::crop;
 use crate::report::page::markup::{count, escape};
-use crate::report::page::{Page, name};
+use crate::report::page::shown::{Page, name};
 
 /// Most photographs that are shown: a page of hundreds would be slow on a phone, and they say the same.
 const MOST_CROPS: usize = 24;

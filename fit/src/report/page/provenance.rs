@@ -1,7 +1,7 @@
 //! Where the numbers come from: enough to get them again.
 
-use crate::report::page::Page;
 use crate::report::page::markup::{escape, significant};
+use crate::report::page::shown::Page;
 
 /// Names and values.
 pub fn section(page: &Page) -> String {

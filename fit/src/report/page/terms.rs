@@ -2,15 +2,15 @@
 
 use crate::estimate::loss::Kind;
 use crate::estimate::select::CLEAR;
-use crate::model::kernel::Kernel;
-use crate::model::lobe::Shape;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
 use crate::result::report::{Candidate, Parameter, ResultFile, sharing};
 
-use crate::report::page::Page;
 use crate::report::page::markup::{Row, grouped, table};
+use crate::report::page::shown::Page;
 
 /// The model in words.
-pub fn in_words(kernel: Kernel, lobe: Option<Shape>) -> String {
+pub fn in_words(kernel: Kernel, lobe: Option<LobeShape>) -> String {
     let lobe = match lobe {
         Some(shape) => format!("a {} lobe", shape.name()),
         None => "a lobe".into(),
@@ -57,7 +57,7 @@ pub fn section(page: &Page) -> String {
         .map(|(i, candidate)| Row {
             cells: vec![
                 candidate.kernel.name().into(),
-                candidate.lobe.map_or("\u{2013}", Shape::name).into(),
+                candidate.lobe.map_or("\u{2013}", LobeShape::name).into(),
                 candidate.sharing.clone(),
                 candidate.parameters.to_string(),
                 grouped(candidate.loss),

@@ -4,8 +4,8 @@ use num_complex::Complex64;
 
 use crate::model::camera::Camera;
 use crate::model::spread::Grid;
+use crate::numerics::sinc::sinc;
 use crate::photographs::profile::BIN_PX;
-use crate::photographs::sfr::sinc;
 
 /// Cells of the texture per pixel.
 pub const CELLS_PER_PX: f64 = 32.0;

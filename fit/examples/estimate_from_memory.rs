@@ -1,0 +1,83 @@
+//! Estimates a sheet from photographs in memory, says how far it is, and writes the result: `cargo run --example
+//! estimate_from_memory`. Nothing but the demo photographs themselves is read from files: in their place stands whatever a camera
+//! hands out.
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use fit::{
+    Campaign, Candidates, Capture, Decode, Options, Photo, ResultFile, Setup, Shot, Step,
+    TableResult, Watch, estimate_campaign, load_photo,
+};
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// Name, floating distance in mm; all at normal incidence.
+const CAPTURES: [(&str, f64); 2] = [
+    ("aerial_150mm_00deg_tan.exr", 150.0),
+    ("aerial_300mm_00deg_tan.exr", 300.0),
+];
+
+/// The photograph of the edge itself, without the sheet.
+const SOURCE: &str = "source.exr";
+
+fn campaign() -> Campaign {
+    let capture = |(name, floating_distance_mm): (&str, f64)| Capture {
+        // Six times the exposure of the reference.
+        shot: Shot::named(name, 6.0),
+        floating_distance_mm,
+        path_mm: None,
+        incidence_deg: 0.0,
+        azimuth_deg: Some(30.0),
+        tangential_axis_deg: 0.0,
+    };
+    Campaign {
+        file: "memory".into(),
+        setup: Setup {
+            pixel_pitch_mm: 0.05,
+            half_mirror_transmittance: 0.5,
+            half_mirror_reflectance: 0.5,
+            spectrum: None,
+        },
+        reference: Some(Shot::named(SOURCE, 1.0)),
+        captures: CAPTURES.into_iter().map(capture).collect(),
+        warnings: Vec::new(),
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let start = Instant::now();
+    let folder = Path::new(ROOT).join("tests/captures/public_shared");
+    let names = CAPTURES.iter().map(|(name, _)| *name).chain([SOURCE]);
+    let photos: HashMap<PathBuf, Photo> = names
+        .map(|name| {
+            Ok((
+                name.into(),
+                load_photo(&folder.join(name), &Decode::default())?,
+            ))
+        })
+        .collect::<Result<_, Box<dyn Error>>>()?;
+    let table = tables::read(&Path::new(ROOT).join("tables/tests/kept/version_1_exact.h5"))?;
+
+    // Another thread may set this flag; the estimate then ends after its next step.
+    let cancel = AtomicBool::new(false);
+    let progress = |step: Step| eprintln!("{step:?}");
+    let watch = Watch {
+        progress: Some(&progress),
+        cancel: Some(&cancel),
+    };
+    // Every photograph that the campaign names is in the map.
+    let photo = |shot: &Shot| Ok(photos[&shot.image].clone());
+    let options = Options::new(Candidates::proposed());
+    let found = estimate_campaign(&campaign(), &photo, &table, &options, &watch)?;
+    for warning in &found.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let table = TableResult::of(&table);
+    let result = ResultFile::new(&found, table, start.elapsed().as_secs_f64());
+    println!("{}", serde_json::to_string_pretty(&result)?);
+    Ok(())
+}

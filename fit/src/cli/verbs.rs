@@ -1,0 +1,91 @@
+//! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::cli as verbs;
+use crate::cli::failure::Failure;
+
+/// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
+/// mid-air images, and predicts what the sheet shows elsewhere.
+#[derive(Debug, Parser)]
+#[command(name = "fit", version, arg_required_else_help = true)]
+struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Estimate(verbs::estimate::Arguments),
+    Export(verbs::export::Arguments),
+    Mtf(verbs::mtf::Arguments),
+    Predict(verbs::predict::Arguments),
+    #[cfg(feature = "images")]
+    Render(verbs::render::Arguments),
+    #[cfg(feature = "images")]
+    Evaluate(verbs::evaluate::Arguments),
+    Simulate(verbs::simulate::Arguments),
+    Study(verbs::study::Arguments),
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    tables::apart::serve();
+    let done = match arguments().verb {
+        Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
+        Verb::Export(arguments) => verbs::export::run(&arguments),
+        Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
+        Verb::Predict(arguments) => verbs::predict::run(&arguments),
+        #[cfg(feature = "images")]
+        Verb::Render(arguments) => verbs::render::run(&arguments),
+        #[cfg(feature = "images")]
+        Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
+        Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
+        Verb::Study(arguments) => verbs::study::run(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // A reader that has seen enough is no failure.
+        Err(Failure::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(failure) => {
+            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+/// The command line as it was given; ends the program for `--help` and wrong usage.
+fn arguments() -> Arguments {
+    let mut command = command();
+    let matches = command.get_matches_mut();
+    Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit())
+}
+
+/// All verbs and options of this build.
+fn command() -> clap::Command {
+    let command = Arguments::command();
+    if cfg!(feature = "report") {
+        return command;
+    }
+    // Examples of options that this build lacks.
+    let lacks = |line: &&str| line.contains(" --plot ") || line.contains(" --report ");
+    let verbs: Vec<String> = command
+        .get_subcommands()
+        .map(|verb| verb.get_name().to_owned())
+        .collect();
+    verbs.into_iter().fold(command, |command, verb| {
+        command.mut_subcommand(verb, |verb| {
+            let Some(help) = verb.get_after_help().map(ToString::to_string) else {
+                return verb;
+            };
+            let kept: Vec<&str> = help.lines().filter(|line| !lacks(line)).collect();
+            verb.after_help(kept.join("\n"))
+        })
+    })
+}

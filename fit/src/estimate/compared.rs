@@ -1,0 +1,113 @@
+//! Photographs beside a candidate's model of them, through the photographs' own estimator.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::compare::view::Weights;
+use crate::estimate::choice::Choice;
+use crate::estimate::layout::Layout;
+use crate::estimate::scene::{Aerial, Scene};
+use crate::model::baseline::Baseline;
+use crate::model::blur::Blur;
+use crate::model::camera::Camera;
+use crate::model::model::{Curve, Model};
+
+/// One photograph's model with derivatives.
+pub struct Compared {
+    /// The model on the photograph's bins.
+    pub curve: Curve,
+    /// Its MTF through the photograph's estimator.
+    pub modelled: Vec<f64>,
+    /// Its differences to the measured MTF, not weighed.
+    pub difference: Vec<f64>,
+    /// Their derivatives by ln spread and ln c, those that the kernel has.
+    pub derivatives: Vec<Vec<f64>>,
+}
+
+/// The model of one photograph under a candidate.
+pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
+    Model {
+        kernel: choice.kernel,
+        shape: choice.shape,
+        shift: shot.facing.shift.as_ref(),
+        wave: shot.facing.wave.as_ref().ok(),
+        baseline: Baseline::new(
+            choice.kernel,
+            shot.incidence_deg.to_radians(),
+            shot.facing.refractive_index,
+            shot.view.normal(),
+        ),
+        r_mm: shot.r_mm,
+        normal: shot.view.normal(),
+    }
+}
+
+/// The model's edge profile on a photograph's bins, in closed form or by the photograph's samples; as `camera` would have it, else
+/// the scene's own.
+pub fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Curve {
+    let (view, model) = (&shot.view, model(shot, choice));
+    match (&shot.sampled, camera) {
+        (None, None) => view.curve(&model, blur),
+        (None, Some(camera)) => view.curve_by(camera, &model, blur),
+        (Some(own), None) => own.curve(&model, blur, view.pitch_mm(), &view.profile),
+        (Some(own), Some(camera)) => {
+            let own = own.through(camera);
+            own.curve(&model, blur, view.pitch_mm(), &view.profile)
+        }
+    }
+}
+
+/// Compares a photograph's MTF with that of a model, as [`curve`] has it.
+pub fn compare(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Compared {
+    let curve = curve(shot, camera, choice, blur);
+    let by: Vec<Vec<f64>> = curve
+        .by_ln_spread
+        .iter()
+        .chain(&curve.by_ln_c)
+        .cloned()
+        .collect();
+    let (modelled, derivatives) = shot.view.predict(&curve.bins, &by);
+    let difference: Vec<f64> = modelled
+        .iter()
+        .zip(&shot.view.mtf.modulus)
+        .map(|(m, d)| m - d)
+        .collect();
+    Compared {
+        difference,
+        derivatives,
+        curve,
+        modelled,
+    }
+}
+
+/// Stacks the differences of all photographs and their derivatives, weighed.
+pub fn assemble(
+    scene: &Scene,
+    layout: &Layout,
+    parts: &[Compared],
+    weights: Weights,
+) -> (DVector<f64>, DMatrix<f64>) {
+    let rows = parts.iter().map(|p| p.difference.len() - 1).sum();
+    let (mut residuals, mut jacobian) = (
+        DVector::zeros(rows),
+        DMatrix::zeros(rows, layout.parameters()),
+    );
+    let mut row = 0;
+    for (shot, part) in scene.shots.iter().zip(parts) {
+        let weighed = |values: &[f64]| shot.view.weigh(weights, values);
+        let n = part.difference.len() - 1;
+        residuals
+            .rows_mut(row, n)
+            .copy_from(&weighed(&part.difference));
+        for (column, derivative) in layout
+            .columns(shot.group)
+            .into_iter()
+            .zip(&part.derivatives)
+        {
+            jacobian
+                .view_mut((row, column), (n, 1))
+                .copy_from(&weighed(derivative));
+        }
+        row += n;
+    }
+    (residuals, jacobian)
+}

@@ -1,0 +1,138 @@
+//! Where a candidate describes the photographs best.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimate::choice::Choice;
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::Loss;
+use crate::estimate::scene::Scene;
+use crate::estimate::start;
+use crate::numerics::solve::{CONVERGED, Solution, least_squares};
+
+/// The optimum of one candidate.
+#[derive(Debug, Clone)]
+pub struct Optimum {
+    /// The candidate.
+    pub choice: Choice,
+    /// Where the solver ended; its parameters are ln c, ln spread, and under `edge` the lens.
+    pub solution: Solution,
+    /// How many independent numbers were compared.
+    pub observations: usize,
+}
+
+impl Optimum {
+    /// Bayes' criterion: chi^2 / `misfit` + k ln n, n the independent numbers compared (see [`Loss::observations`]).
+    pub fn criterion(&self, misfit: f64) -> f64 {
+        let n = self.observations as f64;
+        self.solution.sum_of_squares() / misfit + self.solution.parameters.len() as f64 * n.ln()
+    }
+
+    /// Sum of squares per degree of freedom.
+    pub fn reduced_chi2(&self) -> f64 {
+        let parameters = self.solution.parameters.len();
+        let freedom = self.observations.saturating_sub(parameters).max(1);
+        self.solution.sum_of_squares() / freedom as f64
+    }
+}
+
+/// Fits one candidate to the MTFs of a scene.
+pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
+    let start = rough(scene, choice);
+    refined(scene, &Loss::Mtf(scene), start)
+}
+
+/// The optimum of a candidate on the MTFs to a thousandth: enough to tell a hopeless one.
+pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
+    rough_from(scene, choice, start::points(scene, choice))
+}
+
+/// The same from given starting points, of which there is at least one.
+pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
+    const ROUGH: f64 = 1e-3;
+    let loss = Loss::Mtf(scene);
+    let layout = Layout::new(choice, scene.groups.len());
+    let solution = starts
+        .into_iter()
+        .map(|start| {
+            let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
+            let c = choice.kernel.has_c().then(|| start.c_mm.ln());
+            let point = c.into_iter().chain((0..layout.spreads).map(spread));
+            let point = DVector::from_iterator(layout.parameters(), point);
+            least_squares(point, ROUGH, |at| loss.evaluate(&layout, at))
+        })
+        .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
+        .expect("there is always a starting point");
+    Optimum {
+        choice,
+        solution,
+        observations: loss.observations(),
+    }
+}
+
+/// The optimum of a candidate under any loss, to convergence, from one on the MTFs.
+pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+    refined_to(CONVERGED, scene, loss, from)
+}
+
+/// The same until parameters and sum of squares change by less than `tolerance` of themselves.
+pub fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+    let layout = Layout::new(from.choice, scene.groups.len());
+    let start = loss.start(&from.solution.parameters);
+    let mut solution = least_squares(start, tolerance, |at| loss.evaluate(&layout, at));
+    solution.iterations += from.solution.iterations;
+    Optimum {
+        choice: from.choice,
+        solution,
+        observations: loss.observations(),
+    }
+}
+
+/// A candidate under any loss where its parameters stand: an upper limit of its sum of squares.
+pub fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+    let layout = Layout::new(from.choice, scene.groups.len());
+    let parameters = loss.start(&from.solution.parameters);
+    let (residuals, jacobian) = loss.evaluate(&layout, &parameters);
+    Optimum {
+        solution: Solution {
+            parameters,
+            residuals,
+            jacobian,
+            ..from.solution
+        },
+        observations: loss.observations(),
+        ..from
+    }
+}
+
+/// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of the profile likelihood.
+pub fn sum_of_squares_with(
+    scene: &Scene,
+    loss: &Loss,
+    choice: Choice,
+    from: &DVector<f64>,
+    fixed: usize,
+    value: f64,
+) -> (f64, DVector<f64>) {
+    let layout = Layout::new(choice, scene.groups.len());
+    let with = |free: &DVector<f64>| free.clone().insert_row(fixed, value);
+    let evaluate = |free: &DVector<f64>| {
+        let (residuals, jacobian) = loss.evaluate(&layout, &with(free));
+        (residuals, jacobian.remove_column(fixed))
+    };
+    let free = from.clone().remove_row(fixed);
+    if free.is_empty() {
+        return (evaluate(&free).0.norm_squared(), with(&free));
+    }
+    let solution = least_squares(free, CONVERGED, evaluate);
+    (solution.sum_of_squares(), with(&solution.parameters))
+}
+
+/// Whitened MTF differences and their derivatives at the given logarithms of c and the spreads.
+pub fn residuals_at(
+    scene: &Scene,
+    choice: Choice,
+    parameters: &DVector<f64>,
+) -> (DVector<f64>, DMatrix<f64>) {
+    let layout = Layout::new(choice, scene.groups.len());
+    Loss::Mtf(scene).evaluate(&layout, parameters)
+}

@@ -1,0 +1,71 @@
+//! What a user should know of the table that a campaign is fitted with.
+
+use tables::Table;
+use tables::options::Element;
+
+use crate::photographs::captures::Campaign;
+
+/// How far the table's light goes from straight back, rad, if it says so and that is seen.
+fn deviates(table: &Table) -> Option<f64> {
+    let of_beams = || {
+        let exact = table.exact.as_ref().filter(|exact| exact.deviates())?;
+        Some(exact.largest_deviation_rad())
+    };
+    let of_rays = table.deviations.as_ref().map(|found| {
+        let spreads = (0..found.entries.len()).map(|direction| found.spread(direction));
+        spreads.map(|spread| spread.largest_rad).fold(0.0, f64::max)
+    });
+    of_rays.or_else(of_beams)
+}
+
+/// What the table means for the estimates of a campaign, one sentence each.
+pub fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let spectrum = &campaign.setup.spectrum;
+    if table.axes.is_mean() && campaign.captures.iter().any(|c| c.azimuth_deg.is_some()) {
+        warnings.push(
+            "the table is a mean over azimuths: azimuth_deg of the captures has no effect; bake the azimuths to use it".into(),
+        );
+    }
+    let losses = table.provenance.losses_text();
+    if losses != "none" {
+        warnings.push(format!(
+            "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
+        ));
+    }
+    if let (Some(baked), Some(source)) = (table.provenance.wavelength_nm, spectrum)
+        && source
+            .lines()
+            .iter()
+            .all(|line| (line.wavelength_nm - baked).abs() > 1.0)
+    {
+        warnings.push(format!(
+            "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
+        ));
+    }
+    if table.provenance.element() == Element::Plate {
+        warnings.push(
+            "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating distances count from its \
+             middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no half mirror"
+                .into(),
+        );
+    }
+    if table.provenance.has_glass() {
+        warnings.push(
+            "the table is of bodies of glass, whose light returns in a cone as wide as its angular tolerance: c is the pitch, \
+             and a is what blur the recorded directions leave over, not a cube's aperture"
+                .into(),
+        );
+    }
+    if let Some(largest) = deviates(table) {
+        let held = match table.exact {
+            Some(_) => " where the table gives polygons",
+            None => "",
+        };
+        warnings.push(format!(
+            "the table's cubes send light up to {:.3} mrad from straight back: the model has it{held}",
+            1e3 * largest
+        ));
+    }
+    warnings
+}

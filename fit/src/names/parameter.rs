@@ -1,0 +1,221 @@
+//! The parameters by name: what an estimate, its covariance and its bounds are of.
+
+use std::cmp::Ordering;
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::names::kernel::Kernel;
+
+/// What a parameter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ParameterKind {
+    /// Corner size c, mm.
+    CornerSize,
+    /// Roughness of a baseline's front.
+    SurfaceRoughness,
+    /// Diffraction spread a, 1/mm.
+    APerMm,
+    /// Dimensionless A = a R.
+    ATimesR,
+    /// Roughness of a baseline's facets.
+    Roughness,
+    /// Reflectance.
+    Mu,
+    /// Azimuth that is added to those of the captures, degrees. No row of the covariance.
+    Azimuth,
+}
+
+impl ParameterKind {
+    /// All of them.
+    pub const ALL: [ParameterKind; 7] = [
+        ParameterKind::CornerSize,
+        ParameterKind::SurfaceRoughness,
+        ParameterKind::APerMm,
+        ParameterKind::ATimesR,
+        ParameterKind::Roughness,
+        ParameterKind::Mu,
+        ParameterKind::Azimuth,
+    ];
+
+    /// The name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            ParameterKind::CornerSize => "c_mm",
+            ParameterKind::SurfaceRoughness => "surface_roughness",
+            ParameterKind::APerMm => "a_per_mm",
+            ParameterKind::ATimesR => "a_times_r",
+            ParameterKind::Roughness => "roughness",
+            ParameterKind::Mu => "mu",
+            ParameterKind::Azimuth => "azimuth_deg",
+        }
+    }
+
+    /// The size that all angles share: c, or the roughness of a baseline's front.
+    pub const fn size_of(kernel: Kernel) -> ParameterKind {
+        match kernel {
+            Kernel::SaitoSurface => ParameterKind::SurfaceRoughness,
+            _ => ParameterKind::CornerSize,
+        }
+    }
+
+    /// The spread: a, a R or a roughness.
+    pub const fn spread_of(kernel: Kernel) -> ParameterKind {
+        match kernel {
+            Kernel::Angular => ParameterKind::ATimesR,
+            _ if kernel.is_baseline() => ParameterKind::Roughness,
+            _ => ParameterKind::APerMm,
+        }
+    }
+
+    /// Whether its blur fades away as it grows: of a and a R, which are reciprocal widths. The others fade as they fall.
+    pub const fn fades_upwards(self) -> bool {
+        matches!(self, ParameterKind::APerMm | ParameterKind::ATimesR)
+    }
+
+    /// The parameter of this kind that all angles share.
+    pub const fn shared(self) -> ParameterId {
+        ParameterId {
+            kind: self,
+            incidence_deg: None,
+        }
+    }
+
+    /// The parameter of this kind at one incidence, degrees.
+    pub const fn at(self, incidence_deg: f64) -> ParameterId {
+        ParameterId {
+            kind: self,
+            incidence_deg: Some(incidence_deg),
+        }
+    }
+
+    /// One parameter for every incidence, or one for all.
+    pub fn each(self, incidence_deg: &[f64], per_angle: bool) -> Vec<ParameterId> {
+        if per_angle {
+            incidence_deg.iter().map(|&angle| self.at(angle)).collect()
+        } else {
+            vec![self.shared()]
+        }
+    }
+}
+
+/// One parameter of an estimate. As text, in files, `a_per_mm` or `a_per_mm_at_20`.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct ParameterId {
+    /// What it is.
+    pub kind: ParameterKind,
+    /// The incidence that it is of, degrees; `None` where all angles share it.
+    pub incidence_deg: Option<f64>,
+}
+
+/// Stands between kind and incidence in files.
+const AT: &str = "_at_";
+
+impl fmt::Display for ParameterId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.kind.name())?;
+        match self.incidence_deg {
+            Some(angle) => write!(formatter, "{AT}{angle}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A text that names no parameter.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or mu, with _at_ and the incidence where there is one per angle"
+)]
+pub struct NoParameter {
+    /// The text.
+    pub text: String,
+}
+
+impl FromStr for ParameterId {
+    type Err = NoParameter;
+
+    fn from_str(text: &str) -> Result<ParameterId, NoParameter> {
+        let no = || NoParameter { text: text.into() };
+        let (name, angle) = match text.split_once(AT) {
+            Some((name, angle)) => (name, Some(angle.parse().map_err(|_| no())?)),
+            None => (text, None),
+        };
+        let kind = ParameterKind::ALL
+            .into_iter()
+            .find(|kind| kind.name() == name);
+        Ok(ParameterId {
+            kind: kind.ok_or_else(no)?,
+            incidence_deg: angle,
+        })
+    }
+}
+
+impl TryFrom<String> for ParameterId {
+    type Error = NoParameter;
+
+    fn try_from(text: String) -> Result<ParameterId, NoParameter> {
+        text.parse()
+    }
+}
+
+impl From<ParameterId> for String {
+    fn from(id: ParameterId) -> String {
+        id.to_string()
+    }
+}
+
+/// In the order of their texts, which is that of a result's `bounds`.
+impl Ord for ParameterId {
+    fn cmp(&self, other: &ParameterId) -> Ordering {
+        self.to_string().cmp(&other.to_string())
+    }
+}
+
+impl PartialOrd for ParameterId {
+    fn partial_cmp(&self, other: &ParameterId) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for ParameterId {
+    fn eq(&self, other: &ParameterId) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for ParameterId {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_come_back() {
+        let mut cases = 0;
+        for kind in ParameterKind::ALL {
+            for id in [
+                kind.shared(),
+                kind.at(0.0),
+                kind.at(12.5),
+                kind.at(1.0 / 3.0),
+            ] {
+                assert_eq!(id.to_string().parse(), Ok(id));
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 28);
+        assert_eq!(ParameterKind::APerMm.at(20.0).to_string(), "a_per_mm_at_20");
+        for bad in [
+            "",
+            "c",
+            "a_per_mm_at_",
+            "a_per_mm_at_x",
+            "_at_20",
+            "mu_at_1_at_2",
+        ] {
+            assert!(bad.parse::<ParameterId>().is_err(), "{bad}");
+        }
+    }
+}

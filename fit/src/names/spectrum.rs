@@ -1,0 +1,164 @@
+//! Wavelengths of the source and their weights.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// One wavelength of a spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectralLine {
+    /// Wavelength in air, nm.
+    pub wavelength_nm: f64,
+    /// Share of the light, relative to the other lines; positive, not normalised.
+    pub weight: f64,
+}
+
+/// A source as a sum of lines; at least one. In files it is text such as `450:0.2,550:0.5`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Spectrum {
+    lines: Vec<SpectralLine>,
+}
+
+/// A spectrum that cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpectrumError {
+    /// Not `wavelength` or `wavelength:weight`.
+    #[error(
+        "has the entry \"{entry}\", which is not a wavelength such as 550 or a pair such as 550:0.5; correct it"
+    )]
+    Entry {
+        /// The entry.
+        entry: String,
+    },
+    /// Not light, or in another unit.
+    #[error("is {wavelength_nm} nm but must be between 100 and 20000 nm; give it in nanometres")]
+    Wavelength {
+        /// The wavelength.
+        wavelength_nm: f64,
+    },
+    /// A weight that takes light away.
+    #[error(
+        "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than 0; correct it"
+    )]
+    Weight {
+        /// The wavelength.
+        wavelength_nm: f64,
+        /// Its weight.
+        weight: f64,
+    },
+}
+
+impl Spectrum {
+    /// One line of weight 1.
+    ///
+    /// # Errors
+    /// [`SpectrumError::Wavelength`] outside 100 to 20000 nm.
+    pub fn monochromatic(wavelength_nm: f64) -> Result<Spectrum, SpectrumError> {
+        Ok(Spectrum {
+            lines: vec![line(wavelength_nm, 1.0)?],
+        })
+    }
+
+    /// Reads `550` or `450:0.2,550:0.5,620:0.3`; a weight left out is 1.
+    ///
+    /// # Errors
+    /// A [`SpectrumError`] about the first entry that is wrong.
+    pub fn parse(text: &str) -> Result<Spectrum, SpectrumError> {
+        let read = |entry: &str| {
+            let number = |word: &str| {
+                word.trim()
+                    .parse::<f64>()
+                    .map_err(|_| SpectrumError::Entry {
+                        entry: entry.trim().to_owned(),
+                    })
+            };
+            match entry.split_once(':') {
+                Some((wavelength, weight)) => line(number(wavelength)?, number(weight)?),
+                None => line(number(entry)?, 1.0),
+            }
+        };
+        Ok(Spectrum {
+            lines: text.split(',').map(read).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The lines, in the order given; never empty.
+    pub fn lines(&self) -> &[SpectralLine] {
+        &self.lines
+    }
+}
+
+impl fmt::Display for Spectrum {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, line) in self.lines.iter().enumerate() {
+            let comma = if i > 0 { "," } else { "" };
+            write!(formatter, "{comma}{}", line.wavelength_nm)?;
+            if self.lines.len() > 1 || line.weight != 1.0 {
+                write!(formatter, ":{}", line.weight)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl TryFrom<String> for Spectrum {
+    type Error = SpectrumError;
+
+    fn try_from(text: String) -> Result<Spectrum, SpectrumError> {
+        Spectrum::parse(&text)
+    }
+}
+
+impl From<Spectrum> for String {
+    fn from(spectrum: Spectrum) -> String {
+        spectrum.to_string()
+    }
+}
+
+fn line(wavelength_nm: f64, weight: f64) -> Result<SpectralLine, SpectrumError> {
+    if !(100.0..=20_000.0).contains(&wavelength_nm) {
+        return Err(SpectrumError::Wavelength { wavelength_nm });
+    }
+    if !(weight.is_finite() && weight > 0.0) {
+        return Err(SpectrumError::Weight {
+            wavelength_nm,
+            weight,
+        });
+    }
+    Ok(SpectralLine {
+        wavelength_nm,
+        weight,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn good_and_bad_spectra() {
+        let good = [
+            ("550", 1),
+            ("450:0.2,550:0.5,620:0.3", 3),
+            (" 450 : 1 , 550", 2),
+        ];
+        for (text, lines) in good {
+            assert_eq!(
+                Spectrum::parse(text).map(|it| it.lines().len()),
+                Ok(lines),
+                "{text}"
+            );
+            let back = Spectrum::parse(text).map(|it| Spectrum::parse(&it.to_string()));
+            assert_eq!(back, Ok(Spectrum::parse(text)), "{text}");
+        }
+        assert_eq!(Spectrum::parse("550"), Spectrum::monochromatic(550.0));
+        let bad = [
+            "", "green", "550:", "0.55", "550:-1", "550:nan", "nan", "450;550", "450:1:2",
+        ];
+        for text in bad {
+            assert!(Spectrum::parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Which plane of a photograph is read, and how.
+
+use crate::photographs::photo::transfer::Transfer;
+
+/// Rec. 709 weights of linear red, green and blue in luminance (ITU-R BT.709-6, item 3.2).
+pub const REC709: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Which plane of a colour photograph is used.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub enum Channel {
+    /// Rec. 709 luminance of R, G, B, or the only plane of a monochrome file.
+    #[default]
+    Luminance,
+    /// Linear red.
+    Red,
+    /// Linear green.
+    Green,
+    /// Linear blue.
+    Blue,
+    /// A channel of an EXR by its full name, such as `diffuse.R` or `L`.
+    Named(String),
+}
+
+impl Channel {
+    /// The primaries, in order.
+    pub const PRIMARIES: [Channel; 3] = [Channel::Red, Channel::Green, Channel::Blue];
+
+    /// The channel called `name` in a manifest: `luminance`, `red`, `green`, `blue` (or `r`, `g`, `b`), or any EXR channel name.
+    pub fn from_name(name: &str) -> Channel {
+        match name {
+            "luminance" => Channel::Luminance,
+            "r" | "red" => Channel::Red,
+            "g" | "green" => Channel::Green,
+            "b" | "blue" => Channel::Blue,
+            other => Channel::Named(other.to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for Channel {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Channel::Luminance => "luminance",
+            Channel::Red => "red",
+            Channel::Green => "green",
+            Channel::Blue => "blue",
+            Channel::Named(name) => name,
+        })
+    }
+}
+
+/// How a photograph is to be decoded.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub struct Decode {
+    /// What stored values mean; `None`: linear for EXR, floats and 16-bit integers, sRGB for 8-bit integers.
+    pub transfer: Option<Transfer>,
+    /// Which plane is used.
+    pub channel: Channel,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip() {
+        for name in ["luminance", "red", "green", "blue", "diffuse.R"] {
+            assert_eq!(Channel::from_name(name).to_string(), name);
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! File types of photographs.
+
+use std::path::Path;
+
+/// File types that are read, as found from the contents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// OpenEXR.
+    Exr,
+    /// Portable Network Graphics.
+    Png,
+    /// Tagged Image File Format, also BigTIFF.
+    Tiff,
+    /// JPEG (JFIF or Exif).
+    Jpeg,
+    /// Any camera's raw file.
+    Raw,
+}
+
+impl Format {
+    /// The format that a file of these first bytes has.
+    pub fn of_signature(first: &[u8]) -> Option<Format> {
+        const SIGNATURES: [(&[u8], Format); 7] = [
+            (&[0x76, 0x2f, 0x31, 0x01], Format::Exr),
+            (b"\x89PNG\r\n\x1a\n", Format::Png),
+            (&[0xff, 0xd8, 0xff], Format::Jpeg),
+            (b"II*\0", Format::Tiff),
+            (b"MM\0*", Format::Tiff),
+            (b"II+\0", Format::Tiff),
+            (b"MM\0+", Format::Tiff),
+        ];
+        SIGNATURES
+            .iter()
+            .find(|(signature, _)| first.starts_with(signature))
+            .map(|&(_, format)| format)
+    }
+
+    /// Name for messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Format::Exr => "EXR",
+            Format::Png => "PNG",
+            Format::Tiff => "TIFF",
+            Format::Jpeg => "JPEG",
+            Format::Raw => "camera raw",
+        }
+    }
+
+    /// What names of such files end in.
+    pub(crate) const fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Format::Exr => &["exr"],
+            Format::Png => &["png"],
+            Format::Tiff => &["tif", "tiff"],
+            Format::Jpeg => &["jpg", "jpeg", "jpe"],
+            Format::Raw => &CAMERA_RAW,
+        }
+    }
+}
+
+/// Extensions of camera raw files, many of which are TIFF inside and would yield their thumbnail.
+const CAMERA_RAW: [&str; 20] = [
+    "3fr", "arw", "cr2", "cr3", "crw", "dcr", "dng", "erf", "iiq", "kdc", "mef", "mos", "mrw",
+    "nef", "nrw", "orf", "pef", "raf", "rw2", "srw",
+];
+
+/// Whether a file is camera raw by its name, or by its first bytes a CR2.
+pub(crate) fn is_raw(extension: &str, first: &[u8]) -> bool {
+    CAMERA_RAW.contains(&extension) || first.get(8..10) == Some(b"CR")
+}
+
+/// What a file's name ends in, in small letters.
+pub(crate) fn extension(path: &Path) -> String {
+    let extension = path.extension().and_then(|name| name.to_str());
+    extension.unwrap_or("").to_ascii_lowercase()
+}

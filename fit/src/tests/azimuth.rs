@@ -1,0 +1,94 @@
+//! The azimuth of the sheet by the photographs alone, against planted ones.
+
+use crate::estimate::azimuth::{find, scatter};
+use crate::estimate::choice::Choice;
+use crate::estimate::loss::Kind;
+use crate::estimate::watch::Watch;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::simulate::params::PlantedSheet;
+use crate::tests::planted::{Stream, camera, params, scene, table, truth};
+use tables::{Exact, Symmetry, Table};
+
+/// The closed form of the pair at azimuths 0, 15 and 30 deg, which stand for all.
+fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
+    let azimuths = [0.0, 15.0, 30.0];
+    let single = azimuths.map(|azimuth| table(truth, incidence_deg, azimuth));
+    let directions = (0..incidence_deg.len()).flat_map(|i| (0..3).map(move |j| (i, j)));
+    let paths = directions.map(|(i, j)| single[j].exact.as_ref().unwrap().paths[i].clone());
+    let mut all = single[0].clone();
+    all.exact = Some(Exact {
+        // Of the two cubes, an edge of each being 1.
+        entrance_area: 3_f64.sqrt(),
+        paths: paths.collect(),
+    });
+    let (n, three) = (incidence_deg.len(), 3);
+    all.axes.azimuth_deg = azimuths.to_vec();
+    all.retroreflected =
+        ndarray::Array2::from_shape_fn((n, three), |(i, j)| single[j].retroreflected[[i, 0]]);
+    all.histogram = ndarray::Array4::zeros((n, three, 4, 4));
+    all.fate = ndarray::Array3::zeros((n, three, 10));
+    all.standard_error = ndarray::Array2::zeros((n, three));
+    all.rays = ndarray::Array2::zeros((n, three));
+    all.provenance.symmetry = Symmetry {
+        rotations: 6,
+        mirror_deg: Some(0.0),
+    };
+    all
+}
+
+/// Captures that say azimuth 0 of a sheet that lies at another: the difference comes back within its error.
+#[test]
+fn a_planted_azimuth_comes_back() {
+    let choice = Choice {
+        kernel: Kernel::Eq1,
+        shape: LobeShape::Radial,
+        per_angle_a: false,
+        per_angle_mu: true,
+    };
+    let incidence = [0.0, 20.0, 40.0];
+    let mut stream = Stream(11);
+    let mut pulls = Vec::new();
+    for seed in 0..6 {
+        let planted = stream.between(0.0, 60.0);
+        let truth = truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.31, 0.6);
+        let table = all_azimuths(&truth, &incidence);
+        let mut campaign = params(seed, truth, &incidence, &[150.0, 300.0], camera(2e5));
+        for (k, shot) in campaign.captures.iter_mut().enumerate() {
+            shot.azimuth_deg = planted;
+            // Edges in several directions tell a sheet from its mirror image.
+            shot.edge.normal_deg += [0.0, 55.0, 90.0][k % 3];
+        }
+        let scene = scene(&campaign, &table);
+        let unknown = vec![0.0; scene.shots.len()];
+        let scene = scene.turned(&table, &unknown).unwrap();
+        assert!(scene.is_lit(), "light returns everywhere");
+        let (found, scene) = find(&scene, &table, choice, &Watch::NOBODY).unwrap();
+        assert_eq!(found.period_deg, 60.0);
+        let off = (found.deg.value - planted + 30.0).rem_euclid(60.0) - 30.0;
+        let pull = off / found.deg.standard_error;
+        println!(
+            "azimuth {planted:.3}: found {:.3} +- {:.3}, pull {pull:+.2}, as likely: {:?}",
+            found.deg.value, found.deg.standard_error, found.others_deg
+        );
+        assert!(found.deg.standard_error < 3.0, "the photographs tell it");
+        assert!(pull.abs() < 4.0);
+        pulls.push(pull);
+        let added = scatter(&scene, &table, &found, Kind::Mtf, choice).unwrap();
+        // c, a and three mu, of logarithms: what a degree of azimuth changes is a few percent at most.
+        assert_eq!(added.nrows(), 5);
+        assert!(
+            (0..5).all(|i| added[(i, i)] >= 0.0 && added[(i, i)] < 0.01),
+            "{added}"
+        );
+    }
+    let squares: f64 = pulls.iter().map(|pull| pull * pull).sum();
+    println!(
+        "{} campaigns, rms pull {:.2}",
+        pulls.len(),
+        (squares / 6.0).sqrt()
+    );
+    // Chi-square of 6: 0.4 and 22.5 leave out 0.1 % on either side.
+    assert!((0.4..22.5).contains(&squares), "{pulls:?}");
+    assert_eq!(pulls.len(), 6);
+}

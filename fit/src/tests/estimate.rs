@@ -1,0 +1,445 @@
+//! The estimate against planted answers.
+
+use crate::compare::reflectance::Contrast;
+use crate::compare::view::Weights;
+use crate::estimate::bound::{absent, bounds};
+use crate::estimate::choice::Choice;
+use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{optimum, refined, residuals_at};
+use crate::estimate::scene::Scene;
+use crate::estimate::select::{Candidates, select};
+use crate::estimate::watch::Watch;
+use crate::model::blur::Blur;
+use crate::model::model::Model;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::parameter::ParameterKind;
+use crate::names::spectrum::Spectrum;
+use crate::photographs::captures;
+use crate::tests::planted::{Stream, camera, params, scene, table, truth};
+use nalgebra::DVector;
+
+const SHARED: Choice = Choice {
+    kernel: Kernel::Eq1,
+    shape: LobeShape::Radial,
+    per_angle_a: false,
+    per_angle_mu: false,
+};
+
+/// The simulator works in space, the model in frequency: on the same bins they must agree.
+///
+/// Tolerance: 14-bit rounding gives an error of 1/(2^14 sqrt 12) = 1.8e-5 per pixel, and electrons at 1e12 full well
+/// 1e-6; a bin of n >= 20 pixels averages them, so 4.5 sigma over 5000 bins is 2e-5 of full scale; steps are above 0.05
+/// of it. The model's interpolation adds 2e-5 (see `view`), the simulator's grid 2e-7.
+#[test]
+fn model_equals_noise_free_photographs() {
+    let mut cases = 0;
+    let mut worst: f64 = 0.0;
+    for kernel in Kernel::ALL {
+        for shape in LobeShape::ALL {
+            let a = if kernel == Kernel::Angular {
+                700.0
+            } else {
+                3.4
+            };
+            let truth = truth(kernel, shape, a, 0.31, 0.6);
+            let incidence = [0.0, 20.0, 40.0];
+            let table = table(&truth, &incidence, 20.0);
+            let scene = scene(
+                &params(5, truth, &incidence, &[200.0], camera(1e12)),
+                &table,
+            );
+            for shot in &scene.shots {
+                let model = Model {
+                    kernel,
+                    shape,
+                    shift: shot.facing.shift.as_ref(),
+                    wave: shot.facing.wave.as_ref().ok(),
+                    baseline: None,
+                    r_mm: shot.r_mm,
+                    normal: shot.view.normal(),
+                };
+                let curve = shot.view.curve(
+                    &model,
+                    Blur {
+                        spread: a,
+                        c_mm: 0.31,
+                    },
+                );
+                let profile = &shot.view.profile;
+                let contrast = Contrast::fit(profile, &curve.bins);
+                let bins = &curve.bins;
+                let error = |j: usize| {
+                    (profile.mean[j] - contrast.dark - contrast.step * bins[j]) / contrast.step
+                };
+                // The edge's place is the half level of the profile, not the model's centre: its error, a few
+                // thousandths of a pixel, is the share of the slope in the differences.
+                let slope = |j: usize| 0.5 * (bins[j + 1] - bins[j - 1]);
+                let inner = 1..bins.len() - 1;
+                let place = inner.clone().map(|j| error(j) * slope(j)).sum::<f64>()
+                    / inner.clone().map(|j| slope(j).powi(2)).sum::<f64>();
+                assert!(place.abs() < 0.2, "the edge lies {place} bins off");
+                worst = inner
+                    .map(|j| (error(j) - place * slope(j)).abs())
+                    .fold(worst, f64::max);
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 30);
+    assert!(
+        worst < 2e-5 / 0.05 + 2e-5,
+        "largest difference of profile and model: {worst:.2e} of the step"
+    );
+}
+
+/// Central differences with step h have an error of h^2/6 times the third derivative, and the residuals' rounding over h;
+/// residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
+#[test]
+fn derivatives_match_differences() {
+    let mut truth = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    truth.spectrum = Spectrum::parse("450:0.4,550:0.6").ok();
+    let incidence = [0.0, 30.0];
+    let table = table(&truth, &incidence, 20.0);
+    let scene = scene(
+        &params(6, truth, &incidence, &[150.0, 300.0], camera(40_000.0)),
+        &table,
+    );
+    let mut cases = 0;
+    for kernel in Kernel::ALL {
+        for shape in [LobeShape::Radial, LobeShape::Separable] {
+            let choice = Choice {
+                kernel,
+                shape,
+                per_angle_a: true,
+                per_angle_mu: false,
+            };
+            let a = if kernel == Kernel::Angular {
+                600.0_f64
+            } else {
+                3.1
+            };
+            let mut at: Vec<f64> = Vec::new();
+            if kernel.has_c() {
+                at.push(0.29_f64.ln());
+            }
+            if kernel.has_lobe() {
+                at.extend([a.ln(), (0.8 * a).ln()]);
+            }
+            let at = DVector::from_vec(at);
+            let (_, jacobian) = residuals_at(&scene, choice, &at);
+            for i in 0..at.len() {
+                let h = 1e-4;
+                let (mut low, mut high) = (at.clone(), at.clone());
+                low[i] -= h;
+                high[i] += h;
+                let difference = (residuals_at(&scene, choice, &high).0
+                    - residuals_at(&scene, choice, &low).0)
+                    / (2.0 * h);
+                let largest = jacobian.column(i).amax();
+                let error = (jacobian.column(i) - &difference).amax();
+                assert!(
+                    error < 2e-5 * largest + 1e-3,
+                    "{kernel:?} {shape:?} {i}: {error:.1e} of {largest:.1e}"
+                );
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 2 * (1 + 1 + 2 + 3 + 3));
+}
+
+/// Differences from the truth in units of the reported standard error, over planted campaigns.
+fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
+    let pull = |v: crate::estimate::choice::Value, truth: f64| (v.value - truth) / v.standard_error;
+    let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
+    [
+        pull(fit.c_mm.expect("eq1 has c"), c),
+        pull(fit.spread[0], a),
+        pull(measured_mu, mu),
+    ]
+}
+
+/// Standard errors are true, whether the differences are weighed by their noise or all alike: the mean square of 3 x 40 pulls is 1
+/// within 4.5 of its own standard errors, sqrt(2/N) if the pulls were independent; a and c are correlated, which at most doubles
+/// the variance: 4.5 sqrt(4/120) = 0.82.
+#[test]
+fn standard_errors_are_true() {
+    let mut stream = Stream(77);
+    let losses = [Weights::Noise, Weights::Even];
+    let mut squares = [0.0; 2];
+    let mut count = 0;
+    let mut bias = [[0.0; 3]; 2];
+    for seed in 0..40 {
+        let (a, c, mu) = (
+            stream.between(2.0, 6.0),
+            stream.between(0.2, 0.5),
+            stream.between(0.3, 0.8),
+        );
+        let truth = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
+        let incidence = [5.0, 30.0];
+        let table = table(&truth, &incidence, 20.0);
+        let scene = scene(
+            &params(
+                seed,
+                truth,
+                &incidence,
+                &[200.0],
+                camera(stream.between(5e3, 4e4)),
+            ),
+            &table,
+        );
+        let near = optimum(&scene, SHARED);
+        for (k, weights) in losses.into_iter().enumerate() {
+            let loss = Loss::of_mtfs(&scene, weights);
+            let fit = estimate(&scene, &loss, refined(&scene, &loss, near.clone()));
+            for (sum, pull) in bias[k].iter_mut().zip(pulls(&fit, a, c, mu)) {
+                assert!(pull.abs() < 5.0, "campaign {seed}: a pull of {pull}");
+                squares[k] += pull * pull;
+                *sum += pull / 40.0;
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(count, 2 * 120);
+    for (k, weights) in losses.into_iter().enumerate() {
+        let (mean, bias) = (squares[k] / 120.0, bias[k]);
+        println!("{weights:?}: mean square pull {mean:.3}, mean pulls {bias:.2?}");
+        assert!((mean - 1.0).abs() < 0.82, "mean square pull {mean}");
+        // The mean of 40 pulls has a standard error of 0.16.
+        assert!(
+            bias.iter().all(|b| b.abs() < 4.5 * 0.16),
+            "mean pulls {bias:?}"
+        );
+    }
+}
+
+/// The right terms are found where they can be told apart: distances of 150 and 300 mm tell eq1 from angular.
+#[test]
+fn selection_finds_the_planted_terms() {
+    let everything = Candidates {
+        kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
+        shapes: vec![LobeShape::Radial, LobeShape::Separable],
+        per_angle_a: None,
+        per_angle_mu: None,
+    };
+    let mut cases = 0;
+    for (kernel, a) in [
+        (Kernel::Eq1, 3.4),
+        (Kernel::Angular, 700.0),
+        (Kernel::Shift, 1.0),
+        (Kernel::Lobe, 2.5),
+    ] {
+        for shape in LobeShape::ALL {
+            let truth = truth(kernel, shape, a, 0.35, 0.6);
+            let incidence = [0.0, 25.0];
+            let table = table(&truth, &incidence, 20.0);
+            let scene = scene(
+                &params(11, truth, &incidence, &[150.0, 300.0], camera(4e4)),
+                &table,
+            );
+            let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
+            // What is left out is bounded: c below what would blur like a pixel (0.05), a above 20.
+            let bound = absent(&scene, &selection);
+            println!("{kernel:?} {shape:?} {bound:?}");
+            match kernel {
+                Kernel::Lobe => assert!(
+                    bound.is_some_and(|(id, b)| id == ParameterKind::CornerSize.shared()
+                        && b.at_most.is_some_and(|c| c > 0.0 && c < 0.1))
+                ),
+                Kernel::Shift => assert!(
+                    bound.is_some_and(|(id, b)| id == ParameterKind::APerMm.shared()
+                        && b.at_least.is_some_and(|a| a > 20.0 && a.is_finite()))
+                ),
+                _ => assert_eq!(bound, None),
+            }
+            let chosen = selection.best.choice;
+            assert_eq!(chosen.kernel, kernel, "planted {kernel:?} {shape:?}");
+            if kernel.has_lobe() {
+                assert_eq!(chosen.shape, shape, "planted {kernel:?} {shape:?}");
+                assert!(
+                    !chosen.per_angle_a && !chosen.per_angle_mu,
+                    "planted {kernel:?} {shape:?}: {chosen:?}"
+                );
+            }
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 8);
+}
+
+/// What the photographs do not show comes back as a bound, and the bound holds.
+#[test]
+fn absent_terms_are_bounded() {
+    let incidence = [0.0, 25.0];
+    // Pure diffraction: no shift, so c has an upper bound.
+    let planted = truth(Kernel::Lobe, LobeShape::Radial, 2.5, 0.3, 0.6);
+    let of_ideal = table(&planted, &incidence, 20.0);
+    let diffraction = scene(
+        &params(12, planted, &incidence, &[150.0, 300.0], camera(4e4)),
+        &of_ideal,
+    );
+    let fit = estimate(
+        &diffraction,
+        &Loss::Mtf(&diffraction),
+        optimum(&diffraction, SHARED),
+    );
+    let found = bounds(&diffraction, &Loss::Mtf(&diffraction), &fit);
+    let c = found
+        .get(&ParameterKind::CornerSize.shared())
+        .expect("c is not identified")
+        .at_most
+        .expect("it is bounded from above");
+    assert!(c > 0.0 && c < 0.1, "c < {c} mm");
+    // Pure shift: no lobe, so a has a lower bound.
+    let planted = truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.35, 0.6);
+    let shift = scene(
+        &params(13, planted, &incidence, &[150.0, 300.0], camera(4e4)),
+        &of_ideal,
+    );
+    let fit = estimate(&shift, &Loss::Mtf(&shift), optimum(&shift, SHARED));
+    let found = bounds(&shift, &Loss::Mtf(&shift), &fit);
+    let a = found
+        .get(&ParameterKind::APerMm.shared())
+        .expect("a is not identified")
+        .at_least
+        .expect("it is bounded from below");
+    assert!(a > 20.0 && a.is_finite(), "a > {a} /mm");
+    println!("c < {c:.4} mm, a > {a:.1} /mm");
+}
+
+/// Legal but degenerate campaigns have an answer: nothing retroreflected at one angle, one photograph, no reference.
+#[test]
+fn degenerate_campaigns() {
+    // A single hollow cube at azimuth 20 returns nothing at 50 degrees.
+    let mut hollow = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.35, 0.6);
+    (hollow.ior, hollow.pair) = (1.0, false);
+    let incidence = [10.0, 50.0];
+    let of_hollow = table(&hollow, &incidence, 20.0);
+    assert_eq!(of_hollow.retroreflected[[1, 0]], 0.0);
+    let both = scene(
+        &params(21, hollow.clone(), &incidence, &[200.0], camera(4e4)),
+        &of_hollow,
+    );
+    assert_eq!(both.shots.len(), 1);
+    assert!(
+        both.warnings
+            .iter()
+            .any(|w| w.contains("left out") && w.contains("50 deg")),
+        "{:?}",
+        both.warnings
+    );
+    let fit = estimate(&both, &Loss::Mtf(&both), optimum(&both, SHARED));
+    assert!(
+        fit.c_mm
+            .is_some_and(|c| ((c.value - 0.35) / c.standard_error).abs() < 4.5)
+    );
+
+    // No reference: c and a all the same (a sharper camera is assumed, which the warning says), mu is null.
+    let mut alone = params(22, hollow.clone(), &incidence[..1], &[200.0], camera(4e4));
+    alone.reference = None;
+    let alone = scene(&alone, &of_hollow);
+    assert!(
+        alone.reference.is_none() && alone.warnings.iter().any(|w| w.contains("no [reference]"))
+    );
+    let fit = estimate(&alone, &Loss::Mtf(&alone), optimum(&alone, SHARED));
+    assert!(fit.mu.is_none() && fit.c_mm.is_some_and(|c| c.value.is_finite()));
+
+    // Nothing returns anywhere: an error that says so.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let nothing = params(23, hollow, &incidence[1..], &[200.0], camera(4e4));
+    crate::simulate::write::run(&nothing, folder.path(), true)
+        .expect("the campaign can be written");
+    let campaign =
+        captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
+    let error = Scene::load(&campaign, &of_hollow)
+        .err()
+        .expect("there is nothing to fit")
+        .to_string();
+    assert!(error.contains("no capture is left"), "{error}");
+}
+
+/// A large c beside a wide lobe: from a start with a small c, where the model does not depend on it, no path leads here.
+#[test]
+fn starting_values_reach_every_c() {
+    let mut cases = 0;
+    for (a, c) in [
+        (2.28, 0.45),
+        (2.24, 0.276),
+        (2.23, 0.292),
+        (7.4, 0.12),
+        (1.6, 0.48),
+        (5.0, 0.1),
+    ] {
+        let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, 0.6);
+        let incidence = [0.0, 7.0, 14.0];
+        let of_ideal = table(&planted, &incidence, 20.0);
+        let photographed = scene(
+            &params(31, planted, &incidence, &[150.0, 300.0], camera(18e3)),
+            &of_ideal,
+        );
+        let fit = estimate(
+            &photographed,
+            &Loss::Mtf(&photographed),
+            optimum(&photographed, SHARED),
+        );
+        let found = fit.c_mm.expect("eq1 has c");
+        let freedom = (fit.residuals - fit.blur_parameters()) as f64;
+        // Chi-square per degree of freedom has a standard deviation of sqrt(2/n) < 0.2 here.
+        assert!(
+            fit.chi2 / freedom < 2.0,
+            "a {a} c {c}: chi-square {:.1} over {freedom}",
+            fit.chi2
+        );
+        assert!(
+            ((found.value - c) / found.standard_error).abs() < 4.5,
+            "a {a} c {c}: {found:?}"
+        );
+        cases += 1;
+    }
+    assert_eq!(cases, 6);
+}
+
+/// `mse` is a loop over the MTF differences that a result states, and less than where `mtf` is least; as `mtf` is less there.
+#[test]
+fn the_plain_loss_is_the_mean_of_squares() {
+    let incidence = [0.0, 30.0];
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &incidence, 20.0);
+    let photographed = scene(
+        &params(41, planted, &incidence, &[150.0], camera(4e3)),
+        &of_ideal,
+    );
+    let near = optimum(&photographed, SHARED);
+    let losses = [Weights::Noise, Weights::Even].map(|weights| {
+        let loss = Loss::of_mtfs(&photographed, weights);
+        let best = refined(&photographed, &loss, near.clone());
+        estimate(&photographed, &loss, best)
+    });
+    let [weighed, plain] = &losses;
+    for fit in &losses {
+        for ((shot, modelled), stated) in photographed
+            .shots
+            .iter()
+            .zip(&fit.modelled)
+            .zip(&fit.losses)
+        {
+            let measured = &shot.view.mtf.modulus;
+            let squares = modelled
+                .iter()
+                .zip(measured)
+                .skip(1)
+                .map(|(m, d)| (m - d).powi(2));
+            let mean = squares.sum::<f64>() / (modelled.len() - 1) as f64;
+            assert!((mean / stated - 1.0).abs() < 1e-12, "{mean} {stated}");
+        }
+    }
+    let sum = |fit: &Estimate| fit.losses.iter().sum::<f64>();
+    let least = plain.solution.sum_of_squares();
+    assert!((sum(plain) / least - 1.0).abs() < 1e-12, "{least}");
+    assert!(
+        sum(plain) < sum(weighed) && weighed.chi2 < plain.chi2,
+        "{losses:?}"
+    );
+}

@@ -1,0 +1,276 @@
+//! The model by samples against its closed form, and the estimate by one against that by the other.
+
+use crate::compare::view::Weights;
+use crate::estimate::choice::Choice;
+use crate::estimate::compared::{compare, curve};
+use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::forward::{RANDOMISATIONS, Renders};
+use crate::estimate::loss::Loss;
+use crate::estimate::optimum::{optimum, refined, residuals_at};
+use crate::estimate::scene::Scene;
+use crate::estimate::watch::Watch;
+use crate::model::blur::Blur;
+use crate::model::model::Curve;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::samples::sampled::Sampling;
+use crate::samples::sequence::Sequence;
+use crate::tests::planted::{camera, params, scene, table, truth};
+use nalgebra::DVector;
+use num_complex::Complex64;
+use tables::Table;
+
+const INCIDENCE: [f64; 2] = [5.0, 30.0];
+
+fn campaign(kernel: Kernel, shape: LobeShape, a: f64) -> (Scene, Table) {
+    let planted = truth(kernel, shape, a, 0.31, 0.6);
+    let table = table(&planted, &INCIDENCE, 20.0);
+    let camera = camera(20_000.0);
+    (
+        scene(&params(5, planted, &INCIDENCE, &[200.0], camera), &table),
+        table,
+    )
+}
+
+fn choice(kernel: Kernel, shape: LobeShape) -> Choice {
+    Choice {
+        kernel,
+        shape,
+        per_angle_a: false,
+        per_angle_mu: false,
+    }
+}
+
+fn sampling(samples: usize, sequence: Sequence) -> Sampling {
+    Sampling {
+        samples,
+        seed: 3,
+        sequence,
+    }
+}
+
+fn renders<'a>(scene: &'a Scene, table: &'a Table, sampling: Sampling) -> Renders<'a> {
+    Renders {
+        scene,
+        table,
+        weights: Weights::Noise,
+        sampling,
+    }
+}
+
+const fn spread(kernel: Kernel) -> f64 {
+    match kernel {
+        Kernel::Angular => 700.0,
+        _ => 3.4,
+    }
+}
+
+/// Value and derivatives, one after another.
+fn parts(curve: &Curve) -> Vec<&Vec<f64>> {
+    let derivatives = curve.by_ln_spread.iter().chain(&curve.by_ln_c);
+    std::iter::once(&curve.bins).chain(derivatives).collect()
+}
+
+/// The transforms of every curve, value and derivatives, by the photograph's estimator, against those of the closed form: by
+/// how many of its own standard errors the mean of 8 randomisations is off.
+///
+/// The closed form knows the bins by three moments of their pixels' positions (1e-5 of the step, measured in the test of
+/// noise-free photographs) and takes out the tails of the separable lobe to second order; the texture's lines leave a ripple of 5e-5.
+/// Together 1e-4 of the step. 6 standard errors with 7 degrees of freedom are exceeded by 5 in 10^4 frequencies by chance,
+/// of which 1 in 100 is allowed.
+#[test]
+fn curves_are_those_of_the_closed_form() {
+    const FLOOR: f64 = 1e-4;
+    let mut cases = 0;
+    for sequence in [Sequence::Sobol, Sequence::Independent] {
+        for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
+            for shape in LobeShape::ALL {
+                let blur = Blur {
+                    spread: spread(kernel),
+                    c_mm: 0.31,
+                };
+                let (scene, table) = campaign(kernel, shape, blur.spread);
+                let choice = choice(kernel, shape);
+                let curves = |scene: &Scene| -> Vec<Curve> {
+                    let shots = scene.shots.iter();
+                    shots.map(|shot| curve(shot, None, choice, blur)).collect()
+                };
+                let closed = curves(&scene);
+                let drawn: Vec<Vec<Curve>> = (0..8)
+                    .map(|randomisation| {
+                        let sampling = sampling(32, sequence);
+                        let renders = renders(&scene, &table, sampling);
+                        let drawn = renders.drawn(choice, randomisation);
+                        curves(&drawn.expect("the table has the directions"))
+                    })
+                    .collect();
+                for (shot, closed) in closed.iter().enumerate() {
+                    let estimator = &scene.shots[shot].view.estimator;
+                    for (k, exact) in parts(closed).into_iter().enumerate() {
+                        let exact = estimator.transform(exact);
+                        let all: Vec<Vec<Complex64>> = drawn
+                            .iter()
+                            .map(|curves| estimator.transform(parts(&curves[shot])[k]))
+                            .collect();
+                        let (mut far, mut worst) = (0, 0.0_f64);
+                        for (j, exact) in exact.iter().enumerate() {
+                            let mean = all.iter().map(|t| t[j]).sum::<Complex64>() / 8.0;
+                            let squares: f64 = all.iter().map(|t| (t[j] - mean).norm_sqr()).sum();
+                            let error = (squares / (8.0 * 7.0)).sqrt();
+                            far += usize::from((mean - exact).norm() > 6.0 * error + FLOOR);
+                            worst = worst.max((mean - exact).norm());
+                        }
+                        let what = format!("{sequence:?} {kernel:?} {shape:?} part {k}");
+                        assert!(
+                            far * 100 <= exact.len(),
+                            "{what}: {far} of {} frequencies are off, by up to {worst:.1e}",
+                            exact.len()
+                        );
+                        cases += 1;
+                    }
+                }
+            }
+        }
+    }
+    // Two photographs, two sequences, two shapes; eq1 and angular have two derivatives, shift and lobe one.
+    assert_eq!(cases, 2 * 2 * 2 * (3 + 3 + 2 + 2));
+}
+
+/// The gradient of the sampled sum of squares against differences of it, same samples, away from its least value.
+///
+/// E is straight within cells of 1/32 pixel: a difference over +-h averages slopes over the cells that a sample crosses, and
+/// a slope changes by E''/32 = 2 % of itself or less from cell to cell, either way; over the 10^4 samples and more on an edge
+/// 2e-4 of the sum is left. Sums of f32 are good to 1e-7, over h = 0.004 3e-5; the second order of the difference is h^2/6 =
+/// 3e-6 of the third derivative, which is some tens of the first. 2e-3 in all.
+#[test]
+fn derivatives_are_those_of_the_samples() {
+    let mut cases = 0;
+    for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
+        let (scene, table) = campaign(kernel, LobeShape::Radial, spread(kernel));
+        let choice = choice(kernel, LobeShape::Radial);
+        let scene = renders(&scene, &table, sampling(16, Sequence::Sobol))
+            .drawn(choice, 0)
+            .expect("the table has the directions");
+        let mut at = Vec::new();
+        if kernel.has_c() {
+            at.push(0.29_f64.ln());
+        }
+        if kernel.has_lobe() {
+            at.push((0.9 * spread(kernel)).ln());
+        }
+        let at = DVector::from_vec(at);
+        let (residuals, jacobian) = residuals_at(&scene, choice, &at);
+        let gradient = 2.0 * jacobian.tr_mul(&residuals);
+        for k in 0..at.len() {
+            let h = 0.004;
+            let beside = |step: f64| {
+                let mut at = at.clone();
+                at[k] += step;
+                residuals_at(&scene, choice, &at).0.norm_squared()
+            };
+            let difference = (beside(h) - beside(-h)) / (2.0 * h);
+            let off = (difference / gradient[k] - 1.0).abs();
+            println!("{kernel:?} parameter {k}: {off:.1e} of the gradient");
+            assert!(
+                off < 2e-3,
+                "{kernel:?} parameter {k}: {difference} against {}",
+                gradient[k]
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 2 + 2 + 1 + 1);
+}
+
+fn logarithms(fit: &Estimate) -> Vec<f64> {
+    let values = fit.c_mm.iter().chain(&fit.spread);
+    let values = values.chain(fit.mu.iter().flatten());
+    values.map(|v| v.value.ln()).collect()
+}
+
+/// The estimates by samples lie about the one in closed form, by their own sampling error: their scatter says it, and every
+/// estimate says the same of itself. Five standard errors for each; the errors that two estimates state by 8 randomisations
+/// each, and the scatter of 6, agree within a factor of 3 (F with 5 and 7 degrees of freedom: 3^2 = 9 by 1 in 200).
+#[test]
+fn estimates_land_on_the_closed_form_within_their_sampling_error() {
+    let mut cases = 0;
+    for (kernel, shape, weights) in [
+        (Kernel::Eq1, LobeShape::Radial, Weights::Noise),
+        (Kernel::Angular, LobeShape::Separable, Weights::Noise),
+        (Kernel::Eq1, LobeShape::Radial, Weights::Even),
+    ] {
+        let (scene, table) = campaign(kernel, shape, spread(kernel));
+        let choice = choice(kernel, shape);
+        let closed = {
+            let loss = Loss::of_mtfs(&scene, weights);
+            let best = refined(&scene, &loss, optimum(&scene, choice));
+            logarithms(&estimate(&scene, &loss, best))
+        };
+        for samples in [4, 64] {
+            let sampling = sampling(samples, Sequence::Sobol);
+            let renders = Renders {
+                weights,
+                ..renders(&scene, &table, sampling)
+            };
+            let (fit, _) = renders
+                .estimate(choice, &Watch::NOBODY)
+                .expect("the table has the directions");
+            assert!(fit.solution.iterations < 200, "{}", fit.solution.iterations);
+            let own = fit.sampling.as_ref().expect("samples were drawn");
+            let found = logarithms(&fit);
+            for (i, name) in fit.parameters.iter().enumerate() {
+                let error = own.standard_error[i] / found[i].exp();
+                let off = found[i] - closed[i];
+                println!(
+                    "{kernel:?} {weights:?} {samples} samples: {name} {:+.4} % from the closed form, sampling error {:.4} %",
+                    100.0 * off,
+                    100.0 * error
+                );
+                // Below 1e-5 both models have other errors (see the curves).
+                assert!(off.abs() < 5.0 * error + 5e-5, "{name}: {off} +- {error}");
+                let whole = fit.covariance[(i, i)].sqrt();
+                assert!(
+                    whole > own.standard_error[i],
+                    "{name}: it is part of the error"
+                );
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!((cases, RANDOMISATIONS), (3 * 2 * 3, 8));
+}
+
+/// The same bytes whatever the threads; another seed is another estimate.
+#[test]
+fn samples_do_not_depend_on_threads() {
+    let run = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| {
+            let (scene, table) = campaign(Kernel::Eq1, LobeShape::Radial, 3.4);
+            let choice = choice(Kernel::Eq1, LobeShape::Radial);
+            let sampling = Sampling {
+                seed,
+                ..sampling(5, Sequence::Sobol)
+            };
+            let renders = renders(&scene, &table, sampling);
+            let scene = renders.drawn(choice, 1).expect("directions");
+            let blur = Blur {
+                spread: 3.0,
+                c_mm: 0.3,
+            };
+            let shot = &scene.shots[1];
+            let part = compare(shot, None, choice, blur);
+            part.difference
+                .iter()
+                .map(|r| r.to_bits())
+                .collect::<Vec<_>>()
+        })
+    };
+    let one = run(1, 3);
+    assert!(one.len() > 3);
+    assert_eq!(one, run(3, 3));
+    assert_ne!(one, run(1, 4));
+}

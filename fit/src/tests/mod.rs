@@ -1,0 +1,28 @@
+//! Tests of the rooms together: planted answers, closed forms, known photographs.
+
+mod azimuth;
+mod bad_inputs;
+mod baselines;
+mod captures_manifest;
+mod channels;
+#[cfg(feature = "images")]
+mod coating;
+mod edge;
+mod estimate;
+mod export;
+mod exposure;
+mod forward;
+#[cfg(feature = "images")]
+mod metrics;
+mod photo_formats;
+mod photographs;
+mod pixels;
+mod planted;
+#[cfg(feature = "raw")]
+mod raw;
+#[cfg(feature = "images")]
+mod render;
+mod sample;
+mod simulate_campaign;
+mod study;
+mod wave;

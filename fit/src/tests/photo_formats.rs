@@ -1,0 +1,353 @@
+//! Every format, sample type and channel gives the light that was written; damaged files never panic.
+
+use std::path::{Path, PathBuf};
+
+use crate::photographs::photo;
+use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::transfer::Transfer;
+use exr::prelude::*;
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
+
+const WIDTH: usize = 37;
+const HEIGHT: usize = 23;
+
+/// A ramp with structure in both directions, in [0, 1).
+fn value(x: usize, y: usize) -> f32 {
+    ((x * 7 + y * 11) % 97) as f32 / 100.0
+}
+
+fn plane(scale: f32) -> Vec<f32> {
+    (0..WIDTH * HEIGHT)
+        .map(|i| scale * value(i % WIDTH, i / WIDTH))
+        .collect()
+}
+
+fn write_exr(
+    file: &Path,
+    channels: Vec<(&str, FlatSamples)>,
+    encoding: Encoding,
+    position: Vec2<i32>,
+) {
+    let list = channels
+        .into_iter()
+        .map(|(name, samples)| AnyChannel::new(name, samples))
+        .collect();
+    let attributes = LayerAttributes::default().with_position(position);
+    let layer = Layer::new(
+        (WIDTH, HEIGHT),
+        attributes,
+        encoding,
+        AnyChannels::sort(list),
+    );
+    Image::from_layer(layer).write().to_file(file).unwrap();
+}
+
+fn assert_light(file: &Path, options: &Decode, expected: impl Fn(f32) -> f32, tolerance: f32) {
+    let photo = photo::load(file, options).unwrap();
+    assert_eq!(
+        (photo.width, photo.height),
+        (WIDTH, HEIGHT),
+        "{}",
+        file.display()
+    );
+    for y in 0..HEIGHT {
+        for x in 0..WIDTH {
+            let (found, wanted) = (photo.at(x, y).unwrap(), expected(value(x, y)));
+            assert!(
+                (found - wanted).abs() <= tolerance,
+                "{} ({x}, {y}): {found}, not {wanted}",
+                file.display()
+            );
+        }
+    }
+    assert_eq!(photo.at(WIDTH, 0), None);
+}
+
+#[test]
+fn exr_sample_types_encodings_and_windows() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.exr");
+    let encodings = [
+        Encoding::UNCOMPRESSED,
+        Encoding::FAST_LOSSLESS,
+        Encoding::SMALL_LOSSLESS,
+    ];
+    let mut cases = 0;
+    for encoding in encodings {
+        for position in [Vec2(0, 0), Vec2(-5, 12)] {
+            // Float samples come back bit for bit, halves to half a unit of their 11 bits, integers as they are.
+            write_exr(
+                &file,
+                vec![("Y", FlatSamples::F32(plane(1.0)))],
+                encoding,
+                position,
+            );
+            assert_light(&file, &Decode::default(), |v| v, 0.0);
+            let half = plane(1.0).into_iter().map(f16::from_f32).collect();
+            write_exr(
+                &file,
+                vec![("Y", FlatSamples::F16(half))],
+                encoding,
+                position,
+            );
+            assert_light(&file, &Decode::default(), |v| v, 2.5e-4);
+            let whole = plane(100.0).into_iter().map(|v| v.round() as u32).collect();
+            write_exr(
+                &file,
+                vec![("Y", FlatSamples::U32(whole))],
+                encoding,
+                position,
+            );
+            assert_light(&file, &Decode::default(), |v| (100.0 * v).round(), 0.0);
+            cases += 3;
+        }
+    }
+    assert_eq!(cases, 18);
+}
+
+#[test]
+fn exr_channels_and_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.exr");
+    let float = |scale| FlatSamples::F32(plane(scale));
+    let colour = vec![
+        ("R", float(1.0)),
+        ("G", float(2.0)),
+        ("B", float(4.0)),
+        ("A", float(1.0)),
+    ];
+    write_exr(&file, colour, Encoding::SMALL_LOSSLESS, Vec2(0, 0));
+    let luminance = 0.2126 + 2.0 * 0.7152 + 4.0 * 0.0722;
+    let wanted = [
+        (Channel::Luminance, luminance),
+        (Channel::Red, 1.0),
+        (Channel::Green, 2.0),
+        (Channel::Blue, 4.0),
+        (Channel::Named("B".to_owned()), 4.0),
+    ];
+    for (channel, scale) in &wanted {
+        // Three products and two sums in f32.
+        assert_light(
+            &file,
+            &Decode {
+                transfer: None,
+                channel: channel.clone(),
+            },
+            |v| scale * v,
+            1e-6,
+        );
+    }
+    let photo = photo::load(&file, &Decode::default()).unwrap();
+    assert!(
+        photo
+            .warnings
+            .iter()
+            .any(|text| text.contains("alpha channel")),
+        "{:?}",
+        photo.warnings
+    );
+
+    let layered = vec![
+        ("one.R", float(1.0)),
+        ("one.G", float(1.0)),
+        ("one.B", float(1.0)),
+        ("two.Y", float(3.0)),
+    ];
+    write_exr(&file, layered, Encoding::SMALL_LOSSLESS, Vec2(0, 0));
+    assert_light(&file, &Decode::default(), |v| v, 1e-6);
+    let photo = photo::load(&file, &Decode::default()).unwrap();
+    assert!(
+        photo.warnings[0].contains("2 layers hold a picture; one was used"),
+        "{:?}",
+        photo.warnings
+    );
+    let named = Decode {
+        transfer: None,
+        channel: Channel::from_name("two.Y"),
+    };
+    assert_light(&file, &named, |v| 3.0 * v, 0.0);
+    assert_eq!(wanted.len(), 5);
+}
+
+fn save(
+    folder: &Path,
+    name: &str,
+    picture: impl Into<DynamicImage>,
+    format: ImageFormat,
+) -> PathBuf {
+    let file = folder.join(name);
+    picture.into().save_with_format(&file, format).unwrap();
+    file
+}
+
+#[test]
+fn integer_formats() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |x: u32, y: u32| value(x as usize, y as usize);
+    let word = |v: f32| (v * 65535.0).round() as u16;
+    let byte = |v: f32| (v * 255.0).round() as u8;
+    let size = (WIDTH as u32, HEIGHT as u32);
+    let grey16 = ImageBuffer::from_fn(size.0, size.1, |x, y| Luma([word(at(x, y))]));
+    let greya16 = ImageBuffer::from_fn(size.0, size.1, |x, y| LumaA([word(at(x, y)), 9]));
+    let rgb16 = ImageBuffer::from_fn(size.0, size.1, |x, y| {
+        Rgb([word(at(x, y)), 0, word(0.5 * at(x, y))])
+    });
+    let grey8 = ImageBuffer::from_fn(size.0, size.1, |x, y| Luma([byte(at(x, y))]));
+    let rgba8 = ImageBuffer::from_fn(size.0, size.1, |x, y| {
+        Rgba([byte(at(x, y)), byte(at(x, y)), byte(at(x, y)), 7])
+    });
+    let (plain, half_step) = (Decode::default(), 0.5 / 65535.0 + 1e-7);
+    let srgb = |v: f32| Transfer::Srgb.to_linear(byte(v) as f32 / 255.0);
+    let mut cases = 0;
+    for format in [ImageFormat::Png, ImageFormat::Tiff] {
+        let grey = save(folder.path(), "grey16.x", grey16.clone(), format);
+        assert_light(&grey, &plain, |v| v, half_step);
+        let encoded = Decode {
+            transfer: Some(Transfer::Srgb),
+            channel: Channel::Luminance,
+        };
+        // The slope of the sRGB curve is at most 2.3.
+        assert_light(
+            &grey,
+            &encoded,
+            |v| Transfer::Srgb.to_linear(v),
+            2.3 * half_step,
+        );
+        let colour = save(folder.path(), "rgb16.x", rgb16.clone(), format);
+        assert_light(&colour, &plain, |v| (0.2126 + 0.5 * 0.0722) * v, half_step);
+        assert_light(
+            &colour,
+            &Decode {
+                transfer: None,
+                channel: Channel::Blue,
+            },
+            |v| 0.5 * v,
+            half_step,
+        );
+        let grey = save(folder.path(), "grey8.x", grey8.clone(), format);
+        assert_light(&grey, &plain, srgb, 1e-6);
+        let warnings = photo::load(&grey, &plain).unwrap().warnings;
+        assert!(
+            warnings[0].contains("in spite of its name") && warnings[1].contains("8-bit"),
+            "{warnings:?}"
+        );
+        let linear = Decode {
+            transfer: Some(Transfer::Linear),
+            channel: Channel::Luminance,
+        };
+        assert_light(&grey, &linear, |v| byte(v) as f32 / 255.0, 1e-6);
+        assert_light(
+            &save(folder.path(), "rgba8.x", rgba8.clone(), format),
+            &plain,
+            srgb,
+            1e-6,
+        );
+        cases += 7;
+    }
+    // Only PNG can be written with grey and alpha here.
+    let transparent = save(folder.path(), "greya16.x", greya16, ImageFormat::Png);
+    assert_light(&transparent, &plain, |v| v, half_step);
+    // JPEG is lossy: of a constant picture only the rounding of its colour conversion is left, one code of 255.
+    let flat = ImageBuffer::from_fn(64, 48, |_, _| Luma([100_u8]));
+    let photo = photo::load(
+        &save(folder.path(), "flat.jpg", flat, ImageFormat::Jpeg),
+        &plain,
+    )
+    .unwrap();
+    let step = Transfer::Srgb.to_linear(101.0 / 255.0) - Transfer::Srgb.to_linear(100.0 / 255.0);
+    assert!(
+        photo
+            .luminance
+            .iter()
+            .all(|v| (v - Transfer::Srgb.to_linear(100.0 / 255.0)).abs() <= step)
+    );
+    assert_eq!((photo.width, photo.height, cases), (64, 48, 14));
+}
+
+#[test]
+fn saturated_pixels_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let red = ImageBuffer::from_fn(20, 10, |x, y| {
+        Rgb([if x < 3 && y < 2 { 255_u8 } else { 200 }, 100, 100])
+    });
+    let file = save(folder.path(), "red.png", red, ImageFormat::Png);
+    let count = |channel| {
+        photo::load(
+            &file,
+            &Decode {
+                transfer: None,
+                channel,
+            },
+        )
+        .unwrap()
+        .clipped()
+    };
+    // Red is saturated in 6 pixels; green never.
+    assert_eq!(
+        [
+            count(Channel::Luminance),
+            count(Channel::Red),
+            count(Channel::Green)
+        ],
+        [6, 6, 0]
+    );
+    let mut sensor = plane(1.0);
+    sensor[..5].fill(1.0);
+    let file = folder.path().join("clipped.exr");
+    write_exr(
+        &file,
+        vec![("Y", FlatSamples::F32(sensor))],
+        Encoding::SMALL_LOSSLESS,
+        Vec2(0, 0),
+    );
+    assert_eq!(photo::load(&file, &Decode::default()).unwrap().clipped(), 5);
+}
+
+#[test]
+fn damaged_files_are_errors_or_finite_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let exr = folder.path().join("a.exr");
+    write_exr(
+        &exr,
+        vec![("Y", FlatSamples::F32(plane(1.0)))],
+        Encoding::SMALL_LOSSLESS,
+        Vec2(0, 0),
+    );
+    let grey = ImageBuffer::from_fn(WIDTH as u32, HEIGHT as u32, |x, y| {
+        Luma([((x * 7 + y * 11) % 200) as u8])
+    });
+    let files = [
+        exr,
+        save(folder.path(), "a.png", grey.clone(), ImageFormat::Png),
+        save(folder.path(), "a.tif", grey.clone(), ImageFormat::Tiff),
+        save(folder.path(), "a.jpg", grey, ImageFormat::Jpeg),
+    ];
+    let (mut cases, mut refused) = (0, 0);
+    for file in files {
+        let whole = std::fs::read(&file).unwrap();
+        let mut check = |bytes: &[u8]| {
+            std::fs::write(&file, bytes).unwrap();
+            match photo::load(&file, &Decode::default()) {
+                Ok(photo) => assert!(photo.luminance.iter().all(|v| v.is_finite())),
+                Err(error) => {
+                    refused += 1;
+                    assert!(
+                        error.to_string().starts_with(&file.display().to_string()),
+                        "{error}"
+                    );
+                }
+            }
+            cases += 1;
+        };
+        for length in (0..whole.len()).step_by(1 + whole.len() / 120) {
+            check(&whole[..length]);
+        }
+        for at in (0..whole.len()).step_by(1 + whole.len() / 240) {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 0x41;
+            check(&bytes);
+        }
+    }
+    println!("{cases} damaged files, {refused} refused");
+    assert!(cases > 1000 && refused > cases / 3, "{cases} {refused}");
+}

@@ -1,0 +1,194 @@
+//! Planted answers: simulated photographs and the closed-form table of the ideal cube, nothing of `bake`.
+
+#![allow(dead_code, reason = "each test uses its part")]
+
+use crate::estimate::scene::Scene;
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::names::spectrum::Spectrum;
+use crate::photographs::captures;
+use crate::simulate::cell;
+use crate::simulate::params::{
+    ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
+};
+use ndarray::{Array2, Array3, Array4};
+use tables::options::{Back, Losses, Method, StatedOptions};
+use tables::{Axes, Exact, Path, Provenance, Table};
+
+/// A splitmix64 stream in [0, 1): reproducible parameters for planted campaigns.
+pub struct Stream(pub u64);
+
+impl Stream {
+    /// The next number, between `low` and `high`.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// The exact table of the ideal cell from the closed form: shift polygons as paths, no bins filled.
+pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
+    let n = incidence_deg.len();
+    let cubes = if truth.pair { 2.0 } else { 1.0 };
+    let mut paths = Vec::new();
+    let mut retroreflected = Array2::zeros((n, 1));
+    for (i, incidence) in incidence_deg.iter().enumerate() {
+        let shifts = cell::shifts(
+            incidence.to_radians(),
+            azimuth_deg.to_radians(),
+            truth.ior,
+            truth.pair,
+        );
+        retroreflected[[i, 0]] = shifts.iter().map(|s| s.eta).sum::<f64>() / cubes;
+        // Entered at p about q, a ray is shifted by 2 (q - p); where the cubes lie is of no consequence.
+        let path = |(k, shifts): (usize, Vec<[f64; 2]>)| {
+            let q = [3.0 * k as f64, 0.5];
+            Path {
+                polygon: shifts
+                    .iter()
+                    .map(|s| [q[0] - 0.5 * s[0], q[1] - 0.5 * s[1]])
+                    .collect(),
+                matrix: [[-2.0, 0.0], [0.0, -2.0]],
+                offset: q.map(|q| 2.0 * q),
+                weight: 1.0,
+                deviation: [0.0; 2],
+            }
+        };
+        paths.push(
+            shifts
+                .into_iter()
+                .map(|s| s.polygon)
+                .filter(|p| p.len() > 2)
+                .enumerate()
+                .map(path)
+                .collect(),
+        );
+    }
+    Table {
+        axes: Axes {
+            incidence_deg: incidence_deg.to_vec(),
+            azimuth_deg: vec![azimuth_deg],
+            bins: 4,
+            range: 2.0,
+        },
+        histogram: Array4::zeros((n, 1, 4, 4)),
+        counts: None,
+        retroreflected,
+        standard_error: Array2::zeros((n, 1)),
+        fate: Array3::zeros((n, 1, 10)),
+        fate_counts: None,
+        rays: Array2::zeros((n, 1)),
+        // A shift polygon has four times the area of its entrance polygon.
+        deviations: None,
+        exact: Some(Exact {
+            entrance_area: 4.0 * cubes * 0.75_f64.sqrt(),
+            paths,
+        }),
+        provenance: Provenance {
+            generator: "closed form".into(),
+            design: "ideal".into(),
+            mesh_hash: "0".repeat(64),
+            edge_length: 1.0,
+            edge_length_unit: "file unit".into(),
+            azimuth_zero: [1.0, 0.0, 0.0],
+            refractive_index: truth.ior,
+            back: Back::Mirror.into(),
+            losses: Losses::None.into(),
+            reflectance: 1.0,
+            method: Method::Exact.into(),
+            sampler: None,
+            seed: 0,
+            angular_tolerance_deg: 0.5,
+            tolerance: 0.0,
+            lattice: None,
+            wavelength_nm: None,
+            metal_index: None,
+            shards: None,
+            symmetry: tables::Symmetry::NONE,
+            direction_tolerance: None,
+            options: StatedOptions::none(),
+        },
+    }
+}
+
+/// A small camera.
+pub fn camera(full_well_e: f64) -> PlantedCamera {
+    PlantedCamera {
+        width: 192,
+        height: 128,
+        pixel_pitch_mm: 0.08,
+        sigma_px: 0.55,
+        source_level: 0.9,
+        half_mirror_transmittance: 0.5,
+        half_mirror_reflectance: 0.5,
+        veil: 0.004,
+        dark_ratio: 0.01,
+        full_well_e,
+        read_noise_e: 3.0,
+        bits: 14,
+    }
+}
+
+/// A campaign over the given incidence angles and distances, edges tilted by varied angles.
+pub fn params(
+    seed: u64,
+    truth: PlantedSheet,
+    incidence_deg: &[f64],
+    distance_mm: &[f64],
+    camera: PlantedCamera,
+) -> Params {
+    let mut stream = Stream(seed);
+    let mut captures = Vec::new();
+    for &incidence_deg in incidence_deg {
+        for &floating_distance_mm in distance_mm {
+            let edge = PlantedEdge {
+                normal_deg: stream.between(4.0, 9.0),
+                offset_px: stream.between(-1.0, 1.0),
+                exposure: 4.0,
+                ..PlantedEdge::AERIAL
+            };
+            captures.push(PlantedShot {
+                edge,
+                floating_distance_mm,
+                path_mm: None,
+                incidence_deg,
+                azimuth_deg: 20.0,
+                tangential_axis_deg: 0.0,
+                shifts: None,
+            });
+        }
+    }
+    Params {
+        seed,
+        camera,
+        truth,
+        reference: Some(PlantedEdge::SOURCE),
+        captures,
+    }
+}
+
+/// The truth of a campaign.
+pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> PlantedSheet {
+    PlantedSheet {
+        kernel,
+        lobe,
+        spectrum: (kernel == Kernel::Wave).then(|| Spectrum::parse("550").expect("one line")),
+        ior: 1.49,
+        pair: true,
+        a: ByIncidence::Shared(a),
+        c_mm,
+        mu: ByIncidence::Shared(mu),
+    }
+}
+
+/// Simulates the campaign on disk and measures it as the program does.
+pub fn scene(params: &Params, table: &Table) -> Scene {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    crate::simulate::write::run(params, folder.path(), true).expect("the campaign can be written");
+    let campaign =
+        captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
+    Scene::load(&campaign, table).expect("the photographs hold edges")
+}

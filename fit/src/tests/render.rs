@@ -1,0 +1,325 @@
+//! Mid-air images against sums over every pair of pixels, closed forms and each other.
+
+mod samples;
+mod views;
+
+use crate::images::render;
+use crate::images::render::Scale;
+use crate::images::render::psf::{Fault, Psf};
+use crate::images::render::tiles::Tiles;
+use crate::images::render::transform::Convolver;
+use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
+use crate::names::kernel::Kernel;
+use crate::names::lobe::LobeShape;
+use crate::photographs::photo::picture::{Picture, Writing};
+use crate::photographs::photo::transfer::Transfer;
+use crate::predict::error::Error;
+use crate::predict::sheet::Fitted;
+use crate::result::report::{ResultFile, TableResult};
+use crate::tests::planted::{Stream, table, truth};
+use num_complex::Complex64;
+use serde_json::json;
+use tables::Table;
+
+/// A spot that is an even square of a width in mm.
+struct Square {
+    width: f64,
+    energy: f64,
+}
+
+fn sinc(t: f64) -> f64 {
+    if t == 0.0 { 1.0 } else { t.sin() / t }
+}
+
+impl Spot for Square {
+    fn energy(&self) -> Option<f64> {
+        Some(self.energy)
+    }
+    fn otf(&self, f: [f64; 2]) -> Complex64 {
+        let along = f.map(|f| sinc(std::f64::consts::PI * f * self.width));
+        (along[0] * along[1]).into()
+    }
+    fn reach_mm(&self) -> f64 {
+        self.width
+    }
+    fn samples(&self) -> Option<Box<Sampler<'_>>> {
+        Some(Box::new(|[u, v, _, _]| {
+            [u, v].map(|u| self.width * (u - 0.5))
+        }))
+    }
+}
+
+/// Squares whose width is the distance in mm, and whose energy falls with the incidence.
+struct Squares;
+
+impl Sheet for Squares {
+    fn spot(&self, place: &Viewpoint, _: f64) -> Result<Box<dyn Spot + '_>, Error> {
+        Ok(Box::new(Square {
+            width: place.r_mm,
+            energy: 1.0 / (1.0 + place.incidence_deg),
+        }))
+    }
+}
+
+fn place(r_mm: f64, incidence_deg: f64) -> Viewpoint {
+    Viewpoint {
+        incidence_deg,
+        azimuth_deg: Some(20.0),
+        r_mm,
+    }
+}
+
+const PIXELS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+
+/// Numbers in 0..1, dark within `margin` of the frame.
+fn picture(width: usize, height: usize, margin: usize) -> Picture {
+    let mut stream = Stream(7);
+    let inside = |i: usize, n: usize| i >= margin && i + margin < n;
+    let mut plane = || -> Vec<f32> {
+        let pixel = |i: usize| {
+            let value = stream.between(0.0, 1.0) as f32;
+            let bright = inside(i % width, width) && inside(i / width, height);
+            if bright { value } else { 0.0 }
+        };
+        (0..width * height).map(pixel).collect()
+    };
+    Picture {
+        width,
+        height,
+        planes: vec![plane(), plane(), plane()],
+        transfer: Transfer::Linear,
+        warnings: Vec::new(),
+    }
+}
+
+/// The weights gathered over all pairs of pixels.
+fn gathered(plane: &[f32], size: [usize; 2], psf: &Psf, at: [usize; 2]) -> f64 {
+    let columns = 2 * psf.reach[0] + 1;
+    let mut sum = 0.0;
+    for y in 0..size[1] {
+        for x in 0..size[0] {
+            let dx = (at[0] + psf.reach[0]).wrapping_sub(x);
+            let dy = (at[1] + psf.reach[1]).wrapping_sub(y);
+            if dx < columns && dy < 2 * psf.reach[1] + 1 {
+                sum += f64::from(psf.weights[dy * columns + dx] * plane[y * size[0] + x]);
+            }
+        }
+    }
+    sum
+}
+
+#[test]
+fn a_square_spot_on_square_pixels_meets_its_closed_form() {
+    // Integral from -inf of the triangle of width 2: its mean over [d - w/2, d + w/2] is the weight along one axis.
+    let integral = |x: f64| {
+        let x = x.clamp(-1.0, 1.0);
+        0.5 + x - 0.5 * x * x.abs()
+    };
+    let mut cases = 0;
+    for width in [0.5, 1.0, 2.5, 6.0] {
+        let psf = Psf::new(&Squares, &place(width, 0.0), PIXELS).unwrap();
+        let along = |d: f64| (integral(d + 0.5 * width) - integral(d - 0.5 * width)) / width;
+        let columns = 2 * psf.reach[0] + 1;
+        let mut sum = 0.0;
+        for (i, &weight) in psf.weights.iter().enumerate() {
+            let x = (i % columns) as f64 - psf.reach[0] as f64;
+            let y = (i / columns) as f64 - psf.reach[1] as f64;
+            // An error of the transfer everywhere is at most as large in every weight.
+            let error = (f64::from(weight) - along(x) * along(y)).abs();
+            assert!(
+                error <= psf.error,
+                "width {width} at {x} {y}: {error} {}",
+                psf.error
+            );
+            sum += f64::from(weight);
+            cases += 1;
+        }
+        assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+        assert!(psf.error < 2e-3, "width {width}: {}", psf.error);
+    }
+    assert!(cases > 4 * 25, "{cases}");
+}
+
+#[test]
+fn transforms_meet_the_sum_over_all_pairs() {
+    let mut cases = 0;
+    for [width, height] in [[31, 18], [40, 7], [5, 5]] {
+        let source = picture(width, height, 0);
+        // Wider than the smallest picture, too.
+        let psf = Psf::new(&Squares, &place(6.0, 0.0), [[1.2, 0.4], [-0.1, 0.7]]).unwrap();
+        let convolver = Convolver::new([width, height], psf.reach);
+        let blurred = convolver.blur(&source.planes[0], &convolver.weights(&psf));
+        for (i, &value) in blurred.iter().enumerate() {
+            let expected = gathered(
+                &source.planes[0],
+                [width, height],
+                &psf,
+                [i % width, i / width],
+            );
+            // Rounding of f32 (6e-8) through four transforms of values below 1.
+            assert!(
+                (f64::from(value) - expected).abs() < 1e-6,
+                "{value} {expected}"
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 31 * 18 + 40 * 7 + 25);
+}
+
+fn result(kernel: &str, lobe: Option<&str>, table: &Table) -> ResultFile {
+    let number = |value: f64| json!({"value": value, "standard_error": 0.001});
+    serde_json::from_value(json!({
+        "kernel": kernel, "lobe": lobe, "loss": "edge", "iterations": 1, "stop": "small step", "seconds": 0.1,
+        "wavelength_nm": (kernel == "wave").then_some("550"),
+        "c_mm": (kernel != "lobe").then(|| number(0.24)),
+        "a_per_mm": matches!(kernel, "eq1" | "lobe").then(|| number(4.9)),
+        "a_times_r": (kernel == "angular").then(|| number(735.0)),
+        "mu": number(0.25),
+        "covariance": {"names": [], "matrix": []}, "bounds": {}, "candidates": [], "captures": [],
+        "camera": {"pixel_pitch_mm": 0.08, "lens_blur_mm": null, "lens_exponent": null},
+        "half_mirror": 0.25, "table": serde_json::to_value(TableResult::of(table)).unwrap(), "warnings": []
+    }))
+    .unwrap()
+}
+
+#[test]
+fn energy_is_kept_by_every_kernel() {
+    let truth = truth(Kernel::Eq1, LobeShape::Radial, 4.9, 0.24, 0.25);
+    let table = table(&truth, &[0.0, 20.0], 20.0);
+    let source = picture(240, 200, 60);
+    let sum = |plane: &[f32]| plane.iter().map(|&v| f64::from(v)).sum::<f64>();
+    let scale = Scale {
+        pitch_mm: 0.08,
+        tangential_axis_deg: 30.0,
+    };
+    let mut cases = 0;
+    for (kernel, lobe, tails) in [
+        ("eq1", Some("radial"), false),
+        ("eq1", Some("separable"), true),
+        ("angular", Some("radial"), false),
+        ("shift", None, false),
+        ("lobe", Some("radial"), false),
+        ("wave", None, true),
+    ] {
+        let result = result(kernel, lobe, &table);
+        let sheet = Fitted::new(&result, &table).unwrap();
+        let psf = render::uniform_psf(&sheet, &place(150.0, 20.0), &scale).unwrap();
+        let energy = psf.energy.unwrap();
+        let eta = table.direction(20.0, Some(20.0)).unwrap().eta;
+        assert!((energy - 0.25 * 0.25 * eta).abs() < 1e-12);
+        assert!(psf.error <= 1e-4, "{kernel}: {}", psf.error);
+        let total: f64 = psf.weights.iter().map(|&w| f64::from(w)).sum();
+        // 1e5 weights, each rounded to 6e-8 of itself, and the transform's own rounding.
+        assert!((total - 1.0).abs() < 1e-5, "{kernel}: {total}");
+        let image = render::uniform(&source, &psf);
+        for (plane, own) in image.planes.iter().zip(&source.planes) {
+            let kept = sum(plane) / (energy * sum(own));
+            // The tails of both axes may leave the frame; 60 pixels are 4.8 mm, where 2 % of a separable lobe lie outside.
+            let lost = if tails {
+                2.0 * (1.0 / (3.0 * 4.9 * 4.8) + TAIL)
+            } else {
+                0.0
+            };
+            assert!(
+                kept < 1.0 + 1e-4 && kept > 1.0 - 1e-4 - lost,
+                "{kernel}: {kept}"
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 18);
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_threads() {
+    let source = picture(90, 70, 0);
+    let render = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let psf = Psf::new(&Squares, &place(5.0, 1.0), PIXELS).unwrap();
+            render::uniform(&source, &psf)
+        })
+    };
+    let (one, three) = (render(1), render(3));
+    assert_eq!(one.planes.len(), 3);
+    for writing in [Writing::Exr, Writing::Png] {
+        let bytes = |image: &Picture| image.clone().encode(writing).unwrap();
+        assert_eq!(bytes(&one), bytes(&three));
+    }
+}
+
+#[test]
+fn tiles_meet_every_pixels_own_weights() {
+    let size = [48, 30];
+    let source = picture(size[0], size[1], 0);
+    // Both the width and the energy change across the picture.
+    let at = |[x, y]: [f64; 2]| -> Result<Psf, Fault> {
+        Psf::new(&Squares, &place(3.0 + 0.05 * x, 0.01 * y), PIXELS)
+    };
+    let tolerance = 0.01;
+    let tiles = Tiles::new(size, tolerance, at).unwrap();
+    assert!(
+        tiles.error <= tolerance && tiles.counts()[0] > 1,
+        "{:?}",
+        tiles.counts()
+    );
+    let images = tiles.render(&source.planes, size);
+    let (mut cases, mut worst) = (0, 0.0_f64);
+    for y in 0..size[1] {
+        for x in 0..size[0] {
+            let psf = at([x as f64, y as f64]).unwrap();
+            let own = gathered(&source.planes[1], size, &psf, [x, y]);
+            let expected = own * psf.energy.unwrap();
+            worst = worst.max((f64::from(images[1][y * size[0] + x]) - expected).abs());
+            cases += 1;
+        }
+    }
+    // The brightest source and the greatest energy are 1.
+    assert!(worst <= tolerance, "{worst}");
+    assert_eq!(cases, 48 * 30);
+}
+
+#[test]
+fn pictures_come_back_from_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut cases = 0;
+    for (planes, transfer) in [
+        (3, Transfer::Linear),
+        (3, Transfer::Srgb),
+        (1, Transfer::Linear),
+    ] {
+        let mut own = picture(13, 9, 0);
+        own.planes.truncate(planes);
+        own.transfer = transfer;
+        for (name, writing) in [("a.exr", Writing::Exr), ("a.png", Writing::Png)] {
+            let file = folder.path().join(name);
+            assert_eq!(Writing::of(&file), Some(writing));
+            std::fs::write(&file, own.clone().encode(writing).unwrap()).unwrap();
+            let read = crate::photographs::photo::load_colour(&file, Some(transfer)).unwrap();
+            assert_eq!(
+                [read.width, read.height, read.planes.len()],
+                [13, 9, planes]
+            );
+            for (read, own) in read
+                .planes
+                .iter()
+                .flatten()
+                .zip(own.planes.iter().flatten())
+            {
+                // Half a code of 65535, where sRGB is steepest 2.28 times that in light; EXR as it is.
+                let allowed = if writing == Writing::Exr {
+                    0.0
+                } else {
+                    2.3 * 0.5 / 65535.0 + 1e-6
+                };
+                assert!((read - own).abs() <= allowed, "{read} {own}");
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 2 * 7 * 13 * 9);
+}

@@ -1,0 +1,221 @@
+//! The lean fitter, `fit --no-default-features`: photographs, model, estimate, result and prediction, and nothing that
+//! draws, compares pictures or wants a C++ compiler.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use tests::files::{argument, bake_table, project};
+
+/// What only the features bring: a drawing crate, FLIP in C++, pictures as text, a progress bar.
+const FEATURES_BRING: [&str; 5] = ["kuva", "nv-flip", "nv-flip-sys", "base64", "indicatif"];
+
+fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO"));
+    command.current_dir(project()).args(arguments);
+    command
+}
+
+/// Names of all crates in a build of `fit`, itself and build scripts' own among them.
+fn crates(features: &[&str], edges: &str) -> BTreeSet<String> {
+    let tree = [
+        "tree",
+        "--locked",
+        "--offline",
+        "-p",
+        "fit",
+        "--prefix",
+        "none",
+        "--edges",
+        edges,
+    ];
+    let output = cargo(&[&tree[..], features].concat())
+        .output()
+        .expect("cargo runs");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    // A crate of two versions is two crates.
+    let name = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().take(2).collect();
+        words.join(" ")
+    };
+    let lines = text.lines().filter(|line| !line.trim().is_empty());
+    lines.map(name).collect()
+}
+
+#[test]
+fn the_lean_tree_has_no_crate_that_draws_and_no_cpp() {
+    let lean = crates(&["--no-default-features"], "normal,build");
+    let full = crates(&[], "normal,build");
+    let has = |tree: &BTreeSet<String>, name: &str| {
+        tree.iter().any(|held| held.split(' ').next() == Some(name))
+    };
+    let mut looked = 0;
+    for name in FEATURES_BRING {
+        assert!(has(&full, name), "{name} is gone: take it from this list");
+        assert!(!has(&lean, name), "the lean fitter brings {name}");
+        looked += 1;
+    }
+    assert_eq!(looked, 5);
+    assert!(lean.is_subset(&full));
+    println!(
+        "crates, build scripts' own among them: {} lean, {} full",
+        lean.len(),
+        full.len()
+    );
+}
+
+/// Builds the program into a folder of its own, from nothing, without a C++ compiler.
+fn built() -> (PathBuf, f64) {
+    let target = project().join("target").join("lean");
+    if target.exists() {
+        std::fs::remove_dir_all(&target).expect("an old build goes");
+    }
+    let started = Instant::now();
+    let build = [
+        "build",
+        "--release",
+        "--locked",
+        "-p",
+        "fit",
+        "--no-default-features",
+    ];
+    let status = cargo(&build)
+        .arg("--target-dir")
+        .arg(&target)
+        .env("CXX", "no-such-compiler")
+        .status()
+        .expect("cargo runs");
+    assert!(status.success());
+    let program = target.join("release").join("fit");
+    (program, started.elapsed().as_secs_f64())
+}
+
+/// Exit code and what was said of one run.
+fn run(program: &Path, folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(program)
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("the lean program starts");
+    let said = [output.stdout, output.stderr].concat();
+    (
+        output.status.code(),
+        String::from_utf8_lossy(&said).into_owned(),
+    )
+}
+
+const PARAMETERS: &str = "seed = 7
+[camera]
+width = 192
+height = 128
+[truth]
+kernel = \"eq1\"
+ior = 1.49
+a = 4.0
+c = 0.24
+mu = 0.5
+[[capture]]
+floating_distance_mm = 150.0
+incidence_deg = 20.0
+azimuth_deg = 30.0
+";
+
+#[test]
+#[ignore = "builds the lean program from nothing, which takes minutes: `make test-lean`"]
+fn the_lean_program_does_its_verbs() {
+    let (program, seconds) = built();
+    let megabytes = program.metadata().expect("it was built").len() as f64 / 1e6;
+    println!(
+        "lean: {} crates, {seconds:.0} s from nothing, {megabytes:.1} MB",
+        crates(&["--no-default-features"], "normal").len()
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table(here, "triangular-pair", "0:45:5", "30");
+    let manifest = argument("tests/captures/public_per_angle/captures.toml");
+    let photograph = argument("tests/captures/public_per_angle/source.exr");
+    std::fs::write(here.join("params.toml"), PARAMETERS).unwrap();
+    std::fs::write(
+        here.join("ranges.toml"),
+        "photographs = { from = 3, to = 4 }\n",
+    )
+    .unwrap();
+    let done: [&[&str]; 6] = [
+        &[
+            "estimate",
+            &manifest,
+            "--table",
+            &table,
+            "-o",
+            "result.json",
+        ],
+        &["mtf", &photograph, "-o", "mtf.csv"],
+        &[
+            "predict",
+            "result.json",
+            "--table",
+            &table,
+            "--distance",
+            "150",
+            "--incidence",
+            "20",
+            "--json",
+        ],
+        &["simulate", "params.toml", "-o", "campaign"],
+        &[
+            "study",
+            "--ranges",
+            "ranges.toml",
+            "--table",
+            &table,
+            "--campaigns",
+            "2",
+        ],
+        &[
+            "export",
+            "result.json",
+            "--table",
+            &table,
+            "--to",
+            "gltf",
+            "--distance",
+            "150",
+            "-o",
+            "a.gltf",
+        ],
+    ];
+    for arguments in done {
+        let (code, said) = run(&program, here, arguments);
+        assert_eq!(code, Some(0), "fit {}\n{said}", arguments.join(" "));
+    }
+    // What is missing is not offered, and asking for it is wrong usage.
+    let absent: [&[&str]; 5] = [
+        &["render"],
+        &["evaluate"],
+        &["estimate", &manifest, "--table", &table, "--plot", "a.svg"],
+        &[
+            "estimate", &manifest, "--table", &table, "--report", "a.html",
+        ],
+        &["study", &manifest, "--table", &table, "--plot", "a.svg"],
+    ];
+    for arguments in absent {
+        let (code, said) = run(&program, here, arguments);
+        assert_eq!(code, Some(2), "fit {}\n{said}", arguments.join(" "));
+        assert!(
+            said.contains("unrecognized subcommand") || said.contains("unexpected argument"),
+            "{said}"
+        );
+    }
+    for verb in ["estimate", "predict", "study"] {
+        let (_, help) = run(&program, here, &[verb, "--help"]);
+        for option in ["--plot", "--report", "--against"] {
+            assert!(!help.contains(option), "fit {verb} --help names {option}");
+        }
+    }
+}
