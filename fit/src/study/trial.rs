@@ -6,7 +6,6 @@ use nalgebra::DVector;
 use serde::Serialize;
 use tables::Table;
 
-use crate::document::line::FileLine;
 use crate::estimate::choice::Choice;
 use crate::estimate::error::Error;
 use crate::estimate::estimate::{Estimate, estimate};
@@ -20,7 +19,6 @@ use crate::photographs::captures;
 use crate::photographs::captures::{Campaign, Capture, Setup};
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::noise::PixelNoise;
-use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
 use crate::simulate;
 use crate::simulate::params::{Params, PlantedCamera};
