@@ -23,50 +23,46 @@
 //! travel direction, v = n x u, in edge lengths; angles in degrees.
 
 #![deny(unsafe_code)]
+#![warn(unreachable_pub)]
 
-pub mod apart;
-mod between;
-pub mod check;
+// The rooms, ground first: each imports only those before it.
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod content;
-pub mod counts;
-pub mod deviation;
-pub mod error;
-mod heap;
-pub mod invalid;
-mod layout;
-mod ledger;
-mod limits;
-pub mod lookup;
-pub mod merge;
-mod moved;
+mod error;
+mod file;
+mod lookup;
+mod merge;
 pub mod options;
-pub mod output;
-pub mod polygon;
-pub mod provenance;
-pub mod read;
-mod received;
-mod scales;
-mod seal;
-pub mod shards;
-pub mod symmetry;
-pub mod table;
-pub mod transform;
-mod waves;
-pub mod write;
+mod otf;
+mod table;
 
-pub use counts::l1;
-pub use deviation::Deviations;
-pub use error::Error;
-pub use invalid::Invalid;
-pub use layout::VERSION;
-pub use lookup::{Direction, NoDirection};
-pub use merge::{Mismatch, merge};
-pub use output::{Output, OutputError, Outputs};
-pub use provenance::{GENERATOR, Provenance};
-pub use read::{is_sealed, read};
-pub use shards::Shards;
-pub use symmetry::Symmetry;
-pub use table::{Axes, Exact, Fate, Path, Table};
-pub use write::{commit, write};
+// The public interface. A table and its parts:
+pub use table::axes::Axes;
+pub use table::check::check;
+pub use table::counts::l1;
+pub use table::deviation::{self, Deviations};
+pub use table::exact::{Exact, Path};
+pub use table::fate::Fate;
+pub use table::polygon;
+pub use table::provenance::{GENERATOR, Provenance};
+pub use table::shards::{MOST_SHARDS, Shards};
+pub use table::symmetry::Symmetry;
+pub use table::table::Table;
+// What can be wrong:
+pub use error::error::Error;
+pub use error::mismatch::Mismatch;
+pub use error::no_direction::NoDirection;
+pub use error::output::OutputError;
+pub use table::invalid::Invalid;
+// A direction and its spectrum:
+pub use lookup::direction::Direction;
+pub use otf::hermite::Samples;
+pub use otf::shift::ShiftLine;
+pub use otf::wave::{NoWaves, WaveLine};
+// Tables put together, and files:
+pub use file::apart;
+pub use file::layout::VERSION;
+pub use file::output::{Output, Outputs};
+pub use file::read::{is_sealed, read};
+pub use file::write::{commit, write};
+pub use merge::merge::merge;

@@ -1,10 +1,10 @@
 //! Cubes with errors of their right angles, from the mesh to the estimate: tables of beams and of rays say the same, and
 //! photographs of such a sheet give back what was planted.
 
-use fit::model::shift::ShiftLine;
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
+use tables::ShiftLine;
 use tables::Table;
 use tests::estimate::{json, numbers};
 use tests::program::{bake, fit};

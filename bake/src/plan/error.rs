@@ -1,8 +1,8 @@
 //! Why the options of a bake make no plan.
 
-use crate::optics::material::MaterialError;
-use crate::plan::plan::DIRECTIONS_LIMIT;
-use tables::shards::MOST_SHARDS;
+use crate::optics::MaterialError;
+use crate::plan::limits::DIRECTIONS_LIMIT;
+use tables::MOST_SHARDS;
 use thiserror::Error;
 
 /// Why a request is not a plan. Each names the option, what was given and what to give instead.

@@ -1,10 +1,10 @@
 //! Pictures of where the light goes: the spots of cells that are not ideal.
 
-use crate::plots::plot::{PlotError, Shape, figure};
+use crate::plots::figure::{Labels, PlotError, figure};
 use kuva::plot::Heatmap;
 use kuva::render::plots::Plot;
 use std::path::Path;
-use tables::{Table, polygon};
+use tables::Table;
 
 /// Cells of a panel along each axis; odd, so that straight back is in the middle of one.
 const CELLS: usize = 41;
@@ -14,7 +14,7 @@ const CELLS: usize = 41;
 ///
 /// # Errors
 /// [`PlotError`], as where the table has none.
-pub fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
+pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
     let (_, azimuths) = table.axes.shape();
     let count = table.retroreflected.len();
     let spots: Vec<Vec<Spot>> = (0..count).map(|k| spots(table, k)).collect();
@@ -44,14 +44,14 @@ pub fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
             .with_legend("per ray");
         Plot::Heatmap(map)
     };
-    let shape = Shape {
+    let labels = Labels {
         title: "light from straight back, probability per launched ray",
-        labels: [
+        axes: [
             "across, in the plane of incidence, mrad",
             "along v = n x u, mrad",
         ],
     };
-    figure(table, file, &shape, &map)
+    figure(table, file, &labels, &map)
 }
 
 /// Tangents (across, along v), and the probability per launched ray.
@@ -71,7 +71,7 @@ fn spots(table: &Table, direction: usize) -> Vec<Spot> {
     let paths = exact.flat_map(|exact| {
         let paths = exact.paths.get(direction).into_iter().flatten();
         paths.map(|path| {
-            let power = path.weight * polygon::area(&path.polygon) / exact.entrance_area;
+            let power = path.weight * path.area() / exact.entrance_area;
             (path.deviation, power)
         })
     });

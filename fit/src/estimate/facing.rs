@@ -3,11 +3,11 @@
 use tables::Direction;
 
 use crate::model::baseline;
-use crate::model::shift::ShiftLine;
 use crate::model::wave;
-use crate::model::wave::WaveLine;
 use crate::names::kernel::Kernel;
 use crate::names::spectrum::Spectrum;
+use tables::ShiftLine;
+use tables::WaveLine;
 
 /// The retroreflected share of the light, and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +75,7 @@ impl Facing {
             incidence_rad,
             refractive_index,
             shift: ShiftLine::new(direction, incidence_rad, normal),
-            wave: WaveLine::new(direction, incidence_rad, normal, spectrum),
+            wave: wave::line(direction, incidence_rad, normal, spectrum),
         }
     }
 

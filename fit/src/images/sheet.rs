@@ -8,8 +8,7 @@ use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
 use crate::model::baseline::Baseline;
 use crate::model::blur::Blur;
 use crate::model::lobe::CUT;
-use crate::model::shift::seen_from;
-use crate::model::wave::WaveLine;
+use crate::model::wave;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
 use crate::predict::error::Error;
@@ -17,6 +16,7 @@ use crate::predict::sheet::Fitted;
 use crate::samples::lobe::LobeSampler;
 use crate::samples::sampled::has_samples;
 use crate::samples::shift::ShiftSampler;
+use tables::WaveLine;
 
 impl Sheet for Fitted<'_> {
     fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error> {
@@ -34,7 +34,7 @@ impl Sheet for Fitted<'_> {
         let kernel = self.result.kernel;
         let shifts = kernel.has_c() && kernel != Kernel::Wave && !kernel.is_baseline();
         let direction = if shifts {
-            seen_from(direction, place.r_mm, blur.c_mm, cosine)?
+            direction.seen_from(place.r_mm, blur.c_mm, cosine)?
         } else {
             direction
         };
@@ -79,7 +79,7 @@ impl FittedSpot<'_> {
     fn wave(&self, normal: [f64; 2]) -> Result<WaveLine, Error> {
         let incidence_rad = self.place.incidence_deg.to_radians();
         let spectrum = self.sheet.result.wavelength_nm.as_ref();
-        Ok(WaveLine::new(
+        Ok(wave::line(
             &self.direction,
             incidence_rad,
             normal,

@@ -10,8 +10,8 @@ use std::sync::LazyLock;
 
 use crate::model::microfacet;
 use crate::names::lobe::LobeShape;
-use crate::numerics::hermite::Samples;
 use crate::numerics::quadrature::GAUSS_16;
+use tables::Samples;
 
 /// Where the radial lobe is cut, as a r.
 pub const CUT: f64 = 2.4 * PI;

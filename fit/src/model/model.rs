@@ -4,10 +4,10 @@ use num_complex::Complex64;
 
 use crate::model::baseline::Baseline;
 use crate::model::blur::Blur;
-use crate::model::shift::ShiftLine;
-use crate::model::wave::WaveLine;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
+use tables::ShiftLine;
+use tables::WaveLine;
 
 /// A model's profile over the bins, with its derivatives by the natural logarithms of spread and c.
 pub struct Curve {

@@ -5,7 +5,6 @@
 pub mod clip;
 pub mod factor;
 pub mod fourier;
-pub mod hermite;
 pub mod quadrature;
 pub mod sinc;
 pub mod solve;

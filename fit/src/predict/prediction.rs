@@ -5,13 +5,13 @@ use tables::{Direction, Table};
 
 use crate::model::baseline::Baseline;
 use crate::model::model::Model;
-use crate::model::shift::ShiftLine;
-use crate::model::wave::WaveLine;
+use crate::model::wave;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
 use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
 use crate::result::report::ResultFile;
+use tables::ShiftLine;
 
 /// Orientation of a pattern: along which axis its contrast is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -112,7 +112,7 @@ impl<'a> Seen<'a> {
         let blur = self.sheet.blur(self.incidence_deg)?;
         let shift = ShiftLine::new(direction, incidence, normal);
         let waves = (result.kernel == Kernel::Wave && shift.is_some())
-            .then(|| WaveLine::new(direction, incidence, normal, result.wavelength_nm.as_ref()))
+            .then(|| wave::line(direction, incidence, normal, result.wavelength_nm.as_ref()))
             .transpose()?;
         let index = self.sheet.table.provenance.refractive_index;
         let at = |&r_mm: &f64| {

@@ -2,9 +2,7 @@
 //! deviates by at each capture's distance.
 
 use tables::Table;
-use tables::polygon::area;
 
-use crate::model::shift::seen_from;
 use crate::names::kernel::Kernel;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
@@ -34,7 +32,7 @@ impl Params {
             let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
             let cosine = incidence_deg.to_radians().cos();
             let eta = direction.eta;
-            let moved = match seen_from(direction, r_mm, c_mm, cosine) {
+            let moved = match direction.seen_from(r_mm, c_mm, cosine) {
                 Ok(moved) => moved,
                 Err(error) => return refused(error.to_string()),
             };
@@ -44,7 +42,7 @@ impl Params {
                      direction with --method exact, or leave it out"
                 ));
             };
-            let powers = || paths.iter().map(|path| path.weight * area(&path.polygon));
+            let powers = || paths.iter().map(|path| path.weight * path.area());
             let total: f64 = powers().sum();
             let shifts = paths.iter().zip(powers()).map(|(path, power)| CubeShift {
                 polygon: path.polygon.iter().map(|&p| path.shift(p)).collect(),

@@ -9,9 +9,9 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::numerics::hermite::Samples;
 use crate::numerics::quadrature::GAUSS_16;
 use crate::simulate::cell::CubeShift;
+use tables::Samples;
 
 /// Phase between two tabulated values of F: its interpolation error is step x 0.2^3 / 384, 2e-5 of a step.
 const PHASE_STEP: f64 = 0.2;

@@ -9,15 +9,15 @@ use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::optimum;
 use crate::estimate::select::{Candidates, select};
 use crate::estimate::watch::Watch;
-use crate::model::shift::ShiftLine;
-use crate::model::wave::{Fault, WaveLine};
+use crate::model::wave;
+use crate::model::wave::Fault;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
 use crate::names::spectrum::Spectrum;
 use crate::simulate::params::PlantedSheet;
 use crate::tests::planted::{camera, params, scene, table, truth};
 use num_complex::Complex64;
-use tables::{Direction, Path, Table};
+use tables::{Direction, NoWaves, Path, ShiftLine, Table, WaveLine};
 
 const AZIMUTH_DEG: f64 = 20.0;
 
@@ -41,7 +41,7 @@ fn direction(table: &Table, incidence_deg: f64) -> Direction {
 
 fn line(direction: &Direction, normal: [f64; 2], spectrum: &Spectrum) -> WaveLine {
     let incidence_rad = direction.incidence_deg.to_radians();
-    WaveLine::new(direction, incidence_rad, normal, Some(spectrum)).expect("exact corner cubes")
+    wave::line(direction, incidence_rad, normal, Some(spectrum)).expect("exact corner cubes")
 }
 
 /// Autocorrelation of the pupil, on a raster along the normal: cells weighted by how much of them lies in the aperture,
@@ -381,14 +381,14 @@ fn what_the_waves_need_is_named() {
     let (between, own) = (direction(&table, 10.0), direction(&ideal(&[10.0]), 10.0));
     for normal in [[1.0, 0.0], [0.6, 0.8]] {
         let [a, b] = [&between, &own]
-            .map(|direction| WaveLine::new(direction, 0.1, normal, Some(&green)).unwrap());
+            .map(|direction| wave::line(direction, 0.1, normal, Some(&green)).unwrap());
         for frequency in [0.5, 2.0, 6.0] {
             let [a, b] = [&a, &b].map(|line| line.otf(0.2, 150.0, frequency).0);
             assert!((a - b).abs() < 1e-7, "{frequency}: {a} {b}");
         }
     }
     let fault = |direction: &Direction, spectrum: Option<&Spectrum>| {
-        WaveLine::new(direction, 0.1, [1.0, 0.0], spectrum).expect_err("it is refused")
+        wave::line(direction, 0.1, [1.0, 0.0], spectrum).expect_err("it is refused")
     };
     assert_eq!(fault(&held, None), Fault::NoWavelength);
     let no_polygons = fault(&bins, Some(&green));
@@ -399,15 +399,15 @@ fn what_the_waves_need_is_named() {
     );
     assert_eq!(
         no_polygons,
-        Fault::NoPolygons {
+        Fault::Table(NoWaves::NoPolygons {
             incidence_deg: 20.0
-        }
+        })
     );
     assert_eq!(
         fault(&tilted, Some(&green)),
-        Fault::NoPointReflection {
+        Fault::Table(NoWaves::NoPointReflection {
             incidence_deg: 20.0
-        }
+        })
     );
 }
 

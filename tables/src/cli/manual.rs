@@ -6,7 +6,7 @@ use clap::Command;
 use clap_complete::Shell;
 
 use crate::cli::Error;
-use crate::output::Outputs;
+use crate::file::output::Outputs;
 
 /// The text behind `--version`: `version`, and the commit that a build was told of.
 pub fn version(version: &str, commit: Option<&str>) -> String {
@@ -49,7 +49,7 @@ pub fn manual(mut program: Command, folder: &Path) -> Result<Vec<String>, Error>
             .map_err(Error::Stdout)?;
         pages.push((outputs.reserve(&folder.join(&name))?, text, name));
     }
-    let write = |(output, text, name): (crate::output::Output, Vec<u8>, String)| {
+    let write = |(output, text, name): (crate::file::output::Output, Vec<u8>, String)| {
         output.commit(&text)?;
         Ok(name)
     };

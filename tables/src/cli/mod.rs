@@ -10,13 +10,13 @@ mod plot_format;
 mod terminal;
 mod threads;
 
-pub use list::{LONGEST_LIST, ListError, list};
-pub use manual::{completions, manual, version};
-pub use plot_format::PlotFormat;
-pub use terminal::{deliver, note, print, reserve, reserve_plot, warn};
-pub use threads::{NoThreads, pool};
+pub use crate::cli::list::{LONGEST_LIST, ListError, list};
+pub use crate::cli::manual::{completions, manual, version};
+pub use crate::cli::plot_format::PlotFormat;
+pub use crate::cli::terminal::{deliver, note, print, reserve, reserve_plot, warn};
+pub use crate::cli::threads::{NoThreads, pool};
 
-use crate::output::OutputError;
+use crate::error::output::OutputError;
 
 /// Why something that both command lines do failed.
 #[derive(Debug, thiserror::Error)]

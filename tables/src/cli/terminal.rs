@@ -5,7 +5,7 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
 use crate::cli::{Error, PlotFormat};
-use crate::output::{Output, Outputs};
+use crate::file::output::{Output, Outputs};
 
 /// Prints a result to standard output. A pipe that was closed (`... | head`) is its reader's wish and no error.
 ///

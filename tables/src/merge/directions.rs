@@ -2,13 +2,16 @@
 
 use ndarray::{Array2, Array3, Array4, Array5, s};
 
-use super::Mismatch;
-use crate::deviation::Deviations;
-use crate::provenance::Provenance;
-use crate::table::{Axes, Exact, Fate, Table};
+use crate::error::mismatch::Mismatch;
+use crate::table::axes::Axes;
+use crate::table::deviation::Deviations;
+use crate::table::exact::Exact;
+use crate::table::fate::Fate;
+use crate::table::provenance::Provenance;
+use crate::table::table::Table;
 
 /// The axes that hold every incidence and every azimuth of the tables, which share bins and range.
-pub fn union(tables: &[Table]) -> Axes {
+pub(crate) fn union(tables: &[Table]) -> Axes {
     let merged = |angles: &dyn Fn(&Axes) -> &[f64]| {
         let mut all: Vec<f64> = tables
             .iter()
@@ -32,7 +35,7 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 /// Where `table` holds that direction of `axes`.
-pub fn place(table: &Table, axes: &Axes, (i, j): (usize, usize)) -> Option<(usize, usize)> {
+pub(crate) fn place(table: &Table, axes: &Axes, (i, j): (usize, usize)) -> Option<(usize, usize)> {
     let find = |own: &[f64], angle: f64| own.iter().position(|&x| same(x, angle));
     Some((
         find(&table.axes.incidence_deg, axes.incidence_deg[i])?,
@@ -47,7 +50,7 @@ fn all(axes: &Axes) -> impl Iterator<Item = (usize, usize)> + use<> {
 }
 
 /// The table over `axes`, without rays where it holds no direction.
-pub fn spread(table: &Table, axes: &Axes) -> Table {
+pub(crate) fn spread(table: &Table, axes: &Axes) -> Table {
     let (Some(counts), Some(fates), false) =
         (&table.counts, &table.fate_counts, table.axes == *axes)
     else {
@@ -79,7 +82,7 @@ pub fn spread(table: &Table, axes: &Axes) -> Table {
 }
 
 /// Exact tables of different directions as one.
-pub fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
+pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
     let ((n, m), b) = (axes.shape(), axes.bins);
     let mut joined = Table {
         histogram: Array4::zeros((n, m, b, b)),

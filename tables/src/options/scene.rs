@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Element, NormalsFrom, Record, Roughness};
+use crate::options::deviations::Record;
+use crate::options::roughness::Roughness;
+use crate::options::values::{Element, NormalsFrom};
 
 /// The options. As text, as a table has them, those that are not at their default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

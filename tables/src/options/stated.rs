@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use super::scene::{DEVIATIONS, ELEMENT, GLASS_INDEX, NORMALS, ROUGHNESS};
-use super::word::{Named, Word};
-use super::{Element, NormalsFrom, SceneOptions};
+use crate::options::scene::SceneOptions;
+use crate::options::scene::{DEVIATIONS, ELEMENT, GLASS_INDEX, NORMALS, ROUGHNESS};
+use crate::options::values::{Element, NormalsFrom};
+use crate::options::word::{Named, Word};
 
 /// The options that a table states: the text, which is kept as it is, and what this version understands of it.
 #[derive(Debug, Clone)]

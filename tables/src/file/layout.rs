@@ -1,0 +1,15 @@
+//! The round trip between a table and an HDF5 file: `names` holds every HDF5 name, `store` writes, `load` reads and believes
+//! nothing.
+
+mod deviations;
+mod load;
+mod names;
+mod place;
+mod polygons;
+mod put;
+mod store;
+
+pub(crate) use load::load;
+pub(crate) use names::MOST_BYTES;
+pub use names::VERSION;
+pub(crate) use store::{create, store};

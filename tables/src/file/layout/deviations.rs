@@ -1,0 +1,67 @@
+//! Rays by shift and deviation: a list a direction in memory, flat in the file.
+
+use hdf5::{File, Result};
+
+use crate::error::error::Error;
+use crate::file::layout::names::deviation;
+use crate::file::layout::place::Place;
+use crate::file::layout::put::{put, shaped};
+use crate::table::deviation::{Deviations, Grid};
+use crate::table::flat::FlatEntries;
+
+/// Writes the group.
+pub(crate) fn store(found: &Deviations, file: &File) -> Result<()> {
+    let mut builder = file.create_group_builder();
+    builder.gcpl().obj_track_times(false);
+    let group = builder.create(deviation::GROUP)?;
+    let Grid { cells, bins, range } = found.grid;
+    put(&group, deviation::CELLS, &(cells as u64))?;
+    put(&group, deviation::BINS, &(bins as u64))?;
+    put(&group, deviation::RANGE, &range)?;
+    let flat = FlatEntries::new(found);
+    let entries = flat.place.len();
+    shaped(&group, deviation::START, &flat.start, &[flat.start.len()])?;
+    shaped(&group, deviation::PLACE, &flat.place, &[entries])?;
+    shaped(&group, deviation::RAYS, &flat.rays, &[entries])
+}
+
+/// The group, if the file has one.
+pub(crate) fn load(
+    root: &Place,
+    directions: usize,
+) -> std::result::Result<Option<Deviations>, Error> {
+    if !root.has(deviation::GROUP) {
+        return Ok(None);
+    }
+    let group = root
+        .group
+        .group(deviation::GROUP)
+        .map_err(root.hdf5("group", deviation::GROUP))?;
+    let place = root.inside(&group, "deviation/")?;
+    let number = |name| {
+        place
+            .integer(name)
+            .map(|n| usize::try_from(n).unwrap_or(usize::MAX))
+    };
+    let grid = Grid {
+        cells: number(deviation::CELLS)?,
+        bins: number(deviation::BINS)?,
+        range: place.number(deviation::RANGE)?,
+    };
+    let (start, _) = place.flat::<u64>(deviation::START, &[Some(directions + 1)])?;
+    let (places, shape) = place.flat::<u64>(deviation::PLACE, &[None])?;
+    let (rays, _) = place.flat::<u64>(deviation::RAYS, &[Some(shape[0])])?;
+    let flat = FlatEntries {
+        start,
+        place: places,
+        rays,
+    };
+    let entries = flat.entries().map_err(|index| Error::Scale {
+        file: root.file.to_owned(),
+        dataset: place.named(deviation::START),
+        index,
+        expected: format!("ascending from 0 to {}", shape[0]),
+        found: flat.start[index].to_string(),
+    })?;
+    Ok(Some(Deviations { grid, entries }))
+}

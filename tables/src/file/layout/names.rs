@@ -1,0 +1,180 @@
+//! The file format: every HDF5 name and the version.
+//!
+//! `FORMAT.md` describes the same for writers of other readers; a change here is a change there, and of
+//! [`VERSION`] where an old reader would misread the file.
+
+use std::ffi::CStr;
+
+/// Newest version of the format. A table is written in the first version that says all of it.
+pub const VERSION: u64 = 2;
+
+/// The first version that has [`deviation::GROUP`] and [`attribute::OPTIONS`].
+pub(crate) const VERSION_OF_DEVIATIONS: u64 = 2;
+
+/// Value of the root attribute `format`.
+pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
+
+/// The frame conventions in one sentence.
+pub(crate) const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the outward normal of the sheet \
+and t the in-plane unit vector at the azimuth, right-handed about n from azimuth_zero; a ray that enters at p and \
+leaves at p' has the shift p' - p = (u, v) with u along t and v along n x t, in edge lengths; arrays are \
+[incidence, azimuth, shift_v, shift_u].";
+
+/// Greatest number of bytes that the arrays of one table may take in memory.
+pub(crate) const MOST_BYTES: u64 = 1 << 31;
+
+/// A dimension scale: name, unit and meaning.
+#[derive(PartialEq)]
+pub(crate) struct Scale {
+    pub(crate) name: &'static str,
+    pub(crate) c_name: &'static CStr,
+    pub(crate) units: &'static str,
+    pub(crate) long_name: &'static str,
+}
+
+/// A dataset over scales.
+pub(crate) struct Variable {
+    pub(crate) name: &'static str,
+    pub(crate) scales: &'static [&'static Scale],
+    pub(crate) units: &'static str,
+    pub(crate) long_name: &'static str,
+}
+
+pub(crate) const INCIDENCE: Scale = Scale {
+    name: "incidence_deg",
+    c_name: c"incidence_deg",
+    units: "degree",
+    long_name: "angle of incidence outside the sheet, from its normal",
+};
+pub(crate) const AZIMUTH: Scale = Scale {
+    name: "azimuth_deg",
+    c_name: c"azimuth_deg",
+    units: "degree",
+    long_name: "azimuth of incidence about the normal, from azimuth_zero; NaN for the mean over all azimuths",
+};
+pub(crate) const SHIFT_V: Scale = Scale {
+    name: "shift_v",
+    c_name: c"shift_v",
+    units: "edge_length",
+    long_name: "ray shift along v = n x u, bin centres",
+};
+pub(crate) const SHIFT_U: Scale = Scale {
+    name: "shift_u",
+    c_name: c"shift_u",
+    units: "edge_length",
+    long_name: "ray shift along u, the in-plane travel direction, bin centres",
+};
+pub(crate) const FATE_NAME: Scale = Scale {
+    name: "fate_name",
+    c_name: c"fate_name",
+    units: "1",
+    long_name: "what became of a ray",
+};
+pub(crate) const RANDOMISATION: Scale = Scale {
+    name: "randomisation",
+    c_name: c"randomisation",
+    units: "1",
+    long_name: "index of the independent randomisation of the samples",
+};
+
+pub(crate) const HISTOGRAM: Variable = Variable {
+    name: "histogram",
+    scales: &[&INCIDENCE, &AZIMUTH, &SHIFT_V, &SHIFT_U],
+    units: "1",
+    long_name: "probability of the shift, given that the ray is retroreflected within the range",
+};
+pub(crate) const COUNTS: Variable = Variable {
+    name: "counts",
+    scales: &[&INCIDENCE, &AZIMUTH, &RANDOMISATION, &SHIFT_V, &SHIFT_U],
+    units: "1",
+    long_name: "retroreflected rays in the bin",
+};
+pub(crate) const RETROREFLECTED: Variable = Variable {
+    name: "retroreflected",
+    scales: &[&INCIDENCE, &AZIMUTH],
+    units: "1",
+    long_name: "retroreflected fraction of the launched rays, out_of_range included",
+};
+pub(crate) const STANDARD_ERROR: Variable = Variable {
+    name: "standard_error",
+    scales: &[&INCIDENCE, &AZIMUTH],
+    units: "1",
+    long_name: "standard error of retroreflected",
+};
+pub(crate) const FATE: Variable = Variable {
+    name: "fate",
+    scales: &[&INCIDENCE, &AZIMUTH, &FATE_NAME],
+    units: "1",
+    long_name: "fraction of the launched rays by fate",
+};
+pub(crate) const FATE_COUNTS: Variable = Variable {
+    name: "fate_counts",
+    scales: &[&INCIDENCE, &AZIMUTH, &RANDOMISATION, &FATE_NAME],
+    units: "1",
+    long_name: "launched rays by fate",
+};
+pub(crate) const RAYS: Variable = Variable {
+    name: "rays",
+    scales: &[&INCIDENCE, &AZIMUTH],
+    units: "1",
+    long_name: "launched rays, 0 if exact",
+};
+
+/// The group of polygons, its attribute and its flat datasets.
+pub(crate) mod exact {
+    pub(crate) const GROUP: &str = "exact";
+    pub(crate) const ENTRANCE_AREA: &str = "entrance_area";
+    pub(crate) const PATH_DIRECTION: &str = "path_direction";
+    pub(crate) const PATH_MATRIX: &str = "path_matrix";
+    pub(crate) const PATH_OFFSET: &str = "path_offset";
+    pub(crate) const PATH_WEIGHT: &str = "path_weight";
+    pub(crate) const PATH_DEVIATION: &str = "path_deviation";
+    pub(crate) const POLYGON_START: &str = "polygon_start";
+    pub(crate) const POLYGON_VERTEX: &str = "polygon_vertex";
+}
+
+/// The group of exit directions of a table of rays, its attributes and its flat datasets.
+pub(crate) mod deviation {
+    pub(crate) const GROUP: &str = "deviation";
+    pub(crate) const CELLS: &str = "cells";
+    pub(crate) const BINS: &str = "bins";
+    pub(crate) const RANGE: &str = "range";
+    pub(crate) const START: &str = "entry_start";
+    pub(crate) const PLACE: &str = "entry_place";
+    pub(crate) const RAYS: &str = "entry_rays";
+}
+
+/// Root attributes.
+pub(crate) mod attribute {
+    pub(crate) const FORMAT: &str = "format";
+    pub(crate) const VERSION: &str = "version";
+    pub(crate) const FRAME: &str = "frame";
+    pub(crate) const AZIMUTHS: &str = "azimuths";
+    pub(crate) const CONTENT_HASH: &str = "content_hash";
+    pub(crate) const SHIFT_RANGE: &str = "shift_range";
+    pub(crate) const GENERATOR: &str = "generator";
+    pub(crate) const DESIGN: &str = "design";
+    pub(crate) const MESH_HASH: &str = "mesh_hash";
+    pub(crate) const EDGE_LENGTH: &str = "edge_length";
+    pub(crate) const EDGE_LENGTH_UNIT: &str = "edge_length_unit";
+    pub(crate) const AZIMUTH_ZERO: &str = "azimuth_zero";
+    pub(crate) const REFRACTIVE_INDEX: &str = "refractive_index";
+    pub(crate) const BACK: &str = "back";
+    pub(crate) const LOSSES: &str = "losses";
+    pub(crate) const REFLECTANCE: &str = "reflectance";
+    pub(crate) const METHOD: &str = "method";
+    pub(crate) const SAMPLER: &str = "sampler";
+    pub(crate) const SEED: &str = "seed";
+    pub(crate) const ANGULAR_TOLERANCE_DEG: &str = "angular_tolerance_deg";
+    pub(crate) const TOLERANCE: &str = "tolerance";
+    pub(crate) const LATTICE: &str = "lattice";
+    pub(crate) const WAVELENGTH_NM: &str = "wavelength_nm";
+    pub(crate) const METAL_INDEX: &str = "metal_index";
+    pub(crate) const SHARDS: &str = "shards";
+    pub(crate) const SYMMETRY_ROTATIONS: &str = "symmetry_rotations";
+    pub(crate) const SYMMETRY_MIRROR_DEG: &str = "symmetry_mirror_deg";
+    pub(crate) const DIRECTION_TOLERANCE: &str = "direction_tolerance";
+    pub(crate) const OPTIONS: &str = "options";
+    pub(crate) const UNITS: &str = "units";
+    pub(crate) const LONG_NAME: &str = "long_name";
+}

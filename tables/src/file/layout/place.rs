@@ -1,0 +1,425 @@
+//! Typed access to a group of the file: a name, a type, a shape and a size are checked before anything is read.
+
+use std::collections::HashSet;
+use std::path::Path as FilePath;
+
+use hdf5::dataset::Layout;
+use hdf5::filters::Filter;
+use hdf5::types::{
+    FixedAscii, FixedUnicode, FloatSize, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode,
+};
+use hdf5::{Attribute, Dataset, Group, H5Type, LinkType};
+use ndarray::{ArrayD, Dimension, IxDyn};
+
+use crate::error::error::Error;
+use crate::file::layout::names::{self, MOST_BYTES, Scale, Variable};
+use crate::file::ledger::Ledger;
+use crate::table::axes::Axes;
+use crate::table::fate::Fate;
+
+/// Rounding that another writer may have in scales and derived datasets.
+pub(crate) const ROUNDING: f64 = 1e-12;
+
+/// Longest text that is taken from a fixed-length attribute; the longest of ours has some hundred bytes.
+const MOST_TEXT: usize = 4096;
+
+/// Largest chunk, bytes: 4096 x 4096 bins.
+const MOST_CHUNK: u64 = 1 << 27;
+
+/// A group of the file, with the names that it really holds.
+pub(crate) struct Place<'a> {
+    pub(crate) group: &'a Group,
+    pub(crate) file: &'a FilePath,
+    prefix: &'static str,
+    ledger: &'a Ledger,
+    links: HashSet<String>,
+    pub(crate) attributes: HashSet<String>,
+}
+
+impl<'a> Place<'a> {
+    pub(crate) fn new(
+        group: &'a Group,
+        file: &'a FilePath,
+        prefix: &'static str,
+        ledger: &'a Ledger,
+    ) -> Result<Place<'a>, Error> {
+        let failed = |source| Error::Hdf5 {
+            file: file.to_owned(),
+            place: format!("group /{prefix}"),
+            source,
+        };
+        let mut links = HashSet::new();
+        let visit = group.iter_visit_default(|name, info| {
+            // A soft link may loop and an external one leaves the file: neither is part of a table.
+            if matches!(info.link_type, LinkType::Hard) {
+                links.insert(name.to_owned());
+            }
+            Ok(())
+        });
+        visit.map_err(failed)?;
+        let attributes = group.attr_names().map_err(failed)?.into_iter().collect();
+        Ok(Place {
+            group,
+            file,
+            prefix,
+            ledger,
+            links,
+            attributes,
+        })
+    }
+
+    /// A group inside this one.
+    pub(crate) fn inside(
+        &self,
+        group: &'a Group,
+        prefix: &'static str,
+    ) -> Result<Place<'a>, Error> {
+        Place::new(group, self.file, prefix, self.ledger)
+    }
+
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.links.contains(name)
+    }
+
+    pub(crate) fn named(&self, name: &str) -> String {
+        format!("{}{name}", self.prefix)
+    }
+
+    pub(crate) fn hdf5(&self, kind: &str, name: &str) -> impl Fn(hdf5::Error) -> Error {
+        let (file, place) = (self.file.to_owned(), format!("{kind} {}", self.named(name)));
+        move |source| Error::Hdf5 {
+            file: file.clone(),
+            place: place.clone(),
+            source,
+        }
+    }
+
+    pub(crate) fn attribute(
+        &self,
+        name: &str,
+        values: usize,
+        expected: &'static str,
+    ) -> Result<(Attribute, TypeDescriptor), Error> {
+        if !self.attributes.contains(name) {
+            return Err(Error::MissingAttribute {
+                file: self.file.to_owned(),
+                attribute: self.named(name),
+            });
+        }
+        let failed = self.hdf5("attribute", name);
+        let attribute = self.group.attr(name).map_err(&failed)?;
+        let kind = self.kind(attribute.dtype().map_err(&failed)?);
+        let shape = attribute.get_shape().map_err(&failed)?;
+        let fits = match (kind.as_ref(), expected) {
+            (Ok(TypeDescriptor::Float(_)), "a number" | "numbers") => true,
+            (
+                Ok(TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_)),
+                "a number" | "numbers" | "an integer",
+            ) => true,
+            (Ok(TypeDescriptor::VarLenUnicode | TypeDescriptor::VarLenAscii), "a text") => true,
+            (Ok(TypeDescriptor::FixedUnicode(n) | TypeDescriptor::FixedAscii(n)), "a text") => {
+                *n <= MOST_TEXT
+            }
+            _ => false,
+        };
+        match kind {
+            Ok(kind) if fits && shape.iter().product::<usize>() == values => Ok((attribute, kind)),
+            kind => Err(Error::AttributeType {
+                file: self.file.to_owned(),
+                attribute: self.named(name),
+                expected,
+                found: format!(
+                    "{} of shape {shape:?}",
+                    kind.map_or_else(|other| other, |kind| kind.to_string())
+                ),
+            }),
+        }
+    }
+
+    /// The element type, or the words for one that has no Rust counterpart.
+    pub(crate) fn kind(&self, datatype: hdf5::Datatype) -> Result<TypeDescriptor, String> {
+        datatype
+            .to_descriptor()
+            .map_err(|_| "an unknown type".to_owned())
+    }
+
+    pub(crate) fn text(&self, name: &str) -> Result<String, Error> {
+        let (attribute, kind) = self.attribute(name, 1, "a text")?;
+        let texts = texts(&attribute, &kind).map_err(self.hdf5("attribute", name))?;
+        Ok(texts.into_iter().next().unwrap_or_default())
+    }
+
+    pub(crate) fn number(&self, name: &str) -> Result<f64, Error> {
+        let (attribute, _) = self.attribute(name, 1, "a number")?;
+        first(&attribute).map_err(self.hdf5("attribute", name))
+    }
+
+    pub(crate) fn integer(&self, name: &str) -> Result<u64, Error> {
+        let (attribute, _) = self.attribute(name, 1, "an integer")?;
+        first(&attribute).map_err(self.hdf5("attribute", name))
+    }
+
+    pub(crate) fn numbers<const N: usize>(&self, name: &str) -> Result<[f64; N], Error> {
+        let (attribute, _) = self.attribute(name, N, "numbers")?;
+        let mut values = [0.0; N];
+        attribute
+            .read_into_raw(&mut values)
+            .map_err(self.hdf5("attribute", name))?;
+        Ok(values)
+    }
+
+    /// A dataset of that element type, stored inside the file by known means, and its shape.
+    pub(crate) fn dataset(
+        &self,
+        name: &str,
+        allowed: &[TypeDescriptor],
+    ) -> Result<(Dataset, TypeDescriptor, Vec<usize>), Error> {
+        let (file, dataset) = (self.file.to_owned(), self.named(name));
+        if !self.has(name) {
+            return Err(Error::MissingDataset { file, dataset });
+        }
+        let failed = self.hdf5("dataset", name);
+        let found = self.group.dataset(name).map_err(&failed)?;
+        let kind = self.kind(found.dtype().map_err(&failed)?);
+        let kind = match kind {
+            Ok(kind) if allowed.contains(&kind) => kind,
+            other => {
+                let expected = allowed[0].to_string();
+                let found = other.map_or_else(|other| other, |kind| kind.to_string());
+                return Err(Error::DatasetType {
+                    file,
+                    dataset,
+                    expected,
+                    found,
+                });
+            }
+        };
+        let shape = found.get_shape().map_err(&failed)?;
+        let bytes = shape
+            .iter()
+            .map(|&n| n as u128)
+            .try_fold(8_u128, u128::checked_mul)
+            .unwrap_or(u128::MAX);
+        if bytes > u128::from(MOST_BYTES) {
+            return Err(Error::DatasetSize {
+                file,
+                dataset,
+                bytes,
+                limit: MOST_BYTES,
+            });
+        }
+        match unusual_storage(&found).map_err(&failed)? {
+            Some(found) => Err(Error::Storage {
+                file,
+                dataset,
+                found,
+            }),
+            None => Ok((found, kind, shape)),
+        }
+    }
+
+    pub(crate) fn flat<T: Element>(
+        &self,
+        name: &str,
+        expected: &[Option<usize>],
+    ) -> Result<(Vec<T>, Vec<usize>), Error> {
+        let (dataset, _, shape) = self.dataset(name, &[T::KIND])?;
+        let fits = shape.len() == expected.len()
+            && shape
+                .iter()
+                .zip(expected)
+                .all(|(found, expected)| expected.is_none_or(|n| n == *found));
+        if !fits {
+            let sides: Vec<_> = expected
+                .iter()
+                .map(|n| n.map_or("n".to_owned(), |n| n.to_string()))
+                .collect();
+            let expected = format!("[{}]", sides.join(", "));
+            return Err(Error::Shape {
+                file: self.file.to_owned(),
+                dataset: self.named(name),
+                expected,
+                found: shape,
+            });
+        }
+        self.ledger
+            .enter(self.file, 8 * shape.iter().product::<usize>() as u64)?;
+        let values = dataset.read_raw().map_err(self.hdf5("dataset", name))?;
+        Ok((values, shape))
+    }
+
+    pub(crate) fn array<T: Element, D: Dimension>(
+        &self,
+        variable: &Variable,
+        shape: &[usize],
+    ) -> Result<ndarray::Array<T, D>, Error> {
+        let expected: Vec<_> = shape.iter().copied().map(Some).collect();
+        let (values, shape) = self.flat(variable.name, &expected)?;
+        let internal = |error: ndarray::ShapeError| {
+            self.hdf5("dataset", variable.name)(hdf5::Error::Internal(error.to_string()))
+        };
+        ArrayD::from_shape_vec(IxDyn(&shape), values)
+            .and_then(|array| array.into_dimensionality())
+            .map_err(internal)
+    }
+
+    pub(crate) fn scale(&self, scale: &Scale) -> Result<Vec<f64>, Error> {
+        Ok(self.flat(scale.name, &[None])?.0)
+    }
+
+    pub(crate) fn differs(
+        &self,
+        scale: &Scale,
+        index: usize,
+        expected: String,
+        found: String,
+    ) -> Error {
+        Error::Scale {
+            file: self.file.to_owned(),
+            dataset: self.named(scale.name),
+            index,
+            expected,
+            found,
+        }
+    }
+
+    pub(crate) fn bins(&self, scale: &Scale, axes: &Axes) -> Result<(), Error> {
+        let (centres, _) = self.flat::<f64>(scale.name, &[Some(axes.bins)])?;
+        let wrong =
+            |&(i, found): &(usize, &f64)| !near(*found, axes.bin_centre(i), ROUNDING * axes.range);
+        match centres.iter().enumerate().find(wrong) {
+            Some((i, found)) => {
+                Err(self.differs(scale, i, axes.bin_centre(i).to_string(), found.to_string()))
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn fates(&self) -> Result<(), Error> {
+        let scale = &names::FATE_NAME;
+        let (dataset, kind, shape) = self.dataset(scale.name, &TEXTS)?;
+        if shape != [Fate::ALL.len()] {
+            let expected = format!("[{}]", Fate::ALL.len());
+            let dataset = self.named(scale.name);
+            return Err(Error::Shape {
+                file: self.file.to_owned(),
+                dataset,
+                expected,
+                found: shape,
+            });
+        }
+        let names = texts(&dataset, &kind).map_err(self.hdf5("dataset", scale.name))?;
+        match names
+            .iter()
+            .zip(Fate::ALL)
+            .position(|(name, fate)| name != fate.name())
+        {
+            Some(i) => {
+                Err(self.differs(scale, i, Fate::ALL[i].name().to_owned(), names[i].clone()))
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn randomisations(&self) -> Result<usize, Error> {
+        let scale = &names::RANDOMISATION;
+        let (indices, _) = self.flat::<u64>(scale.name, &[None])?;
+        match indices
+            .iter()
+            .enumerate()
+            .find(|&(i, &index)| i as u64 != index)
+        {
+            Some((i, found)) => Err(self.differs(scale, i, i.to_string(), found.to_string())),
+            None => Ok(indices.len()),
+        }
+    }
+}
+
+/// Whether two numbers agree within a tolerance; NaN agrees with nothing.
+pub(crate) fn near(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance
+}
+
+/// The element types of numeric datasets.
+pub(crate) trait Element: H5Type {
+    const KIND: TypeDescriptor;
+}
+
+impl Element for f64 {
+    const KIND: TypeDescriptor = TypeDescriptor::Float(FloatSize::U8);
+}
+
+impl Element for u64 {
+    const KIND: TypeDescriptor = TypeDescriptor::Unsigned(IntSize::U8);
+}
+
+const TEXTS: [TypeDescriptor; 2] = [TypeDescriptor::VarLenUnicode, TypeDescriptor::VarLenAscii];
+
+fn first<T: H5Type + Default + Copy>(attribute: &Attribute) -> hdf5::Result<T> {
+    let mut value = [T::default()];
+    attribute.read_into_raw(&mut value)?;
+    Ok(value[0])
+}
+
+fn texts(place: &hdf5::Container, kind: &TypeDescriptor) -> hdf5::Result<Vec<String>> {
+    fn of<T: H5Type + AsRef<str>>(place: &hdf5::Container) -> hdf5::Result<Vec<String>> {
+        Ok(place
+            .read_raw::<T>()?
+            .iter()
+            .map(|text| text.as_ref().to_owned())
+            .collect())
+    }
+    match kind {
+        TypeDescriptor::VarLenUnicode => of::<VarLenUnicode>(place),
+        TypeDescriptor::VarLenAscii => of::<VarLenAscii>(place),
+        TypeDescriptor::FixedUnicode(_) => of::<FixedUnicode<MOST_TEXT>>(place),
+        _ => of::<FixedAscii<MOST_TEXT>>(place),
+    }
+}
+
+/// What is wrong with the way a dataset is stored, before it is read.
+fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
+    let creation = dataset.dcpl()?;
+    if !creation.get_external()?.is_empty() {
+        return Ok(Some("in another file"));
+    }
+    if matches!(creation.get_layout()?, Layout::Virtual) {
+        return Ok(Some("as a view of other datasets"));
+    }
+    let known = |filter: &Filter| {
+        matches!(
+            filter,
+            Filter::Deflate(_) | Filter::Shuffle | Filter::Fletcher32
+        )
+    };
+    if !creation.get_filters()?.iter().all(known) {
+        return Ok(Some(
+            "through a filter other than shuffle, deflate and fletcher32",
+        ));
+    }
+    let Some(chunk) = creation.get_chunk()? else {
+        return Ok(None);
+    };
+    let elements = chunk
+        .iter()
+        .try_fold(1_u64, |bytes, &n| bytes.checked_mul(n as u64));
+    let kind = dataset.dtype()?;
+    // A text of variable length is a length, an address and an index in the file, a pointer in memory.
+    let element = if TEXTS.contains(&kind.to_descriptor()?) {
+        16
+    } else {
+        kind.size() as u64
+    };
+    let bytes = elements.and_then(|n| n.checked_mul(element));
+    let Some(bytes) = bytes.filter(|&bytes| bytes <= MOST_CHUNK) else {
+        return Ok(Some("in chunks above 128 MiB"));
+    };
+    // Deflate adds at most 5 bytes per 16 KiB and some at the ends; a longer chunk would inflate past its size.
+    let most = bytes + bytes / 1024 + 64;
+    let mut inflated = false;
+    dataset.chunks_visit(|chunk| {
+        inflated |= chunk.size > most;
+        0
+    })?;
+    Ok(inflated.then_some("in a chunk that is longer than its content"))
+}

@@ -1,0 +1,62 @@
+//! The polygons of an exact table: ragged in memory, flat in the file.
+
+use crate::error::error::Error;
+use crate::file::layout::names::exact;
+use crate::file::layout::place::Place;
+use crate::table::exact::Exact;
+use crate::table::flat::FlatPaths;
+
+/// The group of polygons, if the file has one.
+pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Error> {
+    if !root.has(exact::GROUP) {
+        return Ok(None);
+    }
+    let group = root
+        .group
+        .group(exact::GROUP)
+        .map_err(root.hdf5("group", exact::GROUP))?;
+    let place = root.inside(&group, "exact/")?;
+    let (start, shape) = place.flat::<u64>(exact::POLYGON_START, &[None])?;
+    let Some(count) = shape[0].checked_sub(1) else {
+        let dataset = place.named(exact::POLYGON_START);
+        return Err(Error::Shape {
+            file: root.file.to_owned(),
+            dataset,
+            expected: "[paths + 1]".into(),
+            found: shape,
+        });
+    };
+    let (direction, _) = place.flat::<u64>(exact::PATH_DIRECTION, &[Some(count)])?;
+    let (matrix, _) = place.flat::<f64>(exact::PATH_MATRIX, &[Some(count), Some(2), Some(2)])?;
+    let (offset, _) = place.flat::<f64>(exact::PATH_OFFSET, &[Some(count), Some(2)])?;
+    let (weight, _) = place.flat::<f64>(exact::PATH_WEIGHT, &[Some(count)])?;
+    let deviation = match place.has(exact::PATH_DEVIATION) {
+        true => {
+            place
+                .flat::<f64>(exact::PATH_DEVIATION, &[Some(count), Some(2)])?
+                .0
+        }
+        false => Vec::new(),
+    };
+    let (vertex, _) = place.flat::<f64>(exact::POLYGON_VERTEX, &[None, Some(2)])?;
+    let flat = FlatPaths {
+        direction,
+        matrix,
+        offset,
+        weight,
+        deviation,
+        start,
+        vertex,
+    };
+    let paths = flat.paths(directions).map_err(|misfit| Error::Scale {
+        file: root.file.to_owned(),
+        dataset: place.named(misfit.array),
+        index: misfit.index,
+        expected: misfit.expected,
+        found: misfit.found.to_string(),
+    })?;
+    Ok(Some(Exact {
+        entrance_area: place.number(exact::ENTRANCE_AREA)?,
+        paths,
+    }))
+}

@@ -1,0 +1,66 @@
+//! Attributes and datasets, one at a time.
+
+use std::str::FromStr;
+
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, Group, H5Type, Location, Result};
+use ndarray::{ArrayView, ArrayViewD, Dimension};
+
+/// Best size for its time on histograms; 9 is 1 % smaller and takes 4 times as long.
+const DEFLATE: u8 = 4;
+
+/// Writes a compressed dataset in chunks.
+pub(crate) fn dataset<T: H5Type + Clone, D: Dimension>(
+    group: &Group,
+    name: &str,
+    values: ArrayView<T, D>,
+    chunk: &[usize],
+) -> Result<Dataset> {
+    let values = values.as_standard_layout();
+    let builder = group
+        .new_dataset_builder()
+        .with_data(values.view())
+        .obj_track_times(false);
+    // HDF5 has no chunks of length 0.
+    if chunk.contains(&0) {
+        return builder.create(name);
+    }
+    builder
+        .chunk(chunk)
+        .shuffle()
+        .deflate(DEFLATE)
+        .fletcher32()
+        .create(name)
+}
+
+/// Writes numbers as an array of that shape, in one chunk.
+pub(crate) fn shaped<T: H5Type + Clone>(
+    group: &Group,
+    name: &str,
+    values: &[T],
+    shape: &[usize],
+) -> Result<()> {
+    let values = ArrayViewD::from_shape(shape, values)
+        .map_err(|error| hdf5::Error::Internal(error.to_string()))?;
+    dataset(group, name, values, shape).map(drop)
+}
+
+pub(crate) fn put<T: H5Type + Clone>(at: &Location, name: &str, value: &T) -> Result<()> {
+    at.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+pub(crate) fn put_array(at: &Location, name: &str, values: &[f64], shape: &[usize]) -> Result<()> {
+    at.new_attr::<f64>()
+        .shape(shape)
+        .create(name)?
+        .write_raw(values)
+}
+
+pub(crate) fn put_text(at: &Location, name: &str, value: &str) -> Result<()> {
+    put(at, name, &text(value)?)
+}
+
+/// HDF5 strings end at the first zero byte, so a text that holds one cannot be stored.
+pub(crate) fn text(value: &str) -> Result<VarLenUnicode> {
+    VarLenUnicode::from_str(value).map_err(|error| hdf5::Error::Internal(error.to_string()))
+}

@@ -1,0 +1,225 @@
+//! Table to HDF5 objects.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use hdf5::{Dataset, File, H5Type, Result};
+use ndarray::{Array1, ArrayView1, ArrayViewD};
+
+use crate::file::layout::deviations;
+use crate::file::layout::names::{self, Scale, Variable, attribute, exact};
+use crate::file::layout::put::{dataset, put, put_array, put_text, shaped, text};
+use crate::file::scales::{attach_scale, set_scale};
+use crate::table::exact::Exact;
+use crate::table::fate::Fate;
+use crate::table::flat::FlatPaths;
+use crate::table::provenance::Provenance;
+use crate::table::symmetry::Symmetry;
+use crate::table::table::Table;
+
+/// An empty HDF5 file in memory, of a version that every reader since HDF5 1.10 opens and whose metadata are
+/// checksummed, without time stamps.
+pub(crate) fn create() -> Result<File> {
+    // The library refuses two open files of one name, also in memory; the name is not in the bytes.
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let name = format!("table-in-memory-{}", NEXT.fetch_add(1, Ordering::Relaxed));
+    File::with_options()
+        .with_fapl(|access| access.core_filebacked(false).libver_v110())
+        .with_fcpl(|creation| creation.obj_track_times(false).attr_phase_change(64, 32))
+        .create(name)
+}
+
+/// Writes every object of the table into an empty file.
+pub(crate) fn store(table: &Table, file: &File) -> Result<()> {
+    attributes(table, file)?;
+    let axes = &table.axes;
+    let centres: Array1<f64> = (0..axes.bins).map(|i| axes.bin_centre(i)).collect();
+    let randomisations = table.counts.as_ref().map_or(0, |counts| counts.shape()[2]);
+    let fates = Fate::ALL
+        .iter()
+        .map(|fate| text(fate.name()))
+        .collect::<Result<Array1<_>>>()?;
+    let mut writer = Writer {
+        file,
+        scales: Vec::new(),
+    };
+    writer.scale(&names::INCIDENCE, ArrayView1::from(&axes.incidence_deg))?;
+    writer.scale(&names::AZIMUTH, ArrayView1::from(&axes.azimuth_deg))?;
+    writer.scale(&names::SHIFT_V, centres.view())?;
+    writer.scale(&names::SHIFT_U, centres.view())?;
+    writer.scale(&names::FATE_NAME, fates.view())?;
+    if randomisations > 0 {
+        writer.scale(
+            &names::RANDOMISATION,
+            Array1::from_iter(0..randomisations as u64).view(),
+        )?;
+    }
+    writer.variable(&names::HISTOGRAM, table.histogram.view().into_dyn())?;
+    writer.variable(
+        &names::RETROREFLECTED,
+        table.retroreflected.view().into_dyn(),
+    )?;
+    writer.variable(
+        &names::STANDARD_ERROR,
+        table.standard_error.view().into_dyn(),
+    )?;
+    writer.variable(&names::FATE, table.fate.view().into_dyn())?;
+    writer.variable(&names::RAYS, table.rays.view().into_dyn())?;
+    if let (Some(counts), Some(fate_counts)) = (&table.counts, &table.fate_counts) {
+        writer.variable(&names::COUNTS, counts.view().into_dyn())?;
+        writer.variable(&names::FATE_COUNTS, fate_counts.view().into_dyn())?;
+    }
+    if let Some(found) = &table.deviations {
+        deviations::store(found, file)?;
+    }
+    match &table.exact {
+        Some(found) => polygons(found, file),
+        None => Ok(()),
+    }
+}
+
+struct Writer<'a> {
+    file: &'a File,
+    scales: Vec<(&'static str, Dataset)>,
+}
+
+impl Writer<'_> {
+    fn scale<T: H5Type + Clone>(&mut self, scale: &Scale, values: ArrayView1<T>) -> Result<()> {
+        let dataset = dataset(self.file, scale.name, values, &[values.len()])?;
+        set_scale(&dataset, scale.c_name)?;
+        describe(&dataset, scale.units, scale.long_name)?;
+        self.scales.push((scale.name, dataset));
+        Ok(())
+    }
+
+    /// One chunk a direction and randomisation for the large arrays, one in all for the small ones.
+    fn variable<T: H5Type + Clone>(
+        &self,
+        variable: &Variable,
+        values: ArrayViewD<T>,
+    ) -> Result<()> {
+        let mut chunk = values.shape().to_vec();
+        if let [leading @ .., _, _] = &mut chunk[..]
+            && variable
+                .scales
+                .ends_with(&[&names::SHIFT_V, &names::SHIFT_U])
+        {
+            leading.fill(1);
+        }
+        let dataset = dataset(self.file, variable.name, values, &chunk)?;
+        describe(&dataset, variable.units, variable.long_name)?;
+        for (dimension, scale) in (0..).zip(variable.scales) {
+            if let Some((_, scale)) = self.scales.iter().find(|(name, _)| *name == scale.name) {
+                attach_scale(&dataset, scale, dimension)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Result<()> {
+    put_text(dataset, attribute::UNITS, units)?;
+    put_text(dataset, attribute::LONG_NAME, long_name)
+}
+
+fn polygons(found: &Exact, file: &File) -> Result<()> {
+    let mut builder = file.create_group_builder();
+    builder.gcpl().obj_track_times(false);
+    let group = builder.create(exact::GROUP)?;
+    put(&group, exact::ENTRANCE_AREA, &found.entrance_area)?;
+    let flat = FlatPaths::new(found);
+    let (paths, vertices) = (flat.weight.len(), flat.vertex.len() / 2);
+    shaped(&group, exact::PATH_DIRECTION, &flat.direction, &[paths])?;
+    shaped(&group, exact::PATH_MATRIX, &flat.matrix, &[paths, 2, 2])?;
+    shaped(&group, exact::PATH_OFFSET, &flat.offset, &[paths, 2])?;
+    shaped(&group, exact::PATH_WEIGHT, &flat.weight, &[paths])?;
+    if !flat.deviation.is_empty() {
+        shaped(&group, exact::PATH_DEVIATION, &flat.deviation, &[paths, 2])?;
+    }
+    shaped(&group, exact::POLYGON_START, &flat.start, &[paths + 1])?;
+    shaped(&group, exact::POLYGON_VERTEX, &flat.vertex, &[vertices, 2])
+}
+
+fn attributes(table: &Table, file: &File) -> Result<()> {
+    put_text(file, attribute::FORMAT, names::FORMAT)?;
+    let version = match (&table.deviations, table.provenance.options.text()) {
+        (None, "") => 1,
+        _ => names::VERSION_OF_DEVIATIONS,
+    };
+    put(file, attribute::VERSION, &version)?;
+    put_text(file, attribute::FRAME, names::FRAME)?;
+    let azimuths = if table.axes.is_mean() {
+        "mean over all azimuths of retroreflected x histogram in the incidence frame"
+    } else if table.provenance.symmetry != Symmetry::NONE {
+        "as listed in azimuth_deg, for themselves and by symmetry_rotations and symmetry_mirror_deg for others"
+    } else {
+        "as listed in azimuth_deg"
+    };
+    put_text(file, attribute::AZIMUTHS, azimuths)?;
+    put_text(file, attribute::CONTENT_HASH, &table.content_hash())?;
+    put(file, attribute::SHIFT_RANGE, &table.axes.range)?;
+    provenance(&table.provenance, file)
+}
+
+fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
+    put_text(file, attribute::GENERATOR, &provenance.generator)?;
+    put_text(file, attribute::DESIGN, &provenance.design)?;
+    put_text(file, attribute::MESH_HASH, &provenance.mesh_hash)?;
+    put(file, attribute::EDGE_LENGTH, &provenance.edge_length)?;
+    put_text(
+        file,
+        attribute::EDGE_LENGTH_UNIT,
+        &provenance.edge_length_unit,
+    )?;
+    put_array(
+        file,
+        attribute::AZIMUTH_ZERO,
+        &provenance.azimuth_zero,
+        &[3],
+    )?;
+    put(
+        file,
+        attribute::REFRACTIVE_INDEX,
+        &provenance.refractive_index,
+    )?;
+    put_text(file, attribute::BACK, provenance.back.text())?;
+    put_text(file, attribute::LOSSES, provenance.losses.text())?;
+    put(file, attribute::REFLECTANCE, &provenance.reflectance)?;
+    put_text(file, attribute::METHOD, provenance.method.text())?;
+    put_text(file, attribute::SAMPLER, provenance.sampler_text())?;
+    put(file, attribute::SEED, &provenance.seed)?;
+    put(
+        file,
+        attribute::ANGULAR_TOLERANCE_DEG,
+        &provenance.angular_tolerance_deg,
+    )?;
+    put(file, attribute::TOLERANCE, &provenance.tolerance)?;
+    if let Some(lattice) = &provenance.lattice {
+        put_array(file, attribute::LATTICE, lattice.as_flattened(), &[2, 2])?;
+    }
+    if let Some(wavelength_nm) = &provenance.wavelength_nm {
+        put(file, attribute::WAVELENGTH_NM, wavelength_nm)?;
+    }
+    if let Some(metal_index) = &provenance.metal_index {
+        put_array(file, attribute::METAL_INDEX, metal_index, &[2])?;
+    }
+    if let Some(shards) = &provenance.shards {
+        put_text(file, attribute::SHARDS, &shards.to_string())?;
+    }
+    let Symmetry {
+        rotations,
+        mirror_deg,
+    } = provenance.symmetry;
+    if provenance.symmetry != Symmetry::NONE {
+        put(file, attribute::SYMMETRY_ROTATIONS, &u64::from(rotations))?;
+    }
+    if let Some(mirror) = mirror_deg {
+        put(file, attribute::SYMMETRY_MIRROR_DEG, &mirror)?;
+    }
+    if let Some(tolerance) = provenance.direction_tolerance {
+        put(file, attribute::DIRECTION_TOLERANCE, &tolerance)?;
+    }
+    match provenance.options.text() {
+        "" => Ok(()),
+        options => put_text(file, attribute::OPTIONS, options),
+    }
+}

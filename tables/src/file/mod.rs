@@ -1,0 +1,18 @@
+//! The HDF5 file of a table, and every output that is whole or not at all.
+//!
+//! A path enters and a checked table leaves, or a table enters and bytes leave. This room alone names HDF5. Strangers' files are
+//! opened in a process of their own ([`apart`]) under limits of memory and time. It touches the table, the options and the errors.
+
+pub mod apart;
+pub(crate) mod content;
+pub(crate) mod heap;
+pub(crate) mod here;
+pub(crate) mod layout;
+pub(crate) mod ledger;
+pub(crate) mod limits;
+pub(crate) mod output;
+pub(crate) mod read;
+pub(crate) mod received;
+pub(crate) mod scales;
+pub(crate) mod seal;
+pub(crate) mod write;

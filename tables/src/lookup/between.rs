@@ -1,0 +1,659 @@
+//! Paths between the directions of a table: the polygons of an exact table, interpolated.
+//!
+//! What is interpolated are the lines that the edges of a polygon lie on. With tau = tan(incidence inside) (cos azimuth,
+//! sin azimuth) the corners of a planar facet, however unfolded, cast a shadow on the entrance plane that is linear in
+//! tau, and so is the line through two of them, up to a factor; for an ideal cube it keeps its slope. Between corners there
+//! is no such law: they come and go as lines pass each other. So an edge that a direction lacks, because others lie
+//! before it, is taken from the directions that have it, and a path that ends on the way ends where its lines leave nothing.
+//!
+//! Lines, maps and weights go by moving least squares: the value of the affine function of tau that fits them best in the
+//! directions around, by weights of the inverse fourth power of the distance. It is what the table says in its own
+//! directions, and the truth wherever that is affine; elsewhere the error is of second order in the spacing.
+//!
+//! Polygons are taken relative to the fixed point of their map, which leaves no offset: so cubes that lie elsewhere, as the
+//! images of symmetry and of a lattice do, are the same cube. The result is put where the steepest direction has it.
+
+use crate::table::exact::Path;
+use crate::table::polygon::{self, area};
+
+/// A direction of the table near the one that is asked for.
+pub(crate) struct Node {
+    /// tan(incidence inside the sheet) (cos azimuth, sin azimuth).
+    pub tau: [f64; 2],
+    /// Azimuth, radians: of the frame that the paths are in.
+    pub azimuth_rad: f64,
+    /// Its paths, incidence frame.
+    pub paths: Vec<Path>,
+    /// Its share in a mixture of the corners of the cell; 0 for those beyond.
+    pub share: f64,
+}
+
+/// Slope of lines against each other, as the distance of unit normals, up to which they may be one line that turned.
+const SAME_SLOPE: f64 = 0.3;
+
+/// Edges shorter than this, edge lengths, have no direction to speak of.
+const SHORT: f64 = 1e-6;
+
+/// Areas below this are rounding, square edge lengths.
+const NO_AREA: f64 = 1e-12;
+
+/// No line moves by more edge lengths for each unit of tau: light in a cube goes down and up its height of 0.6 twice.
+const FASTEST: f64 = 4.0;
+
+/// A path that a direction lacks, although its lines would leave it that part of its area there, ends by a jump, as at the
+/// limit of total reflection.
+const JUMP: f64 = 0.25;
+
+/// The paths at `tau` in the frame of `azimuth_rad`, from the nodes around it in a sheet of refractive index `index`; `None` where the nodes' paths do not tell:
+/// polygons that are not convex, maps that cannot be inverted.
+pub(crate) fn paths(
+    nodes: &[Node],
+    tau: [f64; 2],
+    azimuth_rad: f64,
+    index: f64,
+) -> Option<Vec<Path>> {
+    let seen: Option<Vec<Vec<Shape>>> = nodes
+        .iter()
+        .map(|node| {
+            node.paths
+                .iter()
+                .map(|path| Shape::new(path, node, index))
+                .collect()
+        })
+        .collect();
+    let seen = seen?;
+    let mut paths = Vec::new();
+    for family in families(nodes, &seen) {
+        let members: Vec<(&Node, &Shape)> = family
+            .iter()
+            .map(|&(node, path)| (&nodes[node], &seen[node][path]))
+            .collect();
+        let lines = lines(&members);
+        let polygon = outline(&lines, tau)?;
+        if area(&polygon) <= NO_AREA {
+            continue;
+        }
+        let absent = nodes.iter().enumerate().filter(|&(index, node)| {
+            let lacks = node.share > 0.0 && family.iter().all(|&(member, _)| member != index);
+            let there = || outline(&lines, node.tau).map_or(0.0, |polygon| area(&polygon));
+            lacks && there() > JUMP * members[0].1.area
+        });
+        let present = 1.0 - absent.map(|(_, node)| node.share).sum::<f64>();
+        let places: Vec<[f64; 2]> = members.iter().map(|(node, _)| node.tau).collect();
+        let weights = weights(&places, tau);
+        // From the first on, so that what all have is what comes out, to the last digit.
+        let seed = members[0].1;
+        let mean = |value: &dyn Fn(&Shape) -> f64| -> f64 {
+            let beyond = members.iter().map(|(_, shape)| value(shape) - value(seed));
+            let beyond = beyond.zip(&weights).map(|(value, weight)| weight * value);
+            value(seed) + beyond.sum::<f64>()
+        };
+        let weight = mean(&|shape| shape.weight).clamp(0.0, 1.0) * present.max(0.0);
+        if weight <= 0.0 {
+            continue;
+        }
+        let [uu, uv, vu, vv] =
+            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[r, c]| mean(&|s| s.matrix[r][c]));
+        let matrix = turned_map([[uu, uv], [vu, vv]], -azimuth_rad);
+        // Where the seed lies, so that pieces of one cube still meet and those of others do not.
+        let [x, y] = turned(seed.fixed, -azimuth_rad);
+        let placed = |&p: &[f64; 2]| {
+            let [u, v] = turned(p, -azimuth_rad);
+            [u + x, v + y]
+        };
+        paths.push(Path {
+            polygon: polygon.iter().map(placed).collect(),
+            matrix,
+            offset: matrix.map(|row| -(row[0] * x + row[1] * y)),
+            weight,
+            deviation: deviation(
+                turned([0, 1].map(|k| mean(&|s| s.astray[k])), -azimuth_rad),
+                tau,
+                index,
+            ),
+        });
+    }
+    Some(paths)
+}
+
+/// Straight back outside, as its parts along the sheet and up, and 1 / cos(incidence inside).
+fn back(tau: [f64; 2], index: f64) -> (f64, f64, f64) {
+    let steep = (1.0 + dot(tau, tau)).sqrt();
+    let along = index * dot(tau, tau).sqrt() / steep;
+    (-along, (1.0 - along * along).max(0.0).sqrt(), steep)
+}
+
+/// From the tangents outside by which a path is off ([`Path::deviation`], incidence frame) to what is affine in tau.
+fn astray(deviation: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
+    if deviation == [0.0; 2] {
+        return deviation;
+    }
+    let (along, up, steep) = back(tau, index);
+    // Straight back + tangents across it, as `bake` took them apart; Snell keeps what is along the sheet times the index.
+    let [across, v] = deviation;
+    let length = (1.0 + across * across + v * v).sqrt();
+    let left = [along + across * up, v].map(|x| x / (length * index));
+    [steep * left[0] - along * steep / index, steep * left[1]]
+}
+
+/// The inverse of [`astray`].
+fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
+    if astray == [0.0; 2] {
+        return astray;
+    }
+    let (along, up, steep) = back(tau, index);
+    let [x, y] = [along + index * astray[0] / steep, index * astray[1] / steep];
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let straight = x * along + z * up;
+    [(x * up - z * along) / straight, y / straight]
+}
+
+fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+/// R M transpose(R): columns are turned, then rows.
+fn turned_map([[a, b], [c, d]]: [[f64; 2]; 2], angle: f64) -> [[f64; 2]; 2] {
+    let ([a, c], [b, d]) = (turned([a, c], angle), turned([b, d], angle));
+    [turned([a, b], angle), turned([c, d], angle)]
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// The half-plane normal . p <= offset.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    normal: [f64; 2],
+    offset: f64,
+}
+
+/// A path in the frame of azimuth 0, relative to the fixed point of its map.
+struct Shape {
+    corners: Vec<[f64; 2]>,
+    lines: Vec<Line>,
+    area: f64,
+    /// The fixed point, relative to what the table's polygons are.
+    fixed: [f64; 2],
+    matrix: [[f64; 2]; 2],
+    weight: f64,
+    /// What the path's linear map inside, plus 1, makes of (tau, -1), along the sheet: affine in tau, 0 for an ideal cube.
+    astray: [f64; 2],
+}
+
+impl Shape {
+    /// `None` where the polygon is not convex or the map has no fixed point.
+    fn new(path: &Path, node: &Node, index: f64) -> Option<Shape> {
+        let azimuth_rad = node.azimuth_rad;
+        let ([[a, b], [c, d]], [u, v]) = (path.matrix, path.offset);
+        let determinant = a * d - b * c;
+        if determinant.abs() < 1e-3 {
+            return None;
+        }
+        let fixed = [(b * v - d * u) / determinant, (c * u - a * v) / determinant];
+        let corners: Vec<[f64; 2]> = path
+            .polygon
+            .iter()
+            .map(|p| turned([p[0] - fixed[0], p[1] - fixed[1]], azimuth_rad))
+            .collect();
+        let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+        let lines: Vec<Line> = ends
+            .filter(|(a, b)| distance(**a, **b) > SHORT)
+            .map(|(a, b)| {
+                let length = distance(*a, *b);
+                let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
+                Line {
+                    normal,
+                    offset: dot(normal, [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]),
+                }
+            })
+            .collect();
+        let inside = |line: &Line| {
+            corners
+                .iter()
+                .all(|&p| dot(line.normal, p) <= line.offset + SHORT)
+        };
+        lines.iter().all(inside).then(|| Shape {
+            area: area(&corners),
+            fixed: turned(fixed, azimuth_rad),
+            lines,
+            corners,
+            matrix: turned_map(path.matrix, azimuth_rad),
+            weight: path.weight,
+            astray: turned(astray(path.deviation, node.tau, index), azimuth_rad),
+        })
+    }
+
+    /// How far the polygon reaches along `normal`.
+    fn reach(&self, normal: [f64; 2]) -> f64 {
+        let along = self.corners.iter().map(|&p| dot(normal, p));
+        along.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The greatest difference of two polygons' reach along their normals.
+    fn unlike(&self, other: &Shape) -> f64 {
+        let normals = self
+            .lines
+            .iter()
+            .chain(&other.lines)
+            .map(|line| line.normal);
+        let apart = normals.map(|normal| (self.reach(normal) - other.reach(normal)).abs());
+        apart.fold(0.0, f64::max)
+    }
+}
+
+/// The pairs of `costs` from the cheapest on, each row and each column once.
+fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    for (_, row, column) in costs {
+        if pairs.iter().all(|&(r, c)| r != row && c != column) {
+            pairs.push((row, column));
+        }
+    }
+    pairs
+}
+
+/// The paths that are one, (node, path) by (node, path). Each begins at a corner of the cell, at the steepest one that has
+/// it, and goes on from there to the next nodes: at normal incidence cubes of all orientations look alike, and a wide turn
+/// makes one look like the other.
+fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
+    let steepness = |index: usize| dot(nodes[index].tau, nodes[index].tau);
+    let (mut order, mut rest): (Vec<usize>, Vec<usize>) =
+        (0..nodes.len()).partition(|&index| nodes[index].share > 0.0);
+    order.sort_by(|&a, &b| steepness(b).total_cmp(&steepness(a)));
+    let away = |index: usize| {
+        let corners = order
+            .iter()
+            .map(|&corner| distance(nodes[corner].tau, nodes[index].tau));
+        corners.fold(f64::INFINITY, f64::min)
+    };
+    rest.sort_by(|&a, &b| away(a).total_cmp(&away(b)));
+    order.extend(rest);
+    let mut families: Vec<Vec<(usize, usize)>> = Vec::new();
+    for index in order {
+        let mut costs = Vec::new();
+        for (which, family) in families.iter().enumerate() {
+            // The nearest member that is half as steep: those that are flatter do not tell.
+            let tells = |&&(node, _): &&(usize, usize)| 4.0 * steepness(node) >= steepness(index);
+            let apart = |node: usize| distance(nodes[index].tau, nodes[node].tau);
+            let nearest = family
+                .iter()
+                .filter(tells)
+                .min_by(|a, b| apart(a.0).total_cmp(&apart(b.0)));
+            let &(like, first) = nearest.unwrap_or(&family[0]);
+            let most = FASTEST * apart(like) + SHORT;
+            for (path, shape) in seen[index].iter().enumerate() {
+                let cost = shape.unlike(&seen[like][first]);
+                if cost <= most {
+                    costs.push((cost, which, path));
+                }
+            }
+        }
+        let pairs = assigned(costs);
+        for &(which, path) in &pairs {
+            families[which].push((index, path));
+        }
+        if nodes[index].share > 0.0 {
+            let free = |path: &usize| pairs.iter().all(|(_, taken)| taken != path);
+            let new = (0..seen[index].len()).filter(free);
+            families.extend(new.map(|path| vec![(index, path)]));
+        }
+    }
+    families
+}
+
+/// One line by the directions that have it.
+type Course = Vec<([f64; 2], Line)>;
+
+/// The lines of a family.
+fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
+    let mut courses: Vec<Course> = Vec::new();
+    // Which members have the line as an edge.
+    let mut holders: Vec<Vec<usize>> = Vec::new();
+    for (member, (node, shape)) in members.iter().enumerate() {
+        let mut costs = Vec::new();
+        for (which, course) in courses.iter().enumerate() {
+            let first = course[0].1;
+            for (index, line) in shape.lines.iter().enumerate() {
+                let turn = distance(line.normal, first.normal);
+                if turn < SAME_SLOPE {
+                    costs.push((turn + (line.offset - first.offset).abs(), which, index));
+                }
+            }
+        }
+        let pairs = assigned(costs);
+        for (index, &line) in shape.lines.iter().enumerate() {
+            let known = pairs.iter().find(|(_, taken)| *taken == index);
+            let which = known.map_or(courses.len(), |&(which, _)| which);
+            if which == courses.len() {
+                courses.push(Vec::new());
+                holders.push(Vec::new());
+            }
+            courses[which].push((node.tau, line));
+            holders[which].push(member);
+        }
+    }
+    for (course, holders) in courses.iter_mut().zip(&holders) {
+        keep_clear(course, members, holders);
+    }
+    courses
+}
+
+/// Where a member is without the line, the line lies beyond its polygon: if the others would lead it through, it is held
+/// to where it touches.
+fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize]) {
+    let without = (0..members.len()).filter(|member| !holders.contains(member));
+    let touching: Course = without
+        .filter_map(|member| {
+            let (node, shape) = members[member];
+            let Line { normal, offset } = line_at(course, node.tau);
+            let touching = shape.reach(normal);
+            (offset < touching).then_some((
+                node.tau,
+                Line {
+                    normal,
+                    offset: touching,
+                },
+            ))
+        })
+        .collect();
+    course.extend(touching);
+}
+
+/// A line between the directions that have it; its normal need not be of unit length.
+fn line_at(course: &Course, tau: [f64; 2]) -> Line {
+    let places: Vec<[f64; 2]> = course.iter().map(|(place, _)| *place).collect();
+    let (mut normal, mut offset) = ([0.0; 2], 0.0);
+    for (weight, (_, line)) in weights(&places, tau).into_iter().zip(course) {
+        normal = [0, 1].map(|k| normal[k] + weight * line.normal[k]);
+        offset += weight * line.offset;
+    }
+    Line { normal, offset }
+}
+
+/// What the lines leave at `tau`; empty where it is nothing, `None` where they do not close.
+fn outline(courses: &[Course], tau: [f64; 2]) -> Option<Vec<[f64; 2]>> {
+    let far = 1e3;
+    let mut polygon = vec![[-far, -far], [far, -far], [far, far], [-far, far]];
+    for course in courses {
+        polygon = clipped(&polygon, line_at(course, tau));
+    }
+    let closed = polygon.iter().flatten().all(|x| x.abs() < 0.5 * far);
+    closed.then_some(polygon)
+}
+
+/// The part of a convex polygon in a half-plane.
+fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
+    let beyond = |p: [f64; 2]| dot(line.normal, p) - line.offset;
+    let on = |p: [f64; 2], q: [f64; 2], part: f64| [0, 1].map(|k| p[k] + part * (q[k] - p[k]));
+    polygon::clip(polygon, beyond, on)
+}
+
+/// The shares of values at `places` in the value at `tau`: of the best affine function by weights 1 / distance^4. Across
+/// places in one line the function does not change.
+fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
+    let nearest = places
+        .iter()
+        .map(|&place| distance(place, tau))
+        .fold(f64::INFINITY, f64::min);
+    if nearest == 0.0 {
+        let here: Vec<f64> = places
+            .iter()
+            .map(|&place| f64::from(u8::from(place == tau)))
+            .collect();
+        let count: f64 = here.iter().sum();
+        return here.iter().map(|one| one / count).collect();
+    }
+    let terms: Vec<(f64, [f64; 3])> = places
+        .iter()
+        .map(|place| {
+            let [x, y] = [0, 1].map(|k| (place[k] - tau[k]) / nearest);
+            ((x * x + y * y).powi(-2), [1.0, x, y])
+        })
+        .collect();
+    let mut normal = [[0.0; 3]; 3];
+    for (weight, basis) in &terms {
+        for (row, a) in normal.iter_mut().zip(basis) {
+            for (sum, b) in row.iter_mut().zip(basis) {
+                *sum += weight * a * b;
+            }
+        }
+    }
+    // Slopes that nothing determines are 0. Close to a direction the weights of the others are small, and the slopes still theirs.
+    let ridge = 1e-12 * normal[0][0];
+    normal[1][1] += ridge;
+    normal[2][2] += ridge;
+    let [[a, b, c], [_, d, e], [_, _, f]] = normal;
+    // The first column of the inverse, by cofactors.
+    let column = [d * f - e * e, c * e - b * f, b * e - c * d];
+    let determinant = a * column[0] + b * column[1] + c * column[2];
+    let value = |(weight, basis): &(f64, [f64; 3])| {
+        let sum: f64 = basis.iter().zip(&column).map(|(x, y)| x * y).sum();
+        weight * sum / determinant
+    };
+    terms.iter().map(value).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The aperture of an ideal cube of edge 1, its centroid in the origin, first corner at azimuth 0.
+    fn triangle() -> Vec<[f64; 2]> {
+        let radius = (2.0_f64 / 3.0).sqrt();
+        let corner = |k: u32| turned([radius, 0.0], f64::from(k) * 120_f64.to_radians());
+        (0..3).map(corner).collect()
+    }
+
+    fn tau(incidence_deg: f64, azimuth_deg: f64) -> [f64; 2] {
+        let tangent = incidence_deg.to_radians().tan();
+        turned([tangent, 0.0], azimuth_deg.to_radians())
+    }
+
+    /// The closed form: what enters at p in T leaves at 2 q - p in T, q the apex seen along the light.
+    fn path(tau: [f64; 2], turn: f64) -> Option<Path> {
+        let q = tau.map(|x| -x / 3_f64.sqrt());
+        let corners: Vec<[f64; 2]> = triangle().iter().map(|&p| turned(p, turn)).collect();
+        let mut polygon = corners.clone();
+        for (k, a) in corners.iter().enumerate() {
+            let b = corners[(k + 1) % 3];
+            // The triangle turned about q: normals change their sign.
+            let normal = [a[1] - b[1], b[0] - a[0]];
+            let offset = 2.0 * dot(normal, q) - dot(normal, *a);
+            polygon = clipped(&polygon, Line { normal, offset });
+        }
+        (area(&polygon) > 1e-9).then(|| Path {
+            polygon,
+            matrix: [[-2.0, 0.0], [0.0, -2.0]],
+            offset: q.map(|x| 2.0 * x),
+            weight: 1.0,
+            deviation: [0.0; 2],
+        })
+    }
+
+    /// Directions all around in steps of `step_deg`, each in its own frame.
+    fn nodes(incidences: &[f64], step_deg: f64, cubes: &[f64]) -> Vec<Node> {
+        let azimuths: Vec<f64> = (0..(360.0 / step_deg) as u32)
+            .map(|k| f64::from(k) * step_deg)
+            .collect();
+        let count = (azimuths.len() * incidences.len()) as f64;
+        let node = |azimuth: f64, incidence: f64| {
+            let (tau, azimuth_rad) = (tau(incidence, azimuth), azimuth.to_radians());
+            let paths = cubes.iter().filter_map(|&turn| path(tau, turn));
+            let turned = |path: Path| Path {
+                polygon: path
+                    .polygon
+                    .iter()
+                    .map(|&p| turned(p, -azimuth_rad))
+                    .collect(),
+                offset: turned(path.offset, -azimuth_rad),
+                ..path
+            };
+            Node {
+                tau,
+                azimuth_rad,
+                paths: paths.map(turned).collect(),
+                share: 1.0 / count,
+            }
+        };
+        let around = azimuths
+            .iter()
+            .flat_map(|&a| incidences.iter().map(move |&i| node(a, i)));
+        around.collect()
+    }
+
+    /// Known retroreflected fractions of the hollow cube, incidence and azimuth in degrees.
+    const KNOWN: [(f64, f64, f64); 12] = [
+        (10.0, 0.0, 0.62521),
+        (20.0, 0.0, 0.49003),
+        (30.0, 0.0, 0.22222),
+        (30.0, 30.0, 0.26035),
+        (30.0, 60.0, 0.31126),
+        (35.0, 0.0, 0.01295),
+        (40.0, 60.0, 0.14700),
+        (45.0, 60.0, 0.07625),
+        (40.0, 0.0, 0.0),
+        (40.0, 30.0, 0.0),
+        (45.0, 0.0, 0.0),
+        (45.0, 90.0, 0.0),
+    ];
+
+    /// Hexagons lose corners at 19.47 deg and paths end at 35.26 deg: neither is a direction of the table.
+    #[test]
+    fn an_ideal_cube_is_exact_between_few_directions() {
+        let whole = area(&triangle());
+        let nodes = nodes(&[0.0, 15.0, 28.0], 60.0, &[0.0]);
+        let mut cases = 0;
+        for (incidence, azimuth, eta) in KNOWN {
+            let paths = paths(&nodes, tau(incidence, azimuth), 0.0, 1.0).unwrap();
+            let found: f64 = paths.iter().map(|path| area(&path.polygon)).sum();
+            // The figures are rounded to 5 digits.
+            assert!(
+                (found / whole - eta).abs() < 6e-6,
+                "{incidence} {azimuth}: {}",
+                found / whole
+            );
+            cases += 1;
+        }
+        // Below 19.47 deg the fraction is (2/3)(1 - 2 tan^2); lines lose 1e-10 of their slopes.
+        for step in 0..200 {
+            let (incidence, azimuth) = (f64::from(step) * 0.0973, f64::from(step) * 1.9);
+            let paths = paths(&nodes, tau(incidence, azimuth), azimuth.to_radians(), 1.0).unwrap();
+            let found: f64 = paths.iter().map(|path| area(&path.polygon)).sum();
+            let tangent = incidence.to_radians().tan();
+            let eta = 2.0 / 3.0 * (1.0 - 2.0 * tangent * tangent);
+            assert!(
+                (found / whole - eta).abs() < 1e-8,
+                "{incidence}: {} {eta}",
+                found / whole
+            );
+            cases += 1;
+        }
+        assert_eq!(cases, 212);
+    }
+
+    /// Cubes of both orientations look alike at normal incidence, and are not mixed up.
+    #[test]
+    fn a_pair_stays_two_cubes() {
+        let half_turn = std::f64::consts::PI;
+        let mut cases = 0;
+        for step in 0..300 {
+            let azimuth = f64::from(step) * 7.3;
+            let tau = tau(f64::from(step % 60) * 0.5, azimuth);
+            // The two azimuths around and their next ones.
+            let mut nodes = nodes(&[0.0, 15.0, 28.0], 30.0, &[0.0, half_turn]);
+            let away = |node: &Node| {
+                let away = (node.azimuth_rad.to_degrees() - azimuth).rem_euclid(360.0);
+                away.min(360.0 - away)
+            };
+            nodes.retain(|node| away(node) < 60.0);
+            for node in &mut nodes {
+                node.share = if away(node) < 30.0 { 1.0 / 6.0 } else { 0.0 };
+            }
+            let found = paths(&nodes, tau, 0.0, 1.0).unwrap();
+            let mut areas: Vec<f64> = found.iter().map(|path| area(&path.polygon)).collect();
+            let expected = [0.0, half_turn].map(|turn| path(tau, turn));
+            let mut expected: Vec<f64> = expected
+                .iter()
+                .flatten()
+                .map(|p| area(&p.polygon))
+                .collect();
+            areas.sort_by(f64::total_cmp);
+            expected.sort_by(f64::total_cmp);
+            assert_eq!(areas.len(), expected.len(), "{step}");
+            assert!(
+                areas
+                    .iter()
+                    .zip(&expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-8),
+                "{step}: {areas:?} {expected:?}"
+            );
+            cases += 1;
+        }
+        assert_eq!(cases, 300);
+    }
+
+    #[test]
+    fn a_path_that_jumps_away_keeps_the_share_of_those_that_have_it() {
+        let mut nodes = nodes(&[0.0, 15.0], 60.0, &[0.0]);
+        nodes[1].paths.clear();
+        let paths = paths(&nodes, tau(10.0, 0.0), 0.0, 1.0).unwrap();
+        assert_eq!(paths.len(), 1);
+        assert!((paths[0].weight - 11.0 / 12.0).abs() < 1e-9);
+    }
+
+    /// A path's light is off by a rotation: the same at every direction, seen from each through the front face.
+    #[test]
+    fn deviations_are_exact_between_directions() {
+        let (index, axis) = (1.49, [3e-3, -2e-3, 5e-3]);
+        // (M + 1) d for M = -(1 + axis x), a rotation by the angles of `axis` to first order: any linear map would do.
+        let off = |tau: [f64; 2]| {
+            let [x, y, z] = [tau[0], tau[1], -1.0];
+            [axis[2] * y - axis[1] * z, axis[0] * z - axis[2] * x]
+        };
+        let seen =
+            |at: [f64; 2], azimuth_rad: f64| deviation(turned(off(at), -azimuth_rad), at, index);
+        let mut nodes = nodes(&[0.0, 15.0, 28.0], 60.0, &[0.0]);
+        for node in &mut nodes {
+            for path in &mut node.paths {
+                path.deviation = seen(node.tau, node.azimuth_rad);
+            }
+        }
+        let mut cases = 0;
+        for step in 0..200 {
+            let (incidence, azimuth) = (f64::from(step) * 0.0973, f64::from(step) * 1.9);
+            let (at, azimuth_rad) = (tau(incidence, azimuth), azimuth.to_radians());
+            let paths = paths(&nodes, at, azimuth_rad, index).unwrap();
+            let truth = seen(at, azimuth_rad);
+            // Angles of 1e-2 in doubles, through a dozen operations.
+            assert!(distance(paths[0].deviation, truth) < 1e-12, "{step}");
+            let again = deviation(astray(truth, at, index), at, index);
+            assert!(distance(again, truth) < 1e-12, "{step}");
+            cases += 1;
+        }
+        assert_eq!(cases, 200);
+    }
+
+    #[test]
+    fn what_cannot_be_interpolated_is_not() {
+        let mut bent = nodes(&[0.0, 15.0], 60.0, &[0.0]);
+        bent[3].paths[0].polygon.insert(1, [0.0, 0.0]);
+        assert!(
+            paths(&bent, tau(10.0, 0.0), 0.0, 1.0).is_none(),
+            "not convex"
+        );
+        let mut flat = nodes(&[0.0, 15.0], 60.0, &[0.0]);
+        flat[3].paths[0].matrix = [[1.0, 2.0], [0.5, 1.0]];
+        assert!(
+            paths(&flat, tau(10.0, 0.0), 0.0, 1.0).is_none(),
+            "no fixed point"
+        );
+    }
+}

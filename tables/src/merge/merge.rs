@@ -1,0 +1,365 @@
+//! Adding the rays and the directions of tables.
+//!
+//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each randomisation. So tables
+//! of one cell are put together in three ways, all of them at once if need be:
+//! - **shards** of one bake, equal shares of its samples ([`Shards`]): counts are added place by place;
+//! - **directions**: those of a bake of all of them, because samples depend on the angles, not on their place in a list;
+//! - **more rays**: ranges of seeds that follow one another are put side by side along the randomisation axis, which is
+//!   the bake of the first seed with all the randomisations.
+//!
+//! All are sums of integers, so that the order and the grouping of the merges do not change a bit.
+
+use std::collections::BTreeSet;
+
+use ndarray::{Axis, Zip, concatenate};
+
+use crate::error::error::Error;
+use crate::error::mismatch::Mismatch;
+use crate::merge::directions::{join, place, spread, union};
+use crate::table::axes::Axes;
+use crate::table::deviation;
+use crate::table::deviation::Deviations;
+use crate::table::provenance::level;
+use crate::table::shards::Shards;
+use crate::table::table::Table;
+
+/// Puts tables of one cell together; the order of the list does not matter. The shards of a bake, or tables of its
+/// directions, give the table of the whole bake, bit for bit.
+///
+/// Exact tables have no rays to add; only their directions are joined.
+///
+/// ```
+/// # use std::path::Path;
+/// let table = tables::read(Path::new("tests/kept/version_1_rays.h5"))?;
+/// // A bake of as many rays from the seeds after those of the first: 16 randomisations take 16 seeds.
+/// let mut more = table.clone();
+/// more.provenance.seed += 16;
+/// let both = tables::merge(&[table.clone(), more])?;
+/// assert_eq!(both.rays[[0, 0]], 2 * table.rays[[0, 0]]);
+/// let error = tables::merge(&[table.clone(), table]).unwrap_err();
+/// assert!(matches!(error, tables::Error::Merge(_)));
+/// # Ok::<(), tables::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Merge`] with the field that differs, the overlap, the direction, seed or shard that is missing.
+pub fn merge(tables: &[Table]) -> Result<Table, Error> {
+    let first = tables.first().ok_or(Mismatch::Empty)?;
+    for (index, table) in tables.iter().enumerate() {
+        same(first, table, index)?;
+    }
+    let mut merged = put_together(tables)?;
+    let generator = |table: &Table| table.provenance.generator.clone();
+    if tables
+        .iter()
+        .any(|table| generator(table) != generator(first))
+    {
+        merged.provenance.generator = level(&generator(first)).to_owned();
+    }
+    Ok(merged)
+}
+
+/// The whole of tables that say the same of what was baked.
+fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
+    let first = &tables[0];
+    if tables.len() == 1 {
+        return Ok(first.clone());
+    }
+    let axes = union(tables);
+    if first.counts.is_none() {
+        return join(tables, axes);
+    }
+    let mut seeds: Vec<u64> = tables.iter().map(|table| table.provenance.seed).collect();
+    seeds.sort_unstable();
+    seeds.dedup();
+    let ranges = seeds
+        .iter()
+        .map(|&seed| of_one_seed(tables, &axes, seed))
+        .collect::<Result<Vec<Table>, Mismatch>>()?;
+    if let [only] = &ranges[..] {
+        return Ok(only.clone());
+    }
+    side_by_side(tables, &ranges)
+}
+
+/// Compares everything that says what was baked; seed, shards and directions may differ.
+fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
+    macro_rules! compare {
+        ($($name:literal = |$table:ident| $value:expr),* $(,)?) => {
+            $({
+                let [expected, found] = [first, table].map(|$table| $value);
+                if expected != found {
+                    return Err(Mismatch::Field {
+                        field: $name,
+                        index,
+                        expected: format!("{expected:?}"),
+                        found: format!("{found:?}"),
+                    });
+                }
+            })*
+        };
+    }
+    compare!(
+        "design" = |t| &t.provenance.design,
+        "mesh_hash" = |t| &t.provenance.mesh_hash,
+        "edge_length" = |t| &t.provenance.edge_length,
+        "edge_length_unit" = |t| &t.provenance.edge_length_unit,
+        "azimuth_zero" = |t| &t.provenance.azimuth_zero,
+        "refractive_index" = |t| &t.provenance.refractive_index,
+        "back" = |t| t.provenance.back.text(),
+        "losses" = |t| t.provenance.losses.text(),
+        "reflectance" = |t| &t.provenance.reflectance,
+        "method" = |t| t.provenance.method.text(),
+        "sampler" = |t| t.provenance.sampler_text(),
+        "angular_tolerance_deg" = |t| &t.provenance.angular_tolerance_deg,
+        "tolerance" = |t| &t.provenance.tolerance,
+        "lattice" = |t| &t.provenance.lattice,
+        "symmetry" = |t| &t.provenance.symmetry,
+        "wavelength_nm" = |t| &t.provenance.wavelength_nm,
+        "metal_index" = |t| &t.provenance.metal_index,
+        "options" = |t| t.provenance.options.text(),
+        "generator" = |t| level(&t.provenance.generator),
+        "bins" = |t| t.axes.bins,
+        "shift_range" = |t| t.axes.range,
+    );
+    let grid = |table: &Table| table.deviations.as_ref().map(|found| found.grid);
+    if grid(first) != grid(table) {
+        return Err(Mismatch::Field {
+            field: "deviation",
+            index,
+            expected: format!("{:?}", grid(first)),
+            found: format!("{:?}", grid(table)),
+        });
+    }
+    let kind = |table: &Table| match (&table.counts, table.axes.is_mean()) {
+        (Some(_), false) => "single directions, counts of rays",
+        (Some(_), true) => "a mean, counts of rays",
+        (None, _) => "no counts of rays",
+    };
+    if kind(first) != kind(table) {
+        return Err(Mismatch::Field {
+            field: "azimuths",
+            index,
+            expected: kind(first).into(),
+            found: kind(table).into(),
+        });
+    }
+    Ok(())
+}
+
+/// The sum of all tables that start at `seed`, over `axes`.
+fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismatch> {
+    let mut sum: Option<Table> = None;
+    // What each direction holds: nothing yet, or shards (`None`: the whole bake) and the table that brought them.
+    let (incidences, azimuths) = axes.shape();
+    let mut held: Vec<Vec<(usize, Option<&Shards>)>> = vec![Vec::new(); incidences * azimuths];
+    for (index, table) in tables.iter().enumerate() {
+        if table.provenance.seed != seed {
+            continue;
+        }
+        let shards = table.provenance.shards.as_ref();
+        for (direction, held) in held.iter_mut().enumerate() {
+            let direction = (direction / azimuths, direction % azimuths);
+            let Some(own) = place(table, axes, direction) else {
+                continue;
+            };
+            for &(first, other) in held.iter() {
+                let what = match (other, shards) {
+                    (Some(a), Some(b)) if (a.of, a.rays) != (b.of, b.rays) => {
+                        return Err(Mismatch::Field {
+                            field: "shards",
+                            index,
+                            expected: a.to_string(),
+                            found: b.to_string(),
+                        });
+                    }
+                    (Some(a), Some(b)) => a
+                        .held
+                        .intersection(&b.held)
+                        .next()
+                        .map(|k| format!("shard {k} of seed {seed}")),
+                    _ => place(&tables[first], axes, direction)
+                        .and_then(|there| {
+                            shared_randomisation((&tables[first], there), (table, own))
+                        })
+                        .map(|r| format!("rays of seed {}", seed.wrapping_add(r))),
+                };
+                if let Some(what) = what {
+                    return Err(Mismatch::Overlap {
+                        first,
+                        second: index,
+                        what,
+                        direction,
+                    });
+                }
+            }
+            held.push((index, shards));
+        }
+        let more = spread(table, axes);
+        match &mut sum {
+            None => sum = Some(more),
+            Some(sum) => add(sum, &more, index)?,
+        }
+    }
+    let Some(mut sum) = sum else {
+        return Err(Mismatch::Empty);
+    };
+    sum.provenance.shards = together(&held, axes, seed)?;
+    Ok(rebuilt(sum))
+}
+
+/// The shards that every direction holds in sum.
+fn together(
+    held: &[Vec<(usize, Option<&Shards>)>],
+    axes: &Axes,
+    seed: u64,
+) -> Result<Option<Shards>, Mismatch> {
+    let sum = |parts: &[(usize, Option<&Shards>)]| {
+        let mut shards = parts.iter().filter_map(|(_, shards)| *shards);
+        let first = shards.next()?.clone();
+        let held: BTreeSet<u32> = shards.fold(first.held, |held, more| &held | &more.held);
+        Some(Shards { held, ..first }).filter(Shards::is_valid)
+    };
+    let azimuths = axes.azimuth_deg.len();
+    let expected = sum(&held[0]);
+    let named = |shards: &Option<Shards>| {
+        shards
+            .as_ref()
+            .map_or("the whole bake".into(), |s| format!("shards {s}"))
+    };
+    for (direction, parts) in held.iter().enumerate() {
+        let incidence_deg = axes.incidence_deg[direction / azimuths];
+        let azimuth_deg = axes.azimuth_deg[direction % azimuths];
+        if parts.is_empty() {
+            return Err(Mismatch::Gap {
+                incidence_deg,
+                azimuth_deg,
+                seed,
+            });
+        }
+        let found = sum(parts);
+        if found != expected {
+            return Err(Mismatch::Uneven {
+                seed,
+                incidence_deg,
+                azimuth_deg,
+                expected: named(&expected),
+                found: named(&found),
+            });
+        }
+    }
+    Ok(expected)
+}
+
+/// A randomisation of which both tables hold rays, each at its own place of one direction.
+fn shared_randomisation(a: (&Table, (usize, usize)), b: (&Table, (usize, usize))) -> Option<u64> {
+    let rays = |(table, (i, j)): (&Table, (usize, usize)), r: usize| -> u64 {
+        let fates = table.fate_counts.as_ref();
+        fates.map_or(0, |fates| fates.slice(ndarray::s![i, j, r, ..]).sum())
+    };
+    let both = randomisations(a.0).min(randomisations(b.0));
+    (0..both)
+        .find(|&r| rays(a, r) > 0 && rays(b, r) > 0)
+        .map(|r| r as u64)
+}
+
+fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
+    let (expected, found) = (randomisations(sum), randomisations(table));
+    if expected != found {
+        return Err(Mismatch::Field {
+            field: "randomisation",
+            index,
+            expected: expected.to_string(),
+            found: found.to_string(),
+        });
+    }
+    if let (Some(counts), Some(more)) = (&mut sum.counts, &table.counts) {
+        Zip::from(counts).and(more).for_each(|n, more| *n += more);
+    }
+    if let (Some(fates), Some(more)) = (&mut sum.fate_counts, &table.fate_counts) {
+        Zip::from(fates).and(more).for_each(|n, more| *n += more);
+    }
+    if let (Some(found), Some(more)) = (&mut sum.deviations, &table.deviations) {
+        *found = more_deviations(found, more);
+    }
+    Ok(())
+}
+
+fn more_deviations(a: &Deviations, b: &Deviations) -> Deviations {
+    let pairs = a.entries.iter().zip(&b.entries);
+    Deviations {
+        grid: a.grid,
+        entries: pairs.map(|(a, b)| deviation::added(a, b)).collect(),
+    }
+}
+
+/// Whole tables of seeds that follow one another, along the randomisation axis.
+fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
+    let mut expected = ranges[0].provenance.seed;
+    for table in ranges {
+        let seed = table.provenance.seed;
+        if let Some(shards) = &table.provenance.shards {
+            return Err(Mismatch::Incomplete {
+                seed,
+                missing: shards.missing_text(),
+                shards: shards.clone(),
+            });
+        }
+        if seed != expected {
+            let index = tables
+                .iter()
+                .position(|t| t.provenance.seed == seed)
+                .unwrap_or(0);
+            return Err(Mismatch::Seed {
+                index,
+                expected,
+                found: seed,
+            });
+        }
+        expected = expected.wrapping_add(randomisations(table) as u64);
+    }
+    let counts: Vec<_> = ranges
+        .iter()
+        .filter_map(|t| t.counts.as_ref())
+        .map(|c| c.view())
+        .collect();
+    let fates: Vec<_> = ranges
+        .iter()
+        .filter_map(|t| t.fate_counts.as_ref())
+        .map(|c| c.view())
+        .collect();
+    let (Ok(counts), Ok(fates)) = (concatenate(Axis(2), &counts), concatenate(Axis(2), &fates))
+    else {
+        unreachable!("equal axes give equal shapes but for the randomisations");
+    };
+    let deviations = ranges.iter().filter_map(|table| table.deviations.clone());
+    Ok(Table {
+        deviations: deviations.reduce(|sum, more| more_deviations(&sum, &more)),
+        ..Table::from_counts(
+            ranges[0].axes.clone(),
+            // `concatenate` leaves a layout of its own.
+            counts.as_standard_layout().into_owned(),
+            fates.as_standard_layout().into_owned(),
+            ranges[0].provenance.clone(),
+        )
+    })
+}
+
+fn randomisations(table: &Table) -> usize {
+    table.counts.as_ref().map_or(0, |counts| counts.shape()[2])
+}
+
+/// The table that follows from the counts, which were changed.
+fn rebuilt(table: Table) -> Table {
+    match (table.counts, table.fate_counts) {
+        (Some(counts), Some(fates)) => Table {
+            deviations: table.deviations,
+            ..Table::from_counts(table.axes, counts, fates, table.provenance)
+        },
+        (counts, fate_counts) => Table {
+            counts,
+            fate_counts,
+            ..table
+        },
+    }
+}

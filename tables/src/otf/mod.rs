@@ -1,0 +1,14 @@
+//! The optical transfer function of a direction: of its ray shift, and of the waves of its polygons.
+//!
+//! A direction and a line enter; complex values by frequency leave. It touches the lookup, whose directions it transforms, and the
+//! table's polygons; it knows no file.
+
+pub(crate) mod hermite;
+pub(crate) mod polygon_wave;
+pub(crate) mod ruling;
+pub(crate) mod shift;
+pub(crate) mod spot;
+pub(crate) mod spots;
+pub(crate) mod transform;
+pub(crate) mod wave;
+pub(crate) mod waves;

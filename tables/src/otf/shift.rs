@@ -1,0 +1,227 @@
+//! Ray shift in the aerial image: a table's direction seen along an edge normal.
+//!
+//! Light of cubes that are not exact leaves in directions of its own, and meets the image plane off by R times its deviation
+//! besides the shift: an angle, which grows with the distance and not with the corner size. Polygons have one each; of a table
+//! of rays the bins do (`spots`).
+
+use std::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use crate::lookup::direction::Direction;
+use crate::otf::ruling::Ruling;
+use crate::otf::spot::LineSpot;
+use crate::otf::spots;
+use crate::table::exact::Path;
+use crate::table::polygon::area;
+
+/// Paths whose deviations differ by less than this share one, rad: 0.1 nm at a distance of 1 m.
+const SAME_DEVIATION: f64 = 1e-10;
+
+/// The shift's OTF along one line: S(c f) for an edge normal in the aerial image.
+#[derive(Debug, Clone)]
+pub struct ShiftLine {
+    spots: Vec<LineSpot>,
+}
+
+impl ShiftLine {
+    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal); `incidence_rad` the outside
+    /// incidence, which foreshortens the tangential shift. `None` where nothing is retroreflected.
+    pub fn new(direction: &Direction, incidence_rad: f64, normal: [f64; 2]) -> Option<ShiftLine> {
+        if direction.eta <= 0.0 {
+            return None;
+        }
+        let along = [normal[0] * incidence_rad.cos(), normal[1]];
+        let groups = by_deviation(direction.paths.as_deref().unwrap_or_default());
+        let power = |paths: &[Path]| {
+            paths
+                .iter()
+                .map(|p| p.weight * area(&p.polygon))
+                .sum::<f64>()
+        };
+        let total: f64 = groups.iter().map(|group| power(group)).sum();
+        let spot = |group: Vec<Path>| {
+            let share = power(&group) / total;
+            let deviation = group.first().map_or(0.0, |path| {
+                normal[0] * path.deviation[0] + normal[1] * path.deviation[1]
+            });
+            let ruling = Ruling::of_paths(&group, along);
+            let own = Direction {
+                paths: Some(group),
+                ..direction.clone()
+            };
+            LineSpot {
+                share,
+                deviation,
+                middle: ruling.middle,
+                samples: ruling.samples(&own, along),
+            }
+        };
+        let spots = match (&direction.exits, groups.len()) {
+            (Some(exits), _) => spots::spots(direction, exits, normal, along),
+            // Bins, which know no directions.
+            (None, 0) => {
+                let ruling = Ruling::of_bins(direction, along);
+                vec![LineSpot {
+                    share: 1.0,
+                    deviation: 0.0,
+                    middle: ruling.middle,
+                    samples: ruling.samples(direction, along),
+                }]
+            }
+            _ => groups.into_iter().map(spot).collect(),
+        };
+        Some(ShiftLine { spots })
+    }
+
+    /// OTF and its derivative by `c` (mm) at a frequency in 1/mm, at the distance `r_mm`. Beyond c f = 16 it is 0: lobes and
+    /// cameras are dark there for cells up to 1 mm and frequencies up to 16 /mm. Good to 1.6e-5 (`ruling`).
+    pub fn otf(&self, c: f64, r_mm: f64, frequency: f64) -> (Complex64, Complex64) {
+        let kappa = c * frequency;
+        let (mut value, mut by_c) = (Complex64::ZERO, Complex64::ZERO);
+        for spot in &self.spots {
+            if kappa > spot.samples.end() {
+                continue;
+            }
+            let (here, slope) = spot.samples.at(kappa);
+            if spot.deviation == 0.0 && spot.middle == 0.0 {
+                value += here * spot.share;
+                by_c += slope * (frequency * spot.share);
+            } else {
+                let off_mm = r_mm * spot.deviation + c * spot.middle;
+                let turn = Complex64::cis(-TAU * frequency * off_mm) * spot.share;
+                value += here * turn;
+                let turning = Complex64::new(0.0, -TAU * spot.middle);
+                by_c += (slope + here * turning) * turn * frequency;
+            }
+        }
+        (value, by_c)
+    }
+}
+
+/// The paths of each deviation.
+fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
+    let mut groups: Vec<Vec<Path>> = Vec::new();
+    for path in paths {
+        let same = |group: &&mut Vec<Path>| {
+            group.first().is_some_and(|first| {
+                let apart = |k: usize| first.deviation[k] - path.deviation[k];
+                apart(0).hypot(apart(1)) < SAME_DEVIATION
+            })
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(path.clone()),
+            None => groups.push(vec![path.clone()]),
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    /// A direction at 20 degrees of which these paths return.
+    fn of(paths: Vec<Path>) -> Direction {
+        Direction {
+            incidence_deg: 20.0,
+            azimuth_deg: 0.0,
+            eta: 0.4,
+            probability: Array2::zeros((4, 4)),
+            range: 2.0,
+            standard_error: 0.0,
+            interpolated: false,
+            exits: None,
+            paths: Some(paths),
+        }
+    }
+
+    /// Three triangles, two of which leave alike. Spots in turn, and deviations made part of the shift at one distance and
+    /// corner size, are two ways to the same OTF; its derivative against differences.
+    #[test]
+    fn deviations_are_shifts_that_grow_with_the_distance() {
+        let path = |x: f64, weight: f64, deviation: [f64; 2]| Path {
+            polygon: vec![[x, 0.0], [x + 0.5, 0.1], [x + 0.2, 0.6]],
+            matrix: [[-2.0, 0.01], [0.02, -2.0]],
+            offset: [2.0 * x + 0.5, 0.4],
+            weight,
+            deviation,
+        };
+        let direction = of(vec![
+            path(0.0, 0.9, [1e-3, -2e-3]),
+            path(1.0, 0.7, [-1e-3, 5e-4]),
+            path(2.0, 0.8, [1e-3, -2e-3]),
+        ]);
+        let incidence = 20f64.to_radians();
+        let mut cases = 0;
+        for normal in [[1.0, 0.0], [0.6, 0.8]] {
+            let line = ShiftLine::new(&direction, incidence, normal).expect("light returns");
+            assert_eq!(line.spots.len(), 2);
+            for (c, r) in [(0.1, 100.0), (0.3, 400.0)] {
+                let moved = direction.clone().seen_from(r, c, incidence.cos()).unwrap();
+                let along = [normal[0] * incidence.cos(), normal[1]];
+                for f in [0.0, 0.2, 0.9, 2.3] {
+                    let (value, by_c) = line.otf(c, r, f);
+                    let expected = moved.otf_along(along, &[c * f])[0];
+                    // The interpolation's own error.
+                    assert!((value - expected).norm() < 1.5e-5, "{value} {expected}");
+                    let step = 1e-5;
+                    let slope =
+                        (line.otf(c + step, r, f).0 - line.otf(c - step, r, f).0) / (2.0 * step);
+                    // Differences of a cubic: f^3 step^2 x (2 pi 2.83)^3/6, and rounding over the step.
+                    assert!((by_c - slope).norm() < 1e-5, "{by_c} {slope}");
+                    cases += 1;
+                }
+            }
+        }
+        assert_eq!(cases, 16);
+    }
+
+    /// Light that is shifted by up to 30 edge lengths, together or apart, has the OTF of its polygons; bins theirs.
+    #[test]
+    fn far_shifts_are_as_good_as_near_ones() {
+        let path = |offset: [f64; 2]| Path {
+            polygon: vec![[0.0, 0.0], [0.5, 0.1], [0.2, 0.6]],
+            matrix: [[-2.0, 0.0], [0.0, -2.0]],
+            offset,
+            weight: 1.0,
+            deviation: [0.0; 2],
+        };
+        let at = |offsets: &[[f64; 2]]| of(offsets.iter().copied().map(path).collect());
+        let bins = Direction {
+            probability: Array2::from_shape_fn((48, 48), |(v, u)| ((v * 7 + u * 13) % 11) as f64),
+            range: 8.0,
+            paths: None,
+            ..of(Vec::new())
+        };
+        let incidence = 20f64.to_radians();
+        let (mut cases, mut worst) = (0, 0.0_f64);
+        for direction in [
+            at(&[[3.0, -3.0]]),
+            at(&[[30.0, 0.0], [29.5, 1.0]]),
+            at(&[[-21.0, 21.0]]),
+            at(&[[30.0, 0.0], [-30.0, 4.0], [0.0, 9.0]]),
+            bins,
+        ] {
+            for normal in [[1.0, 0.0], [0.6, 0.8], [0.0, -1.0]] {
+                let along = [normal[0] * incidence.cos(), normal[1]];
+                let line = ShiftLine::new(&direction, incidence, normal).expect("light returns");
+                for k in 0..200 {
+                    let (c, f) = (0.4, 0.0337 * f64::from(k));
+                    let (value, by_c) = line.otf(c, 300.0, f);
+                    let (expected, slope) = direction.otf_and_slope_along(along, &[c * f]);
+                    worst = worst.max((value - expected[0]).norm());
+                    // Slopes are up to 2 pi 32. That of a cubic errs by (2 pi 2.83)^4 x step^3 x sqrt 3/216, 3.1e-3, times 12
+                    // where light 64 apart has a twelfth of the step; that of the phase by 2 pi 32 x 1.6e-5.
+                    let off = (by_c - slope[0] * f).norm();
+                    assert!(off <= 0.041 * f, "{normal:?} {f}: {by_c} {slope:?}");
+                    cases += 1;
+                }
+            }
+        }
+        println!("{cases} values within {worst:.1e}");
+        assert!(worst < 1.6e-5, "{worst}");
+        assert_eq!(cases, 3000);
+    }
+}

@@ -1,0 +1,292 @@
+//! Scalar wave optics of the effective aperture, the `wave` kernel: ray shift and diffraction as one, no free parameter
+//! but c. Goes beyond the paper.
+//!
+//! A corner cube turns the light on its effective aperture K about the foot q of its apex. Seen from the image, at the
+//! distance R, the aperture K' (K times c, the tangential axis times the cosine of the incidence) then carries the phase
+//! 2 pi |y|^2/(lambda R) about q, and the OTF is its autocorrelation at the lag s = lambda R nu:
+//!
+//! `OTF(nu) = 1/|K'| int over (K' and K' + s) of cos(4 pi nu.(y - s/2)) dy`.
+//!
+//! lambda -> 0 leaves the ray shift, a small K' the autocorrelation of the aperture. Along an edge normal the integrand
+//! depends on one coordinate, so K is cut across into strips between its corners: chords whose ends are straight lines,
+//! and over those the integral is a sinc. No polygon is clipped and nothing cancels at nu = 0.
+//!
+//! Cubes add without coherence, weighted by what they return; the pieces of one cube (one map) add coherently. A
+//! spectrum is the weighted sum over its lines.
+
+use std::f64::consts::PI;
+
+use crate::lookup::direction::Direction;
+use crate::otf::polygon_wave::sinc;
+use crate::table::exact::Path;
+
+/// Largest difference of a path's map from a point reflection, and of two maps of one cube: far above rounding (1e-12),
+/// far below any dihedral error that matters (1e-6 rad).
+const SAME_MAP: f64 = 1e-9;
+
+/// Corners closer than this, in edge lengths, bound no strip.
+const SAME_CORNER: f64 = 1e-12;
+
+/// Why a direction has no waves.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoWaves {
+    /// Only a histogram.
+    #[error(
+        "the wave kernel needs the polygons of the aperture, which the table does not hold at incidence \
+         {incidence_deg} deg; bake that very direction with `bake trace --method exact`"
+    )]
+    NoPolygons {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+    },
+    /// Powers of paths that are interpolated.
+    #[error(
+        "the wave kernel needs every path of a cube where it is, but the table, which has losses, does not hold incidence \
+         {incidence_deg} deg at this azimuth; bake that very direction"
+    )]
+    LossesBetween {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+    },
+    /// Cubes that are not exact.
+    #[error(
+        "the wave kernel needs corner cubes with exact right angles, but the table's at incidence {incidence_deg} deg \
+         do not turn the light about a point; bake them without dihedral errors, or name another --kernel"
+    )]
+    NoPointReflection {
+        /// Incidence, degrees.
+        incidence_deg: f64,
+    },
+}
+
+/// A straight line over a strip: its value at both ends.
+type Side = [f64; 2];
+
+/// Part of an aperture between two neighbouring corners, across the edge normal; edge lengths.
+#[derive(Debug, Clone)]
+struct Strip {
+    /// Width across the normal.
+    width: f64,
+    /// Chords along the normal, from the cube's q: both ends, and the square root of the power that returns.
+    chords: Vec<(Side, Side, f64)>,
+}
+
+/// The wave OTF of one direction along one line, for a spectrum.
+#[derive(Debug, Clone)]
+pub struct WaveLine {
+    /// Strips of every cube.
+    cubes: Vec<Vec<Strip>>,
+    /// Sum of power x area over all cubes, square edge lengths.
+    power: f64,
+    /// Longest lag at which any cube overlaps itself, edge lengths.
+    reach: f64,
+    /// -dOTF/dlag at lag 0, per edge length.
+    kink: f64,
+    /// Wavelengths, mm, and shares that sum to 1.
+    lines: Vec<(f64, f64)>,
+}
+
+impl WaveLine {
+    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal); `incidence_rad` the outside
+    /// incidence, which foreshortens the aperture. `direction` returns light (eta > 0). `spectrum` is the source's lines: each a
+    /// wavelength, nm, and its weight, which are normalised here.
+    ///
+    /// # Errors
+    /// [`NoWaves`] where the table holds no polygons of corner cubes for the direction.
+    pub fn new(
+        direction: &Direction,
+        incidence_rad: f64,
+        normal: [f64; 2],
+        spectrum: &[(f64, f64)],
+    ) -> Result<WaveLine, NoWaves> {
+        let incidence_deg = direction.incidence_deg;
+        let paths = direction
+            .paths
+            .as_deref()
+            .ok_or(NoWaves::NoPolygons { incidence_deg })?;
+        // Interpolated, the paths of one cube are put where different directions have it.
+        if direction.interpolated && paths.iter().any(|path| path.weight != paths[0].weight) {
+            return Err(NoWaves::LossesBetween { incidence_deg });
+        }
+        let mut cubes: Vec<([f64; 2], Vec<Chained>)> = Vec::new();
+        for path in paths {
+            let [[uu, uv], [vu, vv]] = path.matrix;
+            let off = [uu + 2.0, uv, vu, vv + 2.0];
+            if off.iter().any(|m| m.abs() > SAME_MAP) {
+                return Err(NoWaves::NoPointReflection { incidence_deg });
+            }
+            let piece = seen(path, incidence_rad.cos(), normal);
+            let same = |at: &[f64; 2]| (0..2).all(|i| (at[i] - path.offset[i]).abs() < SAME_MAP);
+            match cubes.iter_mut().find(|(offset, _)| same(offset)) {
+                Some((_, pieces)) => pieces.push(piece),
+                None => cubes.push((path.offset, vec![piece])),
+            }
+        }
+        let cubes: Vec<Vec<Strip>> = cubes.iter().map(|(_, pieces)| strips(pieces)).collect();
+        let total: f64 = spectrum.iter().map(|(_, weight)| weight).sum();
+        let lines = spectrum.iter();
+        let mut line = WaveLine {
+            power: 1.0,
+            reach: cubes.iter().map(|cube| extent(cube)).fold(0.0, f64::max),
+            kink: 0.0,
+            lines: lines
+                .map(|(wavelength_nm, weight)| (wavelength_nm * 1e-6, weight / total))
+                .collect(),
+            cubes,
+        };
+        line.power = line.overlap(0.0, 0.0)[0];
+        // The slope jumps at lag 0 itself, where pieces of one cube touch.
+        line.kink = -line.overlap(1e-9 * line.reach, 0.0)[1];
+        Ok(line)
+    }
+
+    /// OTF and its derivative by ln c, for `c` and the floating distance in mm, at a frequency >= 0 in 1/mm: real, 1 at
+    /// 0. Rounding only, about 1e-14; 1 us for a cube and a line of the spectrum.
+    pub fn otf(&self, c_mm: f64, r_mm: f64, frequency: f64) -> (f64, f64) {
+        let wave = 4.0 * PI * c_mm * frequency;
+        let (mut value, mut slope) = (0.0, 0.0);
+        for &(wavelength_mm, share) in &self.lines {
+            let lag = wavelength_mm * r_mm * frequency / c_mm;
+            if lag < self.reach {
+                let [overlap, by_lag, by_wave] = self.overlap(lag, wave);
+                value += share * overlap;
+                slope += share * (wave * by_wave - lag * by_lag);
+            }
+        }
+        (value, slope)
+    }
+
+    /// -dOTF/d|f| at zero frequency (mm): the kink that gives an edge its 1/x tails. Falls as 1/c.
+    pub fn kink(&self, c_mm: f64, r_mm: f64) -> f64 {
+        let mean_mm: f64 = self.lines.iter().map(|(mm, share)| mm * share).sum();
+        self.kink * mean_mm * r_mm / c_mm
+    }
+
+    /// Integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the normal, over their power, with its
+    /// derivatives by lag and by wave; edge lengths.
+    fn overlap(&self, lag: f64, wave: f64) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for strip in self.cubes.iter().flatten() {
+            for ahead in &strip.chords {
+                for behind in &strip.chords {
+                    let weight = strip.width * ahead.2 * behind.2 / self.power;
+                    let part = common(ahead, behind, lag, wave);
+                    for (sum, part) in sum.iter_mut().zip(part) {
+                        *sum += weight * part;
+                    }
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// A polygon as (along the normal, across it), from its cube's q, and the square root of its power.
+type Chained = (Vec<[f64; 2]>, f64);
+
+fn seen(path: &Path, cosine: f64, normal: [f64; 2]) -> Chained {
+    let turned = |p: &[f64; 2]| {
+        let x = (p[0] - 0.5 * path.offset[0]) * cosine;
+        let y = p[1] - 0.5 * path.offset[1];
+        [normal[0] * x + normal[1] * y, normal[0] * y - normal[1] * x]
+    };
+    (
+        path.polygon.iter().map(turned).collect(),
+        path.weight.max(0.0).sqrt(),
+    )
+}
+
+/// Cuts the pieces of one cube at all their corners.
+fn strips(pieces: &[Chained]) -> Vec<Strip> {
+    let corners = pieces.iter().flat_map(|(polygon, _)| polygon);
+    let mut cuts: Vec<f64> = corners.map(|corner| corner[1]).collect();
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|a, b| *a - *b < SAME_CORNER);
+    let strip = |cut: &[f64]| {
+        let middle = 0.5 * (cut[0] + cut[1]);
+        let mut chords = Vec::new();
+        for (polygon, amplitude) in pieces {
+            let mut sides: Vec<Side> = Vec::new();
+            for (k, p) in polygon.iter().enumerate() {
+                let q = polygon[(k + 1) % polygon.len()];
+                if (p[1] < middle) != (q[1] < middle) {
+                    let slope = (q[0] - p[0]) / (q[1] - p[1]);
+                    sides.push([0, 1].map(|end| p[0] + slope * (cut[end] - p[1])));
+                }
+            }
+            sides.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
+            // Whatever enters a polygon leaves it: the sides come in pairs.
+            let pairs = sides.chunks_exact(2);
+            chords.extend(pairs.map(|pair| (pair[0], pair[1], *amplitude)));
+        }
+        Strip {
+            width: cut[1] - cut[0],
+            chords,
+        }
+    };
+    cuts.windows(2).map(strip).collect()
+}
+
+/// Longest lag at which a cube overlaps itself.
+fn extent(cube: &[Strip]) -> f64 {
+    let within = cube.iter().map(|strip| {
+        let ends = strip
+            .chords
+            .iter()
+            .flat_map(|(low, high, _)| [[low[0], high[0]], [low[1], high[1]]]);
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| {
+            (low.min(end[0]), high.max(end[1]))
+        });
+        high - low
+    });
+    within.fold(0.0, f64::max)
+}
+
+/// Mean over a strip of the integral of cos(wave a) from where both chords have begun to where one ends, the chord
+/// `ahead` moved by +lag/2, the other by -lag/2; with its derivatives by lag and by wave.
+fn common(ahead: &(Side, Side, f64), behind: &(Side, Side, f64), lag: f64, wave: f64) -> [f64; 3] {
+    let moved = |side: Side, by: f64| side.map(|end| end + by * lag);
+    // Beginnings and ends, each with its motion by lag.
+    let lows = [(moved(ahead.0, 0.5), 0.5), (moved(behind.0, -0.5), -0.5)];
+    let highs = [(moved(ahead.1, 0.5), 0.5), (moved(behind.1, -0.5), -0.5)];
+    // Between the crossings of these lines the same two of them bound the overlap.
+    let mut cuts = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+    let lines = [lows[0].0, lows[1].0, highs[0].0, highs[1].0];
+    let mut count = 1;
+    for (i, a) in lines.iter().enumerate() {
+        for b in &lines[i + 1..] {
+            let (start, end) = (a[0] - b[0], a[1] - b[1]);
+            if start * end < 0.0 {
+                cuts[count] = start / (start - end);
+                count += 1;
+            }
+        }
+    }
+    cuts[..count].sort_by(f64::total_cmp);
+    let at = |line: &Side, place: f64| line[0] + (line[1] - line[0]) * place;
+    let mut sum = [0.0; 3];
+    for part in cuts[..=count].windows(2) {
+        let (width, middle) = (part[1] - part[0], 0.5 * (part[0] + part[1]));
+        let by_place =
+            |a: &&(Side, f64), b: &&(Side, f64)| at(&a.0, middle).total_cmp(&at(&b.0, middle));
+        let (Some(low), Some(high)) = (lows.iter().max_by(by_place), highs.iter().min_by(by_place))
+        else {
+            continue;
+        };
+        if at(&high.0, middle) <= at(&low.0, middle) {
+            continue;
+        }
+        for (line, motion, sign) in [(high.0, high.1, width), (low.0, low.1, -width)] {
+            // Mean over the part of sin(wave a)/wave, the primitive, and of its derivatives.
+            let centre = at(&line, middle);
+            let half = 0.5 * (line[1] - line[0]) * width;
+            let (across, across_slope) = sinc(wave * half);
+            let (along, along_slope) = sinc(wave * centre);
+            sum[0] += sign * centre * along * across;
+            sum[1] += sign * motion * (wave * centre).cos() * across;
+            sum[2] += sign * centre * (centre * along_slope * across + along * half * across_slope);
+        }
+    }
+    sum
+}

@@ -1,0 +1,468 @@
+//! The rules that every table obeys, in memory and on disk.
+//!
+//! Tolerance: a fraction is rounded to 2^-53 of itself, so a sum of n fractions that should be 1 is off by at most
+//! about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows 1e-9, which is also what the
+//! areas of polygons with coordinates of some edge lengths keep with room to spare.
+
+use ndarray::{Array2, Array4, Array5, Axis, s};
+
+use crate::table::axes::Axes;
+use crate::table::deviation::{Deviations, Entry, Grid};
+use crate::table::exact::Exact;
+use crate::table::fate::Fate;
+use crate::table::flat::FlatPaths;
+use crate::table::invalid::Invalid;
+use crate::table::provenance::Provenance;
+use crate::table::symmetry::MOST_ROTATIONS;
+use crate::table::table::Table;
+
+/// Allowed rounding of sums that should be 1 and of areas that should be eta.
+pub(crate) const SUM: f64 = 1e-9;
+
+/// More rays than this are not exact in f64.
+pub(crate) const MOST_RAYS: u64 = 1 << 53;
+
+/// Checks every rule; `Ok` says that the table can be written, read and used without further checks.
+pub fn check(table: &Table) -> Result<(), Invalid> {
+    axes(&table.axes)?;
+    shapes(table)?;
+    values(table)?;
+    if let (Some(bins), Some(fates)) = (&table.counts, &table.fate_counts) {
+        counts(bins, fates, &table.rays)?;
+    }
+    sums(table)?;
+    if let Some(exact) = &table.exact {
+        polygons(table, exact)?;
+    }
+    match &table.deviations {
+        Some(found) => deviations(table, found),
+        None => Ok(()),
+    }
+}
+
+/// Checks the axes alone, before anything of their size is allocated.
+pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
+    axis(
+        "incidence_deg",
+        &axes.incidence_deg,
+        "0 <= angle < 90",
+        |x| (0.0..90.0).contains(&x),
+    )?;
+    if !axes.is_mean() {
+        axis(
+            "azimuth_deg",
+            &axes.azimuth_deg,
+            "-360 < angle <= 360 (NaN alone for a mean)",
+            |x| x > -360.0 && x <= 360.0,
+        )?;
+    }
+    if axes.bins == 0 {
+        return Err(Invalid::EmptyAxis { axis: "shift_u" });
+    }
+    axis("shift_range", &[axes.range], "0 < range < 1e6", |x| {
+        x > 0.0 && x < 1e6
+    })
+}
+
+fn axis(
+    axis: &'static str,
+    values: &[f64],
+    allowed: &'static str,
+    within: impl Fn(f64) -> bool,
+) -> Result<(), Invalid> {
+    if values.is_empty() {
+        return Err(Invalid::EmptyAxis { axis });
+    }
+    if let Some((index, &value)) = values.iter().enumerate().find(|&(_, &x)| !within(x)) {
+        return Err(Invalid::AxisValue {
+            axis,
+            index,
+            value,
+            allowed,
+        });
+    }
+    match values.windows(2).position(|pair| pair[0] >= pair[1]) {
+        Some(index) => Err(Invalid::AxisOrder {
+            axis,
+            index: index + 1,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn shapes(table: &Table) -> Result<(), Invalid> {
+    let (i, j) = table.axes.shape();
+    let (b, f) = (table.axes.bins, Fate::ALL.len());
+    let same = |array, found: &[usize], expected: &[usize]| {
+        if found == expected {
+            Ok(())
+        } else {
+            Err(Invalid::Shape {
+                array,
+                expected: expected.to_vec(),
+                found: found.to_vec(),
+            })
+        }
+    };
+    same("histogram", table.histogram.shape(), &[i, j, b, b])?;
+    same("retroreflected", table.retroreflected.shape(), &[i, j])?;
+    same("standard_error", table.standard_error.shape(), &[i, j])?;
+    same("fate", table.fate.shape(), &[i, j, f])?;
+    same("rays", table.rays.shape(), &[i, j])?;
+    match (&table.counts, &table.fate_counts) {
+        (Some(counts), Some(fate_counts)) => {
+            let r = counts.shape()[2];
+            if r == 0 {
+                return Err(Invalid::EmptyAxis {
+                    axis: "randomisation",
+                });
+            }
+            same("counts", counts.shape(), &[i, j, r, b, b])?;
+            same("fate_counts", fate_counts.shape(), &[i, j, r, f])
+        }
+        (None, None) => Ok(()),
+        (Some(_), None) => Err(Invalid::HalfCounts {
+            present: "counts",
+            missing: "fate_counts",
+        }),
+        (None, Some(_)) => Err(Invalid::HalfCounts {
+            present: "fate_counts",
+            missing: "counts",
+        }),
+    }
+}
+
+fn values(table: &Table) -> Result<(), Invalid> {
+    // Sums of fractions may pass 1 by their rounding.
+    let fraction = |x: f64| (0.0..=1.0 + SUM).contains(&x);
+    let error = |x: f64| (0.0..=1.0).contains(&x);
+    within("histogram", table.histogram.iter(), "0 to 1", fraction)?;
+    within(
+        "retroreflected",
+        table.retroreflected.iter(),
+        "0 to 1",
+        fraction,
+    )?;
+    within("fate", table.fate.iter(), "0 to 1", fraction)?;
+    within(
+        "standard_error",
+        table.standard_error.iter(),
+        "0 to 1",
+        error,
+    )?;
+    if table.counts.is_none() {
+        // The content hash covers neither.
+        let none = |x: f64| x == 0.0;
+        let rays: Vec<f64> = table.rays.iter().map(|&n| n as f64).collect();
+        within("rays", &rays, "0 where there are no counts", none)?;
+        within(
+            "standard_error",
+            table.standard_error.iter(),
+            "0 where there are no counts",
+            none,
+        )?;
+    }
+    provenance(&table.provenance)
+}
+
+fn provenance(p: &Provenance) -> Result<(), Invalid> {
+    let error = |x: f64| (0.0..=1.0).contains(&x);
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    within(
+        "edge_length",
+        [&p.edge_length],
+        "finite positive numbers",
+        positive,
+    )?;
+    within(
+        "refractive_index",
+        [&p.refractive_index],
+        "finite positive numbers",
+        positive,
+    )?;
+    within(
+        "azimuth_zero",
+        &p.azimuth_zero,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within("reflectance", [&p.reflectance], "0 to 1", error)?;
+    within(
+        "angular_tolerance_deg",
+        [&p.angular_tolerance_deg],
+        "0 to 180",
+        |x| (0.0..=180.0).contains(&x),
+    )?;
+    within("tolerance", [&p.tolerance], "finite numbers from 0", |x| {
+        x.is_finite() && x >= 0.0
+    })?;
+    let rotations = f64::from(p.symmetry.rotations);
+    within(
+        "symmetry_rotations",
+        [&rotations],
+        "whole numbers from 1 to 360",
+        |n| (1.0..=f64::from(MOST_ROTATIONS)).contains(&n),
+    )?;
+    within(
+        "symmetry_mirror_deg",
+        &p.symmetry.mirror_deg,
+        "from 0 to below 360",
+        |x| (0.0..360.0).contains(&x),
+    )?;
+    within(
+        "wavelength_nm",
+        &p.wavelength_nm,
+        "finite positive numbers",
+        positive,
+    )?;
+    let metal: &[f64] = p.metal_index.as_ref().map_or(&[], |index| index);
+    within("metal_index", metal, "finite numbers from 0", |x| {
+        x.is_finite() && x >= 0.0
+    })?;
+    within(
+        "direction_tolerance",
+        &p.direction_tolerance,
+        "0 to 1",
+        error,
+    )?;
+    let lattice: &[f64] = p.lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
+    within("lattice", lattice, "finite numbers", f64::is_finite)
+}
+
+fn within<'a>(
+    array: &'static str,
+    values: impl IntoIterator<Item = &'a f64>,
+    allowed: &'static str,
+    allow: impl Fn(f64) -> bool,
+) -> Result<(), Invalid> {
+    match values.into_iter().enumerate().find(|&(_, &x)| !allow(x)) {
+        Some((index, &value)) => Err(Invalid::Value {
+            array,
+            index,
+            value,
+            allowed,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Checks counts against fates and rays, in u128 because hostile counts overflow u64.
+pub(crate) fn counts(
+    counts: &Array5<u64>,
+    fate_counts: &Array4<u64>,
+    launched: &Array2<u64>,
+) -> Result<(), Invalid> {
+    let (incidences, azimuths) = launched.dim();
+    for direction in (0..incidences).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
+        let (i, j) = direction;
+        let mut rays = 0_u128;
+        for randomisation in 0..counts.shape()[2] {
+            let bins = counts
+                .index_axis(Axis(0), i)
+                .index_axis_move(Axis(0), j)
+                .index_axis_move(Axis(0), randomisation);
+            let sum: u128 = bins.iter().map(|&n| u128::from(n)).sum();
+            let fates = fate_counts[[i, j, randomisation, Fate::Retroreflected as usize]];
+            if sum != u128::from(fates) {
+                return Err(Invalid::CountSum {
+                    direction,
+                    randomisation,
+                    counts: sum,
+                    fates,
+                });
+            }
+            rays += (0..Fate::ALL.len())
+                .map(|k| u128::from(fate_counts[[i, j, randomisation, k]]))
+                .sum::<u128>();
+        }
+        if rays > u128::from(MOST_RAYS) {
+            return Err(Invalid::TooManyRays { direction, rays });
+        }
+        if rays != u128::from(launched[[i, j]]) {
+            return Err(Invalid::RaySum {
+                direction,
+                rays: launched[[i, j]],
+                fates: rays,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn sums(table: &Table) -> Result<(), Invalid> {
+    let (incidences, azimuths) = table.axes.shape();
+    let near = |a: f64, b: f64| (a - b).abs() <= SUM;
+    for direction in (0..incidences).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
+        let (i, j) = direction;
+        // A shard launches nothing in the directions of the others.
+        let idle = table.counts.is_some() && table.rays[[i, j]] == 0;
+        let fate = table
+            .fate
+            .index_axis(Axis(0), i)
+            .index_axis_move(Axis(0), j);
+        let sum = fate.sum();
+        let unlaunched = idle && sum == 0.0;
+        if !unlaunched && !near(sum, 1.0) {
+            return Err(Invalid::FateSum { direction, sum });
+        }
+        let eta = table.retroreflected[[i, j]];
+        let fates = fate[Fate::Retroreflected as usize] + fate[Fate::OutOfRange as usize];
+        if !near(eta, fates) {
+            return Err(Invalid::EtaOfFates {
+                direction,
+                eta,
+                fates,
+            });
+        }
+        let sum = table
+            .histogram
+            .index_axis(Axis(0), i)
+            .index_axis_move(Axis(0), j)
+            .sum();
+        if sum != 0.0 && !near(sum, 1.0) {
+            return Err(Invalid::HistogramSum { direction, sum });
+        }
+        if eta == 0.0 && sum != 0.0 {
+            return Err(Invalid::HistogramOfNothing { direction });
+        }
+    }
+    Ok(())
+}
+
+fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
+    let (incidences, azimuths) = table.axes.shape();
+    let Some(counts) = &table.counts else {
+        return Err(Invalid::HalfCounts {
+            present: "deviation",
+            missing: "counts",
+        });
+    };
+    if found.entries.len() != incidences * azimuths {
+        return Err(Invalid::Shape {
+            array: "deviation entries",
+            expected: vec![incidences * azimuths],
+            found: vec![found.entries.len()],
+        });
+    }
+    let Grid { cells, bins, range } = found.grid;
+    let of_bins = table.axes.bins;
+    within(
+        "deviation cells",
+        [&(cells as f64)],
+        "the divisors of the bins",
+        |_| (1..=Grid::MOST).contains(&cells) && of_bins.is_multiple_of(cells),
+    )?;
+    within("deviation bins", [&(bins as f64)], "1 to 4096", |_| {
+        (1..=Grid::MOST).contains(&bins)
+    })?;
+    within("deviation range", [&range], "above 0 to 1e6", |x| {
+        x > 0.0 && x <= 1e6
+    })?;
+    let (pool, places) = (of_bins / cells, found.grid.places());
+    for (direction, entries) in found.entries.iter().enumerate() {
+        let mut by_cell = Array2::<u128>::zeros((cells, cells));
+        let mut lowest = 0;
+        for (entry, &Entry { place, rays }) in entries.iter().enumerate() {
+            if place < lowest || place >= places || rays == 0 {
+                return Err(Invalid::DeviationEntry {
+                    direction,
+                    entry,
+                    place,
+                    rays,
+                    places,
+                });
+            }
+            lowest = place + 1;
+            by_cell[found.grid.at(place).0] += u128::from(rays);
+        }
+        let (i, j) = (direction / azimuths, direction % azimuths);
+        let mut counted = Array2::<u128>::zeros((cells, cells));
+        for ((_, v, u), &rays) in counts.slice(s![i, j, .., .., ..]).indexed_iter() {
+            counted[[v / pool, u / pool]] += u128::from(rays);
+        }
+        let differ = by_cell
+            .indexed_iter()
+            .find(|&(at, rays)| counted[at] != *rays);
+        if let Some((cell, &deviations)) = differ {
+            return Err(Invalid::DeviationSum {
+                direction,
+                cell,
+                deviations,
+                counts: counted[cell],
+            });
+        }
+    }
+    Ok(())
+}
+
+fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
+    let (incidences, azimuths) = table.axes.shape();
+    // A mean over azimuths has no polygons of its own: none, or those of no direction.
+    if exact.paths.len() != incidences * azimuths {
+        return Err(Invalid::Shape {
+            array: "exact paths",
+            expected: vec![incidences * azimuths],
+            found: vec![exact.paths.len()],
+        });
+    }
+    within(
+        "entrance_area",
+        [&exact.entrance_area],
+        "finite positive numbers",
+        |x| x.is_finite() && x > 0.0,
+    )?;
+    let flat = FlatPaths::new(exact);
+    within(
+        "path_matrix",
+        &flat.matrix,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within(
+        "path_offset",
+        &flat.offset,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within(
+        "path_deviation",
+        &flat.deviation,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    within("path_weight", &flat.weight, "0 to 1", |x| {
+        (0.0..=1.0).contains(&x)
+    })?;
+    within(
+        "polygon_vertex",
+        &flat.vertex,
+        "finite numbers",
+        f64::is_finite,
+    )?;
+    for (direction, paths) in exact.paths.iter().enumerate() {
+        let mut returned = 0.0;
+        for (index, path) in paths.iter().enumerate() {
+            let area = crate::table::polygon::area(&path.polygon);
+            // A sliver's area may round to just below 0.
+            if path.polygon.len() < 3 || area < -SUM * exact.entrance_area {
+                return Err(Invalid::Polygon {
+                    direction,
+                    path: index,
+                    corners: path.polygon.len(),
+                    area,
+                });
+            }
+            returned += path.weight * area / exact.entrance_area;
+        }
+        let here = (direction / azimuths, direction % azimuths);
+        let eta = table.retroreflected[[here.0, here.1]];
+        if !table.axes.is_mean() && (returned - eta).abs() > SUM {
+            return Err(Invalid::PolygonSum {
+                direction: here,
+                polygons: returned,
+                eta,
+            });
+        }
+    }
+    Ok(())
+}

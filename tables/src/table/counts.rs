@@ -1,0 +1,180 @@
+//! From counts to probabilities and their standard errors, and the distance between two tables.
+//!
+//! A table carries the numbers of rays; histogram, eta and errors follow from them by the rules here and
+//! nowhere else, so that merging is adding and a reader can check what it was given.
+
+use ndarray::{Array2, Array3, Array4, Array5, ArrayView2, Axis};
+
+use crate::table::axes::Axes;
+use crate::table::fate::Fate;
+use crate::table::provenance::Provenance;
+use crate::table::table::Table;
+
+impl Table {
+    /// The table that follows from numbers of rays.
+    ///
+    /// `counts` is `[incidence, azimuth, randomisation, v, u]`, `fate_counts` is
+    /// `[incidence, azimuth, randomisation, fate]` in the order of [`Fate::ALL`].
+    ///
+    /// - `histogram` = counts / their sum, all 0 where nothing returned inside the histogram;
+    /// - `retroreflected` = (retroreflected + out_of_range) / rays, 0 where no ray was launched;
+    /// - `standard_error`: for the `random` sampler, and where a single randomisation has rays, the binomial
+    ///   `sqrt(eta (1 - eta) / rays)` (for a low-discrepancy sequence an upper bound in practice); otherwise
+    ///   that of the mean over the R >= 2 randomisations that have rays, `sqrt(R/(R-1) sum (n_r/n)^2 (eta_r -
+    ///   eta)^2)`, which is the sample standard deviation / sqrt(R) when all have the same rays.
+    ///
+    /// The error is 0 where eta is exactly 0 or 1; that is not certainty. With `n` random rays the 95 % bound
+    /// there is about `3 / n` (the rule of three): eta < 3/n where none returned, eta > 1 - 3/n where all did.
+    ///
+    /// # Panics
+    /// If the shapes disagree with the axes: that is the caller's mistake, [`crate::file::read()`] checks them before.
+    pub fn from_counts(
+        axes: Axes,
+        counts: Array5<u64>,
+        fate_counts: Array4<u64>,
+        provenance: Provenance,
+    ) -> Table {
+        let (incidences, azimuths) = axes.shape();
+        let randomisations = counts.shape()[2];
+        assert_eq!(
+            counts.shape(),
+            [incidences, azimuths, randomisations, axes.bins, axes.bins]
+        );
+        assert_eq!(
+            fate_counts.shape(),
+            [incidences, azimuths, randomisations, Fate::ALL.len()]
+        );
+
+        let mut histogram = Array4::zeros((incidences, azimuths, axes.bins, axes.bins));
+        let mut retroreflected = Array2::zeros((incidences, azimuths));
+        let mut standard_error = Array2::zeros((incidences, azimuths));
+        let mut fate = Array3::zeros((incidences, azimuths, Fate::ALL.len()));
+        let mut rays = Array2::zeros((incidences, azimuths));
+        for i in 0..incidences {
+            for j in 0..azimuths {
+                let here = counts.index_axis(Axis(0), i).index_axis_move(Axis(0), j);
+                let sum = here.sum_axis(Axis(0));
+                let inside = sum.sum();
+                if inside > 0 {
+                    let share = sum.mapv(|n| n as f64 / inside as f64);
+                    histogram
+                        .index_axis_mut(Axis(0), i)
+                        .index_axis_mut(Axis(0), j)
+                        .assign(&share);
+                }
+                let fates = fate_counts
+                    .index_axis(Axis(0), i)
+                    .index_axis_move(Axis(0), j);
+                let total = fates.sum();
+                rays[[i, j]] = total;
+                if total > 0 {
+                    for (k, n) in fates.sum_axis(Axis(0)).iter().enumerate() {
+                        fate[[i, j, k]] = *n as f64 / total as f64;
+                    }
+                }
+                let random = provenance.is_random();
+                (retroreflected[[i, j]], standard_error[[i, j]]) = returned(fates, random);
+            }
+        }
+        Table {
+            axes,
+            histogram,
+            counts: Some(counts),
+            retroreflected,
+            standard_error,
+            fate,
+            fate_counts: Some(fate_counts),
+            rays,
+            exact: None,
+            deviations: None,
+            provenance,
+        }
+    }
+
+    /// Probability per launched ray of each bin, eta x histogram, of one direction `[v, u]`.
+    pub fn probability(&self, incidence: usize, azimuth: usize) -> Array2<f64> {
+        let histogram = self
+            .histogram
+            .index_axis(Axis(0), incidence)
+            .index_axis_move(Axis(0), azimuth);
+        histogram.mapv(|p| p * self.retroreflected[[incidence, azimuth]])
+    }
+}
+
+/// eta and its standard error from `[randomisation, fate]`.
+fn returned(fates: ArrayView2<u64>, random: bool) -> (f64, f64) {
+    let returning = |row: ndarray::ArrayView1<u64>| {
+        row[Fate::Retroreflected as usize] + row[Fate::OutOfRange as usize]
+    };
+    let total = fates.sum() as f64;
+    if total == 0.0 {
+        return (0.0, 0.0);
+    }
+    let eta = fates.rows().into_iter().map(returning).sum::<u64>() as f64 / total;
+    let launched: Vec<_> = fates
+        .rows()
+        .into_iter()
+        .filter(|row| row.sum() > 0)
+        .collect();
+    if random || launched.len() < 2 {
+        return (eta, (eta * (1.0 - eta) / total).sqrt());
+    }
+    let spread: f64 = launched
+        .iter()
+        .map(|row| {
+            let rays = row.sum() as f64;
+            (rays / total * (returning(*row) as f64 / rays - eta)).powi(2)
+        })
+        .sum();
+    let randomisations = launched.len() as f64;
+    (
+        eta,
+        (spread * randomisations / (randomisations - 1.0)).sqrt(),
+    )
+}
+
+/// Distance of two tables per direction: the sum over bins of |eta_a histogram_a - eta_b histogram_b|,
+/// `[incidence, azimuth]`.
+///
+/// In probability per launched ray, so that empty and nearly empty directions are well defined: 0 for equal
+/// tables, at most 2; the total variation is half of it. Directions are compared by position.
+///
+/// # Panics
+/// If the tables have different axes; compare `a.axes == b.axes` before.
+pub fn l1(a: &Table, b: &Table) -> Array2<f64> {
+    assert_eq!(a.axes, b.axes, "tables of different axes have no distance");
+    Array2::from_shape_fn(a.axes.shape(), |(i, j)| {
+        (a.probability(i, j) - b.probability(i, j))
+            .mapv(f64::abs)
+            .sum()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    #[test]
+    fn standard_errors_follow_their_formulas() {
+        // retroreflected, ..., missed, out_of_range
+        let row = |r: u64, m: u64, o: u64| [r, 0, 0, 0, 0, 0, 0, m, o, 0];
+        let two = array![row(60, 30, 10), row(50, 50, 0)];
+        // eta_r = 0.7, 0.5: mean 0.6, sample sd 0.1 sqrt 2, over sqrt 2 = 0.1
+        let (eta, error) = returned(two.view(), false);
+        assert!(
+            (eta - 0.6).abs() < 1e-15 && (error - 0.1).abs() < 1e-15,
+            "{eta} {error}"
+        );
+        let (_, binomial) = returned(two.view(), true);
+        assert!(
+            (binomial - (0.24f64 / 200.0).sqrt()).abs() < 1e-15,
+            "{binomial}"
+        );
+        // a randomisation without rays (another shard's) is not a sample of eta
+        let shard = array![row(60, 30, 10), row(50, 50, 0), row(0, 0, 0)];
+        assert_eq!(returned(shard.view(), false), (eta, error));
+        assert_eq!(returned(array![row(0, 0, 0)].view(), true), (0.0, 0.0));
+        assert_eq!(returned(array![row(0, 9, 0)].view(), true), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,59 @@
+//! What becomes of rays.
+
+/// What became of a ray. The names and their order are those of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(usize)]
+pub enum Fate {
+    /// Came back by a path whose linear map is -I, shift inside the histogram.
+    Retroreflected,
+    /// Left the cell after one reflection.
+    LeftAfter1,
+    /// Left the cell after two reflections.
+    LeftAfter2,
+    /// Left antiparallel by a path whose linear map is not -I.
+    AntiparallelOther,
+    /// Left in another direction after three reflections or more.
+    Deviated,
+    /// Went through a facet where total internal reflection failed.
+    Transmitted,
+    /// Absorbed by a facet, met one from behind, or was reflected by the front face on the way in or out.
+    Absorbed,
+    /// Hit nothing.
+    Missed,
+    /// Retroreflected, but the shift lies outside the histogram.
+    OutOfRange,
+    /// Was stopped after the greatest number of reflections.
+    BounceLimit,
+}
+
+impl Fate {
+    /// All fates, in the order of the file.
+    pub const ALL: [Fate; 10] = [
+        Fate::Retroreflected,
+        Fate::LeftAfter1,
+        Fate::LeftAfter2,
+        Fate::AntiparallelOther,
+        Fate::Deviated,
+        Fate::Transmitted,
+        Fate::Absorbed,
+        Fate::Missed,
+        Fate::OutOfRange,
+        Fate::BounceLimit,
+    ];
+
+    /// The name in the file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Fate::Retroreflected => "retroreflected",
+            Fate::LeftAfter1 => "left_after_1",
+            Fate::LeftAfter2 => "left_after_2",
+            Fate::AntiparallelOther => "antiparallel_other",
+            Fate::Deviated => "deviated",
+            Fate::Transmitted => "transmitted",
+            Fate::Absorbed => "absorbed",
+            Fate::Missed => "missed",
+            Fate::OutOfRange => "out_of_range",
+            Fate::BounceLimit => "bounce_limit",
+        }
+    }
+}

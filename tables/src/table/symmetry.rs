@@ -1,0 +1,77 @@
+//! How a distribution repeats around the normal, so that a sector of azimuths stands for all.
+
+use ndarray::{Array2, s};
+
+use crate::table::exact::Path;
+
+/// Most rotations that a table may claim; a hexagonal lattice has 6.
+pub(crate) const MOST_ROTATIONS: u32 = 360;
+
+/// The symmetry of a sheet about its normal, as far as ray shifts see it.
+///
+/// In the incidence frame a rotated direction has the same distribution, and a mirrored one the same with v turned
+/// over; so no value is computed, only looked up at another azimuth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Symmetry {
+    /// Azimuths that differ by 360 / `rotations` degrees have one distribution; 1 where no two have.
+    pub rotations: u32,
+    /// Azimuth of a mirror plane, degrees: azimuths at equal angles on both sides of it have mirrored distributions.
+    pub mirror_deg: Option<f64>,
+}
+
+impl Symmetry {
+    /// No two azimuths have one distribution.
+    pub const NONE: Symmetry = Symmetry {
+        rotations: 1,
+        mirror_deg: None,
+    };
+
+    /// The smallest sector that stands for all azimuths: its first azimuth and its width, degrees. With a mirror both of
+    /// its ends are mirror planes; without, its end is its beginning again.
+    ///
+    /// ```
+    /// let six = tables::Symmetry { rotations: 6, mirror_deg: Some(0.0) };
+    /// assert_eq!(six.sector_deg(), (0.0, 30.0));
+    /// ```
+    pub fn sector_deg(&self) -> (f64, f64) {
+        let turn = 360.0 / f64::from(self.rotations);
+        match self.mirror_deg {
+            Some(mirror) => (mirror, turn / 2.0),
+            None => (0.0, turn),
+        }
+    }
+
+    /// The azimuths that have the distribution of `azimuth_deg`, in [0, 360), and whether it is mirrored there.
+    pub fn images(&self, azimuth_deg: f64) -> impl Iterator<Item = (f64, bool)> + use<> {
+        let turn = 360.0 / f64::from(self.rotations);
+        let mirrored = self.mirror_deg.map(|mirror| 2.0 * mirror - azimuth_deg);
+        let starts = [Some((azimuth_deg, false)), mirrored.map(|x| (x, true))];
+        let rotations = 0..self.rotations;
+        starts.into_iter().flatten().flat_map(move |(x, mirrored)| {
+            rotations
+                .clone()
+                .map(move |k| ((x + f64::from(k) * turn).rem_euclid(360.0), mirrored))
+        })
+    }
+}
+
+/// A histogram `[v, u]` seen in a mirror that holds the plane of incidence.
+pub(crate) fn mirrored(probability: Array2<f64>) -> Array2<f64> {
+    probability.slice_move(s![..;-1, ..])
+}
+
+/// Paths seen in a mirror that holds the plane of incidence: v is turned over, and with it the sense of a polygon.
+pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
+    let mirrored = |path: &Path| {
+        let ([[uu, uv], [vu, vv]], [u, v]) = (path.matrix, path.offset);
+        let [across, along_v] = path.deviation;
+        Path {
+            polygon: path.polygon.iter().rev().map(|&[u, v]| [u, -v]).collect(),
+            matrix: [[uu, -uv], [-vu, vv]],
+            offset: [u, -v],
+            weight: path.weight,
+            deviation: [across, -along_v],
+        }
+    };
+    paths.iter().map(mirrored).collect()
+}
