@@ -74,7 +74,8 @@ test-mpi: rust tools
 		echo "test-mpi: no mpirun: install Open MPI or MPICH (Debian: libopenmpi-dev openmpi-bin libclang-dev)" >&2; exit 1; }
 	@echo "== ranks of MPI" >&2
 	@$(CARGO) clippy --workspace --features bake/mpi --all-targets --locked -- -D warnings
-	@$(CARGO) test --workspace --features bake/mpi --test mpi --test ranks --locked
+	@$(CARGO) test --workspace --features bake/mpi --test mpi --locked
+	@$(CARGO) test -p bake --features mpi --lib --locked -- ranks
 
 # The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes, then its verbs.
 test-lean: rust tools

@@ -4,5 +4,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    bake::cli::cli::main(std::env::args_os())
+    bake::cli::main(std::env::args_os())
 }

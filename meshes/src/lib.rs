@@ -11,31 +11,22 @@
 //! assert!((cell.entrance.height - 1.0 / 3f64.sqrt()).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
 #![forbid(unsafe_code)]
+#![warn(unreachable_pub)]
 
-pub mod apex;
-pub mod buffer;
-pub mod cell;
-pub mod check;
+// The rooms, ground first: each imports only those before it.
+mod cell;
 pub mod design;
-pub mod entrance;
-pub mod error;
-pub mod frame;
-pub mod glb;
-pub mod gltf;
-pub mod mesh;
-pub mod normalise;
-pub mod normals;
-pub mod obj;
-pub mod polygon;
-pub mod prism;
-pub mod rim;
-pub mod surface;
-pub mod weld;
-pub mod write;
+mod files;
+mod mesh;
 
-pub use cell::{Cell, Entrance};
-pub use error::{Error, Fault};
-pub use mesh::{Mesh, load};
-pub use normalise::{CellOptions, load_cell, normalise};
-pub use normals::Normals;
+// The public interface.
+pub use cell::cell::{Cell, Entrance};
+pub use cell::normalise::{load_cell, normalise};
+pub use cell::normals::Normals;
+pub use cell::options::CellOptions;
+pub use files::load::load;
+pub use files::{gltf, obj, write};
+pub use mesh::error::{Counted, Error, Fault};
+pub use mesh::mesh::Mesh;

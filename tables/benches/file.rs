@@ -2,7 +2,7 @@
 //!
 //! `make bench`, or `cargo bench -p tables --bench file`
 
-#[path = "../tests/sample/mod.rs"]
+#[path = "../tests/all/sample/mod.rs"]
 mod sample;
 
 use divan::Bencher;

@@ -43,6 +43,7 @@ pub use table::counts::l1;
 pub use table::deviation::{self, Deviations};
 pub use table::exact::{Exact, Path};
 pub use table::fate::Fate;
+pub use table::polygon;
 pub use table::provenance::{GENERATOR, Provenance};
 pub use table::shards::{MOST_SHARDS, Shards};
 pub use table::symmetry::Symmetry;

@@ -2,6 +2,7 @@
 //!
 //! Without the test harness, because `serve` must come first in `main`: the reading process is this program again.
 
+#[path = "all/sample/mod.rs"]
 mod sample;
 
 use std::path::Path;

@@ -7,7 +7,7 @@ use tests::rooms::{self, Sources, circles, imports, room, upward};
 
 /// The rooms of each crate, ground first: a room imports only rooms before it.
 const ORDER: [(&str, &[&str]); 4] = [
-    ("meshes", &["files", "cell", "design"]),
+    ("meshes", &["mesh", "files", "cell", "design"]),
     (
         "tables",
         &[

@@ -1,19 +1,28 @@
-//! The cells that are measured.
+//! The cells that are measured, and bakes of them on one thread.
 #![allow(dead_code, reason = "each benchmark takes what it needs")]
 
-use bake::rays::path::Rules;
+use bake::{Plan, Prepared, Request, Watch, trace};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
+use tables::Table;
 
-/// Mirrors behind a flat face of acrylic.
-pub const RULES: Rules = Rules::mirrors(1.49);
+/// The ten directions of the default bake, mirrors behind a flat face of acrylic, one thread.
+pub fn request() -> Request {
+    Request {
+        incidence: "0:45:5".into(),
+        azimuth: "30".into(),
+        refractive_index: Some(1.49),
+        threads: Some(1),
+        ..Request::default()
+    }
+}
 
-/// The ten directions of the default bake.
-pub const INCIDENCE_DEG: [f64; 10] = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];
-
-/// Their azimuth, degrees.
-pub const AZIMUTH_DEG: f64 = 30.0;
+/// The table of a cell that is dissected already.
+pub fn bake(cell: &Prepared, request: &Request) -> Table {
+    let plan = Plan::new(request).expect("a valid request");
+    trace(cell, &plan, Watch::none()).expect("bakes")
+}
 
 pub fn design(shape: Shape) -> Cell {
     cell(&Design::new(shape).mesh().expect("a design"))
@@ -42,6 +51,7 @@ pub fn sheet() -> Cell {
     cell(&mesh)
 }
 
-fn cell(mesh: &Mesh) -> Cell {
+/// The cell of a mesh in memory.
+pub fn cell(mesh: &Mesh) -> Cell {
     meshes::normalise(mesh, Path::new("mesh"), &CellOptions::default()).expect("a cell")
 }

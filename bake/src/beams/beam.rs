@@ -9,12 +9,10 @@ use tables::Fate;
 
 use crate::beams::candidate::Candidate;
 use crate::beams::parts::{bounds_of_all, total_area, without};
-use crate::beams::view::{Affine, Isometry, Shadow, View};
-use crate::geometry::polygon;
-use crate::geometry::polygon::Polygon;
-use crate::optics::light::Light;
-use crate::optics::mirror as optics;
-use crate::rays::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
+use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
+use crate::geometry::{Polygon, polygon};
+use crate::optics::mirror;
+use crate::optics::{BOUNCE_LIMIT, Light, Rules, element, fate_of_leaving};
 
 /// How far a beam looks for lattice copies at first, edge lengths; four times further each time that is not enough.
 const FIRST_LOOK: f64 = 4.0;
@@ -28,7 +26,7 @@ const STRAIGHT: f64 = 1e-12;
 
 /// Retroreflected light of one facet sequence.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Piece {
+pub(crate) struct LitPiece {
     pub polygon: Polygon,
     /// shift = matrix p + offset.
     pub matrix: DMat2,
@@ -41,8 +39,8 @@ pub(crate) struct Piece {
 
 /// What became of the light of one direction.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Outcome {
-    pub pieces: Vec<Piece>,
+pub(crate) struct Followed {
+    pub pieces: Vec<LitPiece>,
     /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns is in `pieces` alone.
     pub area: [f64; Fate::ALL.len()],
     /// Net area of the slivers given up as rounding, square edge lengths.
@@ -51,14 +49,14 @@ pub(crate) struct Outcome {
 
 /// What the light of a beam has in common: the facets that it has met.
 #[derive(Clone, Copy)]
-struct Course {
+struct BeamCourse {
     isometry: Isometry,
     reflections: u32,
     /// `None` without losses.
     light: Option<Light>,
 }
 
-impl Course {
+impl BeamCourse {
     /// Power that is left, 1 at the launch.
     fn power(&self) -> f64 {
         self.light.map_or(1.0, |light| light.power())
@@ -73,9 +71,9 @@ impl Course {
 
 struct Beam {
     polygon: Polygon,
-    course: Course,
+    course: BeamCourse,
     /// Depth of the facet that it leaves.
-    depth: Affine,
+    depth: Depth,
 }
 
 /// What a beam looks for facets with.
@@ -90,11 +88,11 @@ struct Ahead<'a> {
 }
 
 /// Follows all light of one direction to its end.
-pub(crate) fn trace(view: &View, rules: &Rules) -> Outcome {
-    let mut tracer = Tracer {
+pub(crate) fn trace(view: &View, rules: &Rules) -> Followed {
+    let mut tracer = Follower {
         view,
         rules,
-        outcome: Outcome {
+        outcome: Followed {
             pieces: Vec::new(),
             area: [0.0; Fate::ALL.len()],
             dropped: 0.0,
@@ -108,20 +106,20 @@ pub(crate) fn trace(view: &View, rules: &Rules) -> Outcome {
     tracer.outcome
 }
 
-struct Tracer<'a> {
+struct Follower<'a> {
     view: &'a View,
     rules: &'a Rules,
-    outcome: Outcome,
+    outcome: Followed,
     pending: Vec<Beam>,
 }
 
-impl Tracer<'_> {
+impl Follower<'_> {
     /// First facets. A periodic cell is lit facet by facet, not parallelogram by parallelogram: the entry points of one
     /// facet of the base period, wherever they are, so that no beam is cut at the parallelogram's sides.
     fn enter(&mut self) {
         let view = self.view;
         let index = self.rules.refractive_index;
-        let course = Course {
+        let course = BeamCourse {
             isometry: Isometry::IDENTITY,
             reflections: 0,
             light: self
@@ -152,7 +150,7 @@ impl Tracer<'_> {
             }
         }
         let unlit = view.entrance_area - lit;
-        match crate::optics::element::unmet(self.rules.element) {
+        match element::unmet(self.rules.element) {
             Fate::Missed => self.settle(unlit * power, Fate::Missed),
             through => {
                 let outside = course.power_outside(view.direction, index);
@@ -175,19 +173,18 @@ impl Tracer<'_> {
                 .collect();
             let leave = view.travel_to_leave(&points, -view.direction);
             let (low, high) = bounds_of_all(&parts);
+            let flight = Flight {
+                isometry: &Isometry::IDENTITY,
+                from: &points,
+                toward: -view.direction,
+                travel: leave.min(look),
+            };
             for shadow in base {
-                view.copies(
-                    shadow,
-                    &Isometry::IDENTITY,
-                    &points,
-                    -view.direction,
-                    leave.min(look),
-                    |step| {
-                        if shadow.may_touch(step, low, high) {
-                            self.hide(&mut parts, candidate, shadow.moved(step));
-                        }
-                    },
-                );
+                view.copies(shadow, &flight, |step| {
+                    if shadow.may_touch(step, low, high) {
+                        self.hide(&mut parts, candidate, shadow.moved(step));
+                    }
+                });
             }
             if parts.is_empty() || view.lattice.is_none() || leave <= look || look >= LAST_LOOK {
                 return parts;
@@ -268,24 +265,22 @@ impl Tracer<'_> {
         let view = self.view;
         let boxes: Vec<_> = parts.iter().map(|part| polygon::bounds(part)).collect();
         let mut candidates: Vec<Vec<Candidate>> = parts.iter().map(|_| Vec::new()).collect();
+        let flight = Flight {
+            isometry: &beam.course.isometry,
+            from: &ahead.from,
+            toward,
+            travel: ahead.leave.min(look),
+        };
         for shadow in &ahead.shadows {
-            let travel = ahead.leave.min(look);
-            view.copies(
-                shadow,
-                &beam.course.isometry,
-                &ahead.from,
-                toward,
-                travel,
-                |step| {
-                    for (i, &(low, high)) in boxes.iter().enumerate() {
-                        if shadow.may_touch(step, low, high) {
-                            let (copy, start) = (shadow.moved(step), Some(&beam.depth));
-                            let candidate = Candidate::new(copy, &parts[i], start, view.least_area);
-                            candidates[i].extend(candidate);
-                        }
+            view.copies(shadow, &flight, |step| {
+                for (i, &(low, high)) in boxes.iter().enumerate() {
+                    if shadow.may_touch(step, low, high) {
+                        let (copy, start) = (shadow.moved(step), Some(&beam.depth));
+                        let candidate = Candidate::new(copy, &parts[i], start, view.least_area);
+                        candidates[i].extend(candidate);
                     }
-                },
-            );
+                }
+            });
         }
         candidates
     }
@@ -335,7 +330,7 @@ impl Tracer<'_> {
     }
 
     /// What the light sees of each candidate: (its number, convex part).
-    fn visible(&self, candidates: &[Candidate], start: &Affine) -> Vec<(usize, Polygon)> {
+    fn visible(&self, candidates: &[Candidate], start: &Depth) -> Vec<(usize, Polygon)> {
         let least = self.view.least_area;
         let mut visible = Vec::new();
         for (i, candidate) in candidates.iter().enumerate() {
@@ -367,7 +362,7 @@ impl Tracer<'_> {
     }
 
     /// Reflects what hit a facet, or ends it there.
-    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, course: &Course) {
+    fn hit(&mut self, shadow: &Shadow, polygon: Polygon, course: &BeamCourse) {
         let rules = self.rules;
         let facet = &self.view.facets[shadow.facet];
         let travel = course.isometry.linear * self.view.direction;
@@ -382,7 +377,7 @@ impl Tracer<'_> {
             return self.settle(area, Fate::Transmitted);
         }
         let offset = facet.offset + facet.normal.dot(shadow.translation);
-        let mut onward = Course {
+        let mut onward = BeamCourse {
             isometry: course.isometry.reflected(facet.normal, offset),
             reflections: course.reflections + 1,
             light: course.light,
@@ -402,7 +397,7 @@ impl Tracer<'_> {
     /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to `rest` within rounding.
     fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
         let rules = self.rules;
-        let Course {
+        let BeamCourse {
             isometry,
             reflections,
             ..
@@ -431,8 +426,8 @@ impl Tracer<'_> {
             direction,
             ..
         } = *self.view;
-        let element = self.rules.element;
-        let plane = crate::optics::element::plane(element, height, floor);
+        let kind = self.rules.element;
+        let plane = element::plane(kind, height, floor);
         // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
         // plane of the shift, as the entry point is along `direction`.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
@@ -442,16 +437,12 @@ impl Tracer<'_> {
         let matrix = DMat2::from_cols(u - DVec2::X, v - DVec2::Y);
         let offset = carry(start) + lead;
         let index = self.rules.refractive_index;
-        let deviation = optics::deviation(
-            direction,
-            crate::optics::element::straight_back(element, toward),
-            index,
-        );
+        let deviation = mirror::deviation(direction, element::straight_back(kind, toward), index);
         let straight = deviation.length() < STRAIGHT;
         let deviation = if straight { DVec2::ZERO } else { deviation };
         self.outcome
             .pieces
-            .extend(parts.into_iter().map(|polygon| Piece {
+            .extend(parts.into_iter().map(|polygon| LitPiece {
                 polygon,
                 matrix,
                 offset,

@@ -10,15 +10,14 @@
 
 use glam::{DMat2, DVec2};
 
-use crate::geometry::polygon;
-use crate::geometry::polygon::{HalfPlane, Polygon};
+use crate::geometry::{HalfPlane, Polygon, polygon};
 
 /// Images thinner than this (ratio of the map's singular values) are binned on the entrance plane.
 const THIN: f64 = 1e-3;
 
 /// A shift histogram being filled: `[v][u]`, row-major.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Bins {
+pub(crate) struct Histogram {
     bins: usize,
     range: f64,
     /// Mass of each bin.
@@ -28,10 +27,10 @@ pub(crate) struct Bins {
     row_sums: Vec<f64>,
 }
 
-impl Bins {
+impl Histogram {
     /// An empty histogram of `bins` x `bins` over [-range, range], edge lengths.
-    pub fn new(bins: usize, range: f64) -> Self {
-        Bins {
+    pub(crate) fn new(bins: usize, range: f64) -> Self {
+        Histogram {
             bins,
             range,
             mass: vec![0.0; bins * bins],
@@ -42,7 +41,7 @@ impl Bins {
 
     /// Adds the shifts matrix p + offset of the entry points p of a polygon, each square edge length of it weighing
     /// `density`.
-    pub fn add(&mut self, polygon: &[DVec2], matrix: DMat2, offset: DVec2, density: f64) {
+    pub(crate) fn add(&mut self, polygon: &[DVec2], matrix: DMat2, offset: DVec2, density: f64) {
         let mass = density * polygon::area(polygon);
         if mass <= 0.0 {
             return;
@@ -266,9 +265,9 @@ mod tests {
         ];
         for (matrix, offset) in cases {
             let polygon = hexagon(0.45);
-            let mut bins = Bins::new(40, 2.0);
+            let mut bins = Histogram::new(40, 2.0);
             bins.add(&polygon, matrix, offset, 1.0);
-            let mut cut = Bins::new(40, 2.0);
+            let mut cut = Histogram::new(40, 2.0);
             cut.add_strips(&polygon, matrix * 10.0, (offset + 2.0) * 10.0, 1.0);
             let oracle = by_boxes(&polygon, matrix, offset, 40, 2.0);
             let worst = |mass: &[f64]| {
@@ -293,13 +292,13 @@ mod tests {
             DVec2::splat(1.0),
             DVec2::new(-1.0, 1.0),
         ];
-        let mut bins = Bins::new(8, 2.0);
+        let mut bins = Histogram::new(8, 2.0);
         bins.add(&square, DMat2::IDENTITY, DVec2::ZERO, 1.0);
         for (i, &mass) in bins.mass.iter().enumerate() {
             let inside = (2..6).contains(&(i % 8)) && (2..6).contains(&(i / 8));
             assert_eq!(mass, if inside { 0.25 } else { 0.0 });
         }
-        let mut full = Bins::new(8, 2.0);
+        let mut full = Histogram::new(8, 2.0);
         full.add(&square, 2.0 * DMat2::IDENTITY, DVec2::ZERO, 1.0);
         assert!(
             full.mass.iter().all(|&mass| mass == 4.0 / 64.0),
@@ -312,15 +311,15 @@ mod tests {
     fn a_shared_shift_falls_into_one_bin_and_a_segment_into_a_row() {
         let polygon = hexagon(0.5);
         let whole = polygon::area(&polygon);
-        let mut point = Bins::new(8, 2.0);
+        let mut point = Histogram::new(8, 2.0);
         point.add(&polygon, DMat2::ZERO, DVec2::new(0.6, -0.1), 1.0);
         assert!((point.mass[3 * 8 + 5] - whole).abs() < 1e-15);
         assert_eq!(point.mass.iter().filter(|&&mass| mass > 0.0).count(), 1);
-        let mut far = Bins::new(8, 2.0);
+        let mut far = Histogram::new(8, 2.0);
         far.add(&polygon, DMat2::ZERO, DVec2::new(2.0, 0.0), 1.0);
         assert_eq!(far.mass.iter().sum::<f64>(), 0.0);
         assert!((far.out_of_range - whole).abs() < 1e-15);
-        let mut segment = Bins::new(8, 2.0);
+        let mut segment = Histogram::new(8, 2.0);
         segment.add(
             &polygon,
             DMat2::from_cols(DVec2::new(-2.0, 0.0), DVec2::ZERO),

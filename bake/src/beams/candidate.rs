@@ -2,9 +2,8 @@
 
 use glam::DVec2;
 
-use crate::beams::view::{Affine, Shadow};
-use crate::geometry::polygon;
-use crate::geometry::polygon::{HalfPlane, Polygon};
+use crate::beams::view::{Depth, Shadow};
+use crate::geometry::{HalfPlane, Polygon, polygon};
 
 /// A facet's shadow on a beam, cut to the beam.
 pub(crate) struct Candidate {
@@ -18,10 +17,10 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     /// `None` where the shadow misses `polygon` or lies before `start`.
-    pub fn new(
+    pub(crate) fn new(
         shadow: Shadow,
         polygon: &[DVec2],
-        start: Option<&Affine>,
+        start: Option<&Depth>,
         least: f64,
     ) -> Option<Self> {
         let (low, high) = polygon::bounds(polygon);
@@ -47,14 +46,14 @@ impl Candidate {
     }
 
     /// Whether the two can overlap, `self` in front somewhere.
-    pub fn may_hide(&self, other: &Candidate) -> bool {
+    pub(crate) fn may_hide(&self, other: &Candidate) -> bool {
         let ((low, high), (other_low, other_high)) =
             (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
         self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
     }
 
     /// Where the facet lies before one at `depth` + `tie`: a positive tie hides a facet that coincides.
-    pub fn hiding(&self, depth: &Affine, start: Option<&Affine>, tie: f64) -> Vec<HalfPlane> {
+    pub(crate) fn hiding(&self, depth: &Depth, start: Option<&Depth>, tie: f64) -> Vec<HalfPlane> {
         polygon::edges(&self.shadow.outline)
             .chain([self.shadow.depth.at_most(depth, tie)])
             .chain(start.map(|start| start.at_most(&self.shadow.depth, self.shadow.slack)))

@@ -8,10 +8,8 @@
 
 use rayon::prelude::*;
 
-use crate::beams::exact::Share;
-
-/// Most that an exact mean over azimuths is off: L1 of eta x histogram together with the shares of the fates.
-pub const MEAN_ERROR: f64 = 1e-4;
+use crate::beams::share::Share;
+use crate::cell::MEAN_ERROR;
 
 /// Parts of a turn that are halved at least once: of one degree.
 const PARTS: usize = 360;

@@ -1,12 +1,19 @@
-//! TODO
+//! Light as polygons: the exact distribution of shifts of cells of planar facets.
+//!
+//! A [`crate::cell::ExactCell`], the rules and directions enter; polygons with their maps, fates and exact bins leave. This
+//! room may touch `cell`, `optics` and `geometry`. It takes no samples.
 
-pub mod beam;
-pub mod bins;
-pub mod body;
-pub mod candidate;
-pub mod exact;
-pub mod mean;
-pub mod parts;
-pub mod paths;
-pub mod rim;
-pub mod view;
+mod beam;
+mod bins;
+mod candidate;
+pub(crate) mod exact;
+mod mean;
+mod parts;
+mod paths;
+mod share;
+mod view;
+
+#[cfg(test)]
+pub(crate) use exact::{bake, prepare, spread};
+#[cfg(test)]
+pub(crate) use share::Share;

@@ -2,8 +2,7 @@
 
 use glam::DVec2;
 
-use crate::geometry::polygon;
-use crate::geometry::polygon::{HalfPlane, Polygon};
+use crate::geometry::{HalfPlane, Polygon, polygon};
 
 /// Sum of the areas.
 pub(crate) fn total_area(parts: &[Polygon]) -> f64 {

@@ -7,10 +7,9 @@
 use glam::DVec2;
 use tables::Path;
 
-use crate::beams::beam::Piece;
+use crate::beams::beam::LitPiece;
 use crate::beams::view::View;
-use crate::geometry::polygon;
-use crate::geometry::polygon::Polygon;
+use crate::geometry::{Polygon, polygon};
 
 /// Maps closer than this are the same one, relative to the offset's size: rounding of a few reflections is 1e-15.
 const SAME_MAP: f64 = 1e-13;
@@ -22,17 +21,17 @@ const SAME_WEIGHT: f64 = 1e-13;
 const SAME_DIRECTION: f64 = 1e-12;
 
 /// The table's paths.
-pub(crate) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
+pub(crate) fn merge(mut pieces: Vec<LitPiece>, view: &View) -> Vec<Path> {
     if let Some(lattice) = view.lattice {
         pieces
             .iter_mut()
             .for_each(|piece| bring_home(piece, lattice));
     }
-    let mut paths: Vec<Piece> = Vec::new();
+    let mut paths: Vec<LitPiece> = Vec::new();
     let mut rest = pieces;
     while !rest.is_empty() {
         let first = rest[0].clone();
-        let (group, others): (Vec<Piece>, Vec<Piece>) =
+        let (group, others): (Vec<LitPiece>, Vec<LitPiece>) =
             rest.into_iter().partition(|piece| same_map(piece, &first));
         rest = others;
         let slack = 4.0 * view.least_area;
@@ -40,7 +39,7 @@ pub(crate) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
             group.into_iter().map(|piece| piece.polygon).collect(),
             slack,
         );
-        paths.extend(polygons.into_iter().map(|polygon| Piece {
+        paths.extend(polygons.into_iter().map(|polygon| LitPiece {
             polygon,
             ..first.clone()
         }));
@@ -49,7 +48,7 @@ pub(crate) fn merge(mut pieces: Vec<Piece>, view: &View) -> Vec<Path> {
 }
 
 /// Moves a piece by the lattice vector that brings its fixed point into the base period.
-fn bring_home(piece: &mut Piece, [a, b]: [DVec2; 2]) {
+fn bring_home(piece: &mut LitPiece, [a, b]: [DVec2; 2]) {
     if piece.matrix.determinant().abs() < 1e-3 {
         return;
     }
@@ -64,7 +63,7 @@ fn bring_home(piece: &mut Piece, [a, b]: [DVec2; 2]) {
     }
 }
 
-fn same_map(a: &Piece, b: &Piece) -> bool {
+fn same_map(a: &LitPiece, b: &LitPiece) -> bool {
     let slack = SAME_MAP * (1.0 + a.offset.length());
     let linear = a.matrix - b.matrix;
     (a.weight - b.weight).abs() <= SAME_WEIGHT
@@ -102,7 +101,7 @@ fn unite(mut polygons: Vec<Polygon>, slack: f64) -> Vec<Polygon> {
     polygons
 }
 
-fn path(piece: Piece) -> Path {
+fn path(piece: LitPiece) -> Path {
     let [u, v] = piece.matrix.to_cols_array_2d();
     Path {
         polygon: piece.polygon.iter().map(|p| p.to_array()).collect(),

@@ -7,33 +7,28 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::beams::body::Body;
-use crate::cell::planes::Facet;
-use crate::geometry::polygon;
-use crate::geometry::polygon::{HalfPlane, Polygon};
-use crate::optics::ray::Direction;
-
-/// Facets seen at less than this (sine of the angle to the beam) are edge-on: they catch nothing.
-const EDGE_ON: f64 = 1e-14;
+use crate::cell::{Body, Facet};
+use crate::geometry::{HalfPlane, Polygon, polygon};
+use crate::optics::{EDGE_ON, Incidence};
 
 /// Light that has left a facet's front by less than this is not behind it, edge lengths: far above rounding.
 const OFF: f64 = 1e-12;
 
-/// An affine function of the entry point.
+/// The distance that light has travelled, an affine function of its entry point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Affine {
+pub(crate) struct Depth {
     pub anchor: DVec2,
     pub value: f64,
     pub gradient: DVec2,
 }
 
-impl Affine {
-    pub fn at(&self, p: DVec2) -> f64 {
+impl Depth {
+    pub(crate) fn at(&self, p: DVec2) -> f64 {
         self.value + self.gradient.dot(p - self.anchor)
     }
 
     /// Where `self` is at most `other` + `slack`.
-    pub fn at_most(&self, other: &Affine, slack: f64) -> HalfPlane {
+    pub(crate) fn at_most(&self, other: &Depth, slack: f64) -> HalfPlane {
         HalfPlane {
             gradient: self.gradient - other.gradient,
             anchor: self.anchor,
@@ -50,13 +45,13 @@ pub(crate) struct Isometry {
 }
 
 impl Isometry {
-    pub const IDENTITY: Isometry = Isometry {
+    pub(crate) const IDENTITY: Isometry = Isometry {
         linear: DMat3::IDENTITY,
         shift: DVec3::ZERO,
     };
 
     /// Followed by the reflection in the plane normal.x = offset.
-    pub fn reflected(&self, normal: DVec3, offset: f64) -> Isometry {
+    pub(crate) fn reflected(&self, normal: DVec3, offset: f64) -> Isometry {
         let mirror = |x: DVec3| x - 2.0 * normal.dot(x) * normal;
         let l = &self.linear;
         Isometry {
@@ -77,7 +72,7 @@ pub(crate) struct Shadow {
     pub low: DVec2,
     pub high: DVec2,
     /// Distance travelled to it, by entry point.
-    pub depth: Affine,
+    pub depth: Depth,
     /// How far behind its start a beam may seem to meet it: less than 0 for the back of a facet, which light that leaves the
     /// facet's front does not meet.
     pub slack: f64,
@@ -85,7 +80,7 @@ pub(crate) struct Shadow {
 
 /// What a lattice translation does to a shadow.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Step {
+pub(crate) struct Translation {
     translation: DVec3,
     entry: DVec2,
     depth: f64,
@@ -93,24 +88,98 @@ pub(crate) struct Step {
 
 impl Shadow {
     /// Whether the copy's outline can overlap a box of entry points.
-    pub fn may_touch(&self, step: &Step, low: DVec2, high: DVec2) -> bool {
+    pub(crate) fn may_touch(&self, step: &Translation, low: DVec2, high: DVec2) -> bool {
         (self.low + step.entry).cmplt(high).all() && (self.high + step.entry).cmpgt(low).all()
     }
 
     /// The copy.
-    pub fn moved(&self, step: &Step) -> Shadow {
+    pub(crate) fn moved(&self, step: &Translation) -> Shadow {
         Shadow {
             facet: self.facet,
             translation: self.translation + step.translation,
             outline: self.outline.iter().map(|&p| p + step.entry).collect(),
             low: self.low + step.entry,
             high: self.high + step.entry,
-            depth: Affine {
+            depth: Depth {
                 anchor: self.depth.anchor + step.entry,
                 value: self.depth.value + step.depth,
                 ..self.depth
             },
             slack: self.slack,
+        }
+    }
+}
+
+/// Light on its way, in real space.
+pub(crate) struct Flight<'a> {
+    /// From unfolded space to real space.
+    pub isometry: &'a Isometry,
+    /// Where it starts.
+    pub from: &'a [DVec3],
+    /// Where it goes, unit length.
+    pub toward: DVec3,
+    /// How far it goes.
+    pub travel: f64,
+}
+
+/// An axis of the plane, and the least and the greatest coordinate along it.
+type Span = (DVec2, f64, f64);
+
+impl Flight<'_> {
+    /// Where the translations lie that bring `facet` into the way of the light, along its way and across.
+    fn strip(&self, facet: &[DVec3]) -> [Span; 2] {
+        let horizontal = self.toward.truncate();
+        let along = horizontal.try_normalize().unwrap_or(DVec2::X);
+        let span = |points: &[DVec3], axis: DVec2| {
+            let start = (f64::INFINITY, f64::NEG_INFINITY);
+            let widened = |(low, high), x: f64| (f64::min(low, x), f64::max(high, x));
+            points
+                .iter()
+                .map(|x| x.truncate().dot(axis))
+                .fold(start, widened)
+        };
+        // Copies that touch the strip's rim by rounding must not be lost: the strip is widened by far more than that.
+        let widen = 1e-9;
+        // A translation r is wanted where along.r and across.r lie in these ranges.
+        [along, along.perp()].map(|axis| {
+            let (start, target) = (span(self.from, axis), span(facet, axis));
+            let ahead = self.travel * horizontal.dot(axis).abs();
+            (
+                axis,
+                start.0 - target.1 - widen,
+                start.1 + ahead - target.0 + widen,
+            )
+        })
+    }
+}
+
+/// Visits the lattice vectors i a + j b whose coordinates lie in both spans.
+fn vectors_between([a, b]: [DVec2; 2], strip: [Span; 2], mut visit: impl FnMut(DVec2)) {
+    // The strip's corners bound j.
+    let [(x, x_low, x_high), (y, y_low, y_high)] = strip;
+    let rows = [
+        (x_low, y_low),
+        (x_high, y_low),
+        (x_low, y_high),
+        (x_high, y_high),
+    ]
+    .map(|(along, across)| a.perp_dot(along * x + across * y) / a.perp_dot(b));
+    let first = rows.into_iter().fold(f64::INFINITY, f64::min).floor() as i64;
+    let last = rows.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() as i64;
+    for j in first..=last {
+        let row = j as f64 * b;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (axis, range_low, range_high) in strip {
+            let (pace, start) = (a.dot(axis), row.dot(axis));
+            if pace.abs() > 1e-12 * a.length() {
+                let (one, two) = ((range_low - start) / pace, (range_high - start) / pace);
+                (low, high) = (low.max(one.min(two)), high.min(one.max(two)));
+            } else if start < range_low || start > range_high {
+                high = f64::NEG_INFINITY;
+            }
+        }
+        if low <= high {
+            (low.ceil() as i64..=high.floor() as i64).for_each(|i| visit(i as f64 * a + row));
         }
     }
 }
@@ -136,7 +205,7 @@ pub(crate) struct View {
 
 impl View {
     /// A body seen along `light`.
-    pub fn new(body: &Body, light: &Direction) -> View {
+    pub(crate) fn new(body: &Body, light: &Incidence) -> View {
         // The frame's u is the light's own, so that nothing but rounding is left of v.
         let (sin, cos) = (light.travel.truncate().dot(light.u), -light.travel.z);
         let turn = |p: DVec2| light.to_frame(p);
@@ -167,12 +236,12 @@ impl View {
     }
 
     /// The point of unfolded space where the light that entered at `p` is after travelling `depth`.
-    pub fn point(&self, p: DVec2, depth: f64) -> DVec3 {
+    pub(crate) fn point(&self, p: DVec2, depth: f64) -> DVec3 {
         p.extend(self.height) + depth * self.direction
     }
 
     /// The facets as `beam` meets them, without those that it meets from behind or along.
-    pub fn shadows(&self, beam: &Isometry) -> Vec<Shadow> {
+    pub(crate) fn shadows(&self, beam: &Isometry) -> Vec<Shadow> {
         (0..self.facets.len())
             .filter_map(|facet| self.shadow(facet, beam))
             .collect()
@@ -198,7 +267,7 @@ impl View {
         }
         let (low, high) = polygon::bounds(&outline);
         let gradient = -normal.truncate() / facing;
-        let depth = Affine {
+        let depth = Depth {
             anchor,
             value,
             gradient,
@@ -214,92 +283,39 @@ impl View {
         })
     }
 
-    /// The shadow's copies that light can meet within `travel` of the points `from` (real space) along `toward` (unit
-    /// length), `beam` being the light's isometry. Without a lattice, the shadow itself.
-    pub fn copies(
+    /// The shadow's copies that light can meet on its flight. Without a lattice, the shadow itself.
+    pub(crate) fn copies(
         &self,
         shadow: &Shadow,
-        beam: &Isometry,
-        from: &[DVec3],
-        toward: DVec3,
-        travel: f64,
-        mut visit: impl FnMut(&Step),
+        flight: &Flight,
+        mut visit: impl FnMut(&Translation),
     ) {
-        let still = Step {
+        let still = Translation {
             translation: DVec3::ZERO,
             entry: DVec2::ZERO,
             depth: 0.0,
         };
-        let Some([a, b]) = self.lattice else {
+        let Some(lattice) = self.lattice else {
             visit(&still);
             return;
         };
-        let fold = beam.linear.transpose();
+        let fold = flight.isometry.linear.transpose();
         let step = |translation: DVec2| {
             let translation = translation.extend(0.0);
             let folded = fold * translation;
             let depth = folded.z / self.direction.z;
-            Step {
+            Translation {
                 translation,
                 entry: DVec2::new(folded.x - depth * self.direction.x, folded.y),
                 depth,
             }
         };
-        let horizontal = toward.truncate();
-        let along = horizontal.try_normalize().unwrap_or(DVec2::X);
-        let span = |points: &[DVec3], axis: DVec2| {
-            let start = (f64::INFINITY, f64::NEG_INFINITY);
-            let widened = |(low, high), x: f64| (f64::min(low, x), f64::max(high, x));
-            points
-                .iter()
-                .map(|x| x.truncate().dot(axis))
-                .fold(start, widened)
-        };
-        // Copies that touch the strip's rim by rounding must not be lost: the strip is widened by far more than that.
-        let widen = 1e-9;
         let facet = &self.facets[shadow.facet].corners;
-        // A translation r is wanted where along.r and across.r lie in these ranges.
-        let strip = [along, along.perp()].map(|axis| {
-            let (start, target) = (span(from, axis), span(facet, axis));
-            let ahead = travel * horizontal.dot(axis).abs();
-            (
-                axis,
-                start.0 - target.1 - widen,
-                start.1 + ahead - target.0 + widen,
-            )
-        });
-        // r = i a + j b; the strip's corners bound j.
-        let [(x, x_low, x_high), (y, y_low, y_high)] = strip;
-        let rows = [
-            (x_low, y_low),
-            (x_high, y_low),
-            (x_low, y_high),
-            (x_high, y_high),
-        ]
-        .map(|(along, across)| a.perp_dot(along * x + across * y) / a.perp_dot(b));
-        let first = rows.into_iter().fold(f64::INFINITY, f64::min).floor() as i64;
-        let last = rows.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() as i64;
-        for j in first..=last {
-            let row = j as f64 * b;
-            let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-            for (axis, range_low, range_high) in strip {
-                let (pace, start) = (a.dot(axis), row.dot(axis));
-                if pace.abs() > 1e-12 * a.length() {
-                    let (one, two) = ((range_low - start) / pace, (range_high - start) / pace);
-                    (low, high) = (low.max(one.min(two)), high.min(one.max(two)));
-                } else if start < range_low || start > range_high {
-                    high = f64::NEG_INFINITY;
-                }
-            }
-            if low <= high {
-                (low.ceil() as i64..=high.floor() as i64)
-                    .for_each(|i| visit(&step(i as f64 * a + row)));
-            }
-        }
+        vectors_between(lattice, flight.strip(facet), |vector| visit(&step(vector)));
     }
 
     /// How far light can travel from the points `from` along `toward` before it leaves the layer of facets.
-    pub fn travel_to_leave(&self, from: &[DVec3], toward: DVec3) -> f64 {
+    pub(crate) fn travel_to_leave(&self, from: &[DVec3], toward: DVec3) -> f64 {
         let far = if toward.z > 0.0 {
             self.height
         } else {

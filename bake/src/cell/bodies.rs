@@ -5,7 +5,7 @@
 //! leave only through the aperture, upward. Bodies that are copies of each other (a **kind**) shift it alike, so one of
 //! each kind is traced, as often as the kind's share of the entrance.
 //!
-//! Every condition is checked; where one fails, [`kinds`] says so and the mesh is traced as a whole:
+//! Every condition is checked; where one fails, [`apart`] says so and the mesh is traced as a whole:
 //!
 //! - every edge of a body has a facet on either side, or lies in the entrance plane with the body on its left;
 //! - the latter form one convex loop, the aperture, and no vertex of the body is above or beside it;
@@ -15,8 +15,7 @@
 //! Vertices are shared where their coordinates are equal to the last bit, as they are in a file that gives them the same
 //! digits.
 
-use crate::rays::program;
-use crate::rays::scene::SMALL;
+use crate::cell::limits::PROGRAM_FACETS;
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 use std::collections::HashMap;
@@ -28,20 +27,20 @@ const KINDS: usize = 4096;
 const LARGE_KINDS: usize = 16;
 
 /// Facets of a body at most, for the comparison of bodies is quadratic in them.
-const FACETS: usize = 256;
+const MOST_OF_BODY: usize = 256;
 
 /// Comparisons of rim edges with the entrance's sides at most.
 const COMPARISONS: usize = 1 << 24;
 
 /// Rounding of coordinates, as a part of the mesh's extent: bodies are alike, and points are in the plane, to this.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const COORDINATE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The areas of the apertures add up to that of the entrance to this part of it.
 const COVERED: f64 = 1e-9;
 
 /// Bodies that are copies of each other.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kind {
+pub(crate) struct Kind {
     /// Facets of one of them, moved so that the middle of its aperture's corners is over the origin.
     pub facets: Vec<[DVec3; 3]>,
     /// Its aperture.
@@ -52,7 +51,7 @@ pub struct Kind {
 
 /// Why a cell is traced as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Whole {
+pub(crate) enum Whole {
     /// It is one.
     #[error("the cell has few facets")]
     Small,
@@ -75,7 +74,7 @@ pub enum Whole {
     #[error(
         "more than {KINDS} of its cubes ({LARGE_KINDS} of more than {facets} facets) differ by more than the rounding of \
          their coordinates",
-        facets = program::FACETS
+        facets = PROGRAM_FACETS
     )]
     Unlike,
 }
@@ -83,11 +82,11 @@ pub enum Whole {
 /// A vertex: the same position is the same vertex.
 type Vertex = usize;
 
-/// The kinds of bodies of `cell`, as described above.
+/// The kinds of bodies of `cell`, as described above, however few its facets.
 ///
 /// # Errors
 /// [`Whole`]: why it is not taken apart.
-pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
+pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.normals.is_some() {
         return Err(Whole::Curved);
     }
@@ -97,29 +96,18 @@ pub fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.entrance.lattice.is_some() {
         return Err(Whole::Periodic);
     }
-    if cell.facets.len() < SMALL {
-        return Err(Whole::Small);
-    }
-    apart(cell)
-}
-
-/// As [`kinds`] for a cell without a lattice, however few its facets.
-///
-/// # Errors
-/// [`Whole`]: why it is not taken apart.
-pub fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     // Each body has two facets on its rim at least: where there are too few, one is too large, and nothing is to be looked up.
     let height = cell.entrance.height;
     let extent = cell.facets.iter().flatten().map(|p| p.length());
-    let tolerance = ROUNDING * extent.fold(1.0, f64::max);
+    let tolerance = COORDINATE_ROUNDING * extent.fold(1.0, f64::max);
     let in_plane = |p: &&DVec3| (p.z - height).abs() <= tolerance;
     let on_rim = |facet: &&[DVec3; 3]| facet.iter().filter(in_plane).count() >= 2;
-    if cell.facets.iter().filter(on_rim).count() * FACETS < 2 * cell.facets.len() {
+    if cell.facets.iter().filter(on_rim).count() * MOST_OF_BODY < 2 * cell.facets.len() {
         return Err(Whole::Connected);
     }
-    let surface = Surface::new(cell);
+    let surface = NumberedMesh::new(cell);
     let bodies = surface.bodies().ok_or(Whole::Connected)?;
-    let large = bodies.iter().any(|body| body.len() > program::FACETS);
+    let large = bodies.iter().any(|body| body.len() > PROGRAM_FACETS);
     let most = if large { LARGE_KINDS } else { KINDS };
     let mut kinds: Vec<Kind> = Vec::new();
     let mut by_sum: HashMap<i64, Vec<usize>> = HashMap::new();
@@ -169,7 +157,7 @@ pub fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
 }
 
 /// The facets with their vertices numbered.
-struct Surface {
+struct NumberedMesh {
     points: Vec<DVec3>,
     triangles: Vec<[Vertex; 3]>,
     height: f64,
@@ -177,7 +165,7 @@ struct Surface {
     tolerance: f64,
 }
 
-impl Surface {
+impl NumberedMesh {
     fn new(cell: &Cell) -> Self {
         let mut numbers: HashMap<[u64; 3], Vertex> = HashMap::new();
         let mut points = Vec::new();
@@ -195,11 +183,11 @@ impl Surface {
             .map(|facet| facet.map(&mut number))
             .collect();
         let extent = points.iter().map(|p| p.length()).fold(1.0, f64::max);
-        Surface {
+        NumberedMesh {
             points,
             triangles,
             height: cell.entrance.height,
-            tolerance: ROUNDING * extent,
+            tolerance: COORDINATE_ROUNDING * extent,
         }
     }
 
@@ -248,7 +236,7 @@ impl Surface {
                     }
                 }
             }
-            if body.len() > FACETS {
+            if body.len() > MOST_OF_BODY {
                 return None;
             }
             bodies.push(body);

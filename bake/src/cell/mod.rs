@@ -1,5 +1,24 @@
-//! TODO
+//! What a mesh is to light, found once: the bodies that it falls into, its planar facets and their openings, its symmetry.
+//!
+//! A [`meshes::Cell`] enters; a [`prepared::Prepared`] leaves, which everything above asks instead of the mesh. This room may touch
+//! `geometry` and `optics`. No direction of incidence is known here.
 
-pub mod bodies;
-pub mod planes;
-pub mod symmetry;
+mod bodies;
+mod body;
+mod limits;
+mod part;
+mod planar;
+mod planes;
+mod prepared;
+mod rim;
+mod symmetry;
+
+#[cfg(test)]
+pub(crate) use bodies::Kind;
+pub(crate) use bodies::Whole;
+pub(crate) use body::Body;
+pub(crate) use limits::{MEAN_ERROR, PROGRAM_FACETS, SMALL};
+pub(crate) use planar::ExactCell;
+pub use planar::ExactError;
+pub(crate) use planes::Facet;
+pub use prepared::Prepared;

@@ -8,8 +8,7 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 
 use crate::geometry::polygon;
-use crate::optics::ray::Direction;
-use crate::optics::triangle;
+use crate::optics::{Incidence, triangle};
 
 /// Corners further from a facet's plane than this do not join it, edge lengths. Far above the rounding of a placed
 /// mesh (1e-16), far below a dihedral error that anyone could ask for (1e-9 rad).
@@ -42,7 +41,7 @@ impl Facet {
     }
 
     /// What light meets that comes from behind.
-    pub fn back(&self) -> Facet {
+    pub(crate) fn back(&self) -> Facet {
         Facet {
             corners: self.corners.iter().rev().copied().collect(),
             normal: -self.normal,
@@ -52,13 +51,13 @@ impl Facet {
     }
 
     /// Area of its projection along n, square edge lengths.
-    pub fn area_from_above(&self) -> f64 {
+    pub(crate) fn area_from_above(&self) -> f64 {
         let flat: Vec<DVec2> = self.corners.iter().map(|x| x.truncate()).collect();
         polygon::area(&flat)
     }
 
     /// The facet in the frame of the light: x = u, y = v, z = n.
-    pub fn turned(&self, light: &Direction) -> Facet {
+    pub(crate) fn turned(&self, light: &Incidence) -> Facet {
         let turn = |x: DVec3| light.to_frame(x.truncate()).extend(x.z);
         Facet {
             corners: self.corners.iter().map(|&x| turn(x)).collect(),

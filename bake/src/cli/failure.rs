@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use meshes::Fault;
 use thiserror::Error;
 
-use crate::plan::plan::PlanError;
-use crate::plots::plot;
-use crate::run::run;
-use crate::study::study::StudyError;
+use crate::plan::PlanError;
+use crate::plots::PlotError;
+use crate::run::RunError;
+use crate::study::StudyError;
 
 /// Why a verb failed.
 #[derive(Debug, Error)]
@@ -29,13 +29,13 @@ pub(crate) enum Failure {
     #[error(transparent)]
     Mesh(#[from] meshes::Error),
     #[error(transparent)]
-    Run(#[from] run::RunError),
+    Run(#[from] RunError),
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
     Table(#[from] tables::Error),
     #[error(transparent)]
-    Plot(#[from] plot::PlotError),
+    Plot(#[from] PlotError),
     #[error("{} and {}: {reason}; bake both with the same --incidence, --azimuth, --bins and --range",
         first.display(), second.display())]
     Axes {
@@ -95,14 +95,14 @@ impl Failure {
         match self {
             Failure::Elsewhere => 0,
             Failure::Study(StudyError::Run(_)) => 1,
-            Failure::Run(run::RunError::ShardOfExact | run::RunError::Saved) => 2,
+            Failure::Run(RunError::ShardOfExact | RunError::Saved) => 2,
             Failure::Plan(_)
             | Failure::Study(_)
             | Failure::Numbers { .. }
             | Failure::NotJoined { .. }
             | Failure::Design(_)
             | Failure::MeshExtension(_)
-            | Failure::Plot(plot::PlotError::Extension { .. }) => 2,
+            | Failure::Plot(PlotError::Extension { .. }) => 2,
             // Options that only the mesh's own code can judge.
             Failure::Mesh(error) => match *error.fault {
                 Fault::EdgeLength { .. }

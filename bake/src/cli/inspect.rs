@@ -1,59 +1,136 @@
-//! What is in a table.
+//! `bake inspect`: what is in a table.
 
+use crate::cli::failure::Failure;
+use crate::cli::output::{print, reserve_picture};
 use crate::cli::report::{directions_json, directions_text};
+use crate::plots::exits;
+use crate::plots::histograms;
+use clap::Args;
 use serde_json::json;
-use std::fmt::Write;
-use tables::Exact;
+use std::fmt::{Display, Write};
+use std::path::PathBuf;
 use tables::deviation::Grid;
-use tables::{Symmetry, Table};
+use tables::{Exact, Outputs, Provenance, Symmetry, Table};
+
+/// Options of `bake inspect`.
+#[derive(Debug, Args)]
+pub(crate) struct InspectArgs {
+    /// Table to read
+    table: PathBuf,
+    /// Draws the histograms into a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Draws where the light of cells goes that are not ideal into a .png or .svg file
+    #[arg(long, value_name = "FILE")]
+    plot_deviations: Option<PathBuf>,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `bake inspect`.
+pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
+    let mut outputs = Outputs::beside([args.table.as_path()]);
+    let shifts = reserve_picture(args.plot.as_deref(), &mut outputs)?;
+    let spots = reserve_picture(args.plot_deviations.as_deref(), &mut outputs)?;
+    let table = tables::read(&args.table)?;
+    if let Some((file, output)) = shifts {
+        output.commit(&histograms(&table, file)?)?;
+    }
+    if let Some((file, output)) = spots {
+        output.commit(&exits(&table, file)?)?;
+    }
+    print(&if args.json {
+        json(&table)
+    } else {
+        text(&table)
+    })
+}
+
+/// Lines of a name and a value each.
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, name: &str, value: impl Display) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.0, "{name:20} {value}");
+    }
+}
 
 /// For a person.
-pub fn text(table: &Table) -> String {
+fn text(table: &Table) -> String {
     let from = &table.provenance;
     let axes = &table.axes;
-    let mut text = String::new();
-    let mut line = |name: &str, value: String| {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name:20} {value}");
-    };
-    line("design", from.design.clone());
-    line("mesh SHA-256", from.mesh_hash.clone());
-    line(
+    let mut lines = Lines::default();
+    cell(&mut lines, from);
+    options(&mut lines, from);
+    deviations(&mut lines, table);
+    lines.add(
+        "histogram",
+        format!(
+            "{0} x {0} bins, u and v in [-{1}, {1}] edge lengths",
+            axes.bins, axes.range
+        ),
+    );
+    directions(&mut lines, from);
+    lines.add(
+        "frame",
+        "u along the in-plane direction of travel, v = n x u; the shift is p' - p",
+    );
+    lines.add("generator", &from.generator);
+    lines.add("content SHA-256", table.content_hash());
+    let Lines(mut text) = lines;
+    text.push('\n');
+    text.push_str(&directions_text(table));
+    text
+}
+
+fn cell(lines: &mut Lines, from: &Provenance) {
+    lines.add("design", &from.design);
+    lines.add("mesh SHA-256", &from.mesh_hash);
+    lines.add(
         "edge length",
         format!("{} ({})", from.edge_length, from.edge_length_unit),
     );
     if let Some([a, b]) = from.lattice {
-        line(
+        lines.add(
             "lattice",
             format!("({}, {}), ({}, {}) edge lengths", a[0], a[1], b[0], b[1]),
         );
     }
-    line("refractive index", from.refractive_index.to_string());
-    line(
+    lines.add("refractive index", from.refractive_index.to_string());
+}
+
+fn options(lines: &mut Lines, from: &Provenance) {
+    lines.add(
         "back, losses",
         format!("{}, {}", from.back, from.losses_text()),
     );
     if let Some(nm) = from.wavelength_nm {
-        line("wavelength", format!("{nm} nm"));
+        lines.add("wavelength", format!("{nm} nm"));
     }
     let sampler = from.sampler.as_ref();
     let sampler = sampler.map_or(String::new(), |name| {
         format!(", {name}, seed {}", from.seed)
     });
-    line("method", format!("{}{sampler}", from.method));
+    lines.add("method", format!("{}{sampler}", from.method));
     if !from.options.text().is_empty() {
-        line("options", from.options.to_string());
+        lines.add("options", from.options.to_string());
     }
     if let Some(shards) = &from.shards {
-        line("shards", shards.to_string());
+        lines.add("shards", shards.to_string());
     }
-    line(
+    lines.add(
         "angular tolerance",
         format!("{} deg", from.angular_tolerance_deg),
     );
+}
+
+fn deviations(lines: &mut Lines, table: &Table) {
     let deviation = table.exact.as_ref().map(Exact::largest_deviation_rad);
     if let Some(largest) = deviation.filter(|largest| *largest > 0.0) {
-        line(
+        lines.add(
             "deviation",
             format!("up to {:.4} mrad from straight back", 1e3 * largest),
         );
@@ -64,7 +141,7 @@ pub fn text(table: &Table) -> String {
         let (rms, largest) = spreads.fold((0.0, 0.0), |(rms, largest): (f64, f64), spread| {
             (rms.max(spread.rms_rad), largest.max(spread.largest_rad))
         });
-        line(
+        lines.add(
             "deviation",
             format!(
                 "up to {:.4} mrad from straight back, rms up to {:.4}: {bins} x {bins} bins of {:.4} mrad, with the shift in \
@@ -75,13 +152,10 @@ pub fn text(table: &Table) -> String {
             ),
         );
     }
-    line(
-        "histogram",
-        format!(
-            "{0} x {0} bins, u and v in [-{1}, {1}] edge lengths",
-            axes.bins, axes.range
-        ),
-    );
+}
+
+/// What the directions stand for besides themselves.
+fn directions(lines: &mut Lines, from: &Provenance) {
     let Symmetry {
         rotations,
         mirror_deg,
@@ -90,26 +164,17 @@ pub fn text(table: &Table) -> String {
         let mirror = mirror_deg.map_or(String::new(), |m| {
             format!(", mirror plane at azimuth {m} deg")
         });
-        line(
+        lines.add(
             "symmetry",
             format!("{rotations} rotations{mirror}: every azimuth is looked up among those below"),
         );
     }
     if let Some(tolerance) = from.direction_tolerance {
-        line(
+        lines.add(
             "between directions",
             format!("the polygons are within {tolerance} (total variation of eta x histogram)"),
         );
     }
-    line(
-        "frame",
-        "u along the in-plane direction of travel, v = n x u; the shift is p' - p".into(),
-    );
-    line("generator", from.generator.clone());
-    line("content SHA-256", table.content_hash());
-    text.push('\n');
-    text.push_str(&directions_text(table));
-    text
 }
 
 /// How far light goes from straight back, where the table says so.
@@ -123,7 +188,7 @@ fn largest_deviation_rad(table: &Table) -> Option<f64> {
 }
 
 /// For a script.
-pub fn json(table: &Table) -> String {
+fn json(table: &Table) -> String {
     let from = &table.provenance;
     let value = json!({
         "design": from.design,

@@ -1,11 +1,23 @@
-//! TODO
+//! The program `bake`: one file a verb, what they share, and every error as one sentence and an exit code.
+//!
+//! Words that a user typed enter; text on stdout, warnings and a progress bar on stderr, tables, meshes and pictures on the disk
+//! leave. This room alone prints, reads a command line and chooses exit codes. It may touch every other room.
 
-pub mod check;
-pub mod cli;
-pub mod element;
-pub mod failure;
-pub mod inspect;
-pub mod progress;
-pub mod report;
-pub mod study;
-pub mod trace;
+mod cell;
+#[allow(clippy::module_inception, reason = "the command line itself")]
+mod cli;
+mod compare;
+mod design;
+mod failure;
+mod inspect;
+mod merge;
+mod output;
+mod progress;
+mod report;
+mod study;
+mod trace;
+mod verify;
+
+pub use cli::main;
+#[cfg(test)]
+pub(crate) use report::comparison_text;

@@ -1,12 +1,10 @@
 //! What a bake and a comparison say: one text for a person, one JSON object for a script.
 
+use crate::run::Comparison;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use tables::{Fate, Table};
-
-/// Standard errors by which two retroreflected fractions may differ.
-const SIGMAS: f64 = 4.0;
 
 /// Part of the light in the outermost bins of deviations that is worth a word.
 const OUTERMOST: f64 = 1e-4;
@@ -16,7 +14,7 @@ const FEW_BINS: f64 = 2.0;
 const FINE_MRAD: f64 = 0.01;
 
 /// Report of `bake trace`.
-pub struct Trace<'a> {
+pub(crate) struct Trace<'a> {
     /// The table.
     pub table: &'a Table,
     /// Where it went.
@@ -27,7 +25,7 @@ pub struct Trace<'a> {
 
 impl Trace<'_> {
     /// For a person.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let table = self.table;
         let rays: u64 = table.rays.sum();
         let (incidences, azimuths) = table.axes.shape();
@@ -53,7 +51,7 @@ impl Trace<'_> {
     }
 
     /// What the user should know of the table.
-    pub fn warnings(&self) -> Vec<String> {
+    pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
             warnings.push(
@@ -91,7 +89,7 @@ impl Trace<'_> {
     }
 
     /// For a script.
-    pub fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         let rays: u64 = self.table.rays.sum();
         json!({
             "table": self.file.display().to_string(),
@@ -106,7 +104,7 @@ impl Trace<'_> {
 }
 
 /// One line per direction: angles, retroreflected fraction, error, and the other fates that occur.
-pub fn directions_text(table: &Table) -> String {
+pub(crate) fn directions_text(table: &Table) -> String {
     let mut text = String::from("incidence  azimuth  retroreflected  std. error  other fates\n");
     for ((i, a), &eta) in table.retroreflected.indexed_iter() {
         let azimuth = table.axes.azimuth_deg[a];
@@ -134,7 +132,7 @@ pub fn directions_text(table: &Table) -> String {
 }
 
 /// The same for a script.
-pub fn directions_json(table: &Table) -> Value {
+pub(crate) fn directions_json(table: &Table) -> Value {
     let (deviations, azimuths) = (table.deviations.as_ref(), table.axes.azimuth_deg.len());
     let direction = |((i, a), &eta): ((usize, usize), &f64)| {
         let fates: serde_json::Map<String, Value> = Fate::ALL
@@ -158,122 +156,46 @@ pub fn directions_json(table: &Table) -> Value {
     table.retroreflected.indexed_iter().map(direction).collect()
 }
 
-/// Two tables of the same axes, direction by direction.
-pub struct Comparison {
-    rows: Vec<Row>,
-}
-
-struct Row {
-    incidence_deg: f64,
-    azimuth_deg: f64,
-    l1: f64,
-    largest: f64,
-    /// Difference of the retroreflected fractions in standard errors; 0 where they are equal.
-    sigmas: f64,
-    /// The L1 distance that the counting errors of both tables explain.
-    noise: f64,
-}
-
-impl Comparison {
-    /// Compares two tables.
-    ///
-    /// # Errors
-    /// Which of their axes differ.
-    pub fn new(a: &Table, b: &Table) -> Result<Self, &'static str> {
-        // NaN (the mean over azimuths) equals itself here.
-        let same = |a: &[f64], b: &[f64]| {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+/// A comparison for a person.
+pub(crate) fn comparison_text(comparison: &Comparison) -> String {
+    let mut text = String::from(
+        "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  agrees\n",
+    );
+    for row in &comparison.rows {
+        let azimuth = if row.azimuth_deg.is_nan() {
+            "mean".into()
+        } else {
+            row.azimuth_deg.to_string()
         };
-        if !same(&a.axes.incidence_deg, &b.axes.incidence_deg) {
-            return Err("the incidence angles differ");
-        }
-        if !same(&a.axes.azimuth_deg, &b.axes.azimuth_deg) {
-            return Err("the azimuths differ");
-        }
-        if (a.axes.bins, a.axes.range.to_bits()) != (b.axes.bins, b.axes.range.to_bits()) {
-            return Err("the histogram bins differ");
-        }
-        let row = |((i, j), &eta): ((usize, usize), &f64)| {
-            let (pa, pb) = (a.probability(i, j), b.probability(i, j));
-            let difference = (&pa - &pb).mapv(f64::abs);
-            let gap = (eta - b.retroreflected[[i, j]]).abs();
-            // Random counts: a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on average. A
-            // low-discrepancy sequence stays below.
-            let share = |rays: u64| if rays == 0 { 0.0 } else { 1.0 / rays as f64 };
-            let per_ray = share(a.rays[[i, j]]) + share(b.rays[[i, j]]);
-            // Where all rays or none came back the standard error is 0, but the fraction is known to one ray only.
-            let error = a.standard_error[[i, j]]
-                .hypot(b.standard_error[[i, j]])
-                .max(per_ray);
-            let root = |(&pa, &pb): (&f64, &f64)| (f64::midpoint(pa, pb) * per_ray).sqrt();
-            Row {
-                incidence_deg: a.axes.incidence_deg[i],
-                azimuth_deg: a.axes.azimuth_deg[j],
-                l1: difference.sum(),
-                largest: difference.iter().copied().fold(0.0, f64::max),
-                sigmas: if gap <= 1e-12 { 0.0 } else { gap / error },
-                noise: (2.0 / std::f64::consts::PI).sqrt()
-                    * pa.iter().zip(&pb).map(root).sum::<f64>(),
-            }
-        };
-        Ok(Comparison {
-            rows: a.retroreflected.indexed_iter().map(row).collect(),
-        })
-    }
-
-    /// Whether every direction agrees: the fractions within 4 standard errors, the histograms within 1.5 times the
-    /// mean counting noise (or to 1e-9, where there is none).
-    pub fn agrees(&self) -> bool {
-        self.rows.iter().all(Row::agrees)
-    }
-
-    /// For a person.
-    pub fn text(&self) -> String {
-        let mut text = String::from(
-            "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  agrees\n",
+        let _ = writeln!(
+            text,
+            "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2}  {}",
+            row.incidence_deg,
+            row.l1,
+            row.noise,
+            row.largest,
+            row.sigmas,
+            if row.agrees() { "yes" } else { "no" }
         );
-        for row in &self.rows {
-            let azimuth = if row.azimuth_deg.is_nan() {
-                "mean".into()
-            } else {
-                row.azimuth_deg.to_string()
-            };
-            let _ = writeln!(
-                text,
-                "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2}  {}",
-                row.incidence_deg,
-                row.l1,
-                row.noise,
-                row.largest,
-                row.sigmas,
-                if row.agrees() { "yes" } else { "no" }
-            );
-        }
-        text
     }
-
-    /// For a script.
-    pub fn json(&self) -> String {
-        let rows: Vec<Value> = self
-            .rows
-            .iter()
-            .map(|row| {
-                json!({
-                    "incidence_deg": row.incidence_deg, "azimuth_deg": row.azimuth_deg, "l1": row.l1,
-                    "counting_noise": row.noise, "largest_bin": row.largest, "sigmas": row.sigmas,
-                    "agrees": row.agrees(),
-                })
-            })
-            .collect();
-        format!(
-            "{}\n",
-            json!({ "agrees": self.agrees(), "directions": rows })
-        )
-    }
+    text
 }
 
-impl Row {
-    fn agrees(&self) -> bool {
-        self.sigmas <= SIGMAS && self.l1 <= 1.5 * self.noise + 1e-9
-    }
+/// A comparison for a script.
+pub(crate) fn comparison_json(comparison: &Comparison) -> String {
+    let rows: Vec<Value> = comparison
+        .rows
+        .iter()
+        .map(|row| {
+            json!({
+                "incidence_deg": row.incidence_deg, "azimuth_deg": row.azimuth_deg, "l1": row.l1,
+                "counting_noise": row.noise, "largest_bin": row.largest, "sigmas": row.sigmas,
+                "agrees": row.agrees(),
+            })
+        })
+        .collect();
+    format!(
+        "{}\n",
+        json!({ "agrees": comparison.agrees(), "directions": rows })
+    )
 }

@@ -1,13 +1,15 @@
 //! `bake study`: its options and what is done with them.
 
-use crate::cli::cli::{CellArgs, Failure, print, reserve_picture, warn};
+use crate::cli::cell::CellArgs;
+use crate::cli::failure::Failure;
+use crate::cli::output::{print, reserve_picture, warn};
 use crate::cli::progress::Progress;
-use crate::plan::plan::{Back, Request, SceneOptions, default};
-use crate::study::study::Checked;
-use crate::study::{picture, report, study};
+use crate::plan::{Request, default};
+use crate::study::{StudyPlan, picture, report, study};
 use clap::Args;
 use std::path::PathBuf;
 use tables::Outputs;
+use tables::options::{Back, SceneOptions};
 
 /// Options of `bake study`.
 #[derive(Debug, Args)]
@@ -65,7 +67,7 @@ pub(crate) struct StudyArgs {
 
 /// Runs `bake study`.
 pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
-    let study = Checked::new(study::Request {
+    let study = StudyPlan::new(study::StudyRequest {
         trace: Request {
             incidence: args.incidence.clone(),
             azimuth: args.azimuth.clone(),

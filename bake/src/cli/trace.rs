@@ -1,24 +1,19 @@
 //! `bake trace`: its options and what is done with them.
 
-use crate::cli::cli::{CellArgs, Failure, print, warn};
+use crate::cell::Prepared;
+use crate::cli::cell::CellArgs;
+use crate::cli::failure::Failure;
+use crate::cli::output::{print, warn};
 use crate::cli::progress::Progress;
 use crate::cli::report;
 use crate::optics::material;
-use crate::plan::plan::{
-    Back, Losses, Method, Plan, PlanError, Record, Request, SceneOptions, default,
-};
-use crate::run::directions;
-use crate::run::provenance::provenance;
-use crate::run::ranks::{Launched, Ranks};
-use crate::run::run;
-use crate::run::saves;
-use crate::run::saves::{SavedFile, Saves};
-use crate::samples::sequence::Sampler;
+use crate::plan::{Plan, PlanError, Request, default};
+use crate::run::{Bake, Launched, Ranks, SavedFile, Saves, Watch, saves};
 use clap::Args;
-use meshes::Cell;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use tables::options::{Back, Losses, Method, Record, Sampler, SceneOptions};
 use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
@@ -195,13 +190,14 @@ pub(crate) fn run(
             _ => Failure::Elsewhere,
         });
     }
-    let Ready { cell, bakes } = agreed(Ready::new(args, ranks.leads()), ranks)?;
-    for bake in &bakes {
-        agreed(same_everywhere(&bake.plan, &cell, ranks), ranks)?;
+    let (prepared, plans) = agreed(inputs(args), ranks)?;
+    let jobs = agreed(jobs(args, &prepared, &plans, ranks.leads()), ranks)?;
+    for job in &jobs {
+        agreed(same_everywhere(&job.bake, ranks), ranks)?;
     }
     let mut said = Vec::new();
-    for bake in bakes {
-        said.extend(bake.run(args, &cell, ranks)?);
+    for job in jobs {
+        said.extend(job.run(args, ranks)?);
     }
     match &said[..] {
         [] => Ok(()),
@@ -211,78 +207,84 @@ pub(crate) fn run(
     }
 }
 
-/// A bake whose options, mesh and outputs are in order.
-struct Ready {
-    cell: Cell,
-    bakes: Vec<Bake>,
+/// A plan and the table that it makes.
+type Planned = (PathBuf, Plan);
+
+/// The cell, dissected, and the plans, one for each table.
+fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Failure> {
+    let plans = args
+        .tables()?
+        .into_iter()
+        .map(|(file, nm)| Ok((file, Plan::new(&args.request(nm)?)?)))
+        .collect::<Result<Vec<_>, PlanError>>()?;
+    let cell = args.cell.load(&args.mesh, &args.scene)?;
+    Ok((Prepared::new(cell), plans))
 }
 
-/// One table to be.
-struct Bake {
-    plan: Plan,
-    file: PathBuf,
+/// One table to be: a bake whose options, mesh and output are in order.
+struct Job<'a> {
+    bake: Bake<'a>,
+    file: &'a Path,
     /// Reserved by who writes.
     output: Option<Output>,
     before: Option<Table>,
 }
 
-impl Ready {
-    /// `leads`: this process prints, writes and reads what was saved.
-    fn new(args: &TraceArgs, leads: bool) -> Result<Self, Failure> {
-        let plans = args
-            .tables()?
-            .into_iter()
-            .map(|(file, nm)| Ok((file, Plan::new(&args.request(nm)?)?)))
-            .collect::<Result<Vec<_>, PlanError>>()?;
-        let cell = args.cell.load(&args.mesh, &args.scene)?;
-        let mut outputs = Outputs::beside([args.mesh.as_path()]);
-        if leads {
-            warn(&cell.warnings);
-            let mut warnings: Vec<String> = plans
-                .iter()
-                .flat_map(|(_, plan)| plan.warnings(&cell))
-                .collect();
-            warnings.dedup();
-            warn(&warnings);
-            warn(&method_warning(args, &cell, &plans[0].1));
-        }
-        let mut bakes = Vec::new();
-        for (file, plan) in plans {
-            let (mut output, mut before) = (None, None);
-            if leads {
-                let reserved = outputs.reserve(&file)?;
-                before = saved_before(&SavedFile::of(reserved.path()), args.resume)?;
-                output = Some(reserved);
-            }
-            bakes.push(Bake {
-                plan: directions::choose(&cell, plan.fold(&cell))?,
-                file,
-                output,
-                before,
-            });
-        }
-        Ok(Ready { cell, bakes })
+/// Says what the user should know and reserves the outputs; `leads`: this process prints, writes and reads what was saved.
+fn jobs<'a>(
+    args: &TraceArgs,
+    prepared: &'a Prepared,
+    plans: &'a [Planned],
+    leads: bool,
+) -> Result<Vec<Job<'a>>, Failure> {
+    let mut outputs = Outputs::beside([args.mesh.as_path()]);
+    if leads {
+        warn(&prepared.cell().warnings);
+        let mut warnings: Vec<String> = plans
+            .iter()
+            .flat_map(|(_, plan)| plan.warnings(prepared))
+            .collect();
+        warnings.dedup();
+        warn(&warnings);
+        warn(&method_warning(args, prepared, &plans[0].1));
     }
+    let mut jobs = Vec::new();
+    for (file, plan) in plans {
+        let (mut output, mut before) = (None, None);
+        if leads {
+            let reserved = outputs.reserve(file)?;
+            before = saved_before(&SavedFile::of(reserved.path()), args.resume)?;
+            output = Some(reserved);
+        }
+        jobs.push(Job {
+            bake: Bake::new(prepared, plan)?,
+            file,
+            output,
+            before,
+        });
+    }
+    Ok(jobs)
 }
 
-impl Bake {
+impl Job<'_> {
     /// Bakes and writes the table and says what is in it: at once for a person, as an object for a script. Nothing in
     /// the ranks that do not write.
     fn run(
         self,
         args: &TraceArgs,
-        cell: &Cell,
         ranks: &dyn Ranks,
     ) -> Result<Option<serde_json::Value>, Failure> {
-        let progress = Progress::new(&self.plan, ranks.leads());
-        let saved = SavedFile::of(&self.file);
+        let progress = Progress::new(&self.bake, ranks.leads());
+        let saved = SavedFile::of(self.file);
         let mut unsaved = None;
         // A disk that is full now may have room at the end: the bake goes on, and says so once.
         let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
         let saves = Saves::new(self.before, args.save_every, &mut save);
         let start = Instant::now();
         let advance = |rays| progress.advance(rays);
-        let table = run::bake_from(cell, &self.plan, &advance, Some(saves), ranks);
+        let table = self
+            .bake
+            .table_from(Watch::new(&advance), Some(saves), ranks);
         let seconds = start.elapsed().as_secs_f64();
         progress.finish();
         warn(&Vec::from_iter(unsaved.map(|error| {
@@ -293,6 +295,7 @@ impl Bake {
             Err(failure) if ranks.count() > 1 => {
                 failure.print();
                 ranks.abort(failure.code());
+                return Err(Failure::Elsewhere);
             }
             table => table?,
         };
@@ -303,7 +306,7 @@ impl Bake {
         saved.remove();
         let report = report::Trace {
             table: &table,
-            file: &self.file,
+            file: self.file,
             seconds,
         };
         warn(&report.warnings());
@@ -323,14 +326,18 @@ fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure>
 }
 
 /// Whether this rank bakes what rank 0 bakes: machines may hold another mesh under the same name, or another program.
-fn same_everywhere(plan: &Plan, cell: &Cell, ranks: &dyn Ranks) -> Result<(), Failure> {
+fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Failure> {
     let plan = Plan {
         threads: None,
-        ..plan.clone()
+        ..bake.plan.clone()
     };
-    let provenance = provenance(cell, &plan, plan.method, None);
+    let (axes, provenance) = (bake.axes(), bake.provenance(plan.method, None));
     let mut hasher = DefaultHasher::new();
-    format!("{} {plan:?} {provenance:?}", env!("CARGO_PKG_VERSION")).hash(&mut hasher);
+    format!(
+        "{} {plan:?} {axes:?} {provenance:?}",
+        env!("CARGO_PKG_VERSION")
+    )
+    .hash(&mut hasher);
     let mut first = [hasher.finish()];
     ranks.follow(&mut first);
     if first == [hasher.finish()] {
@@ -356,8 +363,8 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
 }
 
 /// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
-fn method_warning(args: &TraceArgs, cell: &Cell, plan: &Plan) -> Vec<String> {
-    let refusal = run::prepared(cell, plan).err();
+fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<String> {
+    let refusal = plan.exact_cell(prepared).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
     match (args.method, refusal) {
         (Method::Auto, Some(reason)) => vec![format!("--method auto traces rays: {reason}")],

@@ -6,13 +6,14 @@
 //! what keeps slivers of no meaning from being born at shared edges.
 
 use glam::DVec2;
+use tables::polygon::{Met, walk};
 
 /// Corners of a convex polygon, counter-clockwise; empty where nothing is left.
-pub type Polygon = Vec<DVec2>;
+pub(crate) type Polygon = Vec<DVec2>;
 
 /// The points where an affine function is not positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HalfPlane {
+pub(crate) struct HalfPlane {
     /// Gradient of the function; need not be of unit length.
     pub gradient: DVec2,
     /// Point where the function takes the value `constant`.
@@ -23,7 +24,7 @@ pub struct HalfPlane {
 
 impl HalfPlane {
     /// What lies to the left of the directed line from `a` to `b`: the inside of a counter-clockwise polygon's edge.
-    pub fn left_of(a: DVec2, b: DVec2) -> Self {
+    pub(crate) fn left_of(a: DVec2, b: DVec2) -> Self {
         let edge = b - a;
         HalfPlane {
             gradient: DVec2::new(edge.y, -edge.x),
@@ -33,7 +34,7 @@ impl HalfPlane {
     }
 
     /// Value of the affine function at `p`, 0 where rounding could have changed the sign.
-    pub fn value(&self, p: DVec2) -> f64 {
+    pub(crate) fn value(&self, p: DVec2) -> f64 {
         let offset = p - self.anchor;
         let value = self.gradient.dot(offset) + self.constant;
         // Three roundings of the products and sums and one of each coordinate: 4 ulp of the terms' sizes bound it.
@@ -46,7 +47,8 @@ impl HalfPlane {
     }
 
     /// The complement.
-    pub fn flipped(&self) -> Self {
+    #[cfg(test)]
+    pub(crate) fn flipped(&self) -> Self {
         HalfPlane {
             gradient: -self.gradient,
             anchor: self.anchor,
@@ -56,7 +58,7 @@ impl HalfPlane {
 }
 
 /// Signed area: positive for counter-clockwise corners; 0 for fewer than three.
-pub fn area(polygon: &[DVec2]) -> f64 {
+pub(crate) fn area(polygon: &[DVec2]) -> f64 {
     let Some(&first) = polygon.first() else {
         return 0.0;
     };
@@ -69,7 +71,7 @@ pub fn area(polygon: &[DVec2]) -> f64 {
 }
 
 /// Smallest and largest coordinates; (+inf, -inf) for no points.
-pub fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
+pub(crate) fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
     let start = (DVec2::splat(f64::INFINITY), DVec2::splat(f64::NEG_INFINITY));
     polygon
         .iter()
@@ -77,7 +79,7 @@ pub fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
 }
 
 /// The edges' half-planes, whose intersection is the polygon; edges of no length are left out.
-pub fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
+pub(crate) fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
     (0..polygon.len()).filter_map(move |i| {
         let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
         (a != b).then(|| HalfPlane::left_of(a, b))
@@ -85,7 +87,7 @@ pub fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
 }
 
 /// Cuts a convex polygon into the part inside and the part outside a half-plane; a part of no extent is empty.
-pub fn split(polygon: &[DVec2], plane: &HalfPlane) -> (Polygon, Polygon) {
+pub(crate) fn split(polygon: &[DVec2], plane: &HalfPlane) -> (Polygon, Polygon) {
     let (mut inside, mut outside) = (Polygon::new(), Polygon::new());
     cut(polygon, plane, &mut inside, Some(&mut outside));
     (inside, outside)
@@ -102,37 +104,38 @@ fn cut(
     if let Some(out) = outside.as_deref_mut() {
         out.clear();
     }
-    let Some(&last) = polygon.last() else { return };
-    let (mut before, mut before_value) = (last, plane.value(last));
     let (mut some_inside, mut some_outside) = (false, false);
-    for &corner in polygon {
-        let value = plane.value(corner);
-        if value * before_value < 0.0 {
-            // Always from the inside corner outwards, so that both neighbours of an edge get the same bits.
-            let (from, to, at) = if value < 0.0 {
-                (corner, before, value)
-            } else {
-                (before, corner, before_value)
-            };
-            let far = if value < 0.0 { before_value } else { value };
-            let crossing = from + (to - from) * (at / (at - far));
-            inside.push(crossing);
-            if let Some(out) = outside.as_deref_mut() {
-                out.push(crossing);
+    walk(
+        polygon,
+        |p| plane.value(p),
+        |met| match met {
+            Met::Crossing([before, here]) => {
+                // Always from the inside corner outwards, so that both neighbours of an edge get the same bits.
+                let ((from, at), (to, far)) = if here.1 < 0.0 {
+                    (here, before)
+                } else {
+                    (before, here)
+                };
+                let crossing = from + (to - from) * (at / (at - far));
+                inside.push(crossing);
+                if let Some(out) = outside.as_deref_mut() {
+                    out.push(crossing);
+                }
             }
-        }
-        if value <= 0.0 {
-            inside.push(corner);
-        }
-        if value >= 0.0
-            && let Some(out) = outside.as_deref_mut()
-        {
-            out.push(corner);
-        }
-        some_inside |= value < 0.0;
-        some_outside |= value > 0.0;
-        (before, before_value) = (corner, value);
-    }
+            Met::Corner(corner, value) => {
+                if value <= 0.0 {
+                    inside.push(corner);
+                }
+                if value >= 0.0
+                    && let Some(out) = outside.as_deref_mut()
+                {
+                    out.push(corner);
+                }
+                some_inside |= value < 0.0;
+                some_outside |= value > 0.0;
+            }
+        },
+    );
     if !some_inside {
         inside.clear();
     }
@@ -142,7 +145,7 @@ fn cut(
 }
 
 /// The part of a convex polygon inside every half-plane; empty where nothing is left.
-pub fn clip(polygon: &[DVec2], planes: impl IntoIterator<Item = HalfPlane>) -> Polygon {
+pub(crate) fn clip(polygon: &[DVec2], planes: impl IntoIterator<Item = HalfPlane>) -> Polygon {
     let mut kept = polygon.to_vec();
     let mut scratch = Polygon::with_capacity(polygon.len() + 4);
     for plane in planes {
@@ -157,7 +160,11 @@ pub fn clip(polygon: &[DVec2], planes: impl IntoIterator<Item = HalfPlane>) -> P
 
 /// A convex polygon less the intersection of half-planes, as convex parts; `None` where less than `least` area is cut
 /// off, so that an untouched polygon stays in one piece.
-pub fn subtract(polygon: &[DVec2], planes: &[HalfPlane], least: f64) -> Option<Vec<Polygon>> {
+pub(crate) fn subtract(
+    polygon: &[DVec2],
+    planes: &[HalfPlane],
+    least: f64,
+) -> Option<Vec<Polygon>> {
     if area(&clip(polygon, planes.iter().copied())) <= least {
         return None;
     }
@@ -175,7 +182,7 @@ pub fn subtract(polygon: &[DVec2], planes: &[HalfPlane], least: f64) -> Option<V
 
 /// Convex hull, counter-clockwise, without corners that lie within `slack` (same unit as the points) of the line
 /// between their neighbours.
-pub fn hull(points: &[DVec2], slack: f64) -> Polygon {
+pub(crate) fn hull(points: &[DVec2], slack: f64) -> Polygon {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();
@@ -215,7 +222,7 @@ pub fn hull(points: &[DVec2], slack: f64) -> Polygon {
 }
 
 /// Whether the corners turn left everywhere (or go straight on).
-pub fn is_convex(polygon: &[DVec2]) -> bool {
+pub(crate) fn is_convex(polygon: &[DVec2]) -> bool {
     let n = polygon.len();
     (0..n).all(|i| {
         let (a, b, c) = (polygon[i], polygon[(i + 1) % n], polygon[(i + 2) % n]);
@@ -225,7 +232,7 @@ pub fn is_convex(polygon: &[DVec2]) -> bool {
 }
 
 /// A simple counter-clockwise polygon as convex parts: itself where it is convex, otherwise triangles, by ear clipping.
-pub fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
+pub(crate) fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
     if is_convex(polygon) {
         return vec![polygon.to_vec()];
     }

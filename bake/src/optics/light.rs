@@ -17,7 +17,7 @@ use tables::Fate;
 
 /// What is behind a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Surface {
+pub(crate) enum Backing {
     /// A mirror that reflects this part of the power at every angle and keeps the polarisation of an ideal one.
     Mirror {
         /// The part, above 0 and at most 1.
@@ -29,25 +29,25 @@ pub enum Surface {
     Bare,
 }
 
-impl Surface {
+impl Backing {
     /// What becomes of the light that the facet does not reflect.
-    pub fn takes(&self) -> Fate {
+    pub(crate) fn takes(&self) -> Fate {
         match self {
-            Surface::Mirror { .. } | Surface::Metal(_) => Fate::Absorbed,
-            Surface::Bare => Fate::Transmitted,
+            Backing::Mirror { .. } | Backing::Metal(_) => Fate::Absorbed,
+            Backing::Bare => Fate::Transmitted,
         }
     }
 
     /// Amplitudes [r_s, r_p] of the reflection inside a medium of refractive index `index`, at an angle of cosine `cosine`
     /// from the normal. The power is never more than 1 but for rounding.
-    pub fn reflection(&self, index: f64, cosine: f64) -> [Complex64; 2] {
+    pub(crate) fn reflection(&self, index: f64, cosine: f64) -> [Complex64; 2] {
         match *self {
-            Surface::Mirror { reflectance } => {
+            Backing::Mirror { reflectance } => {
                 let amplitude = Complex64::from(reflectance.sqrt());
                 [-amplitude, amplitude]
             }
-            Surface::Metal(metal) => reflection(index, cosine, metal),
-            Surface::Bare => reflection(index, cosine, Complex64::ONE),
+            Backing::Metal(metal) => reflection(index, cosine, metal),
+            Backing::Bare => reflection(index, cosine, Complex64::ONE),
         }
     }
 }
@@ -126,12 +126,12 @@ impl Field {
 
 /// Light on its way: what two orthogonal unit fields, launched outside the sheet, have become.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Light([Field; 2]);
+pub(crate) struct Light([Field; 2]);
 
 impl Light {
     /// Light that has passed the flat front face, normal +z, of a sheet of refractive index `index` and now travels along
     /// `travel`, unit length.
-    pub fn entered(travel: DVec3, index: f64) -> Self {
+    pub(crate) fn entered(travel: DVec3, index: f64) -> Self {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
         let [ts, tp] = transmission((1.0, outside), (index, inside));
@@ -139,12 +139,18 @@ impl Light {
     }
 
     /// Power as a part of that launched.
-    pub fn power(&self) -> f64 {
+    pub(crate) fn power(&self) -> f64 {
         f64::midpoint(self.0[0].power(), self.0[1].power()).min(1.0)
     }
 
     /// After the reflection at a facet: `travel` is the direction before it, `index` that of the medium.
-    pub fn reflected(&self, travel: DVec3, normal: DVec3, surface: &Surface, index: f64) -> Self {
+    pub(crate) fn reflected(
+        &self,
+        travel: DVec3,
+        normal: DVec3,
+        surface: &Backing,
+        index: f64,
+    ) -> Self {
         let [rs, rp] = surface.reflection(index, travel.dot(normal).abs());
         let (s, p) = axes(travel, normal);
         let onward = reflect(travel, normal).cross(s);
@@ -158,7 +164,7 @@ impl Light {
     }
 
     /// Power that leaves through the front face along `travel` inside: none beyond the critical angle.
-    pub fn power_outside(&self, travel: DVec3, index: f64) -> f64 {
+    pub(crate) fn power_outside(&self, travel: DVec3, index: f64) -> f64 {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
         let [ts, tp] = transmission((index, inside), (1.0, outside));
@@ -188,7 +194,7 @@ mod tests {
         let mut cases = 0;
         for index in [1.0, 1.33, 1.49, 1.586] {
             let expected = ((index - 1.0) / (index + 1.0_f64)).powi(2);
-            for r in Surface::Bare.reflection(index, 1.0) {
+            for r in Backing::Bare.reflection(index, 1.0) {
                 assert!((r.norm_sqr() - expected).abs() < ROUNDING);
             }
             let entered = Light::entered(DVec3::NEG_Z, index);
@@ -196,15 +202,15 @@ mod tests {
             let metal = Complex64::new(0.96, 6.69);
             let expected = ((metal.re - index).powi(2) + metal.im.powi(2))
                 / ((metal.re + index).powi(2) + metal.im.powi(2));
-            for r in Surface::Metal(metal).reflection(index, 1.0) {
+            for r in Backing::Metal(metal).reflection(index, 1.0) {
                 assert!((r.norm_sqr() - expected).abs() < ROUNDING);
             }
             let brewster = (1.0 / index).atan().cos();
-            assert!(Surface::Bare.reflection(index, brewster)[1].norm() < ROUNDING);
+            assert!(Backing::Bare.reflection(index, brewster)[1].norm() < ROUNDING);
             for degrees in 0..90 {
                 let cosine = f64::from(degrees).to_radians().cos();
                 let sine = index * (1.0 - cosine * cosine).sqrt();
-                let r = Surface::Bare.reflection(index, cosine);
+                let r = Backing::Bare.reflection(index, cosine);
                 if sine < 1.0 {
                     let t = transmission((index, cosine), (1.0, (1.0 - sine * sine).sqrt()));
                     for (r, t) in r.iter().zip(t) {
@@ -232,7 +238,7 @@ mod tests {
         for degrees in 43..89 {
             let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
             let half = (sine * sine - 1.0 / (index * index)).sqrt() / cosine;
-            let [s, p] = Surface::Bare.reflection(index, cosine);
+            let [s, p] = Backing::Bare.reflection(index, cosine);
             // (1 - i h)/(1 + i h)
             let phase = |h: f64| Complex64::new(1.0, -h) / Complex64::new(1.0, h);
             assert!((s - phase(half)).norm() < 1e2 * ROUNDING, "{degrees}");
@@ -259,7 +265,7 @@ mod tests {
     /// Along a facet's normal s is arbitrary, and must not matter.
     #[test]
     fn a_field_along_the_normal_depends_on_no_axis() {
-        let surface = Surface::Metal(Complex64::new(0.96, 6.69));
+        let surface = Backing::Metal(Complex64::new(0.96, 6.69));
         let light = Light::entered(DVec3::new(0.3, 0.1, -0.9).normalize(), 1.0);
         let straight = light.reflected(DVec3::NEG_Z, DVec3::Z, &surface, 1.0);
         let mut cases = 0;

@@ -3,24 +3,24 @@
 use glam::{DMat3, DVec2, DVec3};
 
 /// The direction after a mirror reflection at a plane with unit normal `normal` (either sign). Length is kept.
-pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+pub(crate) fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * direction.dot(normal))
 }
 
 /// The linear map of a mirror reflection at a plane with unit normal `normal`: I - 2 n n^T.
-pub fn reflection(normal: DVec3) -> DMat3 {
+pub(crate) fn reflection(normal: DVec3) -> DMat3 {
     let [x, y, z] = normal.to_array();
     DMat3::IDENTITY - DMat3::from_cols(normal * (2.0 * x), normal * (2.0 * y), normal * (2.0 * z))
 }
 
 /// Snell: sine of the angle inside a medium of refractive index `index`, from the sine outside (vacuum).
-pub fn refracted_sine(outside_sine: f64, index: f64) -> f64 {
+pub(crate) fn refracted_sine(outside_sine: f64, index: f64) -> f64 {
     outside_sine / index
 }
 
 /// The direction after refraction at a plane with unit normal `normal` (either sign) from a medium of refractive index `from` into one of
 /// index `to`; `None` where reflection is total.
-pub fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Option<DVec3> {
+pub(crate) fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Option<DVec3> {
     let (cosine, ratio) = (direction.dot(normal), from / to);
     let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
     (squared > 0.0).then(|| {
@@ -32,7 +32,7 @@ pub fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Option<DV
 /// Where light goes that was launched along `launched` and leaves along `left`, both inside a sheet of refractive index `index`
 /// with normal +z, the launch in the plane of x and z: tangents of its angles from straight back, outside, across that
 /// direction within the plane of incidence, towards +x, and along y.
-pub fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
+pub(crate) fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
     let outside = |inside: DVec3| {
         let along = inside.truncate() * index;
         let upright = (1.0 - along.length_squared()).max(0.0).sqrt();
@@ -45,7 +45,7 @@ pub fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
 
 /// Whether a ray inside a medium of refractive index `index` is totally reflected at a facet against vacuum;
 /// `cosine` is that of its angle from the facet's normal, either sign. At the critical angle itself it still is.
-pub fn totally_reflected(cosine: f64, index: f64) -> bool {
+pub(crate) fn totally_reflected(cosine: f64, index: f64) -> bool {
     (1.0 - cosine * cosine) * index * index >= 1.0
 }
 

@@ -1,9 +1,23 @@
-//! TODO
+//! What one surface does to light: reflection, refraction, losses, roughness, and the rules that say what counts as returned.
+//!
+//! Directions, normals and refractive indices enter; directions, fields and fates leave. No mesh is known here, only one triangle at
+//! a time. This room may touch `samples`, from which rough facets draw their normals.
 
-pub mod element;
-pub mod light;
-pub mod material;
-pub mod mirror;
-pub mod ray;
-pub mod roughness;
-pub mod triangle;
+pub(crate) mod element;
+mod light;
+pub(crate) mod material;
+pub(crate) mod mirror;
+mod ray;
+pub(crate) mod roughness;
+mod rules;
+pub(crate) mod triangle;
+
+pub(crate) use light::{Backing, Light};
+pub use material::{MaterialError, metal, refractive_index};
+#[cfg(test)]
+pub(crate) use mirror::deviation;
+pub(crate) use mirror::{reflect, reflection, refract};
+pub(crate) use ray::{Incidence, Ray};
+pub(crate) use roughness::reach_rad;
+pub(crate) use rules::{BOUNCE_LIMIT, Rules, fate_of_leaving};
+pub(crate) use triangle::{Aspect, EDGE_ON, Triangle};

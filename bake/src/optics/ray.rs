@@ -6,10 +6,10 @@ use glam::{DVec2, DVec3};
 
 /// A straight piece of a path, in the cell frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
+pub(crate) struct Ray {
     /// Where the piece starts, edge lengths.
     pub origin: DVec3,
-    /// Direction of travel, unit length.
+    /// Incidence of travel, unit length.
     pub direction: DVec3,
     /// Bound on the error of `origin`, edge lengths: how far behind a facet it may seem to lie although it is in
     /// front. It takes the place of the usual self-hit epsilon.
@@ -21,7 +21,7 @@ pub struct Ray {
 
 impl Ray {
     /// A ray whose origin is exact to rounding, among facets within `reach` edge lengths of it.
-    pub fn new(origin: DVec3, direction: DVec3, reach: f64) -> Self {
+    pub(crate) fn new(origin: DVec3, direction: DVec3, reach: f64) -> Self {
         Ray {
             origin,
             direction,
@@ -36,18 +36,18 @@ impl Ray {
 /// The **incidence frame** of the entrance plane is u = the in-plane direction of travel at the azimuth (at normal
 /// incidence too), v = n x u; the angle is taken outside the sheet, the travel direction inside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Direction {
-    /// Direction of travel inside the cell, unit length, cell frame.
+pub(crate) struct Incidence {
+    /// Incidence of travel inside the cell, unit length, cell frame.
     pub travel: DVec3,
     /// Axis u of the incidence frame in the entrance plane, unit length, cell frame.
     pub u: DVec2,
 }
 
-impl Direction {
+impl Incidence {
     /// The direction at `incidence_rad` from n outside a sheet of refractive index `index`, at `azimuth_rad` about n.
     ///
     /// Sines come from `libm`, not from the system: the system's depend on the processor, and a table may not.
-    pub fn new(incidence_rad: f64, azimuth_rad: f64, index: f64) -> Self {
+    pub(crate) fn new(incidence_rad: f64, azimuth_rad: f64, index: f64) -> Self {
         let (sine, cosine) = if index == 1.0 {
             libm::sincos(incidence_rad)
         } else {
@@ -55,25 +55,25 @@ impl Direction {
             (sine, (1.0 - sine * sine).sqrt())
         };
         let (y, x) = libm::sincos(azimuth_rad);
-        Direction {
+        Incidence {
             travel: DVec3::new(sine * x, sine * y, -cosine),
             u: DVec2::new(x, y),
         }
     }
 
     /// Axis v = n x u of the incidence frame.
-    pub fn v(&self) -> DVec2 {
+    pub(crate) fn v(&self) -> DVec2 {
         DVec2::new(-self.u.y, self.u.x)
     }
 
     /// A vector of the entrance plane in the incidence frame (u, v).
-    pub fn to_frame(&self, vector: DVec2) -> DVec2 {
+    pub(crate) fn to_frame(self, vector: DVec2) -> DVec2 {
         DVec2::new(vector.dot(self.u), vector.dot(self.v()))
     }
 
     /// The deviation, as [`tables::Path::deviation`] has it, of light that leaves along `travel` inside a sheet of refractive
     /// index `index`.
-    pub fn deviation(&self, travel: DVec3, index: f64) -> DVec2 {
+    pub(crate) fn deviation(&self, travel: DVec3, index: f64) -> DVec2 {
         let turned = |x: DVec3| self.to_frame(x.truncate()).extend(x.z);
         optics::deviation(turned(self.travel), turned(travel), index)
     }
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn travel_goes_down_and_along_u() {
-        let d = Direction::new(20f64.to_radians(), 30f64.to_radians(), 1.49);
+        let d = Incidence::new(20f64.to_radians(), 30f64.to_radians(), 1.49);
         let inside = (20f64.to_radians().sin() / 1.49).asin();
         assert!((d.travel.z + inside.cos()).abs() < 1e-15);
         let along = DVec2::new(d.travel.x, d.travel.y);

@@ -10,15 +10,14 @@
 //! here; that light on its way out may meet other small mirrors of the facet is left out. Both matter only where the cosine of
 //! the light's angle from the facet's normal is not large against alpha.
 
-use crate::samples::sequence::centred;
+use crate::samples::centred;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2, TAU};
-
-pub use tables::options::{NoRoughness, Roughness, Slopes};
+use tables::options::{Roughness, Slopes};
 
 /// The unit normal that a ray along `travel` meets on a facet with unit normal `facet`, towards the ray; `at` are two
 /// coordinates that are uniform over [0, 2^32).
-pub fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: [u32; 2]) -> DVec3 {
+pub(crate) fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: [u32; 2]) -> DVec3 {
     let cosine = -facet.dot(travel);
     let along = -travel - facet * cosine;
     let sine = along.length();
@@ -37,7 +36,7 @@ pub fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: [u32; 2]) 
 
 /// The angle that hardly any light of three perpendicular facets turns by more than, rad: 8 standard deviations about each
 /// axis of what Beckmann's slopes do; of GGX's, whose tails have no end, what leaves 0.7 % outside.
-pub fn reach_rad(roughness: &Roughness) -> f64 {
+pub(crate) fn reach_rad(roughness: &Roughness) -> f64 {
     match roughness.slopes() {
         Slopes::Beckmann => 8.0 * roughness.alpha(),
         Slopes::Ggx => 40.0 * roughness.alpha(),
@@ -48,7 +47,7 @@ pub fn reach_rad(roughness: &Roughness) -> f64 {
 ///
 /// A slope s turns light by 2 s about an axis in the facet. Of three perpendicular facets two turn about each axis:
 /// Beckmann's turns are a Gaussian of the variance 4 alpha^2 about each; of GGX's long tails one of three is large.
-pub fn part_beyond(roughness: &Roughness, tolerance_rad: f64) -> f64 {
+pub(crate) fn part_beyond(roughness: &Roughness, tolerance_rad: f64) -> f64 {
     let turns = tolerance_rad / (2.0 * roughness.alpha());
     match roughness.slopes() {
         Slopes::Beckmann => {

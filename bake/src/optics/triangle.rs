@@ -11,11 +11,11 @@ use glam::DVec3;
 
 /// Facets closer to parallel with the ray than this (cosine) are seen edge-on and not met: their cross-section is
 /// below the rounding error of the ray.
-pub const EDGE_ON: f64 = 1e-14;
+pub(crate) const EDGE_ON: f64 = 1e-14;
 
 /// A triangular facet in the cell frame: a mirror from the front, where its corners run counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Facet {
+pub(crate) struct Triangle {
     /// Corners, edge lengths.
     pub corners: [DVec3; 3],
     /// Unit normal on the front.
@@ -28,7 +28,7 @@ pub struct Facet {
 
 /// Where a ray meets a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub(crate) struct Contact {
     /// Distance along the ray, edge lengths, >= 0.
     pub distance: f64,
     /// Whether the ray comes from the front.
@@ -37,7 +37,7 @@ pub struct Contact {
 
 /// A facet as all rays of one direction see it: what of its test does not depend on where a ray starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Aspect {
+pub(crate) struct Aspect {
     /// A corner on each edge.
     pub corners: [DVec3; 3],
     /// For each edge the gradient of the triple product by the ray's origin: it points to the inner side.
@@ -57,7 +57,7 @@ pub struct Aspect {
 impl Aspect {
     /// The distance at which `ray`, which has the aspect's direction, meets the facet, or `None`.
     #[inline]
-    pub fn meet(&self, ray: &Ray) -> Option<f64> {
+    pub(crate) fn meet(&self, ray: &Ray) -> Option<f64> {
         let height = (ray.origin - self.corners[0]).dot(self.normal);
         if self.side * height < -(self.side * ray.slack) {
             return None;
@@ -73,12 +73,12 @@ impl Aspect {
     }
 }
 
-impl Facet {
+impl Triangle {
     /// A facet from its corners. `None` where they span no plane (zero area).
-    pub fn new(corners: [DVec3; 3]) -> Option<Self> {
+    pub(crate) fn new(corners: [DVec3; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let normal = normal(&corners)?;
-        Some(Facet {
+        Some(Triangle {
             corners,
             normal,
             lengths: [(b - a).length(), (c - b).length(), (a - c).length()],
@@ -87,16 +87,16 @@ impl Facet {
     }
 
     /// The facet as a surface of glass, which rays meet from either side.
-    pub fn two_sided(self) -> Self {
-        Facet {
+    pub(crate) fn two_sided(self) -> Self {
+        Triangle {
             two_sided: true,
             ..self
         }
     }
 
     /// The facet moved by `offset`.
-    pub fn moved(&self, offset: DVec3) -> Self {
-        Facet {
+    pub(crate) fn moved(&self, offset: DVec3) -> Self {
+        Triangle {
             corners: self.corners.map(|corner| corner + offset),
             ..*self
         }
@@ -104,7 +104,7 @@ impl Facet {
 
     /// The facet as rays along `direction` see it; `None` edge-on.
     #[inline(always)]
-    pub fn along(&self, direction: DVec3) -> Option<Aspect> {
+    pub(crate) fn along(&self, direction: DVec3) -> Option<Aspect> {
         let cosine = direction.dot(self.normal);
         if cosine.abs() < EDGE_ON {
             return None;
@@ -131,7 +131,7 @@ impl Facet {
     /// A facet that the ray starts on, leaving to its front, is not met; one that it starts on (within the ray's
     /// error bound) heading into is met at distance 0.
     #[inline]
-    pub fn meet(&self, ray: &Ray) -> Option<Contact> {
+    pub(crate) fn meet(&self, ray: &Ray) -> Option<Contact> {
         let aspect = self.along(ray.direction)?;
         Some(Contact {
             distance: aspect.meet(ray)?,
@@ -141,7 +141,7 @@ impl Facet {
 
     /// Weights of the corners at `point` of the facet: not negative, adding up to 1. `point` is brought back to the facet where
     /// rounding has it beside.
-    pub fn weights(&self, point: DVec3) -> [f64; 3] {
+    pub(crate) fn weights(&self, point: DVec3) -> [f64; 3] {
         let [a, b, c] = self.corners;
         let (along, beside, way) = (b - a, c - a, point - a);
         let doubled = along.cross(beside).dot(self.normal);
@@ -152,7 +152,7 @@ impl Facet {
 
     /// Error bound of the point `distance` along a ray in `direction` as a point of this facet's plane, edge lengths:
     /// rounding of the height over the plane, divided by the cosine, shifts the point along the ray.
-    pub fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {
+    pub(crate) fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {
         16.0 * f64::EPSILON * (reach + distance) / direction.dot(self.normal).abs()
     }
 }
@@ -162,7 +162,7 @@ impl Facet {
 /// It is square to the longest side within rounding, whatever the height over that side: rounding of a cross product
 /// tilts a sliver by 1e-16 / height about any axis, which lifts its ends off its plane by as much. About the longest side
 /// it stays tilted so, which lifts no corner by more than rounding.
-pub fn normal(corners: &[DVec3]) -> Option<DVec3> {
+pub(crate) fn normal(corners: &[DVec3]) -> Option<DVec3> {
     let first = *corners.first()?;
     let sum: DVec3 = corners
         .windows(2)
@@ -205,8 +205,8 @@ mod tests {
         assert!(worst < 4.0 * f64::EPSILON, "{worst}");
     }
 
-    fn unit() -> Facet {
-        Facet::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("has area")
+    fn unit() -> Triangle {
+        Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("has area")
     }
 
     fn down(x: f64, y: f64) -> Ray {
@@ -278,6 +278,6 @@ mod tests {
 
     #[test]
     fn no_area_no_facet() {
-        assert_eq!(Facet::new([DVec3::ZERO, DVec3::X, DVec3::X * 2.0]), None);
+        assert_eq!(Triangle::new([DVec3::ZERO, DVec3::X, DVec3::X * 2.0]), None);
     }
 }

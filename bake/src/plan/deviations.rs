@@ -3,14 +3,13 @@
 //! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh and the options alone, never
 //! by rays, so that shards and ranks agree.
 
-use crate::cell::bodies;
-use crate::optics::element::Element;
-use crate::optics::roughness::reach_rad;
-use crate::plan::plan::{Plan, Record, SceneOptions};
+use crate::cell::Prepared;
+use crate::optics::reach_rad;
+use crate::plan::plan::Plan;
 use crate::plan::scene::no_planes;
 use glam::DVec3;
-use meshes::Cell;
 use tables::deviation::Grid;
+use tables::options::{Element, Record, SceneOptions};
 
 /// Facets nearer than this to a right angle are at one, rad: coordinates of six digits are no better. The light of such a
 /// cube is within 2e-5 rad of straight back, 5 um at a distance of 300 mm.
@@ -31,7 +30,7 @@ const CELLS_OF_LOBES: usize = 16;
 
 /// Where the light of a cell goes that counts as retroreflected.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Exits {
+enum ExitPattern {
     /// Straight back.
     Straight,
     /// In some directions, turned by at most this angle inside, rad.
@@ -41,58 +40,58 @@ enum Exits {
 }
 
 impl Plan {
-    /// How the exit directions of rays through `cell` are recorded; `None` where they are not.
-    pub fn deviations(&self, cell: &Cell) -> Option<Grid> {
-        let exits = self.exits(cell);
+    /// How the exit directions of rays through a cell are recorded; `None` where they are not.
+    pub(crate) fn deviations(&self, prepared: &Prepared) -> Option<Grid> {
+        let exits = self.exits(prepared);
         let turn = match (self.scene.deviations, exits) {
-            (Record::Off, _) | (Record::Auto, Exits::Straight) => return None,
-            (_, Exits::Straight) => self.angular_tolerance_deg.to_radians(),
-            (_, Exits::Spots(turn) | Exits::Lobe(turn)) => turn,
+            (Record::Off, _) | (Record::Auto, ExitPattern::Straight) => return None,
+            (_, ExitPattern::Straight) => self.angular_tolerance_deg.to_radians(),
+            (_, ExitPattern::Spots(turn) | ExitPattern::Lobe(turn)) => turn,
         };
         // Snell's law widens a small angle by the index, and within the plane of incidence by up to twice that to 60 degrees.
         let range = match self.scene.deviations {
             Record::Within(mrad) => 1e-3 * mrad,
-            _ => 2.0 * self.index_of(cell) * turn,
+            _ => 2.0 * self.index_of(prepared.cell()) * turn,
         };
         let bins = self.axes.bins;
         let (cells, bins) = match exits {
-            Exits::Lobe(_) => (pools(bins), BINS_OF_LOBES),
-            Exits::Straight | Exits::Spots(_) => (bins, BINS_OF_SPOTS),
+            ExitPattern::Lobe(_) => (pools(bins), BINS_OF_LOBES),
+            ExitPattern::Straight | ExitPattern::Spots(_) => (bins, BINS_OF_SPOTS),
         };
         Some(Grid { cells, bins, range })
     }
 
     /// What sends light elsewhere than straight back, in one place.
-    fn exits(&self, cell: &Cell) -> Exits {
+    fn exits(&self, prepared: &Prepared) -> ExitPattern {
         let tolerance = self.angular_tolerance_deg.to_radians();
         let smooth = SceneOptions {
             roughness: None,
             ..self.scene
         };
         if no_planes(&smooth).is_some() {
-            return Exits::Lobe(tolerance);
+            return ExitPattern::Lobe(tolerance);
         }
         // A plate's mirrors are at right angles to it, too.
         let upright = (self.scene.element == Element::Plate).then_some(DVec3::Z);
         let angle_error = |facets: &[[DVec3; 3]]| angle_error(facets, upright, tolerance);
-        let error = match bodies::kinds(cell) {
+        let error = match prepared.kinds() {
             Ok(kinds) => {
                 let mut errors = kinds.iter().map(|kind| angle_error(&kind.facets));
                 errors.try_fold(0.0, |largest: f64, error| {
                     error.map(|error| largest.max(error))
                 })
             }
-            Err(_) => angle_error(&cell.facets),
+            Err(_) => angle_error(&prepared.cell().facets),
         };
         // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most, first order.
         let turn = |error: f64| 2.0 * 3f64.sqrt() * error;
         match (error, self.scene.roughness) {
-            (None, _) => Exits::Lobe(tolerance),
+            (None, _) => ExitPattern::Lobe(tolerance),
             (Some(error), Some(roughness)) => {
-                Exits::Lobe(tolerance.min(turn(error) + reach_rad(&roughness)))
+                ExitPattern::Lobe(tolerance.min(turn(error) + reach_rad(&roughness)))
             }
-            (Some(error), None) if error <= RIGHT => Exits::Straight,
-            (Some(error), None) => Exits::Spots(tolerance.min(turn(error))),
+            (Some(error), None) if error <= RIGHT => ExitPattern::Straight,
+            (Some(error), None) => ExitPattern::Spots(tolerance.min(turn(error))),
         }
     }
 }

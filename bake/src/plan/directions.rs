@@ -1,7 +1,12 @@
 //! Directions as a user types them.
 
-use crate::plan::plan::{DIRECTIONS_LIMIT, Method, PlanError, Request, default, positive};
+use crate::plan::default;
+use crate::plan::error::PlanError;
+use crate::plan::limits::DIRECTIONS_LIMIT;
+use crate::plan::number::positive;
+use crate::plan::request::Request;
 use tables::Symmetry;
+use tables::options::Method;
 
 /// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
 pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {

@@ -1,7 +1,7 @@
 //! Why the options of a bake make no plan.
 
-use crate::optics::material::MaterialError;
-use crate::plan::plan::DIRECTIONS_LIMIT;
+use crate::optics::MaterialError;
+use crate::plan::limits::DIRECTIONS_LIMIT;
 use tables::MOST_SHARDS;
 use thiserror::Error;
 

@@ -1,6 +1,8 @@
 //! What goes together with bodies of glass.
 
-use crate::plan::plan::{Back, Losses, PlanError, Request};
+use crate::plan::error::PlanError;
+use crate::plan::request::Request;
+use tables::options::{Back, Losses};
 
 /// Checks `--glass-index`, where it is given.
 pub(crate) fn check(request: &Request) -> Result<(), PlanError> {

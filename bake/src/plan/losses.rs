@@ -1,10 +1,13 @@
 //! What the options say of losses.
 
-use crate::optics::light::Surface;
-use crate::plan::plan::{Back, Losses, PlanError, Request, positive};
+use crate::optics::Backing;
+use crate::plan::error::PlanError;
+use crate::plan::number::positive;
+use crate::plan::request::Request;
+use tables::options::{Back, Losses};
 
 /// What is behind the facets where their losses count.
-pub(crate) fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
+pub(crate) fn surface(request: &Request) -> Result<Option<Backing>, PlanError> {
     let named = [
         ("--reflectance", request.reflectance.is_some()),
         ("--metal", request.metal.is_some()),
@@ -19,12 +22,12 @@ pub(crate) fn surface(request: &Request) -> Result<Option<Surface>, PlanError> {
         (Losses::None, _, [option, ..]) => Err(PlanError::NeedsLosses { option }),
         (_, _, &[first, second]) => both(first, second),
         (_, Back::Tir, &[option, ..]) => both(option, "--back tir"),
-        (_, Back::Tir, []) => Ok(Some(Surface::Bare)),
+        (_, Back::Tir, []) => Ok(Some(Backing::Bare)),
         (_, Back::Mirror, _) => {
             let reflectance = request.reflectance.unwrap_or(1.0);
             positive("--reflectance", reflectance, 1.0, "above 0 and at most 1")?;
-            let mirror = Surface::Mirror { reflectance };
-            Ok(Some(request.metal.map_or(mirror, Surface::Metal)))
+            let mirror = Backing::Mirror { reflectance };
+            Ok(Some(request.metal.map_or(mirror, Backing::Metal)))
         }
     }
 }

@@ -1,12 +1,26 @@
-//! TODO
+//! What is asked of a bake: options as typed, checked, with every default.
+//!
+//! A [`request::Request`] enters; a [`plan::Plan`] leaves, in which nothing is out of range, or a [`error::PlanError`] that names the
+//! option and the remedy. Nothing changes a plan after that. This room may touch `cell` and the rooms below it: some answers of a
+//! plan, such as its warnings, depend on the cell.
 
-pub mod deviations;
-pub mod directions;
-pub mod error;
-pub mod glass;
-pub mod losses;
-pub mod plan;
-pub mod request;
-pub mod scene;
+pub(crate) mod default;
+mod deviations;
+mod directions;
+mod effort;
+mod error;
+mod glass;
+mod limits;
+mod losses;
+mod number;
+mod plan;
+pub(crate) mod request;
+mod scene;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use effort::{Effort, Shard};
+pub use error::PlanError;
+pub(crate) use limits::RAYS_PER_RANDOMISATION;
+pub use plan::Plan;
+pub use request::Request;

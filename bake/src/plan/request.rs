@@ -1,8 +1,8 @@
 //! What is asked of a bake, as typed.
 
-use crate::plan::plan::{Back, Losses, Method, SceneOptions, default};
-use crate::samples::sequence::Sampler;
+use crate::plan::default;
 use num_complex::Complex64;
+use tables::options::{Back, Losses, Method, Sampler, SceneOptions};
 
 /// The options of `bake trace` that shape the table, as typed.
 #[derive(Debug, Clone, PartialEq)]

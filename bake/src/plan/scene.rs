@@ -3,7 +3,7 @@
 use tables::options::{Element, Record, SceneOptions};
 
 /// The option that leaves no plane mirrors for the exact method, as typed.
-pub fn no_planes(options: &SceneOptions) -> Option<String> {
+pub(crate) fn no_planes(options: &SceneOptions) -> Option<String> {
     let of_rays = SceneOptions {
         deviations: Record::Auto,
         element: Element::default(),

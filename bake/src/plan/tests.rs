@@ -1,7 +1,9 @@
 use crate::plan::directions::angles;
+use crate::plan::effort::*;
 use crate::plan::plan::*;
-use crate::samples::sequence::Sampler;
+use crate::plan::request::*;
 use num_complex::Complex64;
+use tables::options::{Back, Losses, Sampler};
 
 #[test]
 fn lists_and_ranges() {

@@ -1,6 +1,6 @@
 //! Pictures of where the light goes: the spots of cells that are not ideal.
 
-use crate::plots::plot::{PlotError, Shape, figure};
+use crate::plots::figure::{Labels, PlotError, figure};
 use kuva::plot::Heatmap;
 use kuva::render::plots::Plot;
 use std::path::Path;
@@ -14,7 +14,7 @@ const CELLS: usize = 41;
 ///
 /// # Errors
 /// [`PlotError`], as where the table has none.
-pub fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
+pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
     let (_, azimuths) = table.axes.shape();
     let count = table.retroreflected.len();
     let spots: Vec<Vec<Spot>> = (0..count).map(|k| spots(table, k)).collect();
@@ -44,14 +44,14 @@ pub fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
             .with_legend("per ray");
         Plot::Heatmap(map)
     };
-    let shape = Shape {
+    let labels = Labels {
         title: "light from straight back, probability per launched ray",
-        labels: [
+        axes: [
             "across, in the plane of incidence, mrad",
             "along v = n x u, mrad",
         ],
     };
-    figure(table, file, &shape, &map)
+    figure(table, file, &labels, &map)
 }
 
 /// Tangents (across, along v), and the probability per launched ray.

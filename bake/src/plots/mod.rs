@@ -1,4 +1,11 @@
-//! TODO
+//! Pictures of a table: histograms of shifts, and where the light goes that does not come straight back.
+//!
+//! A [`tables::Table`] enters; the bytes of a PNG or SVG file leave. This room touches no other, and writes no file.
 
-pub mod exits;
-pub mod plot;
+mod exits;
+mod figure;
+mod histograms;
+
+pub(crate) use exits::exits;
+pub(crate) use figure::{Format, PlotError};
+pub(crate) use histograms::histograms;

@@ -7,21 +7,18 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
-use crate::optics::triangle::Aspect;
-use crate::rays::lanes::LANES;
+use crate::optics::Aspect;
+use crate::rays::lane::{LANES, Mask, Reals};
 use glam::DVec3;
 
-type Reals = [f64; LANES];
-type Mask = [u64; LANES];
-
 /// No facet.
-pub const NONE: u64 = u64::MAX;
+pub(crate) const NONE: u64 = u64::MAX;
 
 /// Up to [`LANES`] rays of one direction, and the nearest facet of each so far.
-pub struct Bundle {
+pub(crate) struct Bundle {
     /// Where the rays start, by axis, edge lengths.
     pub origin: [Reals; 3],
-    /// As [`crate::optics::ray::Ray::slack`].
+    /// As [`crate::optics::Ray::slack`].
     pub slack: Reals,
     /// Distance of the nearest facet, infinite where there is none.
     pub distance: Reals,
@@ -29,7 +26,7 @@ pub struct Bundle {
     pub facet: [u64; LANES],
     /// Room for the nodes that wait: how far they are at least, and which.
     pub waiting: Vec<(f64, u32)>,
-    /// As [`crate::optics::ray::Ray::grain`].
+    /// As [`crate::optics::Ray::grain`].
     grain: f64,
     /// Vectors of 8 lanes that are looked at.
     vectors: usize,
@@ -41,14 +38,14 @@ pub struct Bundle {
 
 /// Bounds on the rays of a bundle.
 #[derive(Debug, Clone, Copy)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
     /// 1 over the components of the direction.
     inverse: [f64; 3],
 }
 
-/// Direction components smaller than this count as 0 with their sign: over the whole extent of the facets the way
+/// Incidence components smaller than this count as 0 with their sign: over the whole extent of the facets the way
 /// along that axis stays far below the padding of their boxes.
 const LEVEL: f64 = 1e-9;
 
@@ -57,7 +54,7 @@ const HUGE: f64 = 1e30;
 
 impl Bundle {
     /// A bundle of no rays.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Bundle {
             origin: [[0.0; LANES]; 3],
             slack: [0.0; LANES],
@@ -75,7 +72,7 @@ impl Bundle {
     /// Takes the rays that start at `origin` (by axis) with `slack`, at most [`LANES`] and at least one; lanes that
     /// are left repeat the last.
     #[inline(always)]
-    pub fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
+    pub(crate) fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
         let count = slack.len();
         take(&mut self.origin[0], origin[0]);
         take(&mut self.origin[1], origin[1]);
@@ -99,7 +96,7 @@ impl Bundle {
 
     /// Bounds on the rays, which travel along `direction`; origins counted from `centre`.
     #[inline(always)]
-    pub fn bounds(&self, direction: DVec3, centre: DVec3) -> Bounds {
+    pub(crate) fn bounds(&self, direction: DVec3, centre: DVec3) -> Bounds {
         Bounds {
             low: (self.centre - self.half - centre).to_array(),
             high: (self.centre + self.half - centre).to_array(),
@@ -113,7 +110,7 @@ impl Bundle {
 
     /// The distance beyond which no ray looks.
     #[inline(always)]
-    pub fn limit(&self) -> f64 {
+    pub(crate) fn limit(&self) -> f64 {
         fold(&self.distance, greater)
     }
 
@@ -139,9 +136,9 @@ impl Bundle {
         (inside[first] >= 0.0).then_some(first)
     }
 
-    /// [`crate::rays::scene::Nearest::offer`] for every ray; whether one may have met the facet.
+    /// [`crate::rays::nearest::Nearest::offer`] for every ray; whether one may have met the facet.
     #[inline(always)]
-    pub fn offer(&mut self, index: usize, aspect: &Aspect) -> bool {
+    pub(crate) fn offer(&mut self, index: usize, aspect: &Aspect) -> bool {
         let Some(likely) = self.likeliest_miss(aspect) else {
             return false;
         };
@@ -223,7 +220,7 @@ fn take(lanes: &mut Reals, values: &[f64]) {
 
 /// 1 over a component of a direction.
 #[inline(always)]
-pub fn inverse(component: f64) -> f64 {
+pub(crate) fn inverse(component: f64) -> f64 {
     if component.abs() < LEVEL {
         HUGE.copysign(component)
     } else {
@@ -256,7 +253,7 @@ fn fold(values: &Reals, choose: impl Fn(f64, f64) -> f64) -> f64 {
 
 impl Bounds {
     /// The greatest distance of an origin from the centre, or more.
-    pub fn farthest(&self) -> f64 {
+    pub(crate) fn farthest(&self) -> f64 {
         let axis = |axis: usize| self.low[axis].abs().max(self.high[axis].abs());
         axis(0) + axis(1) + axis(2)
     }
@@ -264,7 +261,7 @@ impl Bounds {
     /// For each of eight boxes a lower bound on the distance at which a ray of the bundle is in it; infinite where none
     /// can be within `limit`.
     #[inline(always)]
-    pub fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
+    pub(crate) fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
         let (mut from, mut to) = ([0.0f64; 8], [limit; 8]);
         for axis in 0..3 {
             let (low, high) = (self.low[axis], self.high[axis]);
@@ -289,7 +286,7 @@ impl Bounds {
 
 /// Eight boxes side by side, by axis; an empty place holds a point at infinity.
 #[derive(Debug, Clone, Copy)]
-pub struct Boxes {
+pub(crate) struct Boxes {
     /// Lower ends.
     pub low: [[f32; 8]; 3],
     /// Upper ends.

@@ -2,14 +2,12 @@
 //! crate.
 //!
 //! The crate builds the tree, in f32. The tree only chooses the candidates: its boxes are padded by more than the error of an f32
-//! ray, and every candidate is tested in f64 by [`Facet::meet`], so the hit is the one that a loop over all facets
+//! ray, and every candidate is tested in f64 by [`Triangle::meet`], so the hit is the one that a loop over all facets
 //! finds, bit for bit (tested). The crate's own wide variant has an absolute epsilon near surfaces and is not used.
 
-use crate::optics::ray::Ray;
-use crate::optics::triangle::Facet;
+use crate::optics::{Ray, Triangle};
 use crate::rays::bundle::{Boxes, Bundle, inverse};
-use crate::rays::packet::Way;
-use crate::rays::scene::Nearest;
+use crate::rays::nearest::Nearest;
 use glam::{DVec3, Vec3A, Vec4};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -17,7 +15,7 @@ use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use std::time::Duration;
 
 /// A hierarchy over a list of facets.
-pub struct Hierarchy {
+pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
     /// Nodes that wait at most while a ray goes down.
     waiting: usize,
@@ -30,7 +28,7 @@ pub struct Hierarchy {
 
 impl Hierarchy {
     /// Builds the hierarchy over `facets` (at least one).
-    pub fn new(facets: &[Facet]) -> Self {
+    pub(crate) fn new(facets: &[Triangle]) -> Self {
         let corners = || facets.iter().flat_map(|facet| facet.corners);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
         let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -71,7 +69,7 @@ impl Hierarchy {
     }
 
     /// The nearest of `facets` (those it was built over) along `ray`, up to `limit` edge lengths.
-    pub fn nearest(&self, facets: &[Facet], ray: &Ray, limit: f64) -> Nearest {
+    pub(crate) fn nearest(&self, facets: &[Triangle], ray: &Ray, limit: f64) -> Nearest {
         let mut few = [(0.0, 0); FEW];
         if self.waiting <= FEW {
             self.descend(facets, ray, limit, &mut few)
@@ -83,7 +81,7 @@ impl Hierarchy {
     /// As [`Hierarchy::nearest`]; `waiting` has room for the nodes that wait: how far they are at least, and which.
     fn descend(
         &self,
-        facets: &[Facet],
+        facets: &[Triangle],
         ray: &Ray,
         limit: f64,
         waiting: &mut [(f32, u32)],
@@ -131,12 +129,16 @@ impl Hierarchy {
         nearest
     }
 
-    /// The same for all rays of `bundle`. They start where facets are, so no digits are lost on the way.
+    /// Finds for all rays of `bundle`, which travel along `direction`, what [`Hierarchy::nearest`] finds for one. They start
+    /// where facets are, so no digits are lost on the way; the facet that they have `left` is not looked at.
     #[inline(always)]
-    pub fn nearest_of(&self, way: &Way, bundle: &mut Bundle) {
-        let Way {
-            facets, direction, ..
-        } = *way;
+    pub(crate) fn nearest_of(
+        &self,
+        facets: &[Triangle],
+        direction: DVec3,
+        left: Option<usize>,
+        bundle: &mut Bundle,
+    ) {
         let mut open = std::mem::take(&mut bundle.waiting);
         let bounds = bundle.bounds(direction, self.centre);
         // Whatever is in the ball of the facets is no further than this from an origin.
@@ -150,7 +152,7 @@ impl Hierarchy {
             }
             if at & LEAF != 0 {
                 let facet = (at & !LEAF) as usize;
-                if Some(facet) != way.from
+                if Some(facet) != left
                     && let Some(aspect) = facets[facet].along(direction)
                     && bundle.offer(facet, &aspect)
                 {

@@ -1,25 +1,27 @@
 //! The tracer of one direction: every ray of a run from its sample to the tally.
 
-use crate::optics::element::Element;
-use crate::optics::ray::Direction;
+use crate::optics::{Incidence, Rules, element};
+use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
+use crate::rays::lane::LANES;
 use crate::rays::lanes;
-use crate::rays::lanes::LANES;
-use crate::rays::packet::{Packets, order};
-use crate::rays::path::{Luck, Rules, trace};
+use crate::rays::lanes::Batch;
+use crate::rays::order::order;
+use crate::rays::packets::Packets;
+use crate::rays::path::{Luck, trace};
 use crate::rays::program::Program;
 use crate::rays::scene::Scene;
 use crate::rays::sheet::Sheet;
 use crate::rays::simd::InstructionSet;
-use crate::rays::tally::{Bins, Tally};
-use crate::samples::launch::Launch;
-use crate::samples::sequence::Stream;
+use crate::rays::tally::Tally;
+use crate::samples::{Launch, Stream};
 use glam::DVec2;
 use std::ops::Range;
 use std::sync::Arc;
 use tables::Fate;
 use tables::deviation::Grid;
+use tables::options::Element;
 
 /// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
 const RUN: u64 = 1 << 18;
@@ -33,8 +35,17 @@ const NEIGHBOURS: usize = 1 << 18;
 /// Rays to a facet from which on packets are worth while in a large scene: a packet is what met the same facets.
 const RAYS_OF_PACKETS: u64 = 8;
 
+/// How the rays of a direction are traced; tests hold both to the same fates, ray for ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tracer {
+    /// As a program, many rays at once, where the cell and the direction allow it; else one by one.
+    Fastest,
+    /// One by one, against all facets: what every cell allows.
+    OneByOne,
+}
+
 /// What all rays of one direction share.
-pub struct Kernel {
+pub(crate) struct Kernel {
     /// Those that the launch leads into.
     scenes: Vec<Arc<Scene>>,
     launch: Launch,
@@ -42,7 +53,7 @@ pub struct Kernel {
     bins: Bins,
     incidence_rad: f64,
     /// `None` where every ray has its own azimuth.
-    direction: Option<Direction>,
+    direction: Option<Incidence>,
     /// The same in a form that many rays run at once, one per scene; none where a scene does not allow it.
     programs: Vec<Program>,
     instructions: InstructionSet,
@@ -54,7 +65,8 @@ pub struct Kernel {
 
 impl Kernel {
     /// The tracer for the direction given by its angles in degrees; an azimuth of NaN stands for all azimuths.
-    pub fn new(
+    #[cfg(test)]
+    pub(crate) fn new(
         scene: &Arc<Scene>,
         launch: &Launch,
         rules: &Rules,
@@ -70,7 +82,7 @@ impl Kernel {
     }
 
     /// The same over a sheet.
-    pub fn over(
+    pub(crate) fn over(
         sheet: &Sheet,
         rules: &Rules,
         bins: &Bins,
@@ -80,7 +92,7 @@ impl Kernel {
         let Sheet { scenes, launch } = sheet;
         let incidence_rad = incidence_deg.to_radians();
         let direction = (!azimuth_deg.is_nan()).then(|| {
-            Direction::new(
+            Incidence::new(
                 incidence_rad,
                 azimuth_deg.to_radians(),
                 rules.refractive_index,
@@ -118,7 +130,7 @@ impl Kernel {
     }
 
     /// The same tracer without a program: every ray goes by [`trace`].
-    pub fn one_by_one(self) -> Self {
+    pub(crate) fn one_by_one(self) -> Self {
         Kernel {
             programs: Vec::new(),
             packets: false,
@@ -126,9 +138,17 @@ impl Kernel {
         }
     }
 
+    /// The same tracer in the way that `tracer` says.
+    pub(crate) fn by(self, tracer: Tracer) -> Self {
+        match tracer {
+            Tracer::Fastest => self,
+            Tracer::OneByOne => self.one_by_one(),
+        }
+    }
+
     /// The same tracer, which also records exit directions where there is a grid for them: without programs, which know shifts
     /// only.
-    pub fn recording(self, exits: Option<Grid>) -> Self {
+    pub(crate) fn recording(self, exits: Option<Grid>) -> Self {
         match exits {
             None => self,
             Some(_) => Kernel {
@@ -140,7 +160,8 @@ impl Kernel {
     }
 
     /// The same tracer on `instructions`.
-    pub fn on(self, instructions: InstructionSet) -> Self {
+    #[cfg(test)]
+    pub(crate) fn on(self, instructions: InstructionSet) -> Self {
         Kernel {
             instructions,
             ..self
@@ -148,12 +169,12 @@ impl Kernel {
     }
 
     /// The programs of this direction, one per scene; none where it is traced facet by facet.
-    pub fn programs(&self) -> &[Program] {
+    pub(crate) fn programs(&self) -> &[Program] {
         &self.programs
     }
 
     /// Rays that are best traced in one piece.
-    pub fn run(&self) -> u64 {
+    pub(crate) fn run(&self) -> u64 {
         let sorted = self.programs.is_empty() && (self.packets || self.is_large())
             || lanes::sorts(&self.launch);
         if sorted { RUN_OF_SORTED } else { RUN }
@@ -164,12 +185,18 @@ impl Kernel {
     }
 
     /// Traces `samples` of `stream` into `tally`.
-    pub fn trace(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
+    pub(crate) fn trace(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         match &self.programs[..] {
             [] => self.trace_paths(stream, samples, tally),
             programs => {
-                self.instructions
-                    .run(programs, &self.launch, &self.bins, stream, samples, tally)
+                let batch = Batch {
+                    programs,
+                    launch: &self.launch,
+                    bins: &self.bins,
+                    stream,
+                    samples,
+                };
+                self.instructions.run(&batch, tally)
             }
         }
     }
@@ -212,15 +239,15 @@ impl Kernel {
         }
     }
 
-    fn direction_of(&self, stream: &Stream, index: u64) -> Direction {
+    fn direction_of(&self, stream: &Stream, index: u64) -> Incidence {
         self.direction.unwrap_or_else(|| {
             let azimuth_rad = self.launch.azimuth_rad(stream, index);
-            Direction::new(self.incidence_rad, azimuth_rad, self.rules.refractive_index)
+            Incidence::new(self.incidence_rad, azimuth_rad, self.rules.refractive_index)
         })
     }
 
     /// The same by [`trace`], ray by ray.
-    pub fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
+    pub(crate) fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         let entries = samples.map(|index| (index, self.launch.entry(stream, index)));
         if !self.is_large() {
             return self.trace_entries(stream, entries, tally);
@@ -254,8 +281,7 @@ impl Kernel {
             let outcome = trace(scene, &self.rules, &direction, point, luck);
             tally.count(&self.bins, &outcome);
             if let (Some(grid), Fate::Retroreflected) = (&self.exits, outcome.fate) {
-                let back =
-                    crate::optics::element::straight_back(self.rules.element, outcome.travel);
+                let back = element::straight_back(self.rules.element, outcome.travel);
                 let deviation = direction.deviation(back, self.rules.refractive_index);
                 tally.count_exit(&self.bins, grid, outcome.shift, deviation);
             }

@@ -11,20 +11,15 @@
     reason = "the same lane of several arrays; iterators hide that"
 )]
 
-use crate::rays::packet::order;
+use crate::rays::bins::Bins;
+use crate::rays::lane::{LANES, Mask, Reals};
+use crate::rays::order::order;
 use crate::rays::program::{Affine, DEPTH, End, Excerpt, Program, Step};
-use crate::rays::tally::{Bins, Tally};
-use crate::samples::launch::{Launch, Piece};
-use crate::samples::sequence::{Sampler, Stream, centred, pascal, philox, scramble};
+use crate::rays::tally::Tally;
+use crate::samples::{Launch, Piece, Stream, centred, pascal, philox, scramble};
 use std::ops::Range;
 use tables::Fate;
-
-/// Rays of a bundle. Enough that the compiler keeps the loops over lanes and turns them into vectors: with 16 or 32
-/// it unrolls them first and shuffles (2.5 times slower); 128 is 20 % slower again.
-pub const LANES: usize = 64;
-
-type Reals = [f64; LANES];
-type Mask = [u64; LANES];
+use tables::options::Sampler;
 
 /// The square is cut into 2^4 x 2^4 cells where a block is traced cell by cell.
 const CELL_BITS: u32 = 4;
@@ -36,7 +31,7 @@ const SORTED_PIECES: usize = 12;
 const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
 
 /// What a run keeps at hand from one bundle to the next.
-struct Work<'a> {
+struct Scratch<'a> {
     bins: &'a Bins,
     /// Rays left at each depth of the tree.
     left: [Mask; DEPTH],
@@ -45,17 +40,31 @@ struct Work<'a> {
     histogram: &'a mut [u32],
 }
 
-/// Traces `samples` of `stream`; `programs` are those of the scenes that `launch` leads into.
+/// Samples to trace, and by what.
+pub(crate) struct Batch<'a> {
+    /// Those of the scenes that `launch` leads into.
+    pub programs: &'a [Program],
+    /// From samples to entry points.
+    pub launch: &'a Launch,
+    /// Bins of the tally.
+    pub bins: &'a Bins,
+    /// Where the samples come from.
+    pub stream: &'a Stream,
+    /// Their indices.
+    pub samples: Range<u64>,
+}
+
+/// Traces a batch.
 #[inline(always)]
-pub fn run(
-    programs: &[Program],
-    launch: &Launch,
-    bins: &Bins,
-    stream: &Stream,
-    samples: Range<u64>,
-    tally: &mut Tally,
-) {
-    let mut work = Work {
+pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
+    let Batch {
+        programs,
+        launch,
+        bins,
+        stream,
+        ref samples,
+    } = *batch;
+    let mut work = Scratch {
         bins,
         left: [[0; LANES]; DEPTH],
         ended: [[0; LANES]; Fate::ALL.len()],
@@ -97,7 +106,7 @@ fn in_order(
     launch: &Launch,
     stream: &Stream,
     samples: Range<u64>,
-    work: &mut Work,
+    work: &mut Scratch,
 ) {
     let mut first = samples.start;
     while first < samples.end {
@@ -111,16 +120,15 @@ fn in_order(
             for lane in 0..LANES {
                 start[lane] &= chosen[lane];
             }
-            let Program { steps, tests, maps } = &programs[piece.scene];
-            let only = (maps.len() == 1).then_some(0);
-            bundle(steps, tests, maps, only, [&x, &y], start, work);
+            let course = Passage::whole(&programs[piece.scene]);
+            bundle(course, [&x, &y], start, work);
         }
         first += LANES as u64;
     }
 }
 
 /// Whether samples of `launch` are sorted by the piece that they choose.
-pub fn sorts(launch: &Launch) -> bool {
+pub(crate) fn sorts(launch: &Launch) -> bool {
     launch.pieces().len() >= SORTED_PIECES
 }
 
@@ -131,7 +139,7 @@ fn by_pieces(
     launch: &Launch,
     stream: &Stream,
     samples: Range<u64>,
-    work: &mut Work,
+    work: &mut Scratch,
 ) {
     let mut drawn = Vec::with_capacity((samples.end - samples.start) as usize + LANES);
     for first in samples.clone().step_by(LANES) {
@@ -148,8 +156,7 @@ fn by_pieces(
         let [from, to] = [piece.from, piece.to].map(|end| (end * f64::from(1 << bits)) as u32);
         let from = drawn.partition_point(|sample| slot(sample) < from);
         let count = drawn[from..].partition_point(|sample| slot(sample) <= to);
-        let Program { steps, tests, maps } = &programs[piece.scene];
-        let only = (maps.len() == 1).then_some(0);
+        let course = Passage::whole(&programs[piece.scene]);
         for some in drawn[from..from + count].chunks(LANES) {
             let (mut a, mut b) = ([0; LANES], [0; LANES]);
             for (lane, sample) in some.iter().enumerate() {
@@ -157,7 +164,7 @@ fn by_pieces(
             }
             let (x, y, mut start) = points(piece, &a, &b);
             start[some.len()..].fill(0);
-            bundle(steps, tests, maps, only, [&x, &y], start, work);
+            bundle(course, [&x, &y], start, work);
         }
     }
 }
@@ -175,7 +182,7 @@ fn by_cells(
     stream: &Stream,
     first: u64,
     count: u64,
-    work: &mut Work,
+    work: &mut Scratch,
 ) {
     let base = (first >> (2 * CELL_BITS)) as u32;
     let mut excerpt = Excerpt::default();
@@ -223,6 +230,12 @@ fn by_cells(
             } else {
                 None
             };
+            let course = Passage {
+                steps: &excerpt.steps,
+                tests: &excerpt.tests,
+                maps: &program.maps,
+                only: map,
+            };
             for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
                 let mut indices = [0u32; LANES];
                 for lane in 0..LANES {
@@ -230,32 +243,45 @@ fn by_cells(
                 }
                 let (a, b) = sobol(stream, &indices);
                 let (x, y, start) = points(piece, &a, &b);
-                bundle(
-                    &excerpt.steps,
-                    &excerpt.tests,
-                    &program.maps,
-                    map,
-                    [&x, &y],
-                    start,
-                    work,
-                );
+                bundle(course, [&x, &y], start, work);
             }
         }
     }
 }
 
-/// Traces one bundle of rays that enter at (x, y); those in `start` count. `only` is the one map of these steps, where
-/// there is one.
-#[inline(always)]
-fn bundle(
-    steps: &[Step],
-    tests: &[Affine],
-    maps: &[[Affine; 2]],
+/// What a bundle of rays goes through.
+#[derive(Clone, Copy)]
+struct Passage<'a> {
+    steps: &'a [Step],
+    tests: &'a [Affine],
+    maps: &'a [[Affine; 2]],
+    /// The one map of these steps, where there is one.
     only: Option<usize>,
-    [x, y]: [&Reals; 2],
-    start: Mask,
-    work: &mut Work,
-) {
+}
+
+impl<'a> Passage<'a> {
+    /// All of a program.
+    #[inline(always)]
+    fn whole(program: &'a Program) -> Self {
+        let Program { steps, tests, maps } = program;
+        Passage {
+            steps,
+            tests,
+            maps,
+            only: (maps.len() == 1).then_some(0),
+        }
+    }
+}
+
+/// Traces one bundle of rays that enter at (x, y); those in `start` count.
+#[inline(always)]
+fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch) {
+    let Passage {
+        steps,
+        tests,
+        maps,
+        only,
+    } = course;
     let left = &mut work.left;
     left[0] = start;
     // Bin position of the rays that come back, and which they are.
@@ -331,7 +357,7 @@ fn floor(value: f64) -> f64 {
 
 /// Counts the rays of `back` in the bins of (u, v).
 #[inline(always)]
-fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Work) {
+fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
     let end = work.bins.count as f64;
     let size = work.bins.len() as f64;
     let mut within: Mask = [0; LANES];

@@ -1,13 +1,39 @@
-//! TODO
+//! Sampled light: rays of one direction from the entrance to their counts.
+//!
+//! A prepared cell, the rules and one direction enter; integer counts by bin and by fate leave. The same rays are traced in four ways
+//! with the same result, bit for bit: one by one, in bundles down a hierarchy, in packets, and as a program of 64 rays side by side.
+//! This room may touch `cell`, `optics` and `samples`. It knows no thread and no table; its file `simd` holds the only unsafe code.
 
-pub mod bundle;
-pub mod bvh;
-pub mod kernel;
-pub mod lanes;
-pub mod packet;
-pub mod path;
-pub mod program;
-pub mod scene;
-pub mod sheet;
-pub mod simd;
-pub mod tally;
+mod bins;
+mod bundle;
+mod bvh;
+mod kernel;
+mod lane;
+pub(crate) mod lanes;
+mod nearest;
+mod order;
+mod packet;
+mod packets;
+mod path;
+mod program;
+mod scene;
+mod sheet;
+mod simd;
+mod tally;
+
+pub(crate) use bins::Bins;
+pub(crate) use kernel::Kernel;
+pub use kernel::Tracer;
+#[cfg(test)]
+pub(crate) use lanes::Batch;
+#[cfg(test)]
+pub(crate) use path::{Luck, Outcome, trace};
+#[cfg(test)]
+pub(crate) use program::{End, Program};
+pub(crate) use scene::Index;
+#[cfg(test)]
+pub(crate) use scene::{Event, Scene};
+pub(crate) use sheet::Sheet;
+#[cfg(test)]
+pub(crate) use simd::InstructionSet;
+pub(crate) use tally::{Sums, Tally};

@@ -1,120 +1,36 @@
 //! One ray from the entrance to its fate: the tracer that everything faster is checked against.
 
-use crate::optics::element::Element;
-use crate::optics::light::{Light, Surface};
-use crate::optics::mirror::{reflect, reflection, refract, totally_reflected};
-use crate::optics::ray::{Direction, Ray};
-use crate::optics::roughness::Roughness;
-use crate::plan::plan::default;
+use crate::optics::{
+    BOUNCE_LIMIT, Backing, Incidence, Light, Ray, Rules, element, fate_of_leaving, reflect,
+    reflection, refract, roughness,
+};
 use crate::rays::scene::{Event, Scene};
-use crate::samples::sequence::{Sampler, Stream};
+use crate::samples::Stream;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
-
-/// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones take up to about
-/// ten.
-pub const BOUNCE_LIMIT: u32 = 64;
+use tables::options::Sampler;
 
 /// How far from a surface of glass light goes on, in errors of its position: a facet may reach over so many prisms of a
 /// lattice.
 const CLEAR: f64 = 64.0;
 
-/// What facets do to light, and what counts as retroreflected.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rules {
-    /// Refractive index behind the flat front face; 1 for a hollow cell.
-    pub refractive_index: f64,
-    /// Whether facets reflect at every angle (a mirror coating) or only totally.
-    pub mirror_back: bool,
-    /// What is behind the facets, where Fresnel's losses count; then `mirror_back` says nothing.
-    pub losses: Option<Surface>,
-    /// Largest angle of the rotation between a path's linear map and that of [`Rules::element`] which counts as
-    /// retroreflected, rad.
-    pub angular_tolerance_rad: f64,
-    /// How rough facets are; `None` where they are smooth.
-    pub roughness: Option<Roughness>,
-    /// What counts as retroreflected.
-    pub element: Element,
-    /// Refractive index of bodies of glass; `None` where all facets are mirrors. A path through glass has no linear map: its
-    /// direction alone counts.
-    pub glass_index: Option<f64>,
-}
-
-impl Rules {
-    /// Mirrors that take nothing, behind a flat front face of that refractive index, and the usual tolerance: what rules name
-    /// beyond that is an option.
-    pub const fn mirrors(refractive_index: f64) -> Self {
-        Rules {
-            refractive_index,
-            mirror_back: true,
-            losses: None,
-            angular_tolerance_rad: default::ANGULAR_TOLERANCE_DEG.to_radians(),
-            roughness: None,
-            element: Element::Retroreflector,
-            glass_index: None,
-        }
-    }
-
-    /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the normal.
-    pub fn lets_through(&self, cosine: f64) -> bool {
-        self.losses.is_none()
-            && !self.mirror_back
-            && !totally_reflected(cosine, self.refractive_index)
-    }
-}
-
 /// What became of one ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// Its fate; a table calls it out_of_range instead where the shift lies outside the histogram.
     pub fate: Fate,
-    /// Shift p' - p on the plane of [`crate::optics::element::plane`] in the incidence frame (u, v), edge lengths; zero unless retroreflected.
+    /// Shift p' - p on the plane of [`element::plane`] in the incidence frame (u, v), edge lengths; zero unless retroreflected.
     pub shift: DVec2,
     /// Reflections.
     pub bounces: u32,
-    /// Direction of travel at the end, cell frame.
+    /// Incidence of travel at the end, cell frame.
     pub travel: DVec3,
-}
-
-/// Whether the linear maps `map` and `ideal` are one within the rotation angle `tolerance_rad`.
-///
-/// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map is never near.
-fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
-    let defect = map - ideal;
-    let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
-    let sine = libm::sin(tolerance_rad / 2.0);
-    squared <= 8.0 * sine * sine
-}
-
-/// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched along `travel`.
-///
-/// All angles are those inside the cell. Light that a front face would reflect back inside counts as leaving.
-pub fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
-    if bounces == 0 {
-        return crate::optics::element::unmet(rules.element);
-    }
-    let (ideal, tolerance_rad) = (
-        crate::optics::element::imaging(rules.element),
-        rules.angular_tolerance_rad,
-    );
-    if is_near(map, ideal, tolerance_rad) {
-        return Fate::Retroreflected;
-    }
-    // |a - b| = 2 sin(w/2) for unit vectors at an angle w.
-    if (map * travel - ideal * travel).length() <= 2.0 * libm::sin(tolerance_rad / 2.0) {
-        return Fate::AntiparallelOther;
-    }
-    match bounces {
-        1 => Fate::LeftAfter1,
-        2 => Fate::LeftAfter2,
-        _ => Fate::Deviated,
-    }
 }
 
 /// What rays have in common that have met the same facets in the same order: they travel alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course {
-    /// Direction of travel, unit length.
+pub(crate) struct Course {
+    /// Incidence of travel, unit length.
     pub direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
@@ -125,7 +41,7 @@ pub struct Course {
 
 impl Course {
     /// That of rays launched along `direction`.
-    pub fn new(direction: &Direction) -> Self {
+    pub(crate) fn new(direction: &Incidence) -> Self {
         Course {
             direction: direction.travel,
             map: DMat3::IDENTITY,
@@ -138,7 +54,7 @@ impl Course {
     ///
     /// # Errors
     /// The fate of rays that end there.
-    pub fn past(&self, normal: DVec3, front: bool, rules: &Rules) -> Result<Self, Fate> {
+    pub(crate) fn past(&self, normal: DVec3, front: bool, rules: &Rules) -> Result<Self, Fate> {
         if !front {
             return Err(Fate::Absorbed);
         }
@@ -190,10 +106,9 @@ impl Course {
 
     /// The fate of rays, launched along `travel`, that leave a sheet with bodies of glass.
     fn left_glass(&self, travel: DVec3, rules: &Rules) -> Fate {
-        let off =
-            (self.direction - crate::optics::element::imaging(rules.element) * travel).length();
+        let off = (self.direction - element::imaging(rules.element) * travel).length();
         match self.bounces {
-            0 if self.crossings == 0 => crate::optics::element::unmet(rules.element),
+            0 if self.crossings == 0 => element::unmet(rules.element),
             _ if off <= 2.0 * libm::sin(rules.angular_tolerance_rad / 2.0) => Fate::Retroreflected,
             _ if self.direction.z < 0.0 => Fate::Transmitted,
             1 => Fate::LeftAfter1,
@@ -203,7 +118,7 @@ impl Course {
     }
 
     /// The fate of rays, launched along `direction`, that leave the cell.
-    pub fn left(&self, direction: &Direction, rules: &Rules) -> Fate {
+    pub(crate) fn left(&self, direction: &Incidence, rules: &Rules) -> Fate {
         if rules.glass_index.is_some() {
             return self.left_glass(direction.travel, rules);
         }
@@ -212,7 +127,7 @@ impl Course {
 
     /// Where rays that are at `origin` cross the plane at `height`: where they have been or come to.
     #[inline]
-    pub fn at_height(&self, height: f64, origin: DVec3) -> DVec2 {
+    pub(crate) fn at_height(&self, height: f64, origin: DVec3) -> DVec2 {
         let along = self.direction;
         (origin + along * ((height - origin.z) / along.z)).truncate()
     }
@@ -220,7 +135,7 @@ impl Course {
 
 /// What chance decides on the way of one ray.
 #[derive(Debug, Clone, Copy)]
-pub struct Luck {
+pub(crate) struct Luck {
     /// In (0, 1): how far it comes where the rules have losses. Of evenly spread chances as many come back as power does, so
     /// that a tally of photons has whole numbers.
     pub chance: f64,
@@ -240,7 +155,7 @@ impl From<f64> for Luck {
 /// A photon of unpolarised light: it goes on as long as the power that a beam would have left exceeds its `chance`.
 struct Photon {
     light: Light,
-    surface: Surface,
+    surface: Backing,
     chance: f64,
 }
 
@@ -263,7 +178,7 @@ struct Hit {
 }
 
 /// A ray under way.
-struct Path {
+struct RayPath {
     /// Its present piece.
     ray: Ray,
     course: Course,
@@ -272,10 +187,10 @@ struct Path {
     sample: (Stream, u64),
 }
 
-impl Path {
+impl RayPath {
     /// Takes the path past the next event of its ray; its fate if it ends there.
     #[inline]
-    fn pass(&mut self, event: &Event, rules: &Rules, direction: &Direction) -> Result<(), Fate> {
+    fn pass(&mut self, event: &Event, rules: &Rules, direction: &Incidence) -> Result<(), Fate> {
         match *event {
             Event::Hit {
                 arrival,
@@ -317,7 +232,7 @@ impl Path {
                     Some(roughness) if front && before.dot(normal) < 0.0 => {
                         let (stream, index) = &self.sample;
                         let at = stream.at_bounce(*index, self.course.bounces);
-                        crate::optics::roughness::normal(&roughness, normal, before, at)
+                        roughness::normal(&roughness, normal, before, at)
                     }
                     _ => normal,
                 };
@@ -353,15 +268,15 @@ impl Path {
 
 /// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`. `luck`
 /// says nothing where the rules have neither losses nor roughness.
-pub fn trace(
+pub(crate) fn trace(
     scene: &Scene,
     rules: &Rules,
-    direction: &Direction,
+    direction: &Incidence,
     point: DVec2,
     luck: impl Into<Luck>,
 ) -> Outcome {
     let Luck { chance, sample } = luck.into();
-    let mut path = Path {
+    let mut path = RayPath {
         ray: scene.enter(point, direction.travel),
         course: Course::new(direction),
         prism: [0, 0],
@@ -386,7 +301,7 @@ pub fn trace(
     };
     let mut shift = DVec2::ZERO;
     if fate == Fate::Retroreflected {
-        let plane = crate::optics::element::plane(rules.element, scene.height(), scene.bottom());
+        let plane = element::plane(rules.element, scene.height(), scene.bottom());
         let exit = path.course.at_height(plane, path.ray.origin) + scene.displacement(path.prism);
         let lead = direction.travel.truncate() * ((plane - scene.height()) / direction.travel.z);
         shift = direction.to_frame(exit - (point + lead));

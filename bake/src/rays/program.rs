@@ -13,23 +13,20 @@
 //! Cells that do not fit (periodic, many facets, facets that pierce each other or hide each other in a circle) have
 //! no program and are traced facet by facet: `Program::new` returns `None`.
 
-use crate::optics::mirror::{reflect, reflection};
-use crate::optics::ray::Direction;
-use crate::optics::triangle::Facet;
-use crate::rays::path::{BOUNCE_LIMIT, Rules, fate_of_leaving};
+use crate::cell::PROGRAM_FACETS;
+use crate::optics::{
+    BOUNCE_LIMIT, Incidence, Rules, Triangle, fate_of_leaving, reflect, reflection,
+};
+use crate::rays::bins::Bins;
 use crate::rays::scene::Scene;
-use crate::rays::tally::Bins;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
-
-/// Facets of a cell that is small enough.
-pub const FACETS: usize = 16;
 
 /// Steps of a program at most: beyond, tracing facet by facet is about as fast.
 const STEPS: usize = 512;
 
 /// Depth of the tree at most: masks that a bundle of rays keeps.
-pub const DEPTH: usize = 24;
+pub(crate) const DEPTH: usize = 24;
 
 /// Distances below this count as rounding when tests are left out, edge lengths.
 const ROUNDING: f64 = 1e-12;
@@ -38,11 +35,11 @@ const ROUNDING: f64 = 1e-12;
 const SPECK: f64 = 1e-13;
 
 /// Two maps whose bin positions differ by less than this are one: below the rounding of either.
-const SAME_MAP: f64 = 1e-10;
+const SAME_BIN_POSITION: f64 = 1e-10;
 
 /// An affine function of the entry point: `x` p.x + `y` p.y + `one`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Affine {
+pub(crate) struct Affine {
     /// Coefficient of p.x.
     pub x: f64,
     /// Coefficient of p.y.
@@ -54,7 +51,7 @@ pub struct Affine {
 impl Affine {
     /// Its value at `p`.
     #[inline(always)]
-    pub fn at(&self, p: DVec2) -> f64 {
+    pub(crate) fn at(&self, p: DVec2) -> f64 {
         self.x * p.x + self.y * p.y + self.one
     }
 
@@ -87,7 +84,7 @@ impl Affine {
 
 /// What becomes of the rays that a step takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum End {
+pub(crate) enum End {
     /// They go on: the steps that follow are about them.
     Onward,
     /// They end with a fate other than retroreflected.
@@ -98,7 +95,7 @@ pub enum End {
 
 /// Takes, of the rays left at `from`, those that pass all its tests; they are left at `from + 1` where they go on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
+pub(crate) struct Step {
     /// Depth in the tree.
     pub from: usize,
     /// Its tests: positions in [`Program::tests`]. None: takes all that are left.
@@ -109,7 +106,7 @@ pub struct Step {
 
 /// The program of one direction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Program {
+pub(crate) struct Program {
     /// Steps, each node before its children.
     pub steps: Vec<Step>,
     /// Tests of all steps: a ray passes where the value is not negative.
@@ -121,17 +118,17 @@ pub struct Program {
 impl Program {
     /// The program for rays along `direction` that enter in the convex parts `entry`, or `None` where the cell does
     /// not fit.
-    pub fn new(
+    pub(crate) fn new(
         scene: &Scene,
         entry: Vec<Vec<DVec2>>,
         rules: &Rules,
-        direction: &Direction,
+        direction: &Incidence,
         bins: &Bins,
     ) -> Option<Self> {
-        if scene.is_periodic() || scene.facets().len() > FACETS {
+        if scene.is_periodic() || scene.facets().len() > PROGRAM_FACETS {
             return None;
         }
-        let root = Line {
+        let root = UnfoldedRay {
             direction: direction.travel,
             map: DMat3::IDENTITY,
             offset: DVec3::ZERO,
@@ -160,7 +157,7 @@ impl Program {
 
 /// The part of a program that rays from one small part of the entrance can need.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Excerpt {
+pub(crate) struct Excerpt {
     /// Steps that such rays can take.
     pub steps: Vec<Step>,
     /// Their tests, those left out that all such rays pass.
@@ -169,7 +166,7 @@ pub struct Excerpt {
 
 impl Excerpt {
     /// Takes the part of `program` for rays that enter between `corners` (their convex hull).
-    pub fn refill(&mut self, program: &Program, corners: &[DVec2]) {
+    pub(crate) fn refill(&mut self, program: &Program, corners: &[DVec2]) {
         self.steps.clear();
         self.tests.clear();
         // Whether an earlier step of the node at that depth takes all its rays.
@@ -210,7 +207,7 @@ impl Excerpt {
 }
 
 /// The line of a ray, unfolded: position = `map` (p.x, p.y, height) + `offset` + distance x `direction`.
-struct Line {
+struct UnfoldedRay {
     direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
@@ -219,7 +216,7 @@ struct Line {
     start: Affine,
 }
 
-impl Line {
+impl UnfoldedRay {
     /// `vector` . (position at distance 0) as a function of the entry point.
     fn along(&self, vector: DVec3, height: f64) -> Affine {
         let [x, y, z] =
@@ -249,7 +246,7 @@ impl Line {
     }
 
     /// Distance along the line to the plane of `facet`.
-    fn distance(&self, facet: &Facet, height: f64) -> Affine {
+    fn distance(&self, facet: &Triangle, height: f64) -> Affine {
         let cosine = self.direction.dot(facet.normal);
         let position = self.along(facet.normal, height);
         Affine {
@@ -264,8 +261,8 @@ impl Line {
 type Region = Vec<Vec<DVec2>>;
 
 /// A facet ahead of the rays of a node.
-struct Ahead {
-    facet: Facet,
+struct FacetAhead {
+    facet: Triangle,
     tests: Vec<Affine>,
     distance: Affine,
     region: Region,
@@ -274,14 +271,14 @@ struct Ahead {
 struct Builder<'a> {
     scene: &'a Scene,
     rules: &'a Rules,
-    direction: &'a Direction,
+    direction: &'a Incidence,
     bins: &'a Bins,
     program: Program,
 }
 
 impl Builder<'_> {
     /// Adds the steps of the rays that enter in `region` and are now on `line` after `bounces` reflections.
-    fn node(&mut self, line: &Line, bounces: usize, region: Region) -> Option<()> {
+    fn node(&mut self, line: &UnfoldedRay, bounces: usize, region: Region) -> Option<()> {
         let mut ahead = self.ahead(line, &region)?;
         let mut left = region;
         while !ahead.is_empty() && !left.is_empty() {
@@ -317,7 +314,7 @@ impl Builder<'_> {
     }
 
     /// The facets that rays of `region` on `line` can meet.
-    fn ahead(&self, line: &Line, region: &Region) -> Option<Vec<Ahead>> {
+    fn ahead(&self, line: &UnfoldedRay, region: &Region) -> Option<Vec<FacetAhead>> {
         let height = self.scene.height();
         let mut ahead = Vec::new();
         for facet in self.scene.facets() {
@@ -345,7 +342,7 @@ impl Builder<'_> {
                 tests.push(lead.as_distance());
             }
             let (region, _) = split(region, &tests);
-            ahead.push(Ahead {
+            ahead.push(FacetAhead {
                 facet: *facet,
                 tests,
                 distance,
@@ -358,9 +355,9 @@ impl Builder<'_> {
     /// Adds the step onto a facet, and those that follow from it.
     fn hit(
         &mut self,
-        line: &Line,
+        line: &UnfoldedRay,
         bounces: usize,
-        next: &Ahead,
+        next: &FacetAhead,
         tests: Vec<Affine>,
         region: Region,
     ) -> Option<()> {
@@ -377,7 +374,7 @@ impl Builder<'_> {
         }
         self.step(bounces, tests, End::Onward)?;
         let mirror = reflection(facet.normal);
-        let after = Line {
+        let after = UnfoldedRay {
             direction: reflect(line.direction, facet.normal),
             map: mirror * line.map,
             // x -> x - 2 n (n . (x - corner))
@@ -400,7 +397,7 @@ impl Builder<'_> {
     }
 
     /// The bin position of rays that leave along `line`.
-    fn map(&mut self, line: &Line) -> usize {
+    fn map(&mut self, line: &UnfoldedRay) -> usize {
         let height = self.scene.height();
         let d = line.direction;
         // At distance t = (height - z) / d.z the ray is back on the entrance plane: p' = xy + t d.xy.
@@ -422,7 +419,7 @@ impl Builder<'_> {
         let near = |known: &[Affine; 2]| {
             known.iter().zip(&map).all(|(a, b)| {
                 let Affine { x, y, one } = a.minus(b);
-                x.abs().max(y.abs()).max(one.abs()) < SAME_MAP
+                x.abs().max(y.abs()).max(one.abs()) < SAME_BIN_POSITION
             })
         };
         self.program.maps.iter().position(near).unwrap_or_else(|| {
@@ -433,7 +430,7 @@ impl Builder<'_> {
 }
 
 /// The facet that no other one hides anywhere. `None` where two pierce each other or all hide each other in a circle.
-fn foremost(ahead: &[Ahead]) -> Option<usize> {
+fn foremost(ahead: &[FacetAhead]) -> Option<usize> {
     let mut candidate = None;
     for (i, front) in ahead.iter().enumerate() {
         let mut hidden = false;
@@ -499,20 +496,10 @@ fn extent(region: &Region, function: &Affine) -> (f64, f64) {
         )
 }
 
-/// The part of a convex polygon where `test` is not negative (Sutherland and Hodgman 1974).
+/// The part of a convex polygon where `test` is not negative.
 fn clip(polygon: &[DVec2], test: &Affine) -> Vec<DVec2> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (i, &p) in polygon.iter().enumerate() {
-        let q = polygon[(i + 1) % polygon.len()];
-        let (at_p, at_q) = (test.at(p), test.at(q));
-        if at_p >= 0.0 {
-            kept.push(p);
-        }
-        if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
-            kept.push(p + (q - p) * (at_p / (at_p - at_q)));
-        }
-    }
-    kept
+    let on = |p: DVec2, q: DVec2, part: f64| p + (q - p) * part;
+    tables::polygon::clip(polygon, |p| -test.at(p), on)
 }
 
 fn is_speck(polygon: &[DVec2]) -> bool {

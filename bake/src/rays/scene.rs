@@ -4,17 +4,12 @@
 //! lattice parallelogram, so a ray needs that one list, seen from the prism that it is in. A prism is an exact pair
 //! of integers: no ray is pushed over a wall by an epsilon, and none is lost at one.
 
-use crate::optics::ray::Ray;
-use crate::optics::triangle;
-use crate::optics::triangle::Facet;
+use crate::cell::SMALL;
+use crate::optics::{Ray, Triangle, triangle};
 use crate::rays::bvh::Hierarchy;
+use crate::rays::nearest::Nearest;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};
-
-/// From this number of facets on, the hierarchy is faster than a loop over all, and a cell is worth taking apart. Ray
-/// by ray, measured by `examples/speed.rs`, million rays/s on 1 thread: 6 facets 2.9 against 5.0, 24 facets 2.6 against
-/// 2.0, 54 facets 2.0 against 1.0.
-pub const SMALL: usize = 24;
 
 /// From this number of facets on they do not fit in the caches near a processor (2 MB), so that neighbours are traced after each
 /// other.
@@ -25,9 +20,9 @@ const LARGE: usize = 1 << 14;
 const PRISM_LIMIT: u32 = 1_000_000;
 
 /// The facets of a cell, indexed for speed.
-pub struct Scene {
+pub(crate) struct Scene {
     /// Facets; of a periodic cell every copy that overlaps the prism of the lattice parallelogram.
-    facets: Vec<Facet>,
+    facets: Vec<Triangle>,
     /// Those at their corners, where facets stand for curved faces.
     normals: Option<Normals>,
     /// Whether light goes through each; empty where all are mirrors.
@@ -44,7 +39,11 @@ pub struct Scene {
 
 /// How to look for the nearest facet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Index {
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "tests hold each way against the others")
+)]
+pub(crate) enum Index {
     /// Whichever is faster for the number of facets.
     Auto,
     /// A loop over all facets: the oracle.
@@ -62,48 +61,9 @@ struct Walls {
     corner: DVec2,
 }
 
-/// The nearest facet so far.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
-    /// Index of the facet, where there is one.
-    pub facet: Option<usize>,
-    /// Its distance, or the limit of the search, edge lengths.
-    pub distance: f64,
-    /// Whether it is met from the front.
-    pub front: bool,
-}
-
-impl Nearest {
-    /// Nothing yet; only facets up to `limit` edge lengths away count.
-    pub fn within(limit: f64) -> Self {
-        Nearest {
-            facet: None,
-            distance: limit,
-            front: false,
-        }
-    }
-
-    /// Takes `facet` if `ray` meets it nearer than what is known. Ties go to the lower index, so the answer does not
-    /// depend on the order of the offers.
-    #[inline]
-    pub fn offer(&mut self, index: usize, facet: &Facet, ray: &Ray) {
-        if let Some(contact) = facet.meet(ray) {
-            let tie =
-                contact.distance == self.distance && self.facet.is_none_or(|known| index < known);
-            if contact.distance < self.distance || tie {
-                *self = Nearest {
-                    facet: Some(index),
-                    distance: contact.distance,
-                    front: contact.front,
-                };
-            }
-        }
-    }
-}
-
 /// What a ray comes to next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Event {
+pub(crate) enum Event {
     /// A facet.
     Hit {
         /// Distance from the ray's origin, edge lengths.
@@ -129,13 +89,13 @@ pub enum Event {
 
 impl Scene {
     /// The scene of a cell.
-    pub fn new(cell: &Cell, index: Index) -> Self {
+    pub(crate) fn new(cell: &Cell, index: Index) -> Self {
         let normals = cell.normals.as_ref();
         Scene::with(&cell.facets, normals, &cell.glass, &cell.entrance, index)
     }
 
     /// The scene of planar `facets` under `entrance`. Facets of zero area are left out: no ray can meet them.
-    pub fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
+    pub(crate) fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
         Scene::with(facets, None, &[], entrance, index)
     }
 
@@ -146,9 +106,9 @@ impl Scene {
         entrance: &Entrance,
         index: Index,
     ) -> Self {
-        let own: Vec<Facet> = facets
+        let own: Vec<Triangle> = facets
             .iter()
-            .filter_map(|&corners| Facet::new(corners))
+            .filter_map(|&corners| Triangle::new(corners))
             .map(|facet| match glass {
                 [] => facet,
                 _ => facet.two_sided(),
@@ -207,59 +167,59 @@ impl Scene {
     }
 
     /// Facets tested, copies included.
-    pub fn facets(&self) -> &[Facet] {
+    pub(crate) fn facets(&self) -> &[Triangle] {
         &self.facets
     }
 
     /// Whether facets stand for curved faces: rays that meet the same facet then part.
-    pub fn is_curved(&self) -> bool {
+    pub(crate) fn is_curved(&self) -> bool {
         self.normals.is_some()
     }
 
     /// Whether rays are traced faster beside their neighbours.
-    pub fn is_large(&self) -> bool {
+    pub(crate) fn is_large(&self) -> bool {
         self.has_hierarchy() && self.facets.len() >= LARGE
     }
 
     /// Whether hits are found by the hierarchy.
-    pub fn has_hierarchy(&self) -> bool {
+    pub(crate) fn has_hierarchy(&self) -> bool {
         self.hierarchy.is_some()
     }
 
     /// Whether rays cross into neighbouring cells.
-    pub fn is_periodic(&self) -> bool {
+    pub(crate) fn is_periodic(&self) -> bool {
         self.walls.is_some()
     }
 
     /// Height of the entrance plane over the apex, edge lengths.
-    pub fn height(&self) -> f64 {
+    pub(crate) fn height(&self) -> f64 {
         self.height
     }
 
     /// Height of the lowest corner, edge lengths.
-    pub fn bottom(&self) -> f64 {
+    pub(crate) fn bottom(&self) -> f64 {
         self.bottom
     }
 
     /// Greatest distance of an origin in the cell from any corner, edge lengths.
-    pub fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
     /// A ray that enters at `point` of the entrance plane.
-    pub fn enter(&self, point: DVec2, direction: DVec3) -> Ray {
+    pub(crate) fn enter(&self, point: DVec2, direction: DVec3) -> Ray {
         Ray::new(point.extend(self.height), direction, self.reach)
     }
 
     /// The displacement of `prism` lattice vectors; zero where the cell is not periodic.
-    pub fn displacement(&self, prism: [i32; 2]) -> DVec2 {
+    pub(crate) fn displacement(&self, prism: [i32; 2]) -> DVec2 {
         self.walls
             .as_ref()
             .map_or(DVec2::ZERO, |walls| walls.displacement(prism))
     }
 
     /// What `ray` comes to next.
-    pub fn next(&self, ray: &Ray) -> Event {
+    pub(crate) fn next(&self, ray: &Ray) -> Event {
         match &self.walls {
             None => self.event(ray, &self.nearest(ray, f64::INFINITY)),
             Some(walls) => self.walk(walls, ray),
@@ -274,7 +234,7 @@ impl Scene {
     }
 
     /// The hierarchy, where rays can go down it in packets: the cell is not periodic.
-    pub fn for_packets(&self) -> Option<&Hierarchy> {
+    pub(crate) fn for_packets(&self) -> Option<&Hierarchy> {
         let hierarchy = self.hierarchy.as_ref();
         hierarchy.filter(|_| self.walls.is_none())
     }
@@ -387,7 +347,7 @@ impl Walls {
     }
 
     /// Every copy of `own` that overlaps the prism of the parallelogram, walls included, and of which it is one.
-    fn copies(&self, own: &[Facet]) -> Vec<(Facet, usize)> {
+    fn copies(&self, own: &[Triangle]) -> Vec<(Triangle, usize)> {
         let mut copies = Vec::new();
         for (number, facet) in own.iter().enumerate() {
             let flat = facet

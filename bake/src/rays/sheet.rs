@@ -1,13 +1,12 @@
 //! A cell as its rays see it: one scene, or one for each kind of body that it falls into.
 
-use crate::cell::bodies;
+use crate::cell::Prepared;
 use crate::rays::scene::{Index, Scene};
-use crate::samples::launch::Launch;
-use meshes::Cell;
+use crate::samples::Launch;
 use std::sync::Arc;
 
 /// Scenes that rays are launched into, and how they are shared among them.
-pub struct Sheet {
+pub(crate) struct Sheet {
     /// The scenes; a ray meets facets of one only.
     pub scenes: Vec<Arc<Scene>>,
     /// From samples to entry points and the scenes that they belong to.
@@ -15,9 +14,10 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// The sheet of `cell`, taken apart where it can be ([`bodies::kinds`]).
-    pub fn new(cell: &Cell, index: Index) -> Self {
-        let Ok(kinds) = bodies::kinds(cell) else {
+    /// The sheet of a cell, taken apart where it can be ([`Prepared::kinds`]).
+    pub(crate) fn new(prepared: &Prepared, index: Index) -> Self {
+        let cell = prepared.cell();
+        let Ok(kinds) = prepared.kinds() else {
             return Sheet {
                 scenes: vec![Arc::new(Scene::new(cell, index))],
                 launch: Launch::new(&cell.entrance),

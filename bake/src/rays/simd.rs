@@ -10,16 +10,13 @@
 
 use crate::rays::bundle::Bundle;
 use crate::rays::lanes;
+use crate::rays::lanes::Batch;
 use crate::rays::packet::{Packet, Way};
-use crate::rays::program::Program;
-use crate::rays::tally::{Bins, Tally};
-use crate::samples::launch::Launch;
-use crate::samples::sequence::Stream;
-use std::ops::Range;
+use crate::rays::tally::Tally;
 
 /// An instruction set that this processor has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct InstructionSet(Level);
+pub(crate) struct InstructionSet(Level);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Level {
@@ -32,7 +29,7 @@ enum Level {
 
 impl InstructionSet {
     /// All that this processor has, the best last. They give the same bits.
-    pub fn available() -> Vec<Self> {
+    pub(crate) fn available() -> Vec<Self> {
         let mut sets = vec![InstructionSet(Level::Baseline)];
         #[cfg(target_arch = "x86_64")]
         {
@@ -54,7 +51,7 @@ impl InstructionSet {
     }
 
     /// The best that this processor has.
-    pub fn best() -> Self {
+    pub(crate) fn best() -> Self {
         Self::available()
             .last()
             .copied()
@@ -62,7 +59,7 @@ impl InstructionSet {
     }
 
     /// Runs [`Packet::advance`] with this instruction set.
-    pub fn advance(self, packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
+    pub(crate) fn advance(self, packet: &mut Packet, way: &Way, bundle: &mut Bundle) {
         match self.0 {
             Level::Baseline => packet.advance(way, bundle),
             // SAFETY: the value exists, so `available` found the instruction set.
@@ -75,51 +72,29 @@ impl InstructionSet {
     }
 
     /// Runs [`lanes::run`] with this instruction set.
-    pub fn run(
-        self,
-        programs: &[Program],
-        launch: &Launch,
-        bins: &Bins,
-        stream: &Stream,
-        samples: Range<u64>,
-        tally: &mut Tally,
-    ) {
+    pub(crate) fn run(self, batch: &Batch, tally: &mut Tally) {
         match self.0 {
-            Level::Baseline => lanes::run(programs, launch, bins, stream, samples, tally),
+            Level::Baseline => lanes::run(batch, tally),
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2(programs, launch, bins, stream, samples, tally) },
+            Level::Avx2 => unsafe { avx2(batch, tally) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512(programs, launch, bins, stream, samples, tally) },
+            Level::Avx512 => unsafe { avx512(batch, tally) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2(
-    programs: &[Program],
-    launch: &Launch,
-    bins: &Bins,
-    stream: &Stream,
-    samples: Range<u64>,
-    tally: &mut Tally,
-) {
-    lanes::run(programs, launch, bins, stream, samples, tally);
+fn avx2(batch: &Batch, tally: &mut Tally) {
+    lanes::run(batch, tally);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
-fn avx512(
-    programs: &[Program],
-    launch: &Launch,
-    bins: &Bins,
-    stream: &Stream,
-    samples: Range<u64>,
-    tally: &mut Tally,
-) {
-    lanes::run(programs, launch, bins, stream, samples, tally);
+fn avx512(batch: &Batch, tally: &mut Tally) {
+    lanes::run(batch, tally);
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -1,57 +1,16 @@
 //! Integer counts of fates and shifts: sums in any order give the same bytes.
 
-use crate::rays::lanes::LANES;
+use crate::rays::bins::Bins;
+use crate::rays::lane::LANES;
 use crate::rays::path::Outcome;
 use glam::DVec2;
 use ndarray::s;
 use tables::deviation::{Entry, Grid, added};
 use tables::{Fate, Table};
 
-/// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bins {
-    /// Bins along each axis.
-    pub count: usize,
-    /// Bins per edge length.
-    pub density: f64,
-}
-
-impl Bins {
-    /// `count` bins along each axis over [-range, range] edge lengths.
-    pub fn new(count: usize, range: f64) -> Self {
-        Bins {
-            count,
-            density: count as f64 / (2.0 * range),
-        }
-    }
-
-    /// Number of bins.
-    pub fn len(&self) -> usize {
-        self.count * self.count
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// The shift in units of bins from the lower end of the histogram.
-    pub fn position(&self, shift: DVec2) -> DVec2 {
-        shift * self.density + DVec2::splat(self.count as f64 / 2.0)
-    }
-
-    /// The bin of a shift, v slow, u fast; `None` outside the histogram.
-    pub fn find(&self, shift: DVec2) -> Option<usize> {
-        let at = self.position(shift);
-        let end = self.count as f64;
-        let within = at.x >= 0.0 && at.y >= 0.0 && at.x < end && at.y < end;
-        within.then(|| at.y as usize * self.count + at.x as usize)
-    }
-}
-
 /// Counts of one run of rays of one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Tally {
+pub(crate) struct Tally {
     /// Rays by bin, v slow, u fast, and then [`LANES`] slots for the fast kernel's rays that fall in no bin.
     pub histogram: Vec<u32>,
     /// Rays by fate, in the order of [`Fate::ALL`].
@@ -62,7 +21,7 @@ pub struct Tally {
 
 impl Tally {
     /// Empty counts. A tally takes at most 2^32 - 1 rays, which the runs are cut to.
-    pub fn new(bins: &Bins) -> Self {
+    pub(crate) fn new(bins: &Bins) -> Self {
         Tally {
             histogram: vec![0; bins.len() + LANES],
             fates: [0; Fate::ALL.len()],
@@ -71,14 +30,14 @@ impl Tally {
     }
 
     /// Back to zero.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.histogram.fill(0);
         self.fates.fill(0);
         self.exits.clear();
     }
 
     /// Counts one ray.
-    pub fn count(&mut self, bins: &Bins, outcome: &Outcome) {
+    pub(crate) fn count(&mut self, bins: &Bins, outcome: &Outcome) {
         if outcome.fate == Fate::Retroreflected {
             self.count_shift(bins, outcome.shift);
         } else {
@@ -88,7 +47,7 @@ impl Tally {
 
     /// Counts one ray that is retroreflected, shifted by `shift`.
     #[inline]
-    pub fn count_shift(&mut self, bins: &Bins, shift: DVec2) {
+    pub(crate) fn count_shift(&mut self, bins: &Bins, shift: DVec2) {
         let fate = if let Some(bin) = bins.find(shift) {
             self.histogram[bin] += 1;
             Fate::Retroreflected
@@ -99,7 +58,7 @@ impl Tally {
     }
 
     /// Notes where a ray goes that is retroreflected: off by `deviation`, shifted by `shift`.
-    pub fn count_exit(&mut self, bins: &Bins, grid: &Grid, shift: DVec2, deviation: DVec2) {
+    pub(crate) fn count_exit(&mut self, bins: &Bins, grid: &Grid, shift: DVec2, deviation: DVec2) {
         if let Some(bin) = bins.find(shift) {
             let pool = bins.count / grid.cells;
             let cell = [bin / bins.count, bin % bins.count].map(|k| k / pool);
@@ -111,7 +70,7 @@ impl Tally {
 
 /// Sums of one direction, by randomisation.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Sums {
+pub(crate) struct Sums {
     /// Rays by `[randomisation, v, u]`.
     pub counts: Vec<u64>,
     /// Rays by randomisation and fate.
@@ -124,7 +83,7 @@ pub struct Sums {
 
 impl Sums {
     /// Empty sums of `randomisations`.
-    pub fn new(bins: &Bins, randomisations: usize) -> Self {
+    pub(crate) fn new(bins: &Bins, randomisations: usize) -> Self {
         Sums {
             counts: vec![0; bins.len() * randomisations],
             fates: vec![[0; Fate::ALL.len()]; randomisations],
@@ -134,7 +93,7 @@ impl Sums {
     }
 
     /// The sums that a table of rays was made of, direction by direction; none without counts.
-    pub fn of_table(table: &Table) -> Vec<Self> {
+    pub(crate) fn of_table(table: &Table) -> Vec<Self> {
         let (Some(counts), Some(fates)) = (&table.counts, &table.fate_counts) else {
             return Vec::new();
         };
@@ -160,7 +119,7 @@ impl Sums {
     }
 
     /// Adds the counts of one run to a randomisation.
-    pub fn add(&mut self, randomisation: usize, tally: &Tally) {
+    pub(crate) fn add(&mut self, randomisation: usize, tally: &Tally) {
         let size = tally.histogram.len() - LANES;
         let counts = &mut self.counts[randomisation * size..][..size];
         for (sum, &count) in counts.iter_mut().zip(&tally.histogram) {
@@ -173,19 +132,20 @@ impl Sums {
     }
 
     /// Adds rays by shift and deviation.
-    pub fn add_exits(&mut self, exits: &[Entry]) {
+    pub(crate) fn add_exits(&mut self, exits: &[Entry]) {
         if !exits.is_empty() {
             self.deviations = added(&self.deviations, exits);
         }
     }
 
     /// Rays launched in all.
-    pub fn rays(&self) -> u64 {
+    pub(crate) fn rays(&self) -> u64 {
         self.launched.iter().sum()
     }
 
     /// Rays of `fate` in all.
-    pub fn of(&self, fate: Fate) -> u64 {
+    #[cfg(test)]
+    pub(crate) fn of(&self, fate: Fate) -> u64 {
         self.fates.iter().map(|fates| fates[fate as usize]).sum()
     }
 
@@ -195,7 +155,7 @@ impl Sums {
     /// the mean of s is c4 sigma (`mean_deviation`), and every s is divided by c4.
     ///
     /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less than one ray.
-    pub fn l1_error(&self) -> f64 {
+    pub(crate) fn l1_error(&self) -> f64 {
         let runs = self.launched.len();
         let size = self.counts.len() / runs.max(1);
         let rays = self.rays().max(1) as f64;
@@ -234,18 +194,6 @@ fn mean_deviation(samples: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bins_hold_their_lower_edge() {
-        let bins = Bins::new(4, 2.0);
-        assert_eq!(bins.find(DVec2::new(-2.0, -2.0)), Some(0));
-        assert_eq!(bins.find(DVec2::new(-1.0, -2.0)), Some(1));
-        assert_eq!(bins.find(DVec2::new(-2.0, -1.0)), Some(4));
-        assert_eq!(bins.find(DVec2::new(1.999_999, 1.999_999)), Some(15));
-        assert_eq!(bins.find(DVec2::new(2.0, 0.0)), None);
-        assert_eq!(bins.find(DVec2::new(0.0, -2.000_001)), None);
-        assert_eq!(bins.find(DVec2::new(f64::NAN, 0.0)), None);
-    }
 
     /// sqrt(2/pi), 2 sqrt(2)/sqrt(3 pi) and the tabulated c4 of 16 samples.
     #[test]

@@ -6,65 +6,58 @@
 //! where paths end or lose a corner, and far apart elsewhere.
 
 use crate::beams::exact;
-use crate::beams::exact::ExactCell;
-use crate::plan::plan::{Method, Plan, default};
-use crate::run::run;
-use crate::run::run::RunError;
-use crate::samples::sequence::{Sampler, Stream};
-use meshes::Cell;
+use crate::cell::ExactCell;
+use crate::plan::default;
+use crate::run::bake::Bake;
+use crate::run::error::RunError;
+use crate::run::pool::pool;
+use crate::run::watch::Watch;
+use crate::samples::Stream;
 use rayon::prelude::*;
-use tables::Fate;
-use tables::{Axes, Table};
+use tables::options::Sampler;
+use tables::{Axes, Fate, Table};
 
 /// Part of the tolerance that is aimed at, since some directions are tried for all.
 const AIM: f64 = 0.8;
 
 /// Random directions that are tried at last.
-pub const TRIED: u64 = 2000;
+pub(crate) const TRIED: u64 = 2000;
 
 /// Directions at most. A distribution that jumps, as where total reflection ends, asks for any number of them; a pair of ideal
 /// cubes takes 6 for a tolerance of 0.005.
 const MOST_DIRECTIONS: usize = 1000;
 
-/// `plan` with the directions chosen, where it has a tolerance for them.
+/// The axes of `bake` with directions chosen for `tolerance`, by what the exact method finds.
 ///
 /// # Errors
-/// [`RunError::DirectionsOfRays`] where the exact method does not take the cell; [`RunError::DirectionTolerance`] where the
-/// distribution jumps.
-pub fn choose(cell: &Cell, plan: Plan) -> Result<Plan, RunError> {
-    let Some(tolerance) = plan.direction_tolerance else {
-        return Ok(plan);
-    };
-    let prepared = run::prepared(cell, &plan).map_err(RunError::DirectionsOfRays)?;
+/// [`RunError::DirectionTolerance`] where the distribution jumps.
+pub(crate) fn choose(bake: &Bake, exact: &ExactCell, tolerance: f64) -> Result<Axes, RunError> {
     let ends = |angles: &[f64]| match angles {
         [first, .., last] => vec![*first, *last],
         other => other.to_vec(),
     };
-    let (first, width) = plan.symmetry.sector_deg();
+    let (first, width) = bake.symmetry.sector_deg();
     // Where azimuths go all around, the last gap ends at the first azimuth again.
-    let goes_around = plan.full_step_deg.is_some() && plan.symmetry.mirror_deg.is_none();
+    let goes_around = bake.plan.full_step_deg.is_some() && bake.symmetry.mirror_deg.is_none();
     let mut search = Search {
-        cell,
-        prepared: &prepared,
-        incidences: ends(&plan.axes.incidence_deg),
+        bake,
+        exact,
+        incidences: ends(&bake.axes.incidence_deg),
         azimuths: if goes_around {
             vec![first, first + 0.5 * width]
         } else {
-            ends(&plan.axes.azimuth_deg)
+            ends(&bake.axes.azimuth_deg)
         },
         around_to: goes_around.then_some(first + width),
-        plan: &plan,
         aim: AIM * tolerance,
     };
-    run::pool(&plan)?.install(|| search.refine())?;
-    let axes = search.axes(plan.axes.bins);
-    Ok(Plan { axes, ..plan })
+    pool(bake.plan)?.install(|| search.refine())?;
+    Ok(search.axes(bake.axes.bins))
 }
 
 struct Search<'a> {
-    cell: &'a Cell,
-    prepared: &'a ExactCell,
-    plan: &'a Plan,
+    bake: &'a Bake<'a>,
+    exact: &'a ExactCell,
     /// Total variation to reach.
     aim: f64,
     incidences: Vec<f64>,
@@ -90,7 +83,7 @@ impl Search<'_> {
             incidence_deg: self.incidences.clone(),
             azimuth_deg: self.azimuths.clone(),
             bins,
-            range: self.plan.axes.range,
+            range: self.bake.axes.range,
         }
     }
 
@@ -106,12 +99,11 @@ impl Search<'_> {
     fn refine(&mut self) -> Result<(), RunError> {
         loop {
             // Polygons alone are interpolated, so that the table needs no bins.
-            let plan = Plan {
+            let bake = Bake {
                 axes: self.axes(1),
-                method: Method::Exact,
-                ..self.plan.clone()
+                ..self.bake.clone()
             };
-            let table = run::beams(self.cell, self.prepared, &plan, &|_| ())?;
+            let table = bake.beams(self.exact, Watch::none())?;
             let mut found = self.errors(&table, self.middles());
             if worst(&found) <= self.aim {
                 found = self.errors(&table, self.random());
@@ -196,11 +188,10 @@ impl Search<'_> {
         let Some(paths) = paths else { return 1.0 };
         // Whatever the bins of the table, so that a tolerance means one thing.
         let (bins, range) = (default::BINS, default::RANGE);
-        let rules = self.plan.rules(self.cell);
         let truth = self
-            .prepared
-            .direction(incidence, azimuth, bins, range, &rules);
-        let (mass, outside) = exact::spread(&paths, self.prepared.entrance_area(), bins, range);
+            .exact
+            .direction(incidence, azimuth, bins, range, &self.bake.rules);
+        let (mass, outside) = exact::spread(&paths, self.exact.entrance_area(), bins, range);
         let bins = mass
             .iter()
             .zip(&truth.histogram)

@@ -1,11 +1,36 @@
-//! TODO
+//! The bake itself: a prepared cell and a plan become a table, on all threads and ranks.
+//!
+//! [`trace::trace`] is the whole of it; [`retrace::retrace`] judges a table by its mesh, and [`comparison::Comparison`] one table by
+//! another. Progress is told to a [`watch::Watch`], which can also stop the bake. This room may touch `rays`, `beams` and all below. It
+//! prints nothing; only its file `saves` knows the disk, and only `world` knows MPI.
 
-pub mod directions;
-pub mod provenance;
-pub mod ranks;
-pub mod retrace;
-pub mod run;
-pub mod saves;
-pub mod work;
+mod bake;
+mod beams;
+mod comparison;
+mod directions;
+mod error;
+mod pool;
+mod provenance;
+mod ranks;
+mod retrace;
+mod rounds;
+pub(crate) mod saves;
+pub(crate) mod start;
+mod trace;
+mod watch;
+mod work;
 #[cfg(feature = "mpi")]
-pub mod world;
+mod world;
+
+pub(crate) use bake::Bake;
+pub use comparison::{Comparison, Row};
+pub use error::RunError;
+pub(crate) use provenance::stated;
+#[cfg(test)]
+pub(crate) use ranks::Alone;
+pub(crate) use ranks::Ranks;
+pub use retrace::{RetraceError, retrace};
+pub(crate) use saves::{SavedFile, Saves};
+pub(crate) use start::Launched;
+pub use trace::trace;
+pub use watch::Watch;

@@ -1,16 +1,17 @@
 //! What a table says about where it comes from.
 
-use crate::optics::light::Surface;
-use crate::plan::plan::{Back, Effort, Losses, Method, Plan, Shard};
+use crate::optics::Backing;
+use crate::plan::{Effort, Plan, Shard};
 use meshes::Cell;
 use num_complex::Complex64;
-use tables::options::{Sampler, Word};
-use tables::{Provenance, Shards};
+use tables::options::{Back, Losses, Method, Sampler, SceneOptions, Word};
+use tables::{Provenance, Shards, Symmetry};
 
 /// Where a table of `cell` baked by `method` comes from.
-pub fn provenance(
+pub(crate) fn provenance(
     cell: &Cell,
     plan: &Plan,
+    symmetry: Symmetry,
     method: Method,
     sampler: Option<Sampler>,
 ) -> Provenance {
@@ -25,7 +26,7 @@ pub fn provenance(
         back: plan.back.into(),
         losses: plan.losses.map_or(Losses::None, |_| Losses::Fresnel).into(),
         reflectance: match plan.losses {
-            Some(Surface::Mirror { reflectance }) => reflectance,
+            Some(Backing::Mirror { reflectance }) => reflectance,
             _ => 1.0,
         },
         method: method.into(),
@@ -42,7 +43,7 @@ pub fn provenance(
             .map(|lattice| lattice.map(|vector| vector.to_array())),
         wavelength_nm: plan.wavelength_nm,
         metal_index: match plan.losses {
-            Some(Surface::Metal(index)) => Some([index.re, index.im]),
+            Some(Backing::Metal(index)) => Some([index.re, index.im]),
             _ => None,
         },
         shards: match (plan.shard, plan.effort) {
@@ -53,27 +54,37 @@ pub fn provenance(
             }),
             _ => None,
         },
-        symmetry: plan.symmetry,
+        symmetry,
         direction_tolerance: plan.direction_tolerance,
         options: plan.scene.into(),
     }
 }
 
-/// What was behind the facets of a table whose losses count; `None` where they do not.
-///
-/// # Errors
-/// The table names losses or a back that this program does not know.
-pub fn losses_of(from: &Provenance) -> Result<Option<Surface>, Unknown> {
-    let reflectance = from.reflectance;
-    let (losses, back) = from.losses.known().zip(from.back.known()).ok_or(Unknown)?;
-    Ok(match (losses, back, from.metal_index) {
-        (Losses::None, ..) => None,
-        (Losses::Fresnel, Back::Tir, _) => Some(Surface::Bare),
-        (Losses::Fresnel, Back::Mirror, Some([n, k])) => Some(Surface::Metal(Complex64::new(n, k))),
-        (Losses::Fresnel, Back::Mirror, None) => Some(Surface::Mirror { reflectance }),
-    })
+/// What a table says of the options that its cell was baked with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stated {
+    /// What its facets are backed with.
+    pub back: Back,
+    /// What was behind them where losses count.
+    pub losses: Option<Backing>,
+    /// What only some scenes have.
+    pub scene: SceneOptions,
 }
 
-/// Losses of a later version.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Unknown;
+/// The options of a table; `None` where it names a back, losses or options that this program does not know.
+pub(crate) fn stated(from: &Provenance) -> Option<Stated> {
+    let back = from.back.known()?;
+    let reflectance = from.reflectance;
+    let losses = match (from.losses.known()?, back, from.metal_index) {
+        (Losses::None, ..) => None,
+        (Losses::Fresnel, Back::Tir, _) => Some(Backing::Bare),
+        (Losses::Fresnel, Back::Mirror, Some([n, k])) => Some(Backing::Metal(Complex64::new(n, k))),
+        (Losses::Fresnel, Back::Mirror, None) => Some(Backing::Mirror { reflectance }),
+    };
+    let scene = from.options.known()?;
+    Some(Stated {
+        back,
+        losses,
+        scene,
+    })
+}

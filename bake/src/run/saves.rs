@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 use tables::{Output, Table};
 
 /// Seconds between two saves where the user says nothing.
-pub const EVERY_SECONDS: &str = "10";
+pub(crate) const EVERY_SECONDS: &str = "10";
 
 /// Saving costs at most one part in so many of the time of a bake.
 const SHARE: u32 = 20;
 
 /// Where a bake starts and how it is saved.
-pub struct Saves<'a> {
+pub(crate) struct Saves<'a> {
     /// What an interrupted bake had done.
     pub start: Option<Table>,
     /// Time between two saves, at least.
@@ -23,7 +23,11 @@ pub struct Saves<'a> {
 
 impl<'a> Saves<'a> {
     /// A bake that goes on from `start`, and whose table so far is given to `save` every so often.
-    pub fn new(start: Option<Table>, every: Duration, save: &'a mut dyn FnMut(&Table)) -> Self {
+    pub(crate) fn new(
+        start: Option<Table>,
+        every: Duration,
+        save: &'a mut dyn FnMut(&Table),
+    ) -> Self {
         Saves {
             start,
             every,
@@ -34,12 +38,12 @@ impl<'a> Saves<'a> {
     }
 
     /// Whether it is time.
-    pub fn are_due(&self) -> bool {
+    pub(crate) fn are_due(&self) -> bool {
         self.last.elapsed() >= self.every.max(self.cost * SHARE)
     }
 
     /// Saves the table, if there is one here.
-    pub fn save(&mut self, table: impl FnOnce() -> Option<Table>) {
+    pub(crate) fn save(&mut self, table: impl FnOnce() -> Option<Table>) {
         let begun = Instant::now();
         if let Some(table) = table() {
             (self.save)(&table);
@@ -50,25 +54,25 @@ impl<'a> Saves<'a> {
 }
 
 /// The file beside a table that holds what its bake has done so far; itself a table, of fewer rays.
-pub struct SavedFile {
+pub(crate) struct SavedFile {
     path: PathBuf,
 }
 
 impl SavedFile {
     /// Of the bake that writes `table`.
-    pub fn of(table: &Path) -> Self {
+    pub(crate) fn of(table: &Path) -> Self {
         let mut name = table.as_os_str().to_owned();
         name.push(".resume");
         SavedFile { path: name.into() }
     }
 
     /// Where it is.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Whether an interrupted bake left one.
-    pub fn is_there(&self) -> bool {
+    pub(crate) fn is_there(&self) -> bool {
         self.path.is_file()
     }
 
@@ -76,7 +80,7 @@ impl SavedFile {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn read(&self) -> Result<Option<Table>, tables::Error> {
+    pub(crate) fn read(&self) -> Result<Option<Table>, tables::Error> {
         self.is_there()
             .then(|| tables::read(&self.path))
             .transpose()
@@ -86,12 +90,12 @@ impl SavedFile {
     ///
     /// # Errors
     /// It cannot be written; what was saved before stays.
-    pub fn write(&self, table: &Table) -> Result<(), tables::Error> {
+    pub(crate) fn write(&self, table: &Table) -> Result<(), tables::Error> {
         tables::commit(table, Output::reserve(&self.path)?)
     }
 
     /// Removes it: the bake is done.
-    pub fn remove(&self) {
+    pub(crate) fn remove(&self) {
         // One that stays is no harm: the next bake replaces it.
         let _ = std::fs::remove_file(&self.path);
     }

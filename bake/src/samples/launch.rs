@@ -11,7 +11,7 @@ use meshes::Entrance;
 /// which the fast kernel needs, and it is continuous, which keeps the gain of a low-discrepancy sequence (turning the
 /// other half about the centre instead: 15 times the error of a mean at 65,536 points).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Launch {
+pub(crate) struct Launch {
     /// Pieces of the entrance.
     pieces: Vec<Piece>,
     /// The box of all pieces.
@@ -20,7 +20,7 @@ pub struct Launch {
 
 /// A parallelogram, or the half of it where c0 + c1 <= 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// Centre of the parallelogram, cell frame, edge lengths.
     pub centre: DVec2,
     /// Its sides.
@@ -44,7 +44,7 @@ impl Piece {
     }
 
     /// Its corners, cell frame.
-    pub fn polygon(&self) -> Vec<DVec2> {
+    pub(crate) fn polygon(&self) -> Vec<DVec2> {
         let [a, b] = self.sides.map(|side| side / 2.0);
         let corners = [
             self.centre - a - b,
@@ -62,19 +62,19 @@ impl Piece {
 
     /// Whether every sample chooses it.
     #[inline(always)]
-    pub fn takes_all(&self) -> bool {
+    pub(crate) fn takes_all(&self) -> bool {
         self.from == 0.0 && self.to == 1.0
     }
 
     /// The first centred coordinate, which has chosen the piece, stretched over it.
     #[inline(always)]
-    pub fn stretched(&self, c0: f64) -> f64 {
+    pub(crate) fn stretched(&self, c0: f64) -> f64 {
         (c0 + 0.5 - self.from) * self.stretch - 0.5
     }
 
     /// The point of the piece for centred coordinates of the square.
     #[inline(always)]
-    pub fn point(&self, c0: f64, c1: f64) -> DVec2 {
+    pub(crate) fn point(&self, c0: f64, c1: f64) -> DVec2 {
         let flip = self.folded && c0 + c1 > 0.0;
         let (c0, c1) = if flip { (-c1, -c0) } else { (c0, c1) };
         self.centre + (self.sides[0] * c0 + self.sides[1] * c1)
@@ -83,12 +83,12 @@ impl Piece {
 
 impl Launch {
     /// The launch over `entrance`: a simple polygon, or the parallelogram of a periodic cell.
-    pub fn new(entrance: &Entrance) -> Self {
+    pub(crate) fn new(entrance: &Entrance) -> Self {
         Launch::among(&[(entrance, 1)])
     }
 
     /// The launch over several entrances, one for each scene, that stand for so many of their kind.
-    pub fn among(entrances: &[(&Entrance, usize)]) -> Self {
+    pub(crate) fn among(entrances: &[(&Entrance, usize)]) -> Self {
         let mut pieces = Vec::new();
         let mut areas = Vec::new();
         for (scene, &(entrance, count)) in entrances.iter().enumerate() {
@@ -115,18 +115,19 @@ impl Launch {
     }
 
     /// The least box that holds the entrance: its lower and its upper corner.
-    pub fn box_of_entrance(&self) -> [DVec2; 2] {
+    pub(crate) fn box_of_entrance(&self) -> [DVec2; 2] {
         self.bounds
     }
 
     /// The pieces.
-    pub fn pieces(&self) -> &[Piece] {
+    pub(crate) fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
     /// Where the ray of sample `index` of `stream` starts, cell frame, edge lengths.
     #[inline]
-    pub fn point(&self, stream: &Stream, index: u64) -> DVec2 {
+    #[cfg(test)]
+    pub(crate) fn point(&self, stream: &Stream, index: u64) -> DVec2 {
         self.entry(stream, index).1
     }
 
@@ -134,7 +135,7 @@ impl Launch {
     ///
     /// The first coordinate chooses the piece by area, and what is left of it is stretched over the piece.
     #[inline]
-    pub fn entry(&self, stream: &Stream, index: u64) -> (usize, DVec2) {
+    pub(crate) fn entry(&self, stream: &Stream, index: u64) -> (usize, DVec2) {
         let [x, y] = stream.pair(index);
         let (c0, c1) = (centred(x), centred(y));
         if let [piece] = &self.pieces[..] {
@@ -148,12 +149,12 @@ impl Launch {
 
     /// Where an azimuth between 0 and 2 pi lies that is the third coordinate of sample `index`, rad.
     #[inline]
-    pub fn azimuth_rad(&self, stream: &Stream, index: u64) -> f64 {
+    pub(crate) fn azimuth_rad(&self, stream: &Stream, index: u64) -> f64 {
         (centred(stream.third(index)) + 0.5) * std::f64::consts::TAU
     }
 
     /// The chance of the photon `index` where there are losses, in (0, 1).
-    pub fn chance(&self, stream: &Stream, index: u64) -> f64 {
+    pub(crate) fn chance(&self, stream: &Stream, index: u64) -> f64 {
         centred(stream.fourth(index)) + 0.5
     }
 }
@@ -226,7 +227,7 @@ fn inside([a, b, c]: [DVec2; 3], p: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::sequence::Sampler;
+    use tables::options::Sampler;
 
     /// Mean and second moments of 2^16 points against those of the polygon. Scrambled Sobol points: the error of a mean
     /// falls as N^-1 or faster for the continuous map of one piece (2^-16 = 1.5e-5), as N^-3/4 (2.4e-4) where it jumps

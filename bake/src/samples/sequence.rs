@@ -8,11 +8,10 @@
 //!   and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points from a multiple of 2^k on are a
 //!   (0, k, 2)-net in the first two dimensions.
 
-pub use tables::options::Sampler;
-
+use tables::options::Sampler;
 /// One independent randomisation of the samples of one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stream {
+pub(crate) struct Stream {
     /// How the points are spread.
     pub sampler: Sampler,
     /// Scrambling seeds of the four dimensions (sobol) or key and counter tweak (random).
@@ -24,7 +23,7 @@ impl Stream {
     ///
     /// It depends on the angles themselves, not on their place in a list: a direction has the same samples in
     /// every table that names it.
-    pub fn new(
+    pub(crate) fn new(
         sampler: Sampler,
         seed: u64,
         incidence_deg: f64,
@@ -54,7 +53,7 @@ impl Stream {
 
     /// Point `index` of the stream: two coordinates, as cells of [0, 1) cut in 2^32.
     #[inline]
-    pub fn pair(&self, index: u64) -> [u32; 2] {
+    pub(crate) fn pair(&self, index: u64) -> [u32; 2] {
         match self.sampler {
             Sampler::Random => philox_one(self.counter(index), self.keys[0]),
             Sampler::Sobol => {
@@ -76,7 +75,7 @@ impl Stream {
 
     /// A third coordinate of point `index`.
     #[inline]
-    pub fn third(&self, index: u64) -> u32 {
+    pub(crate) fn third(&self, index: u64) -> u32 {
         match self.sampler {
             Sampler::Random => self.second_block(index)[0],
             Sampler::Sobol => scramble(dimension(&THIRD, index as u32), self.keys[2]),
@@ -85,7 +84,7 @@ impl Stream {
 
     /// A fourth coordinate of point `index`.
     #[inline]
-    pub fn fourth(&self, index: u64) -> u32 {
+    pub(crate) fn fourth(&self, index: u64) -> u32 {
         match self.sampler {
             Sampler::Random => self.second_block(index)[1],
             Sampler::Sobol => scramble(dimension(&FOURTH, index as u32), self.keys[3]),
@@ -94,7 +93,7 @@ impl Stream {
 
     /// Two random numbers for reflection number `bounce`, below 64, of ray `index`, below 2^48, whatever the sampler: its counter
     /// has their own bits for the number.
-    pub fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 2] {
+    pub(crate) fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 2] {
         let [low, high] = self.counter(index);
         philox_one([low, high ^ ((bounce + 1) << 24)], self.keys[0])
     }
@@ -109,7 +108,7 @@ impl Stream {
 
 /// The centre of cell `cell` of [0, 1) cut in 2^32, less 1/2: in (-1/2, 1/2), exact.
 #[inline(always)]
-pub fn centred(cell: u32) -> f64 {
+pub(crate) fn centred(cell: u32) -> f64 {
     (f64::from((cell ^ 0x8000_0000) as i32) + 0.5) * (1.0 / 4_294_967_296.0)
 }
 
@@ -175,7 +174,7 @@ fn dimension(columns: &[u32; 32], index: u32) -> u32 {
     digits.reverse_bits()
 }
 
-/// Direction numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
+/// Incidence numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
 const THIRD: [u32; 32] = {
     let mut columns = [0u32; 32];
     columns[0] = 1 << 31;

@@ -1,15 +1,15 @@
 //! What a table of rays says of its own error, from its counts.
 
-use crate::rays::tally::Sums;
+use crate::rays::Sums;
 use tables::Table;
 
 /// Estimated L1 error of every direction of a table of rays, as `--tolerance` makes it.
-pub fn estimates(table: &Table) -> Vec<f64> {
+pub(crate) fn estimates(table: &Table) -> Vec<f64> {
     Sums::of_table(table).iter().map(Sums::l1_error).collect()
 }
 
 /// Returned rays per bin met, in one randomisation; the least over directions, infinite where nothing returns.
-pub fn density(table: &Table) -> f64 {
+pub(crate) fn density(table: &Table) -> f64 {
     let of = |sums: &Sums| {
         let randomisations = sums.launched.len().max(1);
         let size = sums.counts.len() / randomisations;

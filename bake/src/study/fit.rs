@@ -21,7 +21,7 @@ impl Slope {
 }
 
 /// Least squares of log y on log x; `None` for fewer than two different x. All numbers must be positive.
-pub fn slope(points: &[[f64; 2]]) -> Option<Slope> {
+pub(crate) fn slope(points: &[[f64; 2]]) -> Option<Slope> {
     let n = points.len() as f64;
     let logs = || points.iter().map(|point| point.map(f64::ln));
     let [x_mean, y_mean] = [0, 1].map(|axis| logs().map(|p| p[axis]).sum::<f64>() / n);
@@ -67,7 +67,7 @@ impl Reached {
 }
 
 /// Where the points (seconds, error) first fall to `target`, linear between neighbours on logarithmic axes.
-pub fn reached(points: &[[f64; 2]], target: f64) -> Reached {
+pub(crate) fn reached(points: &[[f64; 2]], target: f64) -> Reached {
     let Some(below) = points.iter().position(|&[_, error]| error <= target) else {
         return Reached::Never;
     };
@@ -85,7 +85,7 @@ pub fn reached(points: &[[f64; 2]], target: f64) -> Reached {
 }
 
 /// The median; the mean of the two in the middle for an even number. Reorders; not a number for none.
-pub fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();
     if n == 0 {

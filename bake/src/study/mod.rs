@@ -1,7 +1,15 @@
-//! TODO
+//! Speed against error: every method, sampler and number of rays on one cell, against the exact table.
+//!
+//! A request and a cell enter; measured points and fitted slopes leave, and their report as text, CSV, JSON or a picture. This room
+//! may touch `run`, `plots` and all below, and writes no file.
 
-pub mod counted;
-pub mod fit;
-pub mod picture;
-pub mod report;
-pub mod study;
+mod counted;
+mod fit;
+pub(crate) mod picture;
+pub(crate) mod report;
+pub(crate) mod study;
+
+pub use fit::{Reached, Slope};
+#[cfg(test)]
+pub(crate) use report::expected_exponent;
+pub use study::{Point, Reference, Series, Study, StudyError, StudyPlan, StudyRequest};

@@ -1,8 +1,7 @@
 //! The study as a picture: error against rays and against seconds, on logarithmic axes.
 
-use crate::plots::plot::{Format, PlotError};
-use crate::run::run::Tracer;
-use crate::samples::sequence::Sampler;
+use crate::plots::{Format, PlotError};
+use crate::rays::Tracer;
 use crate::study::report::{slope_text, title};
 use crate::study::study::{Point, Reference, Series, Study};
 use kuva::plot::{LinePlot, ScatterPlot};
@@ -12,12 +11,13 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::path::Path;
 use std::sync::Arc;
+use tables::options::Sampler;
 
 /// Draws the study for `file`, a .png or an .svg, and gives the file's bytes.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
+pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
     let format = Format::of(file)?;
     let (plots, layouts) = [by_rays(study), by_seconds(study)].into_iter().unzip();
     let heading = format!(

@@ -1,17 +1,17 @@
 //! What a study says: a table for a person, CSV and JSON for a script.
 
-use crate::samples::sequence::Sampler;
 use crate::study::fit::Reached;
 use crate::study::study::{Point, Reference, Series, Study, name};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use tables::options::Sampler;
 
 /// The exponent that theory expects of L1 against rays, by sampler.
 ///
 /// Random counts: -1/2. Of a scrambled net of N points in d dimensions only the N^(1 - 1/d) elementary boxes that the
 /// outline of a bin crosses contribute, each with an independent error of order 1/N: together N^(-1/2 - 1/(2 d)). The
 /// entrance has two dimensions; the azimuth of a mean over azimuths is a third.
-pub fn expected_exponent(sampler: Sampler, azimuth_mean: bool) -> f64 {
+pub(crate) fn expected_exponent(sampler: Sampler, azimuth_mean: bool) -> f64 {
     match (sampler, azimuth_mean) {
         (Sampler::Random, _) => -1.0 / 2.0,
         (Sampler::Sobol, false) => -3.0 / 4.0,
@@ -20,7 +20,7 @@ pub fn expected_exponent(sampler: Sampler, azimuth_mean: bool) -> f64 {
 }
 
 /// For a person.
-pub fn text(study: &Study) -> String {
+pub(crate) fn text(study: &Study) -> String {
     let mut text = String::new();
     let threads = study.threads.map_or("all processors".into(), |threads| {
         format!("{threads} threads")
@@ -73,9 +73,14 @@ pub fn text(study: &Study) -> String {
             expected_exponent(series.sampler, study.azimuth_mean)
         );
     }
-    let _ = writeln!(
-        text,
-        "\nseconds to L1 = {} in the worst direction",
+    text.push_str(&seconds_text(study));
+    text
+}
+
+/// How long each way takes to the error that was asked for.
+fn seconds_text(study: &Study) -> String {
+    let mut text = format!(
+        "\nseconds to L1 = {} in the worst direction\n",
         study.target
     );
     let exact = match study.reference {
@@ -103,12 +108,12 @@ pub fn text(study: &Study) -> String {
 }
 
 /// "rays, program, sobol".
-pub fn title(series: &Series) -> String {
+pub(crate) fn title(series: &Series) -> String {
     format!("rays, {}, {}", name(series.tracer), series.sampler.name())
 }
 
 /// "-0.752 +- 0.004".
-pub fn slope_text(series: &Series) -> String {
+pub(crate) fn slope_text(series: &Series) -> String {
     match series.slope {
         None => "not fitted".into(),
         Some(slope) => match slope.standard_error {
@@ -119,7 +124,7 @@ pub fn slope_text(series: &Series) -> String {
 }
 
 /// The reference in words.
-pub fn against(reference: &Reference) -> String {
+pub(crate) fn against(reference: &Reference) -> String {
     match reference {
         Reference::Exact { .. } => "the exact table".into(),
         Reference::Sobol {
@@ -133,7 +138,7 @@ pub fn against(reference: &Reference) -> String {
 }
 
 /// For a spreadsheet: one line per bake, the exact one first.
-pub fn csv(study: &Study) -> String {
+pub(crate) fn csv(study: &Study) -> String {
     let mut csv = String::from(
         "method,tracer,sampler,rays_per_direction,seconds,l1_mean,l1_worst,l1_estimated_mean,l1_estimated_worst\n",
     );
@@ -160,7 +165,7 @@ pub fn csv(study: &Study) -> String {
 }
 
 /// For a script.
-pub fn json(study: &Study) -> String {
+pub(crate) fn json(study: &Study) -> String {
     let reference = match &study.reference {
         Reference::Exact { seconds } => json!({ "method": "exact", "seconds": seconds }),
         Reference::Sobol {

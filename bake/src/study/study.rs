@@ -5,28 +5,24 @@
 //! Every repeat has its own seed, so that errors are averaged over independent samples and seconds are medians.
 
 use crate::study::counted::density;
-pub use crate::study::counted::estimates;
+pub(crate) use crate::study::counted::estimates;
 use crate::study::fit;
 
 use crate::beams::exact;
-use crate::beams::exact::ExactError;
-use crate::plan::plan;
-use crate::plan::plan::{Method, Plan, PlanError};
-use crate::rays::kernel::Kernel;
-use crate::rays::scene::Index;
-use crate::rays::sheet::Sheet;
-use crate::rays::tally::Bins;
-use crate::run::run;
-use crate::run::run::{RunError, Tracer};
-use crate::samples::sequence::Sampler;
+use crate::cell::{ExactError, Prepared};
+use crate::plan;
+use crate::plan::{Plan, PlanError, request};
+use crate::rays::{Bins, Index, Kernel, Sheet, Tracer};
+use crate::run::{Bake, RunError, Watch, trace};
 use crate::study::fit::{Reached, Slope};
 use meshes::Cell;
 use std::time::Instant;
 use tables::Table;
+use tables::options::{Method, Sampler};
 use thiserror::Error;
 
 /// The smallest number of rays per direction; the next ones are its products with powers of 4.
-pub const FEWEST_RAYS: u64 = 1 << 10;
+pub(crate) const FEWEST_RAYS: u64 = 1 << 10;
 
 /// Rays of the reference over the largest number studied, where a cell has no exact table: at the slope of -3/4 its
 /// error is then a third of the smallest one measured.
@@ -44,21 +40,21 @@ const RAYS_PER_BIN: f64 = 4.0;
 const ABOVE_REFERENCE: f64 = 3.0;
 
 /// Defaults of `bake study` that are not those of `bake trace`.
-pub mod default {
+pub(crate) mod default {
     /// `--repeats`
-    pub const REPEATS: usize = 3;
+    pub(crate) const REPEATS: usize = 3;
     /// `--target`, L1: what 16.8 million random rays a direction reach on 128 x 128 bins.
-    pub const TARGET: f64 = 0.008;
+    pub(crate) const TARGET: f64 = 0.008;
     /// `--longest`, s
-    pub const LONGEST_SECONDS: f64 = 60.0;
+    pub(crate) const LONGEST_SECONDS: f64 = 60.0;
 }
 
 /// What to study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Request {
+pub struct StudyRequest {
     /// Directions, bins, rules, threads and first seed; its `rays` is the greatest number per direction, its method,
     /// sampler and tolerance have no effect.
-    pub trace: plan::Request,
+    pub trace: request::Request,
     /// Bakes of each kind.
     pub repeats: usize,
     /// L1 error of the worst direction that the time is asked for.
@@ -192,25 +188,25 @@ pub struct Study {
 }
 
 /// The numbers of rays per direction up to `most`: products of [`FEWEST_RAYS`] with powers of 4.
-pub fn ray_counts(most: u64) -> Vec<u64> {
+pub(crate) fn ray_counts(most: u64) -> Vec<u64> {
     let next = |&rays: &u64| rays.checked_mul(4).filter(|&rays| rays <= most);
     std::iter::successors(Some(FEWEST_RAYS).filter(|&rays| rays <= most), next).collect()
 }
 
 /// A study whose options are in range.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Checked {
-    request: Request,
+pub struct StudyPlan {
+    request: StudyRequest,
     counts: Vec<u64>,
 }
 
-impl Checked {
+impl StudyPlan {
     /// Checks a request.
     ///
     /// # Errors
     /// [`StudyError`], all but [`StudyError::Run`].
-    pub fn new(request: Request) -> Result<Self, StudyError> {
-        let Request {
+    pub fn new(request: StudyRequest) -> Result<Self, StudyError> {
+        let StudyRequest {
             repeats, target, ..
         } = request;
         if !(1..=MOST_REPEATS).contains(&repeats) {
@@ -228,7 +224,7 @@ impl Checked {
         let Some(&most) = counts.last() else {
             return Err(StudyError::FewRays { rays });
         };
-        let checked = Checked { request, counts };
+        let checked = StudyPlan { request, counts };
         checked.plan(Sampler::Random, most, 0)?;
         checked.plan(Sampler::Sobol, most.saturating_mul(REFERENCE_RAYS), 0)?;
         Ok(checked)
@@ -236,7 +232,7 @@ impl Checked {
 
     /// The plan of repeat `repeat`.
     fn plan(&self, sampler: Sampler, rays: u64, repeat: usize) -> Result<Plan, PlanError> {
-        Plan::new(&plan::Request {
+        Plan::new(&request::Request {
             method: Method::Rays,
             sampler,
             rays: Some(rays),
@@ -253,7 +249,7 @@ impl Checked {
     pub fn run(&self, cell: &Cell, done: &dyn Fn(&str, usize, usize)) -> Result<Study, StudyError> {
         let most = self.counts[self.counts.len() - 1];
         let plan = self.plan(Sampler::Sobol, most, 0)?;
-        let programs = programs(cell, &plan);
+        let programs = programs(&Prepared::new(cell.clone()), &plan);
         let mut tracers = vec![Tracer::Fastest, Tracer::OneByOne];
         if programs == 0 {
             tracers.remove(0);
@@ -266,7 +262,7 @@ impl Checked {
             Reference::Sobol { estimated_l1, .. } => estimated_l1,
         };
         // The first bake of a process pays for its memory: it is not timed.
-        run::rays(cell, &self.plan(Sampler::Sobol, FEWEST_RAYS, 0)?, &|_| ())?;
+        bake(cell, &self.plan(Sampler::Sobol, FEWEST_RAYS, 0)?)?;
         let mut series = Vec::new();
         for tracer in tracers {
             for sampler in [Sampler::Random, Sampler::Sobol] {
@@ -320,13 +316,13 @@ impl Checked {
     }
 
     fn reference(&self, cell: &Cell, plan: &Plan) -> Result<(Table, Reference), StudyError> {
-        if let Err(refusal) = exact::prepare(cell, &plan.axes) {
+        if let Err(refusal) = exact::prepare(&Prepared::new(cell.clone()), &plan.axes) {
             let most = self.counts[self.counts.len() - 1];
             let rays = most * REFERENCE_RAYS;
             let mut plan = self.plan(Sampler::Sobol, rays, 0)?;
             // A seed of its own: with the samples of a table it would share that table's error.
             plan.seed = self.request.trace.seed.wrapping_sub(1);
-            let table = run::rays(cell, &plan, &|_| ())?;
+            let table = bake(cell, &plan)?;
             let estimated_l1 = estimates(&table).into_iter().fold(0.0, f64::max);
             let reference = Reference::Sobol {
                 rays,
@@ -340,10 +336,10 @@ impl Checked {
             ..plan.clone()
         };
         let mut seconds = Vec::new();
-        let mut table = run::bake(cell, &plan, &|_| ())?;
+        let mut table = bake(cell, &plan)?;
         for _ in 0..self.request.repeats {
             let start = Instant::now();
-            table = run::bake(cell, &plan, &|_| ())?;
+            table = bake(cell, &plan)?;
             seconds.push(start.elapsed().as_secs_f64());
         }
         let seconds = fit::median(&mut seconds);
@@ -366,7 +362,10 @@ impl Checked {
         for repeat in 0..repeats {
             let plan = self.plan(sampler, rays, repeat)?;
             let start = Instant::now();
-            let table = run::rays_by(tracer, cell, &plan, &|_| ())?;
+            let prepared = Prepared::new(cell.clone());
+            let table = Bake::new(&prepared, &plan)?
+                .by(tracer)
+                .table(Watch::none())?;
             seconds.push(start.elapsed().as_secs_f64());
             let share = 1.0 / repeats as f64;
             let distances = tables::l1(&table, reference);
@@ -391,8 +390,13 @@ impl Checked {
     }
 }
 
+/// The table of a cell, which is dissected anew: seconds count that too.
+fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+    trace(&Prepared::new(cell.clone()), plan, Watch::none())
+}
+
 /// Name of a tracer in reports.
-pub fn name(tracer: Tracer) -> &'static str {
+pub(crate) fn name(tracer: Tracer) -> &'static str {
     match tracer {
         Tracer::Fastest => "program",
         Tracer::OneByOne => "one by one",
@@ -400,10 +404,10 @@ pub fn name(tracer: Tracer) -> &'static str {
 }
 
 /// Directions that run as programs.
-fn programs(cell: &Cell, plan: &Plan) -> usize {
-    let sheet = Sheet::new(cell, Index::Auto);
+fn programs(prepared: &Prepared, plan: &Plan) -> usize {
+    let sheet = Sheet::new(prepared, Index::Auto);
     let bins = Bins::new(plan.axes.bins, plan.axes.range);
-    let rules = plan.rules(cell);
+    let rules = plan.rules(prepared.cell());
     plan.axes
         .directions()
         .filter(|&(i, a)| {
@@ -429,11 +433,11 @@ mod tests {
     #[test]
     fn bad_options_name_option_value_and_remedy() {
         let with = |rays, repeats, target| {
-            let trace = plan::Request {
+            let trace = request::Request {
                 rays: Some(rays),
-                ..plan::Request::default()
+                ..request::Request::default()
             };
-            Checked::new(Request {
+            StudyPlan::new(StudyRequest {
                 trace,
                 repeats,
                 target,

@@ -5,10 +5,10 @@ use std::num::NonZeroU32;
 
 use glam::{DVec2, DVec3};
 
-use super::inside;
-use crate::error::Fault;
-use crate::mesh::{Mesh, sha256};
-use crate::write;
+use crate::design::option::inside;
+use crate::files::write;
+use crate::mesh::error::Fault;
+use crate::mesh::mesh::{Mesh, sha256};
 
 /// One bead of a sheet, the light towards +z: an octahedron whose faces are cut into facets and brought onto the sphere. Facets above
 /// the equator are of the material `glass`, those below are mirrors; corners have the sphere's normals.

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 /// The facets, and what the next cube or the land around joins.
-pub(super) struct Corner {
+pub(crate) struct Corner {
     /// Vertices.
     pub positions: Vec<DVec3>,
     /// Facets, counter-clockwise seen from the light.
@@ -15,7 +15,7 @@ pub(super) struct Corner {
 
 impl Corner {
     /// The facets between three edges.
-    pub fn sharp([a, b, c]: [DVec3; 3]) -> Self {
+    pub(super) fn sharp([a, b, c]: [DVec3; 3]) -> Self {
         Corner {
             positions: vec![DVec3::ZERO, a, b, c],
             triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]],
@@ -24,7 +24,7 @@ impl Corner {
     }
 
     /// The same with the part `part` of each edge cut off by a flat facet.
-    pub fn blunt(legs: [DVec3; 3], part: f64) -> Self {
+    pub(super) fn blunt(legs: [DVec3; 3], part: f64) -> Self {
         let mut positions = legs.map(|leg| leg * part).to_vec();
         positions.extend(legs);
         Corner {
@@ -47,7 +47,7 @@ impl Corner {
     ///
     /// Strips and triangles have their corners on the cylinders and the sphere. These touch the facets at the radius's distance from the
     /// other two: what is left of a facet is its part farther than that from both its edges (right angles).
-    pub fn rounded(legs: [DVec3; 3], radius: f64, strips: u32) -> Self {
+    pub(super) fn rounded(legs: [DVec3; 3], radius: f64, strips: u32) -> Self {
         let next = |k: usize| (k + 1) % 3;
         let normals = [0, 1, 2].map(|k| legs[k].cross(legs[next(k)]).normalize());
         let rows = DMat3::from_cols(normals[0], normals[1], normals[2]).transpose();

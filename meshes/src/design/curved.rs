@@ -9,11 +9,11 @@ use std::num::NonZeroU32;
 
 use glam::DVec3;
 
-use crate::mesh::Mesh;
+use crate::mesh::mesh::Mesh;
 
 /// `mesh`, each triangle of which is a face: cut into `segments` x `segments` facets that bulge by `sag` (file units), with
 /// normals where that is not 0. Corners keep their numbers; neighbours share the points of an edge.
-pub fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
+pub(super) fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
     let mut fine = Mesh {
         triangles: Vec::new(),
         ..mesh.clone()

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::inside;
-use crate::error::Fault;
-use crate::mesh::{Mesh, sha256};
-use crate::write;
+use crate::design::option::inside;
+use crate::files::write;
+use crate::mesh::error::Fault;
+use crate::mesh::mesh::{Mesh, sha256};
 
 /// One period of the plate, the light towards +z: mirrors across x above, mirrors across y below.
 ///

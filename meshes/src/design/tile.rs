@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::corner::Corner;
-use crate::mesh::Mesh;
+use crate::design::corner::Corner;
+use crate::mesh::mesh::Mesh;
 
 /// Vertices nearer than this part of the edge length are one.
 const SAME: f64 = 1e-9;
@@ -11,7 +11,7 @@ const SAME: f64 = 1e-9;
 impl Corner {
     /// The corner with a flat land of the width `width` around its triangular aperture, whose corners are `ends`; and the corners of the
     /// triangle that the land ends at.
-    pub fn with_land(self, ends: [DVec3; 3], width: f64) -> (Self, [DVec3; 3]) {
+    pub(super) fn with_land(self, ends: [DVec3; 3], width: f64) -> (Self, [DVec3; 3]) {
         if width == 0.0 {
             return (self, ends);
         }
@@ -39,7 +39,7 @@ impl Corner {
     }
 
     /// The corner alone.
-    pub fn mesh(self) -> Mesh {
+    pub(super) fn mesh(self) -> Mesh {
         Mesh {
             positions: self.positions,
             triangles: self.triangles,
@@ -49,7 +49,7 @@ impl Corner {
 
     /// The corner and its copy, turned by 180 degrees about `normal` (any length) through the middle of the side that the two share,
     /// from `a` to `b`.
-    pub fn pair(self, [a, b, _]: [DVec3; 3], normal: DVec3) -> Mesh {
+    pub(super) fn pair(self, [a, b, _]: [DVec3; 3], normal: DVec3) -> Mesh {
         // Not of unit length, which would turn integers into roots.
         let turned = |p: DVec3| normal * (2.0 * normal.dot(p) / normal.length_squared()) - p;
         let (middle, turned_middle) = ((a + b) * 0.5, turned((a + b) * 0.5));

@@ -14,7 +14,7 @@
 //! images of symmetry and of a lattice do, are the same cube. The result is put where the steepest direction has it.
 
 use crate::table::exact::Path;
-use crate::table::polygon::area;
+use crate::table::polygon::{self, area};
 
 /// A direction of the table near the one that is asked for.
 pub(crate) struct Node {
@@ -391,18 +391,9 @@ fn outline(courses: &[Course], tau: [f64; 2]) -> Option<Vec<[f64; 2]>> {
 
 /// The part of a convex polygon in a half-plane.
 fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
     let beyond = |p: [f64; 2]| dot(line.normal, p) - line.offset;
-    for (&p, &q) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
-        let (a, b) = (beyond(p), beyond(q));
-        if a <= 0.0 {
-            kept.push(p);
-        }
-        if (a <= 0.0) != (b <= 0.0) {
-            kept.push([0, 1].map(|k| p[k] + a / (a - b) * (q[k] - p[k])));
-        }
-    }
-    kept
+    let on = |p: [f64; 2], q: [f64; 2], part: f64| [0, 1].map(|k| p[k] + part * (q[k] - p[k]));
+    polygon::clip(polygon, beyond, on)
 }
 
 /// The shares of values at `places` in the value at `tau`: of the best affine function by weights 1 / distance^4. Across

@@ -12,6 +12,7 @@ use crate::table::exact::Exact;
 use crate::table::fate::Fate;
 use crate::table::flat::FlatPaths;
 use crate::table::invalid::Invalid;
+use crate::table::provenance::Provenance;
 use crate::table::symmetry::MOST_ROTATIONS;
 use crate::table::table::Table;
 
@@ -161,7 +162,11 @@ fn values(table: &Table) -> Result<(), Invalid> {
             none,
         )?;
     }
-    let p = &table.provenance;
+    provenance(&table.provenance)
+}
+
+fn provenance(p: &Provenance) -> Result<(), Invalid> {
+    let error = |x: f64| (0.0..=1.0).contains(&x);
     let positive = |x: f64| x.is_finite() && x > 0.0;
     within(
         "edge_length",

@@ -11,7 +11,7 @@ pub(crate) mod exact;
 pub(crate) mod fate;
 pub(crate) mod flat;
 pub(crate) mod invalid;
-pub(crate) mod polygon;
+pub mod polygon;
 pub(crate) mod provenance;
 pub(crate) mod shards;
 pub(crate) mod symmetry;

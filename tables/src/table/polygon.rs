@@ -1,4 +1,7 @@
-//! Area and centroid of polygons.
+//! Area and centroid of polygons, and the cutting of convex ones along a line (Sutherland and Hodgman 1974).
+//!
+//! Points are of any type: `bake` has vectors, tables have pairs of numbers. Whoever cuts says how a point is made on an edge, so
+//! that neighbours who share it get the same bits.
 
 /// Signed area of a polygon, positive when it is counter-clockwise; relative to its first corner, so that a
 /// polygon far from the origin loses no digits.
@@ -32,4 +35,90 @@ pub(crate) fn fan(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64;
         let (a, b) = (side(&pair[0]), side(&pair[1]));
         (a, b, a[0] * b[1] - a[1] * b[0])
     })
+}
+
+/// What a walk around a polygon meets, where a line cuts it: points with their value, which is 0 on the line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Met<P> {
+    /// A corner.
+    Corner(P, f64),
+    /// An edge across the line, from a corner to the next: neither is on it.
+    Crossing([(P, f64); 2]),
+}
+
+/// Walks once around a convex polygon, from its last corner to its first and on. `value` has a sign for each side of the line.
+#[inline]
+pub fn walk<P: Copy>(corners: &[P], value: impl Fn(P) -> f64, mut meet: impl FnMut(Met<P>)) {
+    let Some(&last) = corners.last() else { return };
+    let mut before = (last, value(last));
+    for &corner in corners {
+        let here = (corner, value(corner));
+        if here.1 * before.1 < 0.0 {
+            meet(Met::Crossing([before, here]));
+        }
+        meet(Met::Corner(here.0, here.1));
+        before = here;
+    }
+}
+
+/// The part of a convex polygon where `value` is not positive, its corners in their order. `on` makes the point at a part of the
+/// way from one corner to the next.
+pub fn clip<P: Copy>(
+    corners: &[P],
+    value: impl Fn(P) -> f64,
+    on: impl Fn(P, P, f64) -> P,
+) -> Vec<P> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    let mut seen = 0;
+    let mut closing = None;
+    walk(corners, value, |met| match met {
+        Met::Crossing([(p, a), (q, b)]) => {
+            let point = on(p, q, a / (a - b));
+            // The edge from the last corner to the first comes at the end.
+            if seen == 0 {
+                closing = Some(point);
+            } else {
+                kept.push(point);
+            }
+        }
+        Met::Corner(p, value) => {
+            seen += 1;
+            if value <= 0.0 {
+                kept.push(p);
+            }
+        }
+    });
+    kept.extend(closing);
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half planes on a unit square: how many corners are left, and the area.
+    #[test]
+    fn a_square_is_cut() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let on = |p: [f64; 2], q: [f64; 2], part: f64| [0, 1].map(|k| p[k] + part * (q[k] - p[k]));
+        let cut = |normal: [f64; 2], offset: f64| {
+            let value = move |p: [f64; 2]| normal[0] * p[0] + normal[1] * p[1] - offset;
+            clip(&square, value, on)
+        };
+        let cases = [
+            ([1.0, 0.0], 0.25, 4, 0.25),
+            ([-1.0, 0.0], -0.25, 4, 0.75),
+            ([1.0, 1.0], 0.5, 3, 0.125),
+            ([1.0, 1.0], 1.0, 3, 0.5),
+            ([1.0, 0.0], 2.0, 4, 1.0),
+            ([1.0, 0.0], -2.0, 0, 0.0),
+            ([1.0, 0.0], 1.0, 4, 1.0),
+        ];
+        for (normal, offset, corners, expected) in cases {
+            let kept = cut(normal, offset);
+            assert_eq!((kept.len(), area(&kept)), (corners, expected), "{normal:?}");
+        }
+        // The first corner that is kept stays the first.
+        assert_eq!(cut([0.0, 1.0], 0.5)[0], square[0]);
+    }
 }

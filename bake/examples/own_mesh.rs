@@ -1,0 +1,52 @@
+//! Bakes the mesh file that is given by rays, with progress and an end after ten seconds, and judges the table by other rays.
+//!
+//! `cargo run --release -p bake --example own_mesh -- cell.obj`
+
+use bake::{Plan, Prepared, Request, RunError, Watch, retrace, trace};
+use meshes::CellOptions;
+use std::error::Error;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+use tables::options::Method;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Some(file) = std::env::args_os().nth(1).map(PathBuf::from) else {
+        return Err("give a mesh: .obj, .gltf or .glb".into());
+    };
+    // Light comes from +z of the file; a lattice or a scale would be named here.
+    let prepared = Prepared::new(meshes::load_cell(&file, &CellOptions::default())?);
+    for warning in &prepared.cell().warnings {
+        eprintln!("warning: {warning}");
+    }
+    let plan = Plan::new(&Request {
+        incidence: "0,15,30,45".into(),
+        method: Method::Rays,
+        rays: Some(1 << 20),
+        ..Request::default()
+    })?;
+    let (done, stop, start) = (AtomicU64::new(0), AtomicBool::new(false), Instant::now());
+    let told = |rays| {
+        let done = done.fetch_add(rays, Ordering::Relaxed) + rays;
+        eprint!("\r{done} rays");
+        stop.store(start.elapsed() > Duration::from_secs(10), Ordering::Relaxed);
+    };
+    let table = match trace(&prepared, &plan, Watch::new(&told).stopped_by(&stop)) {
+        Err(RunError::Stopped) => return Err("ten seconds were not enough".into()),
+        table => table?,
+    };
+    eprintln!();
+    for (incidence, eta) in table.axes.incidence_deg.iter().zip(&table.retroreflected) {
+        println!("{incidence:4} deg  eta {eta:.4}");
+    }
+    let comparison = retrace(&table, &prepared, 1 << 18, 2, Watch::none())?;
+    println!(
+        "other rays {}",
+        if comparison.agrees() {
+            "agree"
+        } else {
+            "differ"
+        }
+    );
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! A cell, or one of the bodies that it falls into, prepared for exact baking.
+
+use glam::DVec2;
+
+use crate::cell::part::Part;
+use crate::cell::planes::Facet;
+use crate::cell::rim;
+use crate::geometry::{Polygon, polygon};
+
+/// Facets that leave more than this part of a period open show their backs to the light that comes through.
+const OPEN: f64 = 1e-9;
+
+/// Planar facets and the openings that light enters by.
+#[derive(Debug, Clone)]
+pub(crate) struct Body {
+    /// Planar facets, the backs of a lattice with gaps too.
+    pub facets: Vec<Facet>,
+    /// `None` too where the body is a lattice of pits, which do not see each other.
+    pub lattice: Option<[DVec2; 2]>,
+    /// Convex parts of the openings.
+    pub doors: Vec<Polygon>,
+    /// Area of the entrance, square edge lengths.
+    pub entrance_area: f64,
+    /// Height of the entrance plane, edge lengths.
+    pub height: f64,
+    /// How often it occurs, as a part of the most frequent body of the cell.
+    pub weight: f64,
+}
+
+impl Body {
+    /// Finds the openings of a part.
+    pub(crate) fn new(part: &Part, weight: f64) -> Self {
+        let (mut facets, entrance) = (part.facets.clone(), &part.entrance);
+        let entrance_area = polygon::area(&entrance.polygon);
+        let pits = entrance
+            .lattice
+            .and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
+        let lattice = if pits.is_some() {
+            None
+        } else {
+            entrance.lattice
+        };
+        let covered: f64 = facets.iter().map(|facet| facet.area_from_above()).sum();
+        if lattice.is_some() && covered < (1.0 - OPEN) * entrance_area {
+            let backs: Vec<Facet> = facets.iter().map(Facet::back).collect();
+            facets.extend(backs);
+        }
+        let openings = pits.unwrap_or_else(|| vec![entrance.polygon.clone()]);
+        Body {
+            facets,
+            lattice,
+            doors: openings
+                .iter()
+                .flat_map(|opening| polygon::convex_parts(opening))
+                .collect(),
+            entrance_area,
+            height: entrance.height,
+            weight,
+        }
+    }
+}

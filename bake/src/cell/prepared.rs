@@ -1,0 +1,164 @@
+//! A cell, dissected once for everything that asks: which bodies it falls into, its planar facets, its symmetry.
+
+use crate::cell::bodies;
+use crate::cell::bodies::{Kind, Whole};
+use crate::cell::limits::{MOST_TRIANGLES, SMALL};
+use crate::cell::part::Part;
+use crate::cell::planar::{ExactCell, ExactError};
+use crate::cell::symmetry;
+use meshes::Cell;
+use std::sync::OnceLock;
+use tables::Symmetry;
+
+/// A cell and what its mesh says of it. Each answer is found at most once, and what nobody asks for is not found at all.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    cell: Cell,
+    /// Its bodies by kind, however few its facets.
+    apart: Result<Vec<Kind>, Whole>,
+    parts: OnceLock<Option<Vec<Part>>>,
+    exact: OnceLock<Result<ExactCell, ExactError>>,
+    symmetry: OnceLock<Symmetry>,
+}
+
+impl Prepared {
+    /// Takes the cell apart where it can be.
+    pub fn new(cell: Cell) -> Self {
+        Prepared {
+            apart: bodies::apart(&cell),
+            cell,
+            parts: OnceLock::new(),
+            exact: OnceLock::new(),
+            symmetry: OnceLock::new(),
+        }
+    }
+
+    /// The cell itself.
+    pub fn cell(&self) -> &Cell {
+        &self.cell
+    }
+
+    /// The kinds of bodies that the cell is traced as, one of each.
+    ///
+    /// # Errors
+    /// [`Whole`]: why it is traced as it is.
+    pub(crate) fn kinds(&self) -> Result<&[Kind], Whole> {
+        match &self.apart {
+            Err(whole @ (Whole::Curved | Whole::Glass | Whole::Periodic)) => Err(*whole),
+            _ if self.is_small() => Err(Whole::Small),
+            Err(whole) => Err(*whole),
+            Ok(kinds) => Ok(kinds),
+        }
+    }
+
+    /// The cell as the exact method takes it.
+    ///
+    /// # Errors
+    /// [`ExactError::NoPlanes`], [`ExactError::TooFine`], [`ExactError::TooManyFacets`].
+    pub(crate) fn exact(&self) -> Result<&ExactCell, &ExactError> {
+        let exact = self.exact.get_or_init(|| {
+            if self.cell.normals.is_some() {
+                return Err(ExactError::NoPlanes {
+                    option: "--normals file".into(),
+                });
+            }
+            let parts = self.parts().ok_or(ExactError::TooFine {
+                triangles: self.cell.facets.len(),
+                limit: MOST_TRIANGLES,
+            })?;
+            ExactCell::new(parts)
+        });
+        exact.as_ref()
+    }
+
+    /// The symmetry of the cell about the sheet's normal; [`Symmetry::NONE`] where there is none, where the cell has too many
+    /// facets to look, and where they stand for curved faces.
+    pub fn symmetry(&self) -> Symmetry {
+        *self.symmetry.get_or_init(|| {
+            if self.cell.normals.is_some() || !self.cell.glass.is_empty() {
+                return Symmetry::NONE;
+            }
+            let periodic = self.cell.entrance.lattice.is_some();
+            match (&self.apart, self.parts()) {
+                // Two cubes are traced as they are, but their order makes no difference to light.
+                (Ok(kinds), _) if self.is_small() => {
+                    symmetry::of(&kinds.iter().map(Part::of).collect::<Vec<_>>())
+                }
+                (_, Some(parts)) => symmetry::of(parts),
+                (_, None) if periodic => symmetry::of(&[Part::whole(&self.cell)]),
+                (_, None) => Symmetry::NONE,
+            }
+        })
+    }
+
+    /// Whether it has too few facets to be worth taking apart.
+    fn is_small(&self) -> bool {
+        self.cell.facets.len() < SMALL
+    }
+
+    /// What light meets, in planar facets; `None` where joining them would take minutes.
+    fn parts(&self) -> Option<&[Part]> {
+        let parts = self.parts.get_or_init(|| match self.kinds() {
+            Ok(kinds) => Some(kinds.iter().map(Part::of).collect()),
+            Err(_) if self.cell.facets.len() > MOST_TRIANGLES => None,
+            Err(_) => Some(vec![Part::whole(&self.cell)]),
+        });
+        parts.as_deref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meshes::design::{Design, Shape};
+
+    fn cell(change: impl FnOnce(&mut Design), form: Shape, glb: bool) -> Cell {
+        let mut design = Design::new(form);
+        change(&mut design);
+        let mesh = design.mesh().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder
+            .path()
+            .join(if glb { "cell.glb" } else { "cell.obj" });
+        let bytes = match glb {
+            true => meshes::write::glb(&mesh),
+            false => meshes::write::obj(&mesh).into_bytes(),
+        };
+        std::fs::write(&file, bytes).unwrap();
+        meshes::load_cell(&file, &meshes::CellOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn designs_have_the_symmetry_that_they_were_drawn_with() {
+        let equal = |design: &mut Design| design.dihedral_error_rad = [1e-3; 3];
+        let one = |design: &mut Design| design.dihedral_error_rad = [1e-3, 0.0, 0.0];
+        let unequal = |design: &mut Design| design.dihedral_error_rad = [1e-3, 2e-3, 3e-3];
+        let canted = |design: &mut Design| design.cant_rad = 0.1;
+        type Change = fn(&mut Design);
+        let cases: [(Shape, Change, bool, u32, bool); 11] = [
+            (Shape::Triangular, |_| (), false, 3, true),
+            (Shape::TriangularPair, |_| (), false, 6, true),
+            (Shape::FullCube, |_| (), false, 3, true),
+            (Shape::TriangularPair, equal, false, 6, true),
+            // A mirror through the edge that has the error, and the half turn of the pair.
+            (Shape::TriangularPair, one, false, 2, true),
+            (Shape::TriangularPair, unequal, false, 2, false),
+            (Shape::Triangular, unequal, false, 1, false),
+            (Shape::Canted, canted, false, 2, true),
+            // Where single precision rounds, the rims are no longer in one plane, so that the pair is one body with its own rim.
+            (Shape::Triangular, |_| (), true, 3, true),
+            (Shape::TriangularPair, |_| (), true, 6, true),
+            (Shape::TriangularPair, equal, true, 2, true),
+        ];
+        let mut tried = 0;
+        for (form, change, glb, rotations, mirror) in cases {
+            let found = Prepared::new(cell(change, form, glb)).symmetry();
+            let name = (form, rotations, mirror, glb);
+            assert_eq!(found.rotations, rotations, "{name:?}: {found:?}");
+            assert_eq!(found.mirror_deg.is_some(), mirror, "{name:?}: {found:?}");
+            tried += 1;
+        }
+        println!("{tried} cells");
+        assert_eq!(tried, 11);
+    }
+}

@@ -1,0 +1,117 @@
+//! Pits: a surface whose whole rim lies in the entrance plane.
+//!
+//! Light that enters such a pit leaves it through the same opening, whatever the lattice around it, so a periodic cell
+//! of pits needs no neighbours. This saves the long search for them along grazing light.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+
+use crate::cell::planes::{Facet, Key, edge_keys};
+use crate::geometry::{Polygon, polygon};
+
+/// How far a rim corner may lie from the entrance plane, edge lengths: rounding of a placed mesh, no more.
+const IN_PLANE: f64 = 1e-12;
+/// Largest difference between the openings' area and the entrance's that counts as none, relative.
+const SAME_AREA: f64 = 1e-9;
+
+/// The openings of the pits in the plane z = `height`; `None` where the rim leaves that plane, or the openings are not
+/// the whole entrance.
+pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Option<Vec<Polygon>> {
+    let mut edges: HashMap<[Key; 2], (DVec2, DVec2)> = HashMap::new();
+    let mut order = Vec::new();
+    for facet in facets {
+        for (i, edge) in edge_keys(&facet.corners).enumerate() {
+            let (a, b) = (
+                facet.corners[i],
+                facet.corners[(i + 1) % facet.corners.len()],
+            );
+            if edges.remove(&[edge[1], edge[0]]).is_none() {
+                edges.insert(edge, (a.truncate(), b.truncate()));
+                order.push((edge, a, b));
+            }
+        }
+    }
+    order.retain(|(edge, ..)| edges.contains_key(edge));
+    if order
+        .iter()
+        .any(|(_, a, b)| (a.z - height).abs() > IN_PLANE || (b.z - height).abs() > IN_PLANE)
+    {
+        return None;
+    }
+    let mut loops = Vec::new();
+    for (edge, ..) in order {
+        loops.extend(
+            edges
+                .remove(&edge)
+                .map(|(start, next)| follow(edge, start, next, &mut edges)),
+        );
+    }
+    let area: f64 = loops.iter().map(|opening| polygon::area(opening)).sum();
+    let all_open = loops.iter().all(|opening| polygon::area(opening) > 0.0);
+    (all_open && (area / entrance_area - 1.0).abs() <= SAME_AREA).then_some(loops)
+}
+
+/// The closed loop that begins with an edge, taken out of `edges`.
+fn follow(
+    first: [Key; 2],
+    start: DVec2,
+    next: DVec2,
+    edges: &mut HashMap<[Key; 2], (DVec2, DVec2)>,
+) -> Polygon {
+    let mut corners = vec![start, next];
+    let mut at = first[1];
+    while at != first[0] {
+        let [.., before, here] = corners[..] else {
+            break;
+        };
+        // Where openings touch at a corner, the sharpest turn to the left stays with its own opening.
+        let turn = |to: DVec2| (here - before).angle_to(to - here);
+        let leaving = edges.iter().filter(|(edge, _)| edge[0] == at);
+        let Some((&edge, &(_, to))) = leaving.max_by(|a, b| turn(a.1.1).total_cmp(&turn(b.1.1)))
+        else {
+            break;
+        };
+        edges.remove(&edge);
+        at = edge[1];
+        if at != first[0] {
+            corners.push(to);
+        }
+    }
+    corners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::planes::join;
+    use glam::DVec3;
+
+    #[test]
+    fn a_corner_is_a_pit_and_one_with_a_lifted_rim_is_not() {
+        let ends = [DVec3::X, DVec3::Y, DVec3::Z];
+        // In a frame where the apex is below: z grows along (1, 1, 1), only the rim's height matters here.
+        let frame = |x: DVec3| {
+            DVec3::new(
+                (x.x - x.y) / 2f64.sqrt(),
+                (x.x + x.y - 2.0 * x.z) / 6f64.sqrt(),
+                x.dot(DVec3::ONE),
+            )
+        };
+        let facets = |ends: [DVec3; 3]| {
+            join(&[0, 1, 2].map(|i| [DVec3::ZERO, frame(ends[i]), frame(ends[(i + 1) % 3])]))
+        };
+        let area = 3f64.sqrt() / 2.0;
+        let found = openings(&facets(ends), 1.0, area).expect("a pit");
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].len(), 3);
+        assert!(
+            openings(&facets(ends), 1.0, 1.1 * area).is_none(),
+            "not the whole entrance"
+        );
+        assert!(
+            openings(&facets([DVec3::X * 1.001, DVec3::Y, DVec3::Z]), 1.0, area).is_none(),
+            "not planar"
+        );
+    }
+}

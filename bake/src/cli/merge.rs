@@ -1,0 +1,60 @@
+//! `bake merge`: tables of one cell put together.
+
+use crate::cli::failure::Failure;
+use crate::cli::output::{print, warn};
+use clap::Args;
+use std::path::PathBuf;
+use tables::{Outputs, Table};
+
+/// Options of `bake merge`.
+#[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// Tables to put together
+    #[arg(required = true, value_name = "TABLE.h5")]
+    tables: Vec<PathBuf>,
+    /// Table to write; it may be one of those that are read
+    #[arg(short, long, value_name = "TABLE.h5")]
+    output: PathBuf,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `bake merge`.
+pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
+    // All are read before the output is written, so that rays can be added in place.
+    let output = Outputs::beside([]).reserve(&args.output)?;
+    let parts = args
+        .tables
+        .iter()
+        .map(|file| tables::read(file))
+        .collect::<Result<Vec<Table>, _>>()?;
+    let merged = tables::merge(&parts).map_err(|source| Failure::Merge {
+        files: args.tables.clone(),
+        source: Box::new(source),
+    })?;
+    if let Some(shards) = &merged.provenance.shards {
+        warn(&[format!(
+            "shards {} of {} are missing: the table holds the rays of the others",
+            shards.missing_text(),
+            shards.of
+        )]);
+    }
+    tables::commit(&merged, output)?;
+    let (incidences, azimuths) = merged.axes.shape();
+    let (rays, hash) = (merged.rays.sum(), merged.content_hash());
+    let shards = merged.provenance.shards.as_ref().map(ToString::to_string);
+    print(&if args.json {
+        let value = serde_json::json!({
+            "table": args.output.display().to_string(), "merged": parts.len(), "content_hash": hash,
+            "directions": incidences * azimuths, "rays": rays, "seed": merged.provenance.seed, "shards": shards });
+        format!("{value}\n")
+    } else {
+        format!(
+            "{}: {} tables, {} directions, {rays} rays, content {hash}\n",
+            args.output.display(),
+            parts.len(),
+            incidences * azimuths
+        )
+    })
+}

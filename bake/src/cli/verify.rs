@@ -1,0 +1,111 @@
+//! `bake verify`: a table by itself, and by its mesh.
+
+use crate::cell::Prepared;
+use crate::cli::cell::CellArgs;
+use crate::cli::failure::Failure;
+use crate::cli::output::{print, warn};
+use crate::cli::report::comparison_text;
+use crate::run::{Comparison, RetraceError, Watch, retrace, stated};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use tables::Table;
+
+/// Options of `bake verify`.
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// Table to check
+    table: PathBuf,
+    /// Traces rays through this mesh at some of the table's directions, and compares eta and shifts (exit directions are not
+    /// compared)
+    #[arg(long)]
+    mesh: Option<PathBuf>,
+    #[command(flatten)]
+    cell: CellArgs,
+    /// Rays per direction of that trace
+    #[arg(long, value_name = "N", default_value_t = 1_048_576,
+        value_parser = clap::value_parser!(u64).range(1..1 << 40))]
+    rays: u64,
+    /// Seed that chooses the directions and their rays
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Prints one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `bake verify`.
+pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
+    let table = tables::read(&args.table)?;
+    let sealed = tables::is_sealed(&args.table)?;
+    let (incidences, azimuths) = table.axes.shape();
+    let hash = table.content_hash();
+    let comparison = args
+        .mesh
+        .as_deref()
+        .map(|mesh| traced(&table, mesh, args))
+        .transpose()?;
+    let agrees = comparison.as_ref().map(Comparison::agrees);
+    print(&if args.json {
+        let value = serde_json::json!({
+            "valid": true, "sealed": sealed, "content_hash": hash, "directions": incidences * azimuths,
+            "mesh_agrees": agrees });
+        format!("{value}\n")
+    } else {
+        let seal = if sealed {
+            ""
+        } else {
+            "; its seal is gone: another program wrote to it, its content hash still holds"
+        };
+        let head = format!(
+            "{}: valid, {} directions, content {hash}{seal}\n",
+            args.table.display(),
+            incidences * azimuths
+        );
+        head + &comparison.map_or(String::new(), |comparison| comparison_text(&comparison))
+    })?;
+    match (agrees, &args.mesh) {
+        (Some(false), Some(mesh)) => Err(Failure::Retraced {
+            table: args.table.clone(),
+            mesh: mesh.clone(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// The comparison with rays through `mesh`, placed as the table says unless the options say otherwise.
+fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Comparison, Failure> {
+    let from = &table.provenance;
+    let unknown = || Failure::Unknown {
+        file: args.table.clone(),
+        back: from.back.to_string(),
+        losses: from.losses.to_string(),
+        options: from.options.to_string(),
+    };
+    // A mesh is read in vain where the rest is not known.
+    let scene = stated(from).ok_or_else(unknown)?.scene;
+    let cell = CellArgs {
+        edge_length: args.cell.edge_length.or(Some(from.edge_length)),
+        azimuth_zero: args.cell.azimuth_zero.clone().or_else(|| {
+            let [x, y, z] = from.azimuth_zero;
+            Some(format!("{x},{y},{z}"))
+        }),
+        lattice: args.cell.lattice.clone(),
+    }
+    .load(mesh, &scene)?;
+    warn(&cell.warnings);
+    if cell.mesh_hash != from.mesh_hash {
+        warn(&[format!(
+            "{} is not the file that the table was baked from (its hash differs); the rays judge it all the same",
+            mesh.display()
+        )]);
+    }
+    let watch = Watch::none();
+    retrace(table, &Prepared::new(cell), args.rays, args.seed, watch).map_err(|error| match error {
+        RetraceError::Unknown => unknown(),
+        RetraceError::Symmetry => Failure::Symmetry {
+            table: args.table.clone(),
+            mesh: mesh.to_owned(),
+        },
+        RetraceError::Run(error) => error.into(),
+    })
+}

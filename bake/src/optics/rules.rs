@@ -1,0 +1,74 @@
+//! What facets do to light, and what counts as retroreflected: the rules that rays and beams share.
+
+use crate::optics::element;
+use crate::optics::light::Backing;
+use crate::optics::mirror::totally_reflected;
+use glam::{DMat3, DVec3};
+use tables::Fate;
+use tables::options::{Element, Roughness};
+
+/// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones take up to about
+/// ten.
+pub(crate) const BOUNCE_LIMIT: u32 = 64;
+
+/// What facets do to light, and what counts as retroreflected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rules {
+    /// Refractive index behind the flat front face; 1 for a hollow cell.
+    pub refractive_index: f64,
+    /// Whether facets reflect at every angle (a mirror coating) or only totally.
+    pub mirror_back: bool,
+    /// What is behind the facets, where Fresnel's losses count; then `mirror_back` says nothing.
+    pub losses: Option<Backing>,
+    /// Largest angle of the rotation between a path's linear map and that of [`Rules::element`] which counts as
+    /// retroreflected, rad.
+    pub angular_tolerance_rad: f64,
+    /// How rough facets are; `None` where they are smooth.
+    pub roughness: Option<Roughness>,
+    /// What counts as retroreflected.
+    pub element: Element,
+    /// Refractive index of bodies of glass; `None` where all facets are mirrors. A path through glass has no linear map: its
+    /// direction alone counts.
+    pub glass_index: Option<f64>,
+}
+
+impl Rules {
+    /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the normal.
+    pub(crate) fn lets_through(&self, cosine: f64) -> bool {
+        self.losses.is_none()
+            && !self.mirror_back
+            && !totally_reflected(cosine, self.refractive_index)
+    }
+}
+
+/// Whether the linear maps `map` and `ideal` are one within the rotation angle `tolerance_rad`.
+///
+/// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map is never near.
+fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
+    let defect = map - ideal;
+    let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
+    let sine = libm::sin(tolerance_rad / 2.0);
+    squared <= 8.0 * sine * sine
+}
+
+/// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched along `travel`.
+///
+/// All angles are those inside the cell. Light that a front face would reflect back inside counts as leaving.
+pub(crate) fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
+    if bounces == 0 {
+        return element::unmet(rules.element);
+    }
+    let (ideal, tolerance_rad) = (element::imaging(rules.element), rules.angular_tolerance_rad);
+    if is_near(map, ideal, tolerance_rad) {
+        return Fate::Retroreflected;
+    }
+    // |a - b| = 2 sin(w/2) for unit vectors at an angle w.
+    if (map * travel - ideal * travel).length() <= 2.0 * libm::sin(tolerance_rad / 2.0) {
+        return Fate::AntiparallelOther;
+    }
+    match bounces {
+        1 => Fate::LeftAfter1,
+        2 => Fate::LeftAfter2,
+        _ => Fate::Deviated,
+    }
+}

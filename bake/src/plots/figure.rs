@@ -1,0 +1,164 @@
+//! A figure of one panel per direction, and the picture formats.
+
+use kuva::backend::png::PngBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
+use std::path::{Path, PathBuf};
+use tables::Table;
+use thiserror::Error;
+
+/// Directions drawn at most; of a larger table every k-th is.
+const PANELS: usize = 24;
+
+/// Why there is no picture.
+#[derive(Debug, Error)]
+pub(crate) enum PlotError {
+    /// An extension that names no picture format.
+    #[error("--plot {}: the extension must be .png or .svg", file.display())]
+    Extension {
+        /// The file asked for.
+        file: PathBuf,
+    },
+    /// No light to draw that goes elsewhere than straight back.
+    #[error(
+        "--plot-deviations: the table says of no light that it goes elsewhere than straight back; its cells are ideal, or their rays \
+         were traced with --deviations off"
+    )]
+    Straight,
+    /// The plotting crate failed.
+    #[error("{}: the picture cannot be drawn ({reason}); try .svg instead", file.display())]
+    Draw {
+        /// The file asked for.
+        file: PathBuf,
+        /// What the crate says.
+        reason: String,
+    },
+}
+
+/// Picture formats.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    /// Vector.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// The format that the extension of `file` names.
+    ///
+    /// # Errors
+    /// [`PlotError::Extension`].
+    pub(crate) fn of(file: &Path) -> Result<Self, PlotError> {
+        let extension = file
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("png") => Ok(Format::Png),
+            Some("svg") => Ok(Format::Svg),
+            _ => Err(PlotError::Extension {
+                file: file.to_path_buf(),
+            }),
+        }
+    }
+
+    /// The scene as the bytes of `file`.
+    ///
+    /// # Errors
+    /// [`PlotError::Draw`].
+    pub(crate) fn render(self, scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
+        match self {
+            // The viewer's own font: an embedded one takes 3 MB.
+            Format::Svg => Ok(SvgBackend::new().render_scene(scene).into_bytes()),
+            Format::Png => PngBackend::new()
+                .with_scale(1.5)
+                .render_scene(scene)
+                .map_err(|reason| PlotError::Draw {
+                    file: file.to_path_buf(),
+                    reason,
+                }),
+        }
+    }
+}
+
+/// What the panels of a figure have in common.
+pub(crate) struct Labels {
+    /// What is drawn, then its unit.
+    pub(crate) title: &'static str,
+    /// Names of the axes, to the right and upward.
+    pub(crate) axes: [&'static str; 2],
+}
+
+/// One panel per direction, each by `plot`.
+pub(crate) fn figure(
+    table: &Table,
+    file: &Path,
+    labels: &Labels,
+    plot: &dyn Fn((usize, usize)) -> Plot,
+) -> Result<Vec<u8>, PlotError> {
+    let format = Format::of(file)?;
+    let (incidences, azimuths) = table.axes.shape();
+    let stride = (incidences * azimuths).div_ceil(PANELS);
+    let chosen: Vec<(usize, usize)> = (0..incidences * azimuths)
+        .step_by(stride)
+        .map(|at| (at / azimuths, at % azimuths))
+        .collect();
+    let columns = chosen.len().clamp(1, 5);
+    let (plots, layouts): (Vec<_>, Vec<_>) = chosen
+        .iter()
+        .map(|&at| panel(table, at, labels, plot(at)))
+        .unzip();
+    let scene = Figure::new(chosen.len().div_ceil(columns), columns)
+        .with_title(title(table, labels, columns, stride))
+        .with_title_size(16)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(370.0, 300.0)
+        .render();
+    format.render(&scene, file)
+}
+
+/// What all panels have in common, no wider than they are.
+fn title(table: &Table, labels: &Labels, columns: usize, stride: usize) -> String {
+    let (short, _) = labels.title.split_once(',').unwrap_or((labels.title, ""));
+    let whole = if columns > 2 { labels.title } else { short };
+    let mut title = format!("{}: {whole}", table.provenance.design);
+    if stride > 1 {
+        title += &format!(" (one of every {stride} directions)");
+    }
+    title
+}
+
+/// A plot of a direction under its angles and its retroreflected fraction.
+fn panel(
+    table: &Table,
+    (i, a): (usize, usize),
+    labels: &Labels,
+    plot: Plot,
+) -> (Vec<Plot>, Layout) {
+    let axes = &table.axes;
+    let azimuth = axes.azimuth_deg[a];
+    let azimuth = if azimuth.is_nan() {
+        "mean over azimuths".into()
+    } else {
+        format!("azimuth {azimuth}°")
+    };
+    let eta = table.retroreflected[[i, a]];
+    let back = if eta == 0.0 {
+        "nothing back".into()
+    } else {
+        format!("{:.2} % back", 100.0 * eta)
+    };
+    let title = format!("incidence {}°, {azimuth}: {back}", axes.incidence_deg[i]);
+    let plots = vec![plot];
+    let [across, upward] = labels.axes;
+    let layout = Layout::auto_from_plots(&plots)
+        .with_title(title)
+        .with_x_label(across)
+        .with_y_label(upward)
+        .with_title_size(13);
+    (plots, layout)
+}

@@ -1,0 +1,125 @@
+//! Packets from the entrance to their end: each is advanced, grouped by what its rays have met, and followed on.
+
+use crate::optics::{Incidence, Rules};
+use crate::rays::bins::Bins;
+use crate::rays::bundle::Bundle;
+use crate::rays::bvh::Hierarchy;
+use crate::rays::packet::{OUT, Packet, Way};
+use crate::rays::path::Course;
+use crate::rays::scene::Scene;
+use crate::rays::simd::InstructionSet;
+use crate::rays::tally::Tally;
+use glam::DVec2;
+use tables::Fate;
+use tables::deviation::Grid;
+
+/// Traces packets into a tally.
+pub(crate) struct Packets<'a> {
+    /// What they are traced through.
+    pub scene: &'a Scene,
+    /// Its hierarchy.
+    pub hierarchy: &'a Hierarchy,
+    /// What facets do.
+    pub rules: &'a Rules,
+    /// Incidence of launch.
+    pub direction: &'a Incidence,
+    /// Bins of the tally.
+    pub bins: &'a Bins,
+    /// How exit directions are recorded, where they are.
+    pub exits: Option<&'a Grid>,
+    /// What bundles are traced with.
+    pub instructions: InstructionSet,
+    /// Packets under way, by reflections.
+    pub stages: Vec<Packet>,
+    /// Room for one bundle.
+    pub bundle: Bundle,
+}
+
+impl Packets<'_> {
+    /// Traces the rays that enter at `points`, neighbours after each other.
+    pub(crate) fn trace(&mut self, points: &[DVec2], tally: &mut Tally) {
+        let (scene, travel) = (self.scene, self.direction.travel);
+        let ray = scene.enter(DVec2::ZERO, travel);
+        let first = self.stage(0);
+        first.clear();
+        first.position[0].extend(points.iter().map(|point| point.x));
+        first.position[1].extend(points.iter().map(|point| point.y));
+        first.position[2].resize(points.len(), ray.origin.z);
+        first.slack.resize(points.len(), ray.slack);
+        first.point.extend(points);
+        self.follow(0, None, &Course::new(self.direction), tally);
+    }
+
+    fn stage(&mut self, number: usize) -> &mut Packet {
+        if self.stages.len() <= number {
+            self.stages.resize_with(number + 1, Packet::default);
+        }
+        &mut self.stages[number]
+    }
+
+    /// Traces the packet of stage `number`, whose rays come `from` a facet or from the entrance, to the end.
+    fn follow(&mut self, number: usize, from: Option<usize>, course: &Course, tally: &mut Tally) {
+        let mut packet = std::mem::take(self.stage(number));
+        let way = Way {
+            hierarchy: self.hierarchy,
+            facets: self.scene.facets(),
+            direction: course.direction,
+            grain: self.scene.enter(DVec2::ZERO, course.direction).grain,
+            from,
+        };
+        self.instructions
+            .advance(&mut packet, &way, &mut self.bundle);
+        packet.group(self.scene.facets().len());
+        for group in packet.met.chunk_by(|a, b| a >> 32 == b >> 32) {
+            let members = group.iter().map(|met| *met as u32 as usize);
+            let facet = group[0] >> 32;
+            if facet == OUT {
+                self.leave(&packet, members, course, tally);
+                continue;
+            }
+            let number_of_facet = facet as usize;
+            let facet = &self.scene.facets()[number_of_facet];
+            let front = course.direction.dot(facet.normal) < 0.0;
+            match course.past(facet.normal, front, self.rules) {
+                Err(fate) => tally.fates[fate as usize] += group.len() as u64,
+                Ok(onward) => {
+                    let reach = self.scene.reach();
+                    let next = self.stage(number + 1);
+                    next.clear();
+                    for which in members {
+                        let slack =
+                            facet.slack_after(course.direction, packet.distance[which], reach);
+                        next.push(packet.point[which], packet.position(which), slack);
+                    }
+                    self.follow(number + 1, Some(number_of_facet), &onward, tally);
+                }
+            }
+        }
+        self.stages[number] = packet;
+    }
+
+    /// Counts the rays of `packet` that leave the cell.
+    fn leave(
+        &self,
+        packet: &Packet,
+        members: impl ExactSizeIterator<Item = usize>,
+        course: &Course,
+        tally: &mut Tally,
+    ) {
+        let fate = course.left(self.direction, self.rules);
+        if fate != Fate::Retroreflected {
+            tally.fates[fate as usize] += members.len() as u64;
+            return;
+        }
+        let index = self.rules.refractive_index;
+        let deviation = self.direction.deviation(course.direction, index);
+        for which in members {
+            let exit = course.at_height(self.scene.height(), packet.position(which));
+            let shift = self.direction.to_frame(exit - packet.point[which]);
+            tally.count_shift(self.bins, shift);
+            if let Some(grid) = self.exits {
+                tally.count_exit(self.bins, grid, shift, deviation);
+            }
+        }
+    }
+}

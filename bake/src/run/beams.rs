@@ -1,0 +1,47 @@
+//! The table of a bake by the exact method.
+
+use crate::beams::exact;
+use crate::cell::{ExactCell, MEAN_ERROR};
+use crate::plan::Effort;
+use crate::run::bake::Bake;
+use crate::run::error::RunError;
+use crate::run::pool::pool;
+use crate::run::watch::Watch;
+use tables::options::{Method, Record, SceneOptions};
+use tables::{Provenance, Table};
+
+impl Bake<'_> {
+    /// The table by the exact method. Whatever is asked of rays (number, tolerance, sampler, seed) has no part in the table.
+    ///
+    /// # Errors
+    /// [`RunError::Threads`], [`RunError::Stopped`].
+    pub(crate) fn beams(&self, exact: &ExactCell, watch: Watch<'_>) -> Result<Table, RunError> {
+        let rays_saved = match self.plan.effort {
+            Effort::Rays(rays) => rays,
+            Effort::Tolerance(_) => 0,
+        };
+        let done = || {
+            watch.tell(rays_saved);
+            !watch.is_stopped()
+        };
+        let baked = pool(self.plan)?.install(|| exact::bake(exact, &self.axes, &self.rules, done));
+        let baked = baked.ok_or(RunError::Stopped)?;
+        let provenance = Provenance {
+            seed: 0,
+            tolerance: if self.plan.is_azimuth_mean() {
+                MEAN_ERROR
+            } else {
+                0.0
+            },
+            shards: None,
+            // It says where each path goes, whatever is asked of rays.
+            options: SceneOptions {
+                deviations: Record::Auto,
+                ..self.plan.scene
+            }
+            .into(),
+            ..self.provenance(Method::Exact, None)
+        };
+        Ok(baked.table(self.axes.clone(), provenance))
+    }
+}

@@ -1,0 +1,302 @@
+//! The steps of a bake by rays, which all ranks make together: steps between two saves, rounds towards a tolerance.
+
+use crate::plan::{RAYS_PER_RANDOMISATION, Shard};
+use crate::rays::{Kernel, Sums, lanes};
+use crate::run::error::RunError;
+use crate::run::ranks::Ranks;
+use crate::run::saves::Saves;
+use crate::run::work::{DirectionSums, Run, Work};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::time::Instant;
+use tables::deviation::{Entry, added};
+use tables::{Shards, Table};
+
+/// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
+const FIRST_ROUND: u64 = 1 << 12;
+
+/// The same of the first step of a bake that is saved, where samples are sorted by piece.
+const LONG_STEP: u64 = 1 << 18;
+
+/// Programs in memory at a time, about 3 kB each: the directions of a sheet of many kinds are traced in turn.
+const PROGRAMS: usize = 1 << 14;
+
+/// The only share of a bake that is not split.
+const WHOLE_BAKE: Shard = Shard { number: 1, of: 1 };
+
+/// Adds up in rank 0 what the ranks have traced of the directions named.
+fn gather(all: &[DirectionSums], named: &[usize], ranks: &dyn Ranks) {
+    for &direction in named {
+        let mut sums = all[direction].sums();
+        ranks.gather(&mut sums.counts);
+        ranks.gather(sums.fates.as_flattened_mut());
+        gather_exits(&mut sums.deviations, ranks);
+    }
+}
+
+/// Adds up in rank 0 what the ranks have traced, which are lists of different lengths; elsewhere they are empty afterwards.
+fn gather_exits(entries: &mut Vec<Entry>, ranks: &dyn Ranks) {
+    if ranks.count() == 1 {
+        return;
+    }
+    let mut lengths = vec![0; ranks.count()];
+    lengths[ranks.number()] = entries.len() as u64;
+    ranks.gather(&mut lengths);
+    ranks.follow(&mut lengths);
+    let before: u64 = lengths[..ranks.number()].iter().sum();
+    let mut all = vec![0; 2 * lengths.iter().sum::<u64>() as usize];
+    let own = all[2 * before as usize..].chunks_exact_mut(2);
+    for (pair, entry) in own.zip(entries.drain(..)) {
+        pair.copy_from_slice(&[entry.place, entry.rays]);
+    }
+    ranks.gather(&mut all);
+    if ranks.leads() {
+        let mut rest = &all[..];
+        for length in lengths {
+            let (list, more) = rest.split_at(2 * length as usize);
+            let entry = |pair: &[u64]| Entry {
+                place: pair[0],
+                rays: pair[1],
+            };
+            let list: Vec<Entry> = list.chunks_exact(2).map(entry).collect();
+            *entries = added(entries, &list);
+            rest = more;
+        }
+    }
+}
+
+/// Rays of randomisation number `which` when `rays` are shared by `among`.
+fn share(rays: u64, among: usize, which: usize) -> u64 {
+    let among = among as u64;
+    rays / among + u64::from((which as u64) < rays % among)
+}
+
+/// How much is traced between two looks at the clock.
+struct Pace {
+    /// Rays of each randomisation of a direction.
+    step: u64,
+    /// Runs.
+    most: usize,
+}
+
+impl Pace {
+    /// That of the first step, of a bake that `is_saved` or not.
+    fn first(work: &Work, ranks: &dyn Ranks, is_saved: bool) -> Self {
+        // Sorting by piece wants many samples.
+        let first = if lanes::sorts(&work.sheet.launch) {
+            LONG_STEP
+        } else {
+            FIRST_ROUND
+        };
+        let large = work.sheet.scenes.iter().any(|scene| scene.is_large());
+        // One for each thread of all ranks, as rank 0 has them.
+        let mut threads = [work.pool.current_num_threads() as u64];
+        ranks.follow(&mut threads);
+        Pace {
+            step: if is_saved && !large { first } else { u64::MAX },
+            most: if large {
+                threads[0] as usize * ranks.count()
+            } else {
+                usize::MAX
+            },
+        }
+    }
+
+    fn double(&mut self) {
+        self.step = self.step.saturating_mul(2);
+        self.most = self.most.saturating_mul(2);
+    }
+}
+
+/// The runs that come next, with up to `step` samples of each randomisation, cut to what is best traced in one piece.
+fn next<'a>(
+    kernels: &'a [(&DirectionSums, Kernel)],
+    share: &dyn Fn(usize) -> Range<u64>,
+    step: u64,
+) -> Vec<Run<'a>> {
+    let mut runs = Vec::new();
+    for (direction, kernel) in kernels {
+        let launched = &direction.sums().launched;
+        for (randomisation, done) in launched.iter().enumerate() {
+            let Range { start, end } = share(randomisation);
+            let start = start + done;
+            let end = end.min(start.saturating_add(step));
+            let length = kernel.run();
+            let cuts = (start..end).step_by(length as usize);
+            runs.extend(cuts.map(|from| Run {
+                direction,
+                kernel,
+                randomisation,
+                samples: from..end.min(from + length),
+            }));
+        }
+    }
+    runs
+}
+
+/// The steps of a bake, which all ranks make together.
+pub(crate) struct Rounds<'a, 's> {
+    /// What is done so far.
+    pub work: Work<'a>,
+    /// Who does it.
+    pub ranks: &'a dyn Ranks,
+    /// All ranks save or none; rank 0 alone writes.
+    pub saves: Option<Saves<'s>>,
+}
+
+impl Rounds<'_, '_> {
+    /// Begins with what an interrupted bake had done, if rank 0 has any.
+    ///
+    /// # Errors
+    /// [`RunError::Saved`].
+    pub(crate) fn go_on(&mut self) -> Result<(), RunError> {
+        if let Some(saved) = self.saves.as_mut().and_then(|saves| saves.start.take()) {
+            let fresh = self.work.table();
+            let shape = |table: &Table| {
+                let grid = table.deviations.as_ref().map(|found| found.grid);
+                (table.counts.as_ref().map(|counts| counts.dim()), grid)
+            };
+            let same = saved.provenance.is_of_the_bake(&fresh.provenance)
+                && saved.axes == fresh.axes
+                && shape(&saved) == shape(&fresh);
+            if !same {
+                return Err(RunError::Saved);
+            }
+            self.work.watch.tell(saved.rays.sum());
+            for (direction, sums) in self.work.directions.iter().zip(Sums::of_table(&saved)) {
+                *direction.sums() = sums;
+            }
+        }
+        for direction in &self.work.directions {
+            self.ranks.follow(&mut direction.sums().launched);
+        }
+        Ok(())
+    }
+
+    /// Traces `rays` of every direction.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub(crate) fn all(&mut self, rays: u64) -> Result<(), RunError> {
+        let plan = self.work.bake.plan;
+        let share = |randomisation: usize| {
+            let samples = share(rays, plan.randomisations, randomisation);
+            let Shard { number, of } = plan.shard.unwrap_or(WHOLE_BAKE);
+            Shards::samples(number, of, samples)
+        };
+        let beyond = |direction: &DirectionSums| {
+            let sums = direction.sums();
+            let mut launched = sums.launched.iter().enumerate();
+            launched.any(|(r, &done)| done > share(r).end - share(r).start)
+        };
+        if self.ranks.leads() && self.work.directions.iter().any(beyond) {
+            return Err(RunError::Saved);
+        }
+        let every: Vec<usize> = (0..self.work.directions.len()).collect();
+        self.run(&every, &share)
+    }
+
+    /// Doubles the rays of each direction until its estimated error is below `tolerance`.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub(crate) fn until(&mut self, tolerance: f64) -> Result<(), RunError> {
+        let mut open: Vec<usize> = (0..self.work.directions.len()).collect();
+        let mut samples = FIRST_ROUND;
+        while !open.is_empty() {
+            // Rank 0 alone has the sums; the others are ended with it.
+            if samples > RAYS_PER_RANDOMISATION && self.ranks.leads() {
+                let worst = &self.work.directions[open[0]];
+                let sums = worst.sums();
+                return Err(RunError::Tolerance {
+                    incidence_deg: worst.incidence_deg,
+                    azimuth_deg: worst.azimuth_deg,
+                    reached: sums.l1_error(),
+                    rays: sums.rays(),
+                });
+            }
+            self.run(&open, &|_| 0..samples)?;
+            // A direction of a bake that goes on may be past this round, which then did not close it.
+            let Work {
+                directions, pool, ..
+            } = &self.work;
+            let stays = |&direction: &usize| {
+                let sums = directions[direction].sums();
+                u64::from(sums.launched[0] > samples || sums.l1_error() >= tolerance)
+            };
+            let mut keep = if self.ranks.leads() {
+                pool.install(|| open.par_iter().map(stays).collect())
+            } else {
+                vec![0; open.len()]
+            };
+            self.ranks.follow(&mut keep);
+            let mut keep = keep.into_iter();
+            open.retain(|_| keep.next() == Some(1));
+            samples *= 2;
+        }
+        Ok(())
+    }
+
+    /// Traces the samples `share(randomisation)` of every randomisation of the directions named, less those that are
+    /// done: the sums of a randomisation always hold the first samples of its share.
+    ///
+    /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short enough to be saved in
+    /// time. Through a large scene rays are the faster the more of them go side by side: there whole runs are traced, some at
+    /// a time, one direction after the other.
+    fn run(
+        &mut self,
+        directions: &[usize],
+        share: &dyn Fn(usize) -> Range<u64>,
+    ) -> Result<(), RunError> {
+        let Rounds { work, ranks, saves } = self;
+        let mut pace = Pace::first(work, *ranks, saves.is_some());
+        for some in directions.chunks((PROGRAMS / work.sheet.scenes.len()).max(1)) {
+            let kernel = |&direction: &usize| (&work.directions[direction], work.kernel(direction));
+            let kernels: Vec<(&DirectionSums, Kernel)> =
+                work.pool.install(|| some.par_iter().map(kernel).collect());
+            loop {
+                let mut runs = next(&kernels, share, pace.step);
+                if runs.is_empty() {
+                    break;
+                }
+                runs.truncate(pace.most);
+                let begun = Instant::now();
+                let (number, count) = (ranks.number(), ranks.count());
+                work.pool.install(|| work.trace(&runs, number, count));
+                if work.watch.is_stopped() {
+                    return Err(RunError::Stopped);
+                }
+                work.fits()?;
+                let Some(saves) = saves else { continue };
+                let quick = begun.elapsed() < saves.every / 8;
+                let mut told = [u64::from(quick), u64::from(saves.are_due())];
+                ranks.follow(&mut told);
+                if told[0] == 1 {
+                    pace.double();
+                }
+                if told[1] == 1 {
+                    saves.save(|| {
+                        gather(&work.directions, directions, *ranks);
+                        ranks.leads().then(|| work.table())
+                    });
+                }
+            }
+        }
+        gather(&work.directions, directions, *ranks);
+        work.fits()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_add_up() {
+        for rays in [1, 15, 16, 17, 4_194_304, (1 << 34) + 5] {
+            let among = rays.min(16) as usize;
+            let sum: u64 = (0..among).map(|which| share(rays, among, which)).sum();
+            assert_eq!(sum, rays);
+        }
+    }
+}

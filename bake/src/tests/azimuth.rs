@@ -1,0 +1,290 @@
+//! Tables over all azimuths: the sector that is baked stands for the rest.
+
+use crate::tests::bakes;
+use crate::tests::cells;
+
+use crate::beams::spread;
+use crate::plan::{Plan, Request};
+use crate::run::Bake;
+use crate::tests::bakes::bake;
+use meshes::Cell;
+use meshes::design::{Design, Shape};
+use tables::Table;
+use tables::options::Back;
+
+fn table(cell: &Cell, incidence: &str, azimuth: &str) -> Table {
+    let request = Request {
+        incidence: incidence.into(),
+        azimuth: azimuth.into(),
+        bins: 64,
+        ..Request::default()
+    };
+    let plan = Plan::new(&request).expect("a valid request");
+    bake(cell, &plan).expect("bakes")
+}
+
+/// Total variation of eta x histogram.
+fn apart(a: &ndarray::Array2<f64>, b: &ndarray::Array2<f64>) -> f64 {
+    0.5 * (a - b).iter().map(|x| x.abs()).sum::<f64>()
+}
+
+/// Every azimuth that the symmetry gives, baked by itself, is what the table of the sector says of it.
+#[test]
+fn a_sector_says_what_all_azimuths_are() {
+    let mut turned = cells::triangular();
+    let quarter = |p: glam::DVec2| glam::DVec2::from_angle(0.3).rotate(p);
+    for corner in turned.facets.iter_mut().flatten() {
+        *corner = quarter(corner.truncate()).extend(corner.z);
+    }
+    turned
+        .entrance
+        .polygon
+        .iter_mut()
+        .for_each(|p| *p = quarter(*p));
+    let mut compared = 0;
+    for (cell, rotations, azimuths) in [
+        (cells::pair(), 6, 4),
+        (cells::triangular(), 3, 7),
+        (turned, 3, 7),
+        (cells::full_cube(), 3, 7),
+    ] {
+        let sector = table(&cell, "0,12,31", "full:10");
+        let symmetry = sector.provenance.symmetry;
+        assert_eq!(symmetry.rotations, rotations, "{}", cell.design);
+        assert!(symmetry.mirror_deg.is_some(), "{}", cell.design);
+        assert_eq!(sector.axes.azimuth_deg.len(), azimuths);
+        for &own in &sector.axes.azimuth_deg {
+            for (image, _) in symmetry.images(own).step_by(2) {
+                let alone = table(&cell, "0,12,31", &format!("{image}"));
+                for (i, &incidence) in sector.axes.incidence_deg.iter().enumerate() {
+                    let found = sector.direction(incidence, Some(image)).unwrap();
+                    let expected = alone.direction(incidence, Some(image)).unwrap();
+                    // Areas are good to some 1e-15; 64 x 64 bins of them.
+                    let apart = apart(&found.probability, &alone.probability(i, 0));
+                    assert!(
+                        apart < 1e-12,
+                        "{} {incidence} {image}: {apart}",
+                        cell.design
+                    );
+                    let (w, kappa) = ([0.8, 0.5], [0.2, 1.0]);
+                    let (a, b) = (found.otf_along(w, &kappa), expected.otf_along(w, &kappa));
+                    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).norm() < 1e-12));
+                    compared += 1;
+                }
+            }
+        }
+    }
+    println!("{compared} directions");
+    // Half of the images: 12 elements of the pair's group, 6 of the others'.
+    assert_eq!(compared, 3 * (4 * 6 + 3 * 7 * 3));
+}
+
+/// A cell without symmetry has its whole turn, and a table of rays its sector too.
+#[test]
+fn what_has_no_symmetry_is_baked_all_around() {
+    let mut skew = cells::triangular();
+    skew.facets[0][1].x += 0.01;
+    skew.entrance.polygon[0].x += 0.01;
+    let all = table(&skew, "10", "full:45");
+    assert_eq!(all.provenance.symmetry, tables::Symmetry::NONE);
+    assert_eq!(
+        all.axes.azimuth_deg,
+        [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0]
+    );
+    let between = all.direction(10.0, Some(350.0)).unwrap();
+    assert!(between.interpolated);
+    let request = Request {
+        incidence: "10".into(),
+        azimuth: "full:15".into(),
+        method: tables::options::Method::Rays,
+        rays: Some(4096),
+        ..Request::default()
+    };
+    let plan = Plan::new(&request).unwrap();
+    let rays = bake(&cells::pair(), &plan).unwrap();
+    assert_eq!(rays.axes.azimuth_deg, [0.0, 15.0, 30.0]);
+    assert_eq!(
+        rays.direction(10.0, Some(75.0)).unwrap().eta,
+        rays.retroreflected[[0, 1]]
+    );
+}
+
+fn design(name: &str, change: impl FnOnce(&mut Design)) -> Cell {
+    let mut design = Design::new(Shape::from_name(name).unwrap());
+    change(&mut design);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cell.obj");
+    std::fs::write(&file, meshes::write::obj(&design.mesh().unwrap())).unwrap();
+    meshes::load_cell(&file, &meshes::CellOptions::default()).unwrap()
+}
+
+/// A direction anywhere in a turn, by the golden ratio and its square.
+fn area(polygon: &[[f64; 2]]) -> f64 {
+    let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    0.5 * ends.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>()
+}
+
+fn anywhere(k: u32, steepest_deg: f64) -> (f64, f64) {
+    let part = |step: f64| (f64::from(k) * step + 0.37).fract();
+    (
+        steepest_deg * part(0.754_877_666_246_693),
+        360.0 * part(0.569_840_290_998_053),
+    )
+}
+
+/// Tables whose directions were chosen for a tolerance, at 500 directions each that the choice did not try, against the
+/// exact method.
+#[test]
+fn between_chosen_directions_polygons_keep_the_tolerance() {
+    let tolerance = 0.005;
+    let uneven = |design: &mut Design| design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
+    // Cell, index, steepest incidence, most directions: a fall back to mixing would take hundreds.
+    let cases = [
+        (design("triangular-pair", |_| ()), 1.49, 45.0, 9),
+        (design("triangular-pair", |_| ()), 1.0, 60.0, 12),
+        (design("triangular", |_| ()), 1.49, 45.0, 15),
+        (
+            design("canted", |design| design.cant_rad = 0.2),
+            1.49,
+            45.0,
+            30,
+        ),
+        (design("full-cube", |_| ()), 1.49, 45.0, 40),
+        (design("triangular-pair", uneven), 1.49, 45.0, 40),
+    ];
+    let mut tried = 0;
+    for (cell, index, steepest, most) in cases {
+        let request = Request {
+            incidence: format!("0,{steepest}"),
+            azimuth: "full".into(),
+            refractive_index: Some(index),
+            direction_tolerance: Some(tolerance),
+            ..Request::default()
+        };
+        let plan = Plan::new(&request).unwrap();
+        let table = bake(&cell, &plan).unwrap();
+        let (prepared, rules) = (bakes::exact(&cell).unwrap(), plan.rules(&cell));
+        let (mut by_polygons, mut by_mixing, mut by_eta) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut astray = 0.0_f64;
+        for k in 0..500 {
+            let (incidence, azimuth) = anywhere(k, steepest);
+            let truth = prepared.direction(incidence, azimuth, 128, 2.0, &rules);
+            let found = table.direction(incidence, Some(azimuth)).unwrap();
+            let total = |mass: &[f64]| -> f64 {
+                let bins = mass
+                    .iter()
+                    .zip(&truth.histogram)
+                    .map(|(a, b)| (a - b).abs());
+                0.5 * bins.sum::<f64>()
+            };
+            let paths = found.paths.as_ref().expect("interpolated polygons");
+            let (mass, _) = spread(paths, prepared.entrance_area(), 128, 2.0);
+            by_polygons = by_polygons.max(total(&mass));
+            by_mixing = by_mixing.max(total(found.probability.as_slice().unwrap()));
+            by_eta = by_eta.max((found.eta - truth.eta).abs());
+            // Every path goes where one of the truth goes.
+            for path in paths.iter().filter(|path| area(&path.polygon) > tolerance) {
+                let apart = truth.paths.iter().map(|own| {
+                    let [x, y] = [0, 1].map(|k| own.deviation[k] - path.deviation[k]);
+                    x.hypot(y)
+                });
+                astray = astray.max(apart.fold(f64::INFINITY, f64::min));
+            }
+            tried += 1;
+        }
+        let (incidences, azimuths) = table.axes.shape();
+        println!(
+            "{} m {index}: {incidences} x {azimuths} directions, polygons within {by_polygons:.5}, eta within {by_eta:.5}, \
+             deviations within {astray:.1e} rad; mixed bins of the same table within {by_mixing:.3}",
+            cell.design
+        );
+        assert!(by_polygons <= tolerance, "{}: {by_polygons}", cell.design);
+        // 5 um at a distance of 1 m, a twentieth of the smallest corners: affine functions are exact, but a path that only two
+        // directions around have is known along one line.
+        assert!(astray <= 5e-6, "{}: {astray}", cell.design);
+        // |difference of eta| is at most twice the total variation.
+        assert!(by_eta <= 2.0 * tolerance, "{}: {by_eta}", cell.design);
+        assert!(
+            incidences * azimuths <= most,
+            "{}: {incidences} x {azimuths}",
+            cell.design
+        );
+    }
+    println!("{tried} directions");
+    assert_eq!(tried, 6 * 500);
+}
+
+/// Where total reflection ends the distribution jumps, and no grid reaches a tolerance: the error says where.
+#[test]
+fn a_jump_is_said() {
+    let cell = cells::pair();
+    let request = Request {
+        incidence: "0,45".into(),
+        azimuth: "full".into(),
+        refractive_index: Some(1.49),
+        back: Back::Tir,
+        direction_tolerance: Some(0.005),
+        bins: 16,
+        ..Request::default()
+    };
+    let plan = Plan::new(&request).unwrap();
+    let prepared = bakes::prepared(&cell);
+    let error = Bake::new(&prepared, &plan).unwrap_err().to_string();
+    assert!(
+        error.contains("still") && error.contains("at incidence"),
+        "{error}"
+    );
+    // Below the limit of 18.9 deg there is none.
+    let request = Request {
+        incidence: "0,18".into(),
+        ..request
+    };
+    let plan = Plan::new(&request).unwrap();
+    let baked = Bake::new(&prepared, &plan).unwrap();
+    assert_eq!(baked.symmetry, prepared.symmetry());
+    assert!(baked.axes().shape().0 <= 3, "{:?}", baked.axes());
+}
+
+/// What mixed bins would take for the same tolerance; run by hand, for the figures in BENCHMARKS.md.
+#[test]
+#[ignore = "figures for BENCHMARKS.md, a minute"]
+fn directions_that_mixing_takes() {
+    let cell = design("triangular-pair", |_| ());
+    let prepared = bakes::exact(&cell).unwrap();
+    for (step, azimuth) in [
+        ("5", "full:5"),
+        ("1", "full:5"),
+        ("0.5", "full:3"),
+        ("0.25", "full:2"),
+        ("0.2", "full:1"),
+    ] {
+        let request = Request {
+            incidence: format!("0:45:{step}"),
+            azimuth: azimuth.into(),
+            refractive_index: Some(1.49),
+            ..Request::default()
+        };
+        let plan = Plan::new(&request).unwrap();
+        let table = bake(&cell, &plan).unwrap();
+        let rules = plan.rules(&cell);
+        let apart = (0..500).map(|k| {
+            let (incidence, azimuth) = anywhere(k, 45.0);
+            let truth = prepared.direction(incidence, azimuth, 128, 2.0, &rules);
+            let found = table
+                .direction(incidence, Some(azimuth))
+                .unwrap()
+                .probability;
+            let bins = found.iter().zip(&truth.histogram);
+            0.5 * bins.map(|(a, b)| (a - b).abs()).sum::<f64>()
+        });
+        let worst = apart.fold(0.0, f64::max);
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("t.h5");
+        tables::write(&table, &file).unwrap();
+        let bytes = std::fs::metadata(&file).unwrap().len();
+        println!(
+            "{step} {azimuth}: {:?} directions, {bytes} bytes, mixed within {worst:.4}",
+            table.axes.shape()
+        );
+    }
+}

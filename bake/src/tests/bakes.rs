@@ -1,0 +1,64 @@
+//! Bakes of cells that are dissected for one question only.
+
+use crate::cell::{ExactCell, ExactError, Kind, Prepared, Whole};
+use crate::optics::Rules;
+use crate::plan::{Plan, default};
+use crate::rays::Tracer;
+use crate::run::{Bake, RunError, Watch, trace};
+use meshes::Cell;
+use tables::options::Element;
+use tables::options::Method;
+use tables::{Symmetry, Table};
+
+/// The table of a cell, by the method that the plan names.
+pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+    trace(&prepared(cell), plan, Watch::none())
+}
+
+/// Its table of rays, whatever method the plan names.
+pub(crate) fn rays(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+    rays_by(Tracer::Fastest, cell, plan)
+}
+
+/// Its table of rays by a tracer.
+pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
+    let plan = Plan {
+        method: Method::Rays,
+        ..plan.clone()
+    };
+    let prepared = prepared(cell);
+    Bake::new(&prepared, &plan)?.by(tracer).table(Watch::none())
+}
+
+pub(crate) fn prepared(cell: &Cell) -> Prepared {
+    Prepared::new(cell.clone())
+}
+
+/// The cell as the exact method takes it.
+pub(crate) fn exact(cell: &Cell) -> Result<ExactCell, ExactError> {
+    prepared(cell).exact().cloned().map_err(ExactError::clone)
+}
+
+pub(crate) fn kinds(cell: &Cell) -> Result<Vec<Kind>, Whole> {
+    prepared(cell).kinds().map(<[Kind]>::to_vec)
+}
+
+pub(crate) fn symmetry(cell: &Cell) -> Symmetry {
+    prepared(cell).symmetry()
+}
+
+impl Rules {
+    /// Mirrors that take nothing, behind a flat front face of that refractive index, and the usual tolerance: what rules name
+    /// beyond that is an option.
+    pub(crate) const fn mirrors(refractive_index: f64) -> Self {
+        Rules {
+            refractive_index,
+            mirror_back: true,
+            losses: None,
+            angular_tolerance_rad: default::ANGULAR_TOLERANCE_DEG.to_radians(),
+            roughness: None,
+            element: Element::Retroreflector,
+            glass_index: None,
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Curved faces: facets with interpolated normals against the curved face itself, and what is refused or said of them.
+
+pub(crate) mod convergence;
+pub(crate) mod oracle;
+pub(crate) mod rules;
+
+use crate::optics::Rules;
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions, Mesh, normalise};
+use std::path::Path;
+
+/// Mirrors in air; what is bent by up to 10 degrees still counts as retroreflected.
+const RULES: Rules = Rules {
+    angular_tolerance_rad: 0.174,
+    ..Rules::mirrors(1.0)
+};
+
+fn design(shape: Shape, sag: f64, segments: u32) -> Mesh {
+    let design = Design {
+        sag,
+        segments,
+        ..Design::new(shape)
+    };
+    design.mesh().expect("a design")
+}
+
+/// The cell of `mesh`, whose facets have its normals or are planes.
+fn cell(mesh: &Mesh, file_normals: bool) -> Cell {
+    let options = CellOptions {
+        file_normals,
+        ..CellOptions::default()
+    };
+    normalise(mesh, Path::new("mesh.obj"), &options).expect("a cell")
+}

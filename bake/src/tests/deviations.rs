@@ -1,0 +1,409 @@
+//! Exit directions of rays, against the exact method's and the closed form of cubes with errors of their right angles.
+
+use crate::tests::bakes;
+use crate::tests::cells;
+
+use crate::plan::{Plan, Request};
+use crate::rays::Tracer;
+use crate::tests::bakes::{bake, rays_by};
+use glam::DVec2;
+use meshes::design::{Design, Plate, Shape};
+use meshes::{Cell, CellOptions, normalise};
+use tables::options::{Element, Method, Record, SceneOptions};
+use tables::{Path, Table};
+
+fn plan(request: &Request) -> Plan {
+    Plan::new(&Request {
+        rays: Some(1 << 18),
+        method: Method::Rays,
+        ..request.clone()
+    })
+    .expect("a valid request")
+}
+
+fn of(record: Record) -> SceneOptions {
+    SceneOptions {
+        deviations: record,
+        ..SceneOptions::default()
+    }
+}
+
+/// Of one direction of a table of rays: deviation, rays and mean shift of every bin of deviations that has rays.
+fn spots(table: &Table, direction: usize) -> Vec<(DVec2, u64, DVec2)> {
+    let found = table.deviations.as_ref().expect("recorded");
+    let axes = &table.axes;
+    assert_eq!(found.grid.cells, axes.bins, "cells are the bins themselves");
+    let mut spots: Vec<([usize; 2], u64, DVec2)> = Vec::new();
+    for entry in &found.entries[direction] {
+        let ([v, u], bin) = found.grid.at(entry.place);
+        let shift = DVec2::new(axes.bin_centre(u), axes.bin_centre(v)) * entry.rays as f64;
+        match spots.iter_mut().find(|spot| spot.0 == bin) {
+            Some(spot) => (spot.1, spot.2) = (spot.1 + entry.rays, spot.2 + shift),
+            None => spots.push((bin, entry.rays, shift)),
+        }
+    }
+    let spot = |(bin, rays, shift): ([usize; 2], u64, DVec2)| {
+        let deviation = DVec2::from_array(found.grid.deviation(bin));
+        (deviation, rays, shift / rays as f64)
+    };
+    spots.into_iter().map(spot).collect()
+}
+
+fn centroid(polygon: &[[f64; 2]]) -> (f64, DVec2) {
+    let (mut area, mut moment) = (0.0, DVec2::ZERO);
+    let corner = |k: usize| DVec2::from_array(polygon[k % polygon.len()]);
+    for k in 0..polygon.len() {
+        let (a, b) = (corner(k), corner(k + 1));
+        area += 0.5 * a.perp_dot(b);
+        moment += (a + b) * a.perp_dot(b) / 6.0;
+    }
+    (area, moment / area)
+}
+
+/// Every spot of beams has its share of the rays, with the mean shift of its own polygons, and no ray goes elsewhere.
+#[test]
+fn rays_go_where_beams_go() {
+    let cell = cells::uneven_pair([5e-4, 0.0, -3e-4]);
+    let (mut compared, mut furthest) = (0, 0.0_f64);
+    for index in [1.0, 1.49] {
+        let request = Request {
+            incidence: "0,20,40".into(),
+            azimuth: "10,70".into(),
+            refractive_index: Some(index),
+            ..Request::default()
+        };
+        let by_rays = bake(&cell, &plan(&request)).expect("bakes");
+        let exact = Plan::new(&request).expect("a valid request");
+        let exact = bake(&cell, &exact).expect("bakes");
+        let polygons = exact.exact.as_ref().expect("polygons");
+        let grid = by_rays.deviations.as_ref().expect("recorded").grid;
+        for (direction, paths) in polygons.paths.iter().enumerate() {
+            let launched = by_rays.rays[[direction / 2, direction % 2]] as f64;
+            let mut left: u64 = by_rays.deviations.as_ref().unwrap().entries[direction]
+                .iter()
+                .map(|entry| entry.rays)
+                .sum();
+            // The two cubes' spots differ in second order, 2.5e-7 rad: less than a bin apart they are one.
+            let near = |a: DVec2, b: DVec2| (a - b).abs().max_element() < 4.0 * grid.bin_width();
+            let mut seen: Vec<DVec2> = Vec::new();
+            for path in paths {
+                let at = DVec2::from_array(path.deviation);
+                if seen.iter().any(|&other| near(at, other)) {
+                    continue;
+                }
+                seen.push(at);
+                let own: Vec<_> = paths
+                    .iter()
+                    .filter(|same| near(at, same.deviation.into()))
+                    .collect();
+                let (mut power, mut shift) = (0.0, DVec2::ZERO);
+                for path in &own {
+                    let (area, middle) = centroid(&path.polygon);
+                    let part = path.weight * area / polygons.entrance_area;
+                    power += part;
+                    shift += part * DVec2::from_array(path.shift(middle.into()));
+                }
+                let (mut rays, mut mean) = (0, DVec2::ZERO);
+                for (deviation, n, middle) in spots(&by_rays, direction) {
+                    // In the bin of one of them, or next to it by rounding.
+                    let goes = |path: &&Path| {
+                        let apart = deviation - DVec2::from_array(path.deviation);
+                        apart.abs().max_element() < 0.501 * grid.bin_width()
+                    };
+                    if own.iter().copied().any(|path| goes(&path)) {
+                        (rays, mean) = (rays + n, mean + middle * n as f64);
+                    }
+                }
+                left -= rays;
+                // Five standard deviations of independent rays, which Sobol's stay below; one ray at least.
+                let sigma = (power * (1.0 - power) / launched)
+                    .sqrt()
+                    .max(1.0 / launched);
+                let share = rays as f64 / launched;
+                assert!((share - power).abs() < 5.0 * sigma, "{share} for {power}");
+                if rays > 1000 {
+                    // Shifts are known to half a bin, and spread by less than 1.
+                    let apart = (mean / rays as f64 - shift / power).length();
+                    let allowed = by_rays.axes.bin_width() + 5.0 / (rays as f64).sqrt();
+                    assert!(apart < allowed, "{apart} of {allowed}");
+                    furthest = furthest.max(apart);
+                }
+                compared += 1;
+            }
+            assert_eq!(left, 0, "rays that no beam explains");
+        }
+    }
+    println!("{compared} spots, their mean shifts within {furthest:.4}");
+    assert!(compared > 60, "{compared}");
+}
+
+/// Model: three equal errors send light into six spots at 4 sqrt(2/3) eps (1 - eps/2), one error into two at 1.633 eps; times
+/// the index.
+#[test]
+fn spots_of_equal_errors() {
+    let eps = 1e-3;
+    let root = (2.0_f64 / 3.0).sqrt();
+    let mut compared = 0;
+    for (errors, index, radius, count) in [
+        ([eps; 3], 1.0, 4.0 * root * eps * (1.0 - eps / 2.0), 6),
+        // Outside a prism the first order is known; the second is below eps^2 times the index.
+        ([eps; 3], 1.49, 1.49 * 4.0 * root * eps, 6),
+        ([eps, 0.0, 0.0], 1.0, 2.0 * root * eps, 2),
+    ] {
+        let request = Request {
+            incidence: "0".into(),
+            refractive_index: Some(index),
+            scene: of(Record::Within(1.02e3 * radius)),
+            ..Request::default()
+        };
+        let table = bake(&cells::uneven_pair(errors), &plan(&request)).expect("bakes");
+        let grid = table.deviations.as_ref().expect("recorded").grid;
+        let spots = spots(&table, 0);
+        let returned: u64 = spots.iter().map(|spot| spot.1).sum();
+        let mut left = spots.clone();
+        while let Some((at, ..)) = left.first().copied() {
+            // The two cubes' spots differ in second order.
+            let same = |spot: &(DVec2, u64, DVec2)| (spot.0 - at).length() < 10.0 * eps * eps;
+            let own: Vec<_> = left.extract_if(.., |spot| same(spot)).collect();
+            // Half the diagonal of a bin; the first order where nothing better is known.
+            let bin = grid.bin_width() / 2f64.sqrt();
+            let known = index == 1.0 && errors == [eps; 3];
+            let order = if known { 0.0 } else { 4.0 * index * eps * eps };
+            for (deviation, ..) in &own {
+                let apart = (deviation.length() - radius).abs();
+                assert!(apart < bin + order, "{deviation} {radius}");
+            }
+            let rays: u64 = own.iter().map(|spot| spot.1).sum();
+            let (share, expected) = (rays as f64 / returned as f64, 1.0 / count as f64);
+            let sigma = (expected * (1.0 - expected) / returned as f64).sqrt();
+            assert!((share - expected).abs() < 5.0 * sigma, "{share}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 14);
+}
+
+/// A pair whose facets are cut fine and bent, so that rays go in packets.
+fn bent() -> Cell {
+    let mut cell = cells::pair();
+    for _ in 0..4 {
+        cell.facets = cell
+            .facets
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let [d, e, f] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+                [[a, d, f], [d, b, e], [f, e, c], [d, e, f]]
+            })
+            .collect();
+    }
+    for corner in cell.facets.iter_mut().flatten() {
+        let depth = cell.entrance.height - corner.z;
+        corner.z -= 2e-3 * depth * (3.0 * corner.x).sin();
+    }
+    cell
+}
+
+#[test]
+fn packets_record_what_single_rays_do() {
+    let request = Request {
+        incidence: "0,25".into(),
+        ..Request::default()
+    };
+    let (cell, plan) = (bent(), plan(&request));
+    let [fast, slow] = [Tracer::Fastest, Tracer::OneByOne]
+        .map(|tracer| rays_by(tracer, &cell, &plan).expect("bakes"));
+    let grid = fast.deviations.as_ref().expect("recorded").grid;
+    assert_eq!((grid.cells, grid.bins), (16, 127));
+    let spread = fast.deviations.as_ref().unwrap().spread(0);
+    println!(
+        "{} entries, {spread:?}",
+        fast.deviations.as_ref().unwrap().entries[0].len()
+    );
+    assert!(spread.rms_rad > 1e-3 && spread.outermost == 0.0);
+    assert!(fast == slow);
+}
+
+/// Shards add up to the bake that was never split.
+#[test]
+fn shards_add_up() {
+    let cell = cells::uneven_pair([0.0, 4e-4, 0.0]);
+    let request = Request {
+        incidence: "0,30".into(),
+        bins: 32,
+        ..Request::default()
+    };
+    let whole = bake(&cell, &plan(&request)).expect("bakes");
+    let shards = ["3/3", "1/3", "2/3"].map(|shard| {
+        let request = Request {
+            shard: Some(shard.into()),
+            ..request.clone()
+        };
+        bake(&cell, &plan(&request)).expect("bakes")
+    });
+    let merged = tables::merge(&shards).expect("merges");
+    assert!(merged == whole);
+    let entries = &merged.deviations.as_ref().expect("recorded").entries;
+    assert!(entries.iter().all(|entries| entries.len() > 100));
+}
+
+/// Rough facets send light everywhere: the mean square of both components is what three reflections make of the slopes.
+#[test]
+fn rough_facets_spread_light() {
+    let roughness = "0.0005".parse().expect("a roughness");
+    let request = Request {
+        incidence: "0".into(),
+        scene: SceneOptions {
+            roughness: Some(roughness),
+            deviations: Record::Within(6.0),
+            ..SceneOptions::default()
+        },
+        ..Request::default()
+    };
+    let table = bake(&cells::pair(), &plan(&request)).expect("bakes");
+    let found = table.deviations.as_ref().expect("recorded");
+    let spread = found.spread(0);
+    println!("{spread:?}, {} entries", found.entries[0].len());
+    // A facet whose normal is off by the slope s, across and along the plane of reflection, turns light by 2 s along and by
+    // 2 s cos across it, cos = 1/sqrt 3; three of them, with slopes of mean square alpha^2 / 2 each.
+    let rms = (3.0_f64 * 4.0 * 0.5 * (1.0 + 1.0 / 3.0)).sqrt() * 5e-4;
+    // Counting: 1/sqrt(2 n) for n = 3 components; bins add w^2/12 twice, 1e-3 of the square. Slopes seen from aside and light that leaves
+    // the path at facets' rims change squares by parts of alpha.
+    assert!(
+        (spread.rms_rad / rms - 1.0).abs() < 5e-3,
+        "{spread:?} {rms}"
+    );
+}
+
+#[test]
+fn ideal_cells_record_nothing() {
+    let mut rounded = cells::pair();
+    for corner in rounded.facets.iter_mut().flatten() {
+        *corner = (*corner * 1e6).round() / 1e6;
+    }
+    let design = |edge_radius, segments| {
+        let design = Design {
+            edge_radius,
+            segments,
+            ..Design::new(Shape::TriangularPair)
+        };
+        let mesh = design.mesh().expect("a design");
+        normalise(&mesh, std::path::Path::new("pair"), &CellOptions::default()).expect("a cell")
+    };
+    // Rounded edges send light far away or not at all; coordinates of single precision are no errors of angles.
+    let worn = design(0.03, 1);
+    let mut single = design(0.0, 20);
+    for corner in single.facets.iter_mut().flatten() {
+        *corner = corner.as_vec3().as_dvec3();
+    }
+    let ideal = [
+        cells::triangular(),
+        cells::pair(),
+        cells::full_cube(),
+        rounded,
+        worn,
+        single,
+    ];
+    let uneven = cells::uneven_pair([1e-4, 0.0, 0.0]);
+    let grid = |cell: &Cell, record| {
+        let request = Request {
+            scene: of(record),
+            ..Request::default()
+        };
+        plan(&request).deviations(&bakes::prepared(cell))
+    };
+    for cell in &ideal {
+        assert_eq!(grid(cell, Record::Auto), None, "{}", cell.design);
+    }
+    assert_eq!(grid(&uneven, Record::Off), None);
+    let auto = grid(&uneven, Record::Auto).expect("recorded");
+    let asked = grid(&ideal[0], Record::Within(2.0)).expect("asked for");
+    // 2 sqrt 3 times the error, twice: room for steep incidence.
+    assert!(
+        (auto.range - 4.0 * 3f64.sqrt() * 1e-4).abs() < 1e-9,
+        "{auto:?}"
+    );
+    assert_eq!((asked.range, asked.cells), (2e-3, 128));
+}
+
+/// An exact mean over azimuths would forget where the light goes: rays are traced, or the exact method says why not.
+#[test]
+fn means_of_cells_that_are_not_ideal_are_of_rays() {
+    let mean = |method, record, cell: &Cell| {
+        let request = Request {
+            incidence: "0,20".into(),
+            azimuth: "mean".into(),
+            method,
+            rays: Some(1 << 12),
+            scene: of(record),
+            ..Request::default()
+        };
+        bake(cell, &Plan::new(&request).expect("a valid request"))
+    };
+    let (wide, ideal) = (cells::uneven_pair([1e-4, 0.0, 0.0]), cells::pair());
+    let auto = mean(Method::Auto, Record::Auto, &wide).expect("rays");
+    assert_eq!(auto.provenance.method.text(), "rays");
+    let found = auto.deviations.as_ref().expect("recorded");
+    assert!(found.entries.iter().all(|entries| !entries.is_empty()));
+    let refused = mean(Method::Exact, Record::Auto, &wide).expect_err("it has no directions");
+    assert!(
+        refused.to_string().contains("--deviations off"),
+        "{refused}"
+    );
+    for (record, cell) in [(Record::Off, &wide), (Record::Auto, &ideal)] {
+        let exact = mean(Method::Auto, record, cell).expect("a mean");
+        assert_eq!(exact.provenance.method.text(), "exact");
+    }
+}
+
+/// A plate whose mirrors lean images beside: its mirrors meet at right angles all the same.
+#[test]
+fn leaning_mirrors_of_a_plate_are_recorded() {
+    let plate = Plate {
+        pitch: 0.5,
+        depth: 3.0,
+        thickness: 0.05,
+    };
+    let mesh = plate.mesh().expect("a design");
+    let mut cell = normalise(
+        &mesh,
+        std::path::Path::new("plate"),
+        &CellOptions::default(),
+    )
+    .expect("a cell");
+    let request = |method| Request {
+        incidence: "30".into(),
+        azimuth: "45".into(),
+        method,
+        rays: Some(1 << 14),
+        scene: SceneOptions {
+            element: Element::Plate,
+            ..SceneOptions::default()
+        },
+        ..Request::default()
+    };
+    let grid = |cell: &Cell| {
+        let plan = Plan::new(&request(Method::Rays)).expect("a valid request");
+        plan.deviations(&bakes::prepared(cell))
+    };
+    assert_eq!(grid(&cell), None, "upright mirrors");
+    for corner in cell.facets.iter_mut().flatten() {
+        corner.x += 2e-3 * corner.z;
+    }
+    // Without what lies flat, no two planes are off a right angle.
+    cell.facets
+        .retain(|[a, b, c]| (b - a).cross(c - a).normalize().z.abs() < 0.5);
+    assert!(grid(&cell).is_some(), "leaning ones");
+    let bake = |method| {
+        let plan = Plan::new(&request(method)).expect("a valid request");
+        bake(&cell, &plan).expect("bakes")
+    };
+    let exact = bake(Method::Exact);
+    let beams = exact.exact.as_ref().expect("beams").largest_deviation_rad();
+    let rays = bake(Method::Rays);
+    let found = rays.deviations.as_ref().expect("recorded");
+    let spread = found.spread(0);
+    println!("beams {beams:e}, {spread:?}");
+    // The middle of a bin is half its diagonal away at most.
+    assert!((spread.largest_rad - beams).abs() < 0.71 * found.grid.bin_width());
+    assert!(beams > 2e-3);
+}

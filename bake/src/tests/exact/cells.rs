@@ -1,0 +1,177 @@
+//! Cells built by hand, independent of the mesh designs.
+
+use crate::optics::Rules;
+use glam::{DMat3, DVec2, DVec3};
+use meshes::{Cell, Entrance};
+
+/// Numbers in [0, 1), the same in every run (splitmix64).
+pub(crate) struct Draw(pub u64);
+
+impl Draw {
+    pub(crate) fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Mirrors behind a front face of that index, the usual angular tolerance.
+pub(crate) fn rules(refractive_index: f64) -> Rules {
+    Rules::mirrors(refractive_index)
+}
+
+/// Three mutually perpendicular unit edges around +z; the first one's projection is +x.
+pub(crate) fn ideal_edges() -> [DVec3; 3] {
+    let (s, c) = ((2.0f64 / 3.0).sqrt(), (1.0f64 / 3.0).sqrt());
+    let root = 3f64.sqrt();
+    [
+        DVec3::new(s, 0.0, c),
+        DVec3::new(-s / 2.0, s * root / 2.0, c),
+        DVec3::new(-s / 2.0, -s * root / 2.0, c),
+    ]
+}
+
+pub(crate) fn cell(
+    facets: Vec<[DVec3; 3]>,
+    height: f64,
+    polygon: Vec<DVec2>,
+    lattice: Option<[DVec2; 2]>,
+) -> Cell {
+    Cell {
+        facets,
+        normals: None,
+        glass: Vec::new(),
+        entrance: Entrance {
+            height,
+            polygon,
+            lattice,
+        },
+        refractive_index: None,
+        abbe_number: None,
+        closed: false,
+        edge_length: 1.0,
+        azimuth_zero: DVec3::X,
+        design: "by hand".into(),
+        mesh_hash: String::new(),
+        warnings: Vec::new(),
+    }
+}
+
+/// The three triangles between edges from `apex`; the edge ends share a height.
+fn corner(apex: DVec3, edges: [DVec3; 3]) -> Vec<[DVec3; 3]> {
+    (0..3)
+        .map(|i| [apex, apex + edges[i], apex + edges[(i + 1) % 3]])
+        .collect()
+}
+
+/// A single cube, rim in the entrance plane.
+pub(crate) fn single(edges: [DVec3; 3]) -> Cell {
+    cell(
+        corner(DVec3::ZERO, edges),
+        edges[0].z,
+        edges.map(DVec3::truncate).to_vec(),
+        None,
+    )
+}
+
+/// A cube and its copy turned by 180 deg about the middle of the rim between its first two edges.
+pub(crate) fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
+    let middle = (edges[0] + edges[1]).truncate();
+    let turn = |x: DVec3| (middle - x.truncate()).extend(x.z);
+    let mut facets = corner(DVec3::ZERO, edges);
+    facets.extend(facets.clone().iter().map(|t| t.map(turn)));
+    let [a, b, c] = edges.map(DVec3::truncate);
+    let polygon = vec![c, a, middle - c, b];
+    cell(
+        facets,
+        edges[0].z,
+        polygon,
+        periodic.then_some([a - c, b - c]),
+    )
+}
+
+/// Full cubes: three square faces, hexagonal non-planar rim, periodic. `dihedral` bends each second half-square about
+/// its diagonal by that many radians, which leaves the rim and so the neighbours' fit almost untouched.
+pub(crate) fn full_cube() -> Cell {
+    let edges = ideal_edges();
+    let facets = (0..3)
+        .flat_map(|i| {
+            let (a, b) = (edges[i], edges[(i + 1) % 3]);
+            [[DVec3::ZERO, a, a + b], [DVec3::ZERO, a + b, b]]
+        })
+        .collect();
+    let [a, b, c] = edges.map(DVec3::truncate);
+    let lattice = [a - c, b - c];
+    let polygon = vec![DVec2::ZERO, lattice[0], lattice[0] + lattice[1], lattice[1]];
+    cell(facets, 2.0 / 3f64.sqrt(), polygon, Some(lattice))
+}
+
+/// Edges of a cube whose axis leans by `tilt_rad` towards +x, cut at height `height`.
+pub(crate) fn canted_edges(tilt_rad: f64, height: f64) -> [DVec3; 3] {
+    let lean = DMat3::from_rotation_y(tilt_rad);
+    ideal_edges().map(|e| lean * e).map(|e| e * (height / e.z))
+}
+
+/// Edges leaning together or apart so that each dihedral angle is wider than 90 deg by `errors_rad` (first order), the
+/// edge ends at one height.
+pub(crate) fn bent_edges(errors_rad: [f64; 3]) -> [DVec3; 3] {
+    let ideal = ideal_edges();
+    // Normals of the faces; widening the angle at edge i turns its two faces apart.
+    let normal = |i: usize| ideal[(i + 2) % 3];
+    let turned: Vec<DVec3> = (0..3)
+        .map(|i| {
+            let other = normal((i + 1) % 3);
+            (normal(i) - errors_rad[(i + 1) % 3] * other).normalize()
+        })
+        .collect();
+    // Edge i is shared by faces (i, i + 1) and (i - 1, i).
+    let edge = |i: usize| turned[(i + 2) % 3].cross(turned[i]);
+    [edge(0), edge(1), edge(2)].map(|e| e * (1.0 / (3f64.sqrt() * e.z)))
+}
+
+/// A cube whose apex was cut off by a flat facet at `share` of the height: a flat gap at the bottom.
+pub(crate) fn blunt(share: f64) -> Cell {
+    let edges = ideal_edges();
+    let cut = edges.map(|e| e * share);
+    let mut facets: Vec<[DVec3; 3]> = (0..3)
+        .flat_map(|i| {
+            let j = (i + 1) % 3;
+            [[cut[i], edges[i], edges[j]], [cut[i], edges[j], cut[j]]]
+        })
+        .collect();
+    facets.push([cut[0], cut[1], cut[2]]);
+    cell(
+        facets,
+        edges[0].z,
+        edges.map(DVec3::truncate).to_vec(),
+        None,
+    )
+}
+
+/// A cube whose aperture triangle lost its three corners: the rim is a hexagon, closed by upright walls.
+pub(crate) fn truncated(share: f64) -> Cell {
+    let edges = ideal_edges();
+    let height = edges[0].z;
+    let mut facets = Vec::new();
+    let mut rim = Vec::new();
+    for i in 0..3 {
+        let (here, next, before) = (edges[i], edges[(i + 1) % 3], edges[(i + 2) % 3]);
+        // Points on the rim near the corner, and where the upright wall through them meets the edge.
+        let (left, right) = (here.lerp(before, share), here.lerp(next, share));
+        let middle = 0.5 * (left + right);
+        let foot = here * (middle.truncate().length() / here.truncate().length());
+        facets.push([foot, left, right]);
+        let next_left = next.lerp(here, share);
+        let next_right = next.lerp(before, share);
+        let next_foot = next
+            * ((0.5 * (next_left + next_right)).truncate().length() / next.truncate().length());
+        // The face between the two edges: apex, foot, right, next_left, next_foot.
+        facets.push([DVec3::ZERO, foot, right]);
+        facets.push([DVec3::ZERO, right, next_left]);
+        facets.push([DVec3::ZERO, next_left, next_foot]);
+        rim.extend([left.truncate(), right.truncate()]);
+    }
+    cell(facets, height, rim, None)
+}

@@ -1,0 +1,308 @@
+//! Rounded edges, flat apexes and land between cubes: what still returns has a closed form.
+//!
+//! Reflected in the faces, a path through an ideal cube is a straight line through its apex's eight octants. It meets only what is left
+//! of the facets if it keeps clear of what fills edges and apex, and then returns as it did.
+
+use crate::beams::Share;
+use crate::tests::bakes;
+use glam::{DVec2, DVec3};
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions};
+use std::path::Path;
+use tables::Fate;
+
+use crate::tests::exact::cells::{ideal_edges, rules};
+
+fn cell(design: Design) -> Cell {
+    let mesh = design.mesh().expect("a design");
+    meshes::normalise(&mesh, Path::new("design.obj"), &CellOptions::default()).expect("a cell")
+}
+
+fn single(change: impl FnOnce(&mut Design)) -> Cell {
+    let mut design = Design {
+        edge_length: 1.0,
+        ..Design::new(Shape::Triangular)
+    };
+    change(&mut design);
+    cell(design)
+}
+
+fn area(polygon: &[DVec2]) -> f64 {
+    let next = polygon.iter().cycle().skip(1);
+    polygon
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a.perp_dot(*b) / 2.0)
+        .sum()
+}
+
+/// The part of a convex polygon where `inside` >= 0, an affine function.
+fn clipped(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
+    let mut kept = Vec::new();
+    for (i, &p) in polygon.iter().enumerate() {
+        let q = polygon[(i + 1) % polygon.len()];
+        let (s, t) = (inside(p), inside(q));
+        if s >= 0.0 {
+            kept.push(p);
+        }
+        if (s > 0.0 && t < 0.0) || (s < 0.0 && t > 0.0) {
+            kept.push(p + (q - p) * (s / (s - t)));
+        }
+    }
+    kept
+}
+
+/// Light inside a hollow cube.
+struct Light {
+    travel: DVec3,
+    /// The apex, carried along the light to the aperture plane.
+    apex: DVec2,
+}
+
+impl Light {
+    fn new(incidence_deg: f64, azimuth_deg: f64) -> Self {
+        let (sin, cos) = incidence_deg.to_radians().sin_cos();
+        let (y, x) = azimuth_deg.to_radians().sin_cos();
+        let travel = DVec3::new(sin * x, sin * y, -cos);
+        let apex = (travel / travel.z).truncate() / 3f64.sqrt();
+        Light { travel, apex }
+    }
+
+    /// Where an ideal cube's light enters that returns: the aperture and its point reflection through the apex's image.
+    fn kept(&self) -> Vec<DVec2> {
+        let triangle = ideal_edges().map(DVec3::truncate);
+        let mut kept = triangle.to_vec();
+        for i in 0..3 {
+            let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
+            let side = |p: DVec2| (b - a).perp_dot(p - a);
+            kept = clipped(&kept, |p| side(2.0 * self.apex - p));
+        }
+        kept
+    }
+}
+
+const DIRECTIONS: [(f64, f64); 6] = [
+    (0.0, 0.0),
+    (5.0, 30.0),
+    (12.0, 200.0),
+    (18.0, 77.0),
+    (28.0, 60.0),
+    (33.0, 170.0),
+];
+
+fn at(cell: &Cell, (incidence, azimuth): (f64, f64)) -> (Share, f64) {
+    let exact = bakes::exact(cell).expect("planar");
+    let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
+    let sum: f64 = found.fate.iter().sum();
+    assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+    (found, exact.entrance_area())
+}
+
+/// Light returns that meets each facet farther than the radius R from both its edges. Along a ray L = x cross d is constant; near edge k
+/// it keeps clear of the fillet if |L_k| > R max(|d_i|, |d_j|), whatever the number of strips: what is left of the ideal polygon
+/// between the three bands.
+#[test]
+fn rounded_edges_take_three_bands() {
+    let axes = ideal_edges();
+    let (mut cases, mut worst) = (0, 0.0f64);
+    for radius in [1e-4, 0.01, 0.05, 0.2] {
+        for strips in [1, 2, 5] {
+            let cell = single(|design| {
+                design.edge_radius = radius;
+                design.strips = strips;
+            });
+            for direction in DIRECTIONS {
+                let light = Light::new(direction.0, direction.1);
+                let d = axes.map(|axis| axis.dot(light.travel));
+                let band = |k: usize, p: DVec2| {
+                    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                    let point = p.extend(axes[0].z);
+                    let moment = axes[i].dot(point) * d[j] - axes[j].dot(point) * d[i];
+                    (moment, radius * d[i].abs().max(d[j].abs()))
+                };
+                let kept: f64 = (0..8)
+                    .map(|signs: u32| {
+                        let mut part = light.kept();
+                        for k in 0..3 {
+                            let sign = if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
+                            part = clipped(&part, |p| {
+                                let (moment, half) = band(k, p);
+                                sign * moment - half
+                            });
+                        }
+                        area(&part)
+                    })
+                    .sum();
+                let (found, entrance) = at(&cell, direction);
+                let off = (found.eta * entrance - kept).abs();
+                worst = worst.max(off);
+                assert!(
+                    off < 1e-12,
+                    "{radius} {strips} {direction:?}: {} not {kept}",
+                    found.eta * entrance
+                );
+                if direction.0 == 0.0 {
+                    // Three bands of the width sqrt 2 R across a hexagon 2/sqrt 6 wide: 4 R of the aperture; where two cross, less: three
+                    // rhombi of 2 R^2 / sin 60 deg, 8 R^2 of it.
+                    let share = kept / (0.5 * 3f64.sqrt());
+                    let off = share - (2.0 / 3.0 - 4.0 * radius);
+                    assert!(
+                        (0.0..8.0 * radius * radius).contains(&off),
+                        "{radius}: {off}"
+                    );
+                }
+                cases += 1;
+            }
+        }
+    }
+    println!("{cases} rounded cubes, area within {worst:.1e} of the bands");
+    assert_eq!(cases, 4 * 3 * 6);
+}
+
+/// Narrower strips spread the light that meets them as the cylinder does: fates settle.
+#[test]
+fn strips_converge() {
+    let mut cases = 0;
+    for direction in [(0.0, 0.0), (18.0, 77.0)] {
+        let fates = |strips: u32| {
+            let found = at(
+                &single(|design| {
+                    design.edge_radius = 0.1;
+                    design.strips = strips;
+                }),
+                direction,
+            );
+            // Per area of the sharp aperture: the corners that arcs cut off differ.
+            found.0.fate.map(|share| share * found.1)
+        };
+        let steps: Vec<[f64; 10]> = [2, 4, 8].map(fates).to_vec();
+        let apart = |a: &[f64; 10], b: &[f64; 10]| -> f64 {
+            a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum()
+        };
+        let (first, second) = (apart(&steps[0], &steps[1]), apart(&steps[1], &steps[2]));
+        println!("{direction:?}: fates move by {first:.1e} from 2 to 4 strips, {second:.1e} to 8");
+        assert!(second < 0.7 * first, "{first} {second}");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
+/// A flat at the apex is, reflected in the faces, an octahedron of half axis s: it takes its own shadow, half the sum of its faces'
+/// projections, as long as all of that would return.
+#[test]
+fn a_flat_apex_takes_an_octahedron() {
+    let mut cases = 0;
+    for part in [1e-3, 0.1, 0.3] {
+        let blunt = single(|design| design.apex_flat = part);
+        for direction in DIRECTIONS {
+            let light = Light::new(direction.0, direction.1);
+            let d = ideal_edges().map(|axis| axis.dot(light.travel));
+            let faces = (0..8u32).map(|signs| {
+                let signed = [0, 1, 2].map(|k| if signs >> k & 1 == 0 { d[k] } else { -d[k] });
+                signed.iter().sum::<f64>().abs()
+            });
+            // Its corners' images.
+            let corners = ideal_edges().map(|axis| {
+                let image = axis - light.travel * (axis.z / light.travel.z);
+                [1.0, -1.0].map(|sign| light.apex + image.truncate() * part * sign)
+            });
+            let kept = light.kept();
+            let next = kept.iter().cycle().skip(1);
+            let inside = kept.iter().zip(next).all(|(a, b)| {
+                let corners = corners.as_flattened().iter();
+                corners
+                    .into_iter()
+                    .all(|p| (*b - *a).perp_dot(*p - *a) >= 0.0)
+            });
+            if !inside {
+                continue;
+            }
+            let shadow = part * part / 4.0 * faces.sum::<f64>() / -light.travel.z;
+            let kept = area(&kept) - shadow;
+            let (found, entrance) = at(&blunt, direction);
+            assert!(
+                (found.eta * entrance - kept).abs() < 1e-12,
+                "{part} {direction:?}: {} not {kept}",
+                found.eta * entrance
+            );
+            if direction.0 == 0.0 {
+                assert!((found.eta - (2.0 / 3.0 - 2.0 * part * part)).abs() < 1e-12);
+            }
+            cases += 1;
+        }
+    }
+    println!("{cases} flat apexes");
+    assert!(cases >= 10, "{cases}");
+}
+
+/// Land in the plane of the rim sends its light away at once and takes none of the cubes': eta falls by the cubes' share of the area,
+/// at every angle. It is a strip around the aperture, whose inradius r becomes r + gap / 2.
+#[test]
+fn land_dilutes() {
+    let mut cases = 0;
+    for shape in [Shape::Triangular, Shape::TriangularPair, Shape::Canted] {
+        for (gap, radius) in [(0.01, 0.0), (0.3, 0.0), (0.1, 0.05)] {
+            let [tight, wide] = [0.0, gap].map(|gap| {
+                cell(Design {
+                    edge_length: 1.0,
+                    gap,
+                    edge_radius: radius,
+                    strips: 2,
+                    ..Design::new(shape)
+                })
+            });
+            for direction in DIRECTIONS {
+                let [(tight, inner), (wide, outer)] =
+                    [&tight, &wide].map(|cell| at(cell, direction));
+                if shape != Shape::Canted && radius == 0.0 {
+                    let grown = (1.0 + 0.5 * gap * 6f64.sqrt()).powi(2);
+                    assert!((outer / inner - grown).abs() < 1e-12);
+                }
+                let share = inner / outer;
+                let fates = [Fate::LeftAfter1, Fate::AntiparallelOther];
+                let [before, after] = [&tight, &wide].map(|share| {
+                    fates
+                        .map(|fate| share.fate[fate as usize])
+                        .iter()
+                        .sum::<f64>()
+                });
+                assert!(
+                    (wide.eta - share * tight.eta).abs() < 1e-12,
+                    "{shape:?} {direction:?}"
+                );
+                assert!(
+                    (after - share * before - (1.0 - share)).abs() < 1e-12,
+                    "{shape:?} {direction:?}"
+                );
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 9 * 6);
+}
+
+/// Full cubes apart: the gap lets light through, and at normal incidence all the rest returns.
+#[test]
+fn open_gaps_between_full_cubes_dilute() {
+    let mut cases = 0;
+    for gap in [0.0, 0.02, 0.4] {
+        let cell = cell(Design {
+            edge_length: 1.0,
+            gap,
+            ..Design::new(Shape::FullCube)
+        });
+        let (found, _) = at(&cell, (0.0, 0.0));
+        let share = (1.0 + gap / 2f64.sqrt()).powi(-2);
+        assert!((found.eta - share).abs() < 1e-12, "{gap}: {}", found.eta);
+        let missed = found.fate[Fate::Missed as usize];
+        assert!((missed - (1.0 - share)).abs() < 1e-12, "{gap}: {missed}");
+        assert_eq!(
+            cell.warnings.len(),
+            usize::from(gap > 0.0),
+            "{:?}",
+            cell.warnings
+        );
+        cases += 1;
+    }
+    assert_eq!(cases, 3);
+}

@@ -1,0 +1,150 @@
+//! From one ray to more than 2^34: samples, tallies, sums and tables.
+
+use crate::optics::Rules;
+use crate::plan::Request;
+use crate::rays::{Bins, Index, Kernel, Scene, Sums, Tally};
+use crate::samples::{Launch, Stream};
+use crate::tests::hard_cases::both::{Light, bake, cell, sound};
+use meshes::design::Shape;
+use ndarray::{Array4, Array5};
+use std::sync::Arc;
+use tables::options::{Method, Sampler};
+use tables::{Fate, Table};
+
+/// One ray: a whole table, by either sampler, that can be written, read and held against the exact one.
+#[test]
+fn one_ray() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut cases = 0;
+    for shape in Shape::ALL {
+        for sampler in [Sampler::Random, Sampler::Sobol] {
+            let request = Request {
+                rays: Some(1),
+                sampler,
+                ..Light::new("0,20", "0").request(Method::Rays)
+            };
+            let table = bake(&cell(shape), &request);
+            sound(&table, shape.name());
+            assert!(table.rays.iter().all(|&rays| rays == 1));
+            assert!(
+                table
+                    .retroreflected
+                    .iter()
+                    .all(|&eta| eta == 0.0 || eta == 1.0)
+            );
+            assert!(table.standard_error.iter().all(|&error| error == 0.0));
+            let file = folder.path().join("one.h5");
+            tables::write(&table, &file).expect("writes");
+            assert_eq!(tables::read(&file).expect("reads"), table);
+            let exact = Light::new("0,20", "0").bake(&cell(shape), Method::Exact);
+            assert!(
+                tables::l1(&table, &exact)
+                    .iter()
+                    .all(|l1| (0.0..=2.0).contains(l1))
+            );
+            cases += 1;
+        }
+    }
+    println!("one ray: {cases} tables written and read again");
+    assert_eq!(cases, 8);
+}
+
+/// The last samples of a Sobol randomisation (2^32 less a few) and random samples beyond 2^34: the program counts what
+/// the plain tracer counts, and the random samples are not those from 0 on again.
+#[test]
+fn the_last_samples() {
+    let cube = cell(Shape::TriangularPair);
+    let bins = Bins::new(32, 2.0);
+    let rules = Rules::mirrors(1.0);
+    let scene = Arc::new(Scene::new(&cube, Index::Loop));
+    let kernel = Kernel::new(
+        &scene,
+        &Launch::new(&cube.entrance),
+        &rules,
+        &bins,
+        20.0,
+        30.0,
+    );
+    assert!(!kernel.programs().is_empty());
+    let (long, short) = (100_003, 1_003);
+    let mut cases = 0;
+    for (sampler, end) in [
+        (Sampler::Sobol, 1u64 << 32),
+        (Sampler::Random, (1 << 34) + 50_000),
+        (Sampler::Random, 1 << 48),
+    ] {
+        let stream = Stream::new(sampler, 5, 20.0, 30.0, 15);
+        for rays in [long, short] {
+            let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+            kernel.trace(&stream, end - rays..end, &mut fast);
+            kernel.trace_one_by_one(&stream, end - rays..end, &mut plain);
+            assert_eq!(fast.fates, plain.fates, "{sampler:?} up to {end}");
+            assert!(fast.histogram[..bins.len()] == plain.histogram[..bins.len()]);
+            assert_eq!(fast.fates.iter().sum::<u64>(), rays);
+            cases += 1;
+        }
+        let first: std::collections::HashSet<[u32; 2]> =
+            (0..1000).map(|i| stream.pair(i)).collect();
+        assert!((end - 1000..end).all(|i| !first.contains(&stream.pair(i))));
+    }
+    println!("last samples: {cases} runs up to 2^32, 2^34 + 50,000 and 2^48");
+    assert_eq!(cases, 6);
+}
+
+/// Counters started near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the tally to the file.
+#[test]
+fn more_than_2_to_the_34_rays() {
+    let bins = Bins::new(4, 2.0);
+    let mut tally = Tally::new(&bins);
+    // A tally takes at most 2^32 - 1 rays: runs are cut to fewer.
+    let full = u32::MAX;
+    tally.histogram[5] = full;
+    tally.fates[Fate::Retroreflected as usize] = u64::from(full);
+    tally.fates[Fate::LeftAfter1 as usize] = 1;
+    let mut sums = Sums::new(&bins, 2);
+    for _ in 0..5 {
+        sums.add(0, &tally);
+        sums.add(1, &tally);
+    }
+    let back = 10 * u64::from(full);
+    assert!(back > 1 << 34);
+    assert_eq!(sums.counts.iter().sum::<u64>(), back);
+    assert_eq!(sums.rays(), back + 10);
+    assert_eq!(sums.l1_error(), 0.0, "equal randomisations");
+
+    let light = Light::new("20", "0");
+    let request = Request {
+        bins: 4,
+        ..light.request(Method::Rays)
+    };
+    let small = bake(&cell(Shape::Triangular), &request);
+    let shape = (1, 1, 2, 4, 4);
+    let counts = Array5::from_shape_vec(shape, sums.counts.clone()).expect("its shape");
+    let fates: Vec<u64> = sums.fates.iter().flatten().copied().collect();
+    let fates = Array4::from_shape_vec((1, 1, 2, Fate::ALL.len()), fates).expect("its shape");
+    let large = |seed| {
+        let mut provenance = small.provenance.clone();
+        (provenance.sampler, provenance.seed) = (Some(Sampler::Sobol.into()), seed);
+        Table::from_counts(
+            small.axes.clone(),
+            counts.clone(),
+            fates.clone(),
+            provenance,
+        )
+    };
+    let table = large(1);
+    sound(&table, "2^34");
+    assert_eq!(table.rays[[0, 0]], back + 10);
+    let lost = 1.0 - table.retroreflected[[0, 0]];
+    println!("{} rays: 10 of them lost make {lost:.3e}", back + 10);
+    assert!((lost / (10.0 / (back + 10) as f64) - 1.0).abs() < 1e-6);
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("large.h5");
+    tables::write(&table, &file).expect("writes");
+    assert_eq!(tables::read(&file).expect("reads"), table);
+    // Seeds 1 and 2 belong to the two randomisations of the first: the next one is 3.
+    let merged = tables::merge(&[table, large(3)]).expect("merges");
+    assert_eq!(merged.rays[[0, 0]], 2 * (back + 10));
+    assert_eq!(merged.counts.expect("counted").sum(), 2 * back);
+}

@@ -1,0 +1,10 @@
+//! Hard cases, a number for each: what is documented to happen does, by rays and exactly, and both agree.
+//!
+//! Every test prints its number (`cargo test -p bake --lib hard_cases -- --nocapture`) and asserts it.
+
+pub(crate) mod angles;
+pub(crate) mod both;
+pub(crate) mod counters;
+pub(crate) mod facets;
+pub(crate) mod leaks;
+pub(crate) mod placement;

@@ -1,0 +1,18 @@
+//! Tests of what is inside: every fast path against a slow one that is plain, and all against closed forms.
+
+mod azimuth;
+mod bakes;
+mod cells;
+mod closed_form;
+mod curved;
+mod determinism;
+mod deviations;
+mod elements;
+mod exact;
+mod hard_cases;
+mod kernels;
+mod leaks;
+mod ranks;
+mod roughness;
+mod speed;
+mod study;

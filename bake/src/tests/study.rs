@@ -1,0 +1,172 @@
+//! `bake study`: measured slopes against those of theory, and its estimate of errors.
+
+use crate::plan;
+use crate::rays::Tracer;
+use crate::study::{Reached, Reference, Study, StudyPlan, StudyRequest, expected_exponent, report};
+use meshes::design::{Design, Shape};
+use meshes::{Cell, CellOptions};
+use std::path::Path;
+use tables::options::Sampler;
+
+fn pair() -> Cell {
+    let mesh = Design::new(Shape::TriangularPair).mesh().expect("a design");
+    meshes::normalise(&mesh, Path::new("pair"), &CellOptions::default()).expect("a cell")
+}
+
+fn study(trace: plan::request::Request, repeats: usize, target: f64) -> Study {
+    StudyPlan::new(StudyRequest {
+        trace,
+        repeats,
+        target,
+        longest_seconds: f64::INFINITY,
+    })
+    .expect("a valid request")
+    .run(&pair(), &|_, _, _| ())
+    .expect("bakes")
+}
+
+/// Two directions, 16 x 16 bins of which some 100 are met in each, 4 repeats.
+///
+/// The error of a bin is half normal: standard deviation 0.756 of its mean. The mean L1 of 2 directions x 4 repeats is
+/// a sum of 800 of them, some larger than others (half as many count): good to 0.756 / sqrt 400 = 3.8 %. The six
+/// points from 1,024 rays on (4 rays per bin) lie ln 4 apart, so the slope of random rays is good to 3.8 % /
+/// (ln 4 sqrt 17.5) = 0.0065. Sobol errors of neighbouring bins are one elementary box lost by one and found by the
+/// other: a third as many independent ones, 6.5 %; four points from 16,384 on (4 rays per bin and randomisation):
+/// 6.5 % / (ln 4 sqrt 5) = 0.021. Four standard deviations each.
+#[test]
+fn errors_fall_as_theory_says() {
+    let target = 0.02;
+    let found = study(
+        plan::request::Request {
+            incidence: "0,20".into(),
+            azimuth: "30".into(),
+            refractive_index: Some(1.49),
+            bins: 16,
+            rays: Some(1 << 20),
+            ..plan::request::Request::default()
+        },
+        4,
+        target,
+    );
+    assert!(matches!(found.reference, Reference::Exact { seconds } if seconds > 0.0));
+    assert_eq!((found.directions, found.programs), (2, 2));
+    assert_eq!(found.series.len(), 4);
+    let mut points = 0;
+    for series in &found.series {
+        let name = report::title(series);
+        let slope = series.slope.expect("enough rays");
+        let (expected, error, first) = match series.sampler {
+            Sampler::Random => (-0.5, 0.0065, 1024.0),
+            Sampler::Sobol => (-0.75, 0.021, 16_384.0),
+        };
+        println!(
+            "{name}: slope {:.4} over {:?} rays",
+            slope.exponent, slope.range
+        );
+        assert_eq!(expected_exponent(series.sampler, false), expected);
+        assert_eq!(slope.range, [first, f64::from(1 << 20)], "{name}");
+        assert!(
+            (slope.exponent - expected).abs() < 4.0 * error,
+            "{name}: {}",
+            slope.exponent
+        );
+        for point in &series.points {
+            assert!(point.seconds > 0.0 && point.l1 <= point.worst_l1, "{name}");
+            assert!(point.estimated_l1 <= point.worst_estimated_l1, "{name}");
+            if point.rays as f64 >= first {
+                println!(
+                    "{name}, {} rays: true/estimated {:.3}",
+                    point.rays,
+                    point.ratio()
+                );
+                // The scatter of the error itself, four times; the estimate knows its sigmas 15 times better (random)
+                // or to 18 % each (16 randomisations), which the sum over bins averages out.
+                let scatter = if series.sampler == Sampler::Random {
+                    0.031
+                } else {
+                    0.053
+                };
+                assert!(
+                    (point.ratio() - 1.0).abs() < 4.0 * scatter,
+                    "{name}, {} rays: {}",
+                    point.rays,
+                    point.ratio()
+                );
+            }
+            points += 1;
+        }
+        let after = series
+            .points
+            .iter()
+            .position(|point| point.worst_l1 <= target)
+            .expect("within reach");
+        let ends = [after - 1, after].map(|at| series.points[at].seconds);
+        let Reached::At(seconds) = series.reached else {
+            panic!("{name}: the first point is above the target");
+        };
+        assert!(
+            seconds >= ends[0].min(ends[1]) && seconds <= ends[0].max(ends[1]),
+            "{name}"
+        );
+    }
+    assert_eq!(points, 4 * 6);
+    // The same samples whoever traces them: at most a ray on a boundary of a bin may change sides.
+    let of = |tracer, sampler| {
+        found
+            .series
+            .iter()
+            .find(|series| (series.tracer, series.sampler) == (tracer, sampler))
+            .expect("all four")
+    };
+    for sampler in [Sampler::Random, Sampler::Sobol] {
+        let [fast, plain] = [Tracer::Fastest, Tracer::OneByOne].map(|tracer| of(tracer, sampler));
+        for (fast, plain) in fast.points.iter().zip(&plain.points) {
+            assert!(
+                (fast.l1 - plain.l1).abs() <= 4.0 / fast.rays as f64,
+                "{} rays",
+                fast.rays
+            );
+        }
+    }
+}
+
+/// No exact table of a mean over azimuths: more Sobol rays are the reference, and every report says so.
+#[test]
+fn without_an_exact_table() {
+    let found = study(
+        plan::request::Request {
+            incidence: "0,20".into(),
+            azimuth: "mean".into(),
+            bins: 8,
+            rays: Some(20_000),
+            ..plan::request::Request::default()
+        },
+        1,
+        1e-9,
+    );
+    let Reference::Sobol {
+        rays, estimated_l1, ..
+    } = found.reference
+    else {
+        panic!("{:?}", found.reference);
+    };
+    assert_eq!(rays, 4 * 16_384);
+    assert!(estimated_l1 > 0.0);
+    assert_eq!(found.series.len(), 2, "no program for a mean over azimuths");
+    for series in &found.series {
+        assert_eq!(series.tracer, Tracer::OneByOne);
+        assert_eq!(series.points.len(), 3);
+        assert_eq!(series.reached, Reached::Never);
+    }
+    let text = report::text(&found);
+    assert!(
+        text.contains("against a Sobol table of 65536 rays per direction"),
+        "{text}"
+    );
+    assert!(
+        text.contains("the exact mean over azimuths is a quadrature"),
+        "{text}"
+    );
+    assert!(text.contains("not reached; give more --rays"), "{text}");
+    assert!(!report::csv(&found).contains("exact"));
+}

@@ -1,4 +1,0 @@
-//! Elements that are no corner cubes, against their closed forms.
-
-mod bead;
-mod plate;

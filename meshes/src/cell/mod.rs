@@ -1,0 +1,17 @@
+//! From a mesh in file units to a cell in its own frame, edge length 1: welded, checked, turned, with entrance and lattice.
+//!
+//! A mesh and the user's options enter; a [`cell::Cell`] leaves, or the fault of the mesh. It touches the mesh room, and the files
+//! for the one call that loads first.
+
+pub(crate) mod apex;
+pub(crate) mod cell;
+pub(crate) mod check;
+pub(crate) mod entrance;
+pub(crate) mod frame;
+pub(crate) mod normalise;
+pub(crate) mod normals;
+pub(crate) mod options;
+pub(crate) mod prism;
+pub(crate) mod rim;
+pub(crate) mod surface;
+pub(crate) mod weld;

@@ -1,0 +1,131 @@
+//! Normals at the corners of facets that stand for a curved face.
+//!
+//! A file may give each corner of a face a normal of its own (OBJ `vn`, glTF `NORMAL`): that of the curved face which the
+//! flat facets approximate. They shape nothing unless asked for ([`crate::CellOptions::file_normals`]): programs write them for
+//! flat faces too, often averaged over an edge.
+
+use glam::DVec3;
+
+use crate::cell::frame::Frame;
+use crate::cell::surface::Surface;
+use crate::mesh::error::Fault;
+
+/// Normals closer than this are the same, rad: files with four digits, as some programs write them, round each coordinate
+/// by 5e-5, and two vectors so by up to 1.8e-4.
+const SAME: f64 = 2e-4;
+
+/// Normals at the corners of facets, unit length, within 90 degrees of the facet's front.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Normals {
+    /// The vectors, cell frame.
+    pub vectors: Vec<DVec3>,
+    /// For each facet, which of them are at its corners.
+    pub corners: Vec<[u32; 3]>,
+}
+
+/// The normals that the file of `surface` gives, in `frame`. Facets without any are planes; which side all of them point to
+/// does not matter, for a reflection does not know it.
+///
+/// # Errors
+/// There are none, a facet has some but not all, or one that is no direction, or not all are on one side.
+pub(crate) fn of_file(
+    surface: &Surface<'_>,
+    frame: &Frame,
+    warnings: &mut Vec<String>,
+) -> Result<Normals, Fault> {
+    let mesh = surface.mesh;
+    if mesh.corner_normals.is_empty() {
+        return Err(Fault::NoNormals);
+    }
+    // Scaled first: squares of a file's numbers might overflow.
+    let unit = |n: DVec3| frame.direction(n / n.abs().max_element()).try_normalize();
+    let given: Vec<Option<DVec3>> = mesh.normals.iter().map(|&n| unit(n)).collect();
+    let mut vectors: Vec<DVec3> = given.iter().map(|n| n.unwrap_or(DVec3::Z)).collect();
+    let mut corners = Vec::with_capacity(mesh.triangles.len());
+    let mut planes = Vec::new();
+    // The first facet's side and number, and whether any normal is not its facet's own.
+    let mut first: Option<(bool, u32)> = None;
+    let mut curved = false;
+    for (triangle, numbers) in mesh.corner_normals.iter().enumerate() {
+        let face = mesh.face_number(triangle);
+        let own = frame
+            .direction(surface.normals[triangle])
+            .normalize_or_zero();
+        let [Some(a), Some(b), Some(c)] = *numbers else {
+            if numbers.iter().any(Option::is_some) {
+                return Err(Fault::NormalMissing { face });
+            }
+            planes.push(triangle);
+            corners.push([vectors.len() as u32; 3]);
+            vectors.push(own);
+            continue;
+        };
+        let indices = [a, b, c].map(|number| number.get() - 1);
+        for index in indices {
+            let normal = match given.get(index as usize) {
+                None => {
+                    let normals = given.len();
+                    return Err(Fault::NormalOutOfRange { face, normals });
+                }
+                Some(normal) => normal.ok_or(Fault::NormalNoDirection { face })?,
+            };
+            let cosine = normal.dot(own);
+            let (front, known) = *first.get_or_insert((cosine > 0.0, face));
+            if cosine == 0.0 || front != (cosine > 0.0) {
+                return Err(Fault::NormalBehind {
+                    face,
+                    degrees: cosine.clamp(-1.0, 1.0).acos().to_degrees(),
+                    known,
+                });
+            }
+        }
+        let [a, b, c] = indices.map(|index| vectors[index as usize]);
+        curved |= a != b || b != c || a.dot(own).abs() < SAME.cos();
+        corners.push(indices);
+    }
+    let (front, _) = first.ok_or(Fault::NoNormals)?;
+    if !front {
+        vectors[..given.len()].iter_mut().for_each(|n| *n = -*n);
+    }
+    if !curved {
+        warnings.push(
+            "--normals file changes nothing: the normals in the file are those of the facets"
+                .into(),
+        );
+    }
+    if let Some(&plane) = planes.first() {
+        warnings.push(format!(
+            "{} of {} facets have no normals in the file and are planes (face {} is the first)",
+            planes.len(),
+            corners.len(),
+            mesh.face_number(plane)
+        ));
+    }
+    Ok(Normals { vectors, corners })
+}
+
+/// What is said where the file has normals that nobody asked for and that differ from its facets' own.
+pub(crate) fn left_out(surface: &Surface<'_>) -> Option<String> {
+    let mesh = surface.mesh;
+    let sine = |triangle: usize, number: std::num::NonZeroU32| {
+        let normal = *mesh.normals.get(number.get() as usize - 1)?;
+        let unit = (normal / normal.abs().max_element()).try_normalize()?;
+        Some(unit.cross(surface.normals[triangle]).length())
+    };
+    let numbers = mesh.corner_normals.iter().enumerate();
+    let largest = numbers
+        .flat_map(|(triangle, numbers)| {
+            numbers
+                .iter()
+                .flatten()
+                .filter_map(move |&number| sine(triangle, number))
+        })
+        .fold(0.0, f64::max);
+    (largest > SAME).then(|| {
+        format!(
+            "the file has normals up to {:.2} degrees off its facets, which are taken as planes; if they stand for a curved face, \
+             give --normals file",
+            largest.min(1.0).asin().to_degrees()
+        )
+    })
+}

@@ -1,0 +1,131 @@
+//! Closed prisms: taking the front face off, so that the mirror facets alone are left, facing the light.
+
+use glam::DVec3;
+
+use crate::cell::apex::Corner;
+use crate::cell::surface::{Surface, root};
+use crate::mesh::error::Fault;
+use crate::mesh::mesh::Mesh;
+
+/// Triangles of a front face are flat to this part of the mesh's extent.
+const FLAT: f64 = 1e-6;
+/// A front face looks away from the apex within this angle's cosine (53 deg): more than any useful cant, less than the
+/// 54.7 deg of a block's other faces.
+const OPPOSITE_COS: f64 = 0.6;
+/// Neighbouring triangles are looked at as one face below this angle, rad.
+const SMOOTH: f64 = 1e-4;
+
+/// Volume that a closed surface encloses, file units cubed: positive where it is wound outward.
+pub(crate) fn volume(surface: &Surface<'_>) -> f64 {
+    let base = surface.mesh.positions[surface.welded[0][0] as usize];
+    let sixth = |triangle| {
+        let [a, b, c] = surface.mesh.corners(triangle).map(|p: DVec3| p - base);
+        a.dot(b.cross(c)) / 6.0
+    };
+    (0..surface.welded.len()).map(sixth).sum()
+}
+
+/// The mesh with every triangle wound the other way.
+pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
+    let mut mesh = mesh.clone();
+    mesh.triangles
+        .iter_mut()
+        .for_each(|triangle| triangle.swap(1, 2));
+    mesh.corner_normals
+        .iter_mut()
+        .for_each(|numbers| numbers.swap(1, 2));
+    mesh
+}
+
+/// The mirror facets of a closed, outward-wound prism, turned to face the light inside it.
+///
+/// The front face is the largest flat face that has the whole prism behind it and looks away from the apex `corner`
+/// (where there is none: the largest of all), with whatever else lies in its plane.
+///
+/// # Errors
+/// [`Fault::NoFrontFace`].
+pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Fault> {
+    let mesh = surface.mesh;
+    let mut parent: Vec<u32> = (0..surface.welded.len() as u32).collect();
+    for sides in surface.meetings() {
+        if let [one, other] = sides {
+            let (n, m) = (
+                surface.normals[one.triangle as usize],
+                surface.normals[other.triangle as usize],
+            );
+            if n.cross(m).length() < SMOOTH && n.dot(m) > 0.0 {
+                let (a, b) = (
+                    root(&mut parent, one.triangle),
+                    root(&mut parent, other.triangle),
+                );
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+    }
+    let face_of: Vec<u32> = (0..surface.welded.len() as u32)
+        .map(|t| root(&mut parent, t))
+        .collect();
+    let mut area = vec![DVec3::ZERO; surface.welded.len()];
+    for (triangle, &face) in face_of.iter().enumerate() {
+        let [a, b, c] = mesh.corners(triangle);
+        area[face as usize] += (b - a).cross(c - a) * 0.5;
+    }
+    let used: Vec<u32> = surface.welded.iter().flatten().copied().collect();
+    let base = mesh.positions[used[0] as usize];
+    let extent = used
+        .iter()
+        .map(|&v| mesh.positions[v as usize].distance(base))
+        .fold(0.0, f64::max);
+    let mut faces: Vec<u32> = (0..surface.welded.len() as u32)
+        .filter(|&t| face_of[t as usize] == t)
+        .collect();
+    faces.sort_by(|&a, &b| {
+        area[b as usize]
+            .length()
+            .total_cmp(&area[a as usize].length())
+            .then(a.cmp(&b))
+    });
+    let slack = FLAT * extent + 8.0 * surface.rounding;
+    let front = faces.into_iter().find(|&face| {
+        let normal = area[face as usize].normalize_or_zero();
+        // The corner's axis points out of the prism, away from the light.
+        let opposite = corner.is_none_or(|corner| normal.dot(corner.axis) < -OPPOSITE_COS);
+        let on = mesh.corners(face as usize)[0];
+        let height = |v: u32| normal.dot(mesh.positions[v as usize] - on);
+        let flat = || {
+            let own = (0..face_of.len())
+                .filter(|&t| face_of[t] == face)
+                .flat_map(|t| surface.welded[t]);
+            own.map(height).all(|h| h.abs() <= slack)
+        };
+        opposite && used.iter().all(|&v| height(v) <= slack) && flat()
+    });
+    let front = front.ok_or(Fault::NoFrontFace)?;
+    // Every triangle in that plane: prisms that touch along an edge of it have a front face each.
+    let (normal, on) = (
+        area[front as usize].normalize_or_zero(),
+        mesh.corners(front as usize)[0],
+    );
+    let in_front = |triangle: usize| {
+        let flat = mesh
+            .corners(triangle)
+            .iter()
+            .all(|p| normal.dot(*p - on).abs() <= slack);
+        flat && surface.normals[triangle].dot(normal) > 0.0
+    };
+    let kept: Vec<usize> = (0..face_of.len()).filter(|&t| !in_front(t)).collect();
+    let triangles = kept
+        .iter()
+        .map(|&t| mesh.triangles[t])
+        .map(|[a, b, c]| [a, c, b])
+        .collect();
+    let faces = kept.iter().map(|&t| mesh.face_number(t)).collect();
+    let normals = kept.iter().filter_map(|&t| mesh.corner_normals.get(t));
+    let corner_normals = normals.map(|&[a, b, c]| [a, c, b]).collect();
+    Ok(Mesh {
+        triangles,
+        faces,
+        corner_normals,
+        ..mesh.clone()
+    })
+}

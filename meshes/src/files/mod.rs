@@ -1,0 +1,12 @@
+//! Files of meshes: OBJ, glTF and GLB, read and written.
+//!
+//! A path or bytes enter and a mesh leaves, with sizes bounded before memory is asked for; or a mesh enters and bytes leave. It
+//! touches the mesh room.
+
+pub(crate) mod bounded;
+pub(crate) mod buffer;
+pub(crate) mod glb;
+pub mod gltf;
+pub(crate) mod load;
+pub mod obj;
+pub mod write;

@@ -1,0 +1,315 @@
+//! Wavefront OBJ through `tobj`, in f64.
+//!
+//! `tobj` numbers vertices by their first use and forgets the file's order, cannot continue lines, and fans every
+//! polygon. So it is given only the `v` and `f` lines, continued lines joined, after one polygon that names all
+//! vertices in order; polygons are cut into triangles in [`crate::mesh::polygon`]. Normals are read here: `tobj` would refuse files
+//! for those that nobody asks for.
+
+use std::borrow::Cow;
+use std::num::NonZeroU32;
+
+use glam::DVec3;
+
+use crate::mesh::error::{Counted, Fault};
+use crate::mesh::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
+use crate::mesh::polygon;
+
+/// Parses an OBJ file.
+///
+/// # Errors
+/// A line that is not OBJ, an index out of range, a face of fewer than three corners, or a polygon that is not flat or
+/// crosses itself.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut mesh = Mesh {
+        hash: sha256([bytes]),
+        ..Mesh::default()
+    };
+    let (vertices, faces) = survey(&text, &mut mesh)?;
+    let source = geometry(&text, vertices);
+    let model = read(source.as_bytes()).map_err(|reason| locate(reason, &text, vertices))?;
+    drop(source);
+    let model = model.ok_or(Fault::Empty)?;
+    mesh.positions = model
+        .positions
+        .chunks_exact(3)
+        .map(|p| DVec3::new(p[0], p[1], p[2]))
+        .collect();
+    if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
+        return Err(Fault::NotFinite { vertex: vertex + 1 });
+    }
+    // No arities: all faces are triangles, which makes the naming polygon one too.
+    let arities = if model.face_arities.is_empty() {
+        vec![3; faces + 1]
+    } else {
+        model.face_arities
+    };
+    let normals = normals(&text, &mut mesh.normals);
+    triangulate(&mut mesh, &model.indices, &arities, &normals)?;
+    Ok(mesh)
+}
+
+/// Reads the normals, and gives the number of that at each corner of each face, faces after each other; nothing where there
+/// are none. Those that are no three numbers are not finite, numbers of none are the greatest of all.
+fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
+    let mut numbers = Vec::new();
+    if !text.lines().any(|line| keyword(line) == "vn") {
+        return numbers;
+    }
+    for (_, content) in logical_lines(text) {
+        match keyword(&content) {
+            "vn" => {
+                let mut words = content.split_whitespace().skip(1).map(str::parse);
+                let mut next = || words.next().and_then(Result::ok).unwrap_or(f64::NAN);
+                vectors.push(DVec3::new(next(), next(), next()));
+            }
+            "f" => numbers.extend(content.split_whitespace().skip(1).map(|corner| {
+                let word = corner.split('/').nth(2).filter(|word| !word.is_empty())?;
+                let number = match word.parse::<i64>() {
+                    // Negative ones count back from the last above.
+                    Ok(index) if index < 0 => index + vectors.len() as i64 + 1,
+                    Ok(index) => index,
+                    Err(_) => 0,
+                };
+                let number = u32::try_from(number).ok().and_then(NonZeroU32::new);
+                Some(number.unwrap_or(NonZeroU32::MAX))
+            })),
+            _ => {}
+        }
+    }
+    numbers
+}
+
+/// Counts vertices and faces, and reads the comments that concern us.
+fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
+    let (mut vertices, mut faces) = (0, 0);
+    let mut glass = false;
+    for (line, content) in logical_lines(text) {
+        match keyword(&content) {
+            "v" => vertices += 1,
+            "f" => {
+                let corners = content.split_whitespace().take(4).count() - 1;
+                if corners < 3 {
+                    return Err(Fault::FewCorners { line, corners });
+                }
+                faces += 1;
+                mesh.glass.push(glass);
+            }
+            "usemtl" => glass = content.split_whitespace().nth(1) == Some(GLASS),
+            word if word.starts_with('#') => comment(mesh, line, &content)?,
+            _ => {}
+        }
+    }
+    for (what, found) in [(Counted::Vertices, vertices), (Counted::Triangles, faces)] {
+        if found > MAX_ELEMENTS {
+            return Err(Fault::TooLarge {
+                what,
+                found: found as u64,
+                limit: MAX_ELEMENTS as u64,
+            });
+        }
+    }
+    if !mesh.glass.contains(&true) {
+        mesh.glass = Vec::new();
+    }
+    if faces == 0 {
+        Err(Fault::Empty)
+    } else {
+        Ok((vertices, faces))
+    }
+}
+
+/// What `tobj` is given: a polygon that names all vertices, and the vertex and face lines.
+fn geometry(text: &str, vertices: usize) -> String {
+    let mut source = String::with_capacity(text.len() + 9 * vertices);
+    source.push('f');
+    for vertex in 1..=vertices {
+        source.push(' ');
+        source.push_str(&vertex.to_string());
+    }
+    source.push('\n');
+    for (_, content) in logical_lines(text) {
+        match keyword(&content) {
+            "v" => source.push_str(&coordinates(&content)),
+            "f" => source.push_str(&content),
+            _ => continue,
+        }
+        source.push('\n');
+    }
+    source
+}
+
+/// A vertex line up to its third number: a fourth is a rational weight or the first of a colour, and neither moves a
+/// polygon's corner.
+fn coordinates(content: &str) -> String {
+    content
+        .split_whitespace()
+        .take(4)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// First word of a line; empty for an empty line.
+fn keyword(content: &str) -> &str {
+    content.split_whitespace().next().unwrap_or_default()
+}
+
+/// The one model of a source without groups and materials.
+fn read(mut source: impl std::io::BufRead) -> Result<Option<tobj::Mesh>, tobj::LoadError> {
+    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+    let (models, _) = tobj::load_obj_buf(&mut source, &tobj::LoadOptions::default(), no_materials)?;
+    Ok(models.into_iter().next().map(|model| model.mesh))
+}
+
+/// Cuts the polygons, past the one that names all vertices, into the mesh's triangles. `normals`: at their corners, if any.
+fn triangulate(
+    mesh: &mut Mesh,
+    indices: &[u32],
+    arities: &[u32],
+    normals: &[Option<NonZeroU32>],
+) -> Result<(), Fault> {
+    let named = mesh.positions.len();
+    let mut start = named;
+    let mut all_triangles = true;
+    for (face, &arity) in (1u32..).zip(&arities[1..]) {
+        let corners = &indices[start..start + arity as usize];
+        start += arity as usize;
+        if mesh.triangles.len() + corners.len() > MAX_ELEMENTS {
+            let found = (mesh.triangles.len() + corners.len()) as u64;
+            return Err(Fault::TooLarge {
+                what: Counted::Triangles,
+                found,
+                limit: MAX_ELEMENTS as u64,
+            });
+        }
+        all_triangles &= corners.len() == 3;
+        let before = mesh.triangles.len();
+        polygon::cut(&mesh.positions, corners, face, &mut mesh.triangles)?;
+        if !normals.is_empty() {
+            let first = start - corners.len() - named;
+            let at = |vertex: u32| {
+                let corner = corners.iter().position(|&corner| corner == vertex);
+                normals.get(first + corner?).copied().flatten()
+            };
+            let new = mesh.triangles[before..].iter().map(|t| t.map(at));
+            mesh.corner_normals.extend(new);
+        }
+        mesh.faces.resize(mesh.triangles.len(), face);
+    }
+    if all_triangles {
+        mesh.faces = Vec::new();
+    }
+    Ok(())
+}
+
+/// Lines with their number from 1; a line that ends in a backslash goes on in the next.
+fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = (1..).zip(text.lines());
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let mut content = Cow::Borrowed(first.trim());
+        // Not so in comments: they may end in the path of a folder.
+        while content.ends_with('\\') && !content.starts_with('#') {
+            let content = content.to_mut();
+            content.pop();
+            content.push(' ');
+            match lines.next() {
+                Some((_, next)) => content.push_str(next.trim()),
+                None => break,
+            }
+        }
+        Some((number, content))
+    })
+}
+
+/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L` and `# azimuth_zero x,y,z`; other comments say nothing
+/// to us.
+fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
+    let content = content.trim_start_matches('#').trim();
+    let (key, value) = content
+        .split_once(char::is_whitespace)
+        .unwrap_or((content, ""));
+    match key {
+        "design" => mesh.design = value.trim().to_owned(),
+        "lattice" => {
+            let [ax, ay, az, bx, by, bz] = numbers(value).ok_or_else(|| Fault::LatticeComment {
+                line,
+                text: content.to_owned(),
+            })?;
+            mesh.lattice = Some([DVec3::new(ax, ay, az), DVec3::new(bx, by, bz)]);
+        }
+        "azimuth_zero" => {
+            let direction = numbers(value).ok_or_else(|| Fault::AzimuthZeroComment {
+                line,
+                text: content.to_owned(),
+            })?;
+            mesh.azimuth_zero = Some(DVec3::from_array(direction));
+        }
+        "edge_length" => match value.trim().parse::<f64>() {
+            Ok(length) if length.is_finite() && length > 0.0 => mesh.edge_length = Some(length),
+            _ => {
+                return Err(Fault::EdgeLengthComment {
+                    line,
+                    text: content.to_owned(),
+                });
+            }
+        },
+        _ => {}
+    }
+    Ok(())
+}
+
+/// `N` finite numbers, between commas or blanks.
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let words = text.split([',', ' ', '\t']).filter(|word| !word.is_empty());
+    let number = |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite());
+    let numbers: Option<Vec<f64>> = words.map(number).collect();
+    numbers?.try_into().ok()
+}
+
+/// Finds the line that made `tobj` refuse: it reports none.
+fn locate(reason: tobj::LoadError, text: &str, vertices: usize) -> Fault {
+    let mut before = 0;
+    for (line, content) in logical_lines(text) {
+        let alone = match keyword(&content) {
+            "v" => {
+                before += 1;
+                Cow::Owned(coordinates(&content))
+            }
+            "f" if reason == tobj::LoadError::FaceVertexOutOfBounds => {
+                if let Some(index) = wrong_index(&content, before, vertices) {
+                    return Fault::ObjIndex {
+                        line,
+                        index,
+                        vertices,
+                    };
+                }
+                continue;
+            }
+            "f" => content.clone(),
+            _ => continue,
+        };
+        if read(alone.as_bytes()).err() == Some(reason) {
+            let text = content.chars().take(60).collect();
+            return Fault::ObjLine { line, text, reason };
+        }
+    }
+    Fault::Obj(reason)
+}
+
+/// First index of a face line that is out of range; negative ones count back from the `before` vertices above it.
+fn wrong_index(content: &str, before: i64, vertices: usize) -> Option<i64> {
+    let indices = content
+        .split_whitespace()
+        .skip(1)
+        .filter_map(|word| word.split('/').next()?.parse::<i64>().ok());
+    let mut wrong = indices.filter(|&index| {
+        let from_one = if index < 0 {
+            index.saturating_add(before + 1)
+        } else {
+            index
+        };
+        from_one < 1 || from_one > vertices as i64
+    });
+    wrong.next()
+}

@@ -1,0 +1,13 @@
+//! Tests of the crate from outside, in one program: linking HDF5 costs more than most of them. `cargo test -p tables --test all
+//! merge` runs those of one file.
+
+mod bad;
+mod file;
+mod flips;
+mod kept;
+mod lookup;
+mod merge;
+mod python;
+mod rewritten;
+mod sample;
+mod together;
