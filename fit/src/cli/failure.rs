@@ -31,9 +31,9 @@ pub enum Failure {
     /// The table.
     #[error(transparent)]
     Table(#[from] tables::Error),
-    /// The estimate.
+    /// The estimate. Boxed: every result of the verbs would grow with it.
     #[error(transparent)]
-    Estimate(#[from] estimate::Error),
+    Estimate(Box<estimate::Error>),
     /// The result is of another model than the one that was named.
     #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table table.h5 --model {} -o result.json",
         path.display(), asked.name())]
@@ -134,6 +134,12 @@ pub enum Failure {
         /// What the library said.
         message: String,
     },
+}
+
+impl From<estimate::Error> for Failure {
+    fn from(error: estimate::Error) -> Failure {
+        Failure::Estimate(Box::new(error))
+    }
 }
 
 impl Failure {
