@@ -80,7 +80,7 @@ pub use crate::estimate::bound::Bound;
 pub use crate::estimate::campaign::{Estimated, Options, campaign as estimate_campaign};
 pub use crate::estimate::choice::{Choice, Value};
 pub use crate::estimate::error::Error;
-pub use crate::estimate::estimate::Estimate;
+pub use crate::estimate::fitted::Estimate;
 pub use crate::estimate::loss::Kind as LossKind;
 pub use crate::estimate::select::Candidates;
 pub use crate::estimate::watch::{Step, Watch};

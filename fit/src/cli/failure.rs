@@ -31,7 +31,7 @@ pub enum Failure {
     /// The table.
     #[error(transparent)]
     Table(#[from] tables::Error),
-    /// The estimate.
+    /// The estimate. Boxed: every result of the verbs would grow with it.
     #[error(transparent)]
     Estimate(Box<estimate::Error>),
     /// The result is of another model than the one that was named.

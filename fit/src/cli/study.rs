@@ -24,10 +24,10 @@ use crate::photographs::captures;
 #[cfg(feature = "report")]
 use crate::report::{picture, speed as speed_picture};
 use crate::study::forward::{Speed, speed};
+use crate::study::given::{Study, photographs};
 use crate::study::ranges::Ranges;
 use crate::study::refused;
 use crate::study::refused::Refused;
-use crate::study::study::{Study, photographs};
 use crate::study::summary::{LOOSE, Summary};
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 use crate::study::{choice, trial};

@@ -19,7 +19,7 @@ use crate::compare::place::Place;
 use crate::compare::view::MODEL_ERROR;
 use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::model::Model;
+use crate::model::edge::Model;
 use crate::model::spread::{Even, Grid};
 use crate::numerics::clip;
 use crate::numerics::factor;

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::model::{Curve, Model};
+use crate::model::edge::{Curve, Model};
 use crate::model::spread::Grid;
 use crate::numerics::fourier::fast_length;
 use crate::photographs::edge::line::EdgeLine;

@@ -9,7 +9,7 @@ use tables::Table;
 
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::Error;
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::scene::Scene;

@@ -11,7 +11,7 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::choice::Choice;
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{refined, rough, sum_of_squares_with};
 use crate::estimate::scene::Scene;

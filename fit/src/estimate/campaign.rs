@@ -9,7 +9,7 @@ use crate::estimate::azimuth::Azimuth;
 use crate::estimate::bound::{Bounds, absent, bounds};
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::{Conflict, Error};
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::refined;

@@ -9,7 +9,7 @@ use crate::estimate::scene::{Aerial, Scene};
 use crate::model::baseline::Baseline;
 use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::model::{Curve, Model};
+use crate::model::edge::{Curve, Model};
 
 /// One photograph's model with derivatives.
 pub struct Compared {

@@ -6,7 +6,7 @@
 //!
 //! From the ground: [`choice`] what a candidate lets vary, [`layout`] where its parameters stand, [`facing`] and [`scene`] the photographs
 //! beside their directions, [`compared`] beside their models, [`joint`] and [`loss`] what is minimised, [`start`] and [`optimum`] where
-//! it is least, [`covariance`] and [`estimate`](mod@estimate) what follows, [`select`](mod@select) which terms, [`bound`], [`azimuth`] and
+//! it is least, [`covariance`] and [`fitted`] what follows, [`select`](mod@select) which terms, [`bound`], [`azimuth`] and
 //! [`forward`] what else may be asked, [`verdict`] what to say, [`watch`] to whom.
 
 pub mod azimuth;
@@ -16,8 +16,8 @@ pub mod choice;
 pub mod compared;
 pub mod covariance;
 pub mod error;
-pub mod estimate;
 pub mod facing;
+pub mod fitted;
 pub mod forward;
 pub mod joint;
 pub mod layout;

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::choice::Choice;
 use crate::estimate::error::{Conflict, Error};
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, refined, rough, rough_from, unrefined};

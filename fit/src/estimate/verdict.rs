@@ -2,7 +2,7 @@
 
 use crate::estimate::azimuth::Azimuth;
 use crate::estimate::choice::Value;
-use crate::estimate::estimate::Estimate;
+use crate::estimate::fitted::Estimate;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
 use crate::names::kernel::Kernel;

@@ -7,8 +7,8 @@
 pub mod baseline;
 pub mod blur;
 pub mod camera;
+pub mod edge;
 pub mod lobe;
 pub mod microfacet;
-pub mod model;
 pub mod spread;
 pub mod wave;

@@ -4,7 +4,7 @@ use serde::Serialize;
 use tables::{Direction, Table};
 
 use crate::model::baseline::Baseline;
-use crate::model::model::Model;
+use crate::model::edge::Model;
 use crate::model::wave;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;

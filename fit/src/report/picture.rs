@@ -6,7 +6,7 @@ use kuva::prelude::*;
 
 use crate::estimate::loss::Kind;
 use crate::report::plot::{Error, draw};
-use crate::study::study::Study;
+use crate::study::given::Study;
 use crate::study::summary::{Figure, Row, Summary};
 use crate::study::trial::{LOSSES, PARAMETERS};
 

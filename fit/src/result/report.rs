@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimate::bound::Bounds;
 use crate::estimate::campaign::Estimated;
 use crate::estimate::choice::Value;
-use crate::estimate::estimate::Estimate;
+use crate::estimate::fitted::Estimate;
 use crate::estimate::forward::Forward;
 use crate::estimate::loss::Kind;
 use crate::estimate::scene::{Aerial, Scene};

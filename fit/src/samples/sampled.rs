@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::blur::Blur;
 use crate::model::camera::Camera;
-use crate::model::model::{Curve, Model};
+use crate::model::edge::{Curve, Model};
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
 use crate::photographs::edge::line::EdgeLine;

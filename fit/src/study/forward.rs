@@ -10,7 +10,7 @@ use tables::Table;
 use crate::compare::view::Weights;
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::compared::curve;
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward;
 use crate::estimate::forward::Renders;
 use crate::estimate::layout::Layout;

@@ -6,8 +6,8 @@
 
 pub mod choice;
 pub mod forward;
+pub mod given;
 pub mod ranges;
 pub mod refused;
-pub mod study;
 pub mod summary;
 pub mod trial;

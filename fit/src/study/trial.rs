@@ -8,7 +8,7 @@ use tables::Table;
 
 use crate::estimate::choice::Choice;
 use crate::estimate::error::Error;
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};

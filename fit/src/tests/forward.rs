@@ -3,14 +3,14 @@
 use crate::compare::view::Weights;
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::{compare, curve};
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::{RANDOMISATIONS, Renders};
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{optimum, refined, residuals_at};
 use crate::estimate::scene::Scene;
 use crate::estimate::watch::Watch;
 use crate::model::blur::Blur;
-use crate::model::model::Curve;
+use crate::model::edge::Curve;
 use crate::names::kernel::Kernel;
 use crate::names::lobe::LobeShape;
 use crate::samples::sampled::Sampling;

@@ -2,7 +2,7 @@
 
 use crate::compare::likelihood::{Nuisances, Photograph};
 use crate::estimate::choice::Choice;
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::joint::{Joint, Used};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};

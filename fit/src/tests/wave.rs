@@ -4,7 +4,7 @@ use crate::tests::planted;
 use std::f64::consts::TAU;
 
 use crate::estimate::choice::Choice;
-use crate::estimate::estimate::estimate;
+use crate::estimate::fitted::estimate;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::optimum;
 use crate::estimate::select::{Candidates, select};

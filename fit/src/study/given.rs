@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::estimate::choice::Choice;
 use crate::estimate::error::Error;
-use crate::estimate::estimate::{Estimate, estimate};
+use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
