@@ -3,6 +3,7 @@
 mod azimuth;
 mod bad_inputs;
 mod baselines;
+mod campaign;
 mod captures_manifest;
 mod channels;
 #[cfg(feature = "images")]
