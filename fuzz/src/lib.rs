@@ -48,15 +48,14 @@ pub fn table(bytes: &[u8]) {
 /// A photograph of any format: what it holds decides, not its name.
 pub fn photograph(bytes: &[u8]) {
     let path = file("photograph", bytes);
-    let _ =
-        fit::photographs::photo::load(&path, &fit::photographs::photo::channel::Decode::default());
-    let _ = fit::photographs::photo::settings::Settings::of(&path);
+    let _ = fit::load_photo(&path, &fit::Decode::default());
+    let _ = fit::Settings::of(&path);
 }
 
 /// A manifest of captures, ranges of a study and parameters of a simulation.
 pub fn toml(bytes: &[u8]) {
     let path = file("fuzzed.toml", bytes);
-    let _ = fit::photographs::captures::load(&path);
-    let _ = fit::study::ranges::Ranges::load(&path);
-    let _ = fit::simulate::params::Params::load(&path);
+    let _ = fit::load_campaign(&path);
+    let _ = fit::StudyRanges::load(&path);
+    let _ = fit::SimulationParams::load(&path);
 }

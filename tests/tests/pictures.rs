@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use fit::photographs::photo::load_colour;
-use fit::photographs::photo::picture::{Picture, Writing};
-use fit::photographs::photo::transfer::Transfer;
+use fit::{Picture, Transfer, Writing, load_colour};
 use image::{ImageBuffer, Luma, Rgb};
 use serde_json::Value;
 use tests::estimate::json;

@@ -15,26 +15,28 @@ use crate::cli::parse;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
 use crate::cli::terms::Terms;
-use crate::estimate::bound::Bound;
-use crate::estimate::campaign::{Estimated, Options, campaign};
+use crate::estimate::Bound;
+use crate::estimate::Forward;
+use crate::estimate::Kind;
+use crate::estimate::Watch;
+use crate::estimate::campaign::campaign;
 use crate::estimate::error;
-use crate::estimate::forward::Forward;
-use crate::estimate::loss::Kind;
-use crate::estimate::watch::Watch;
-use crate::names::kernel::Family;
-use crate::names::parameter::{ParameterId, ParameterKind};
-use crate::names::spectrum::Spectrum;
+use crate::estimate::{Estimated, Options};
+use crate::names::Family;
+use crate::names::Spectrum;
+use crate::names::{ParameterId, ParameterKind};
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Shot};
 use crate::photographs::photo::channel::Channel;
+use crate::photographs::{Campaign, Shot};
 #[cfg(feature = "report")]
 use crate::report::page::evidence::Evidence;
 #[cfg(feature = "report")]
 use crate::report::page::shown::Page;
 #[cfg(feature = "report")]
 use crate::report::plot;
-use crate::result::report::{Number, Parameter, ResultFile, TableResult};
-use crate::simulate::truth::Truth;
+use crate::result::TableResult;
+use crate::result::{Number, Parameter, ResultFile};
+use crate::simulate::Truth;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
@@ -54,7 +56,7 @@ Examples:
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full --direction-tolerance 0.005
   fit estimate captures.toml --table all.h5 --fit-azimuth
   fit estimate captures.toml --table pair.h5 --forward render --loss mse --samples 16 -o result.json")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The campaign's manifest
     pub captures: PathBuf,
     /// The sheet's ray-shift table, made by `bake trace`
@@ -108,7 +110,7 @@ pub struct Arguments {
 
 /// The channels that are fitted.
 #[derive(Debug, Clone)]
-pub struct Channels(Vec<Channel>);
+pub(crate) struct Channels(Vec<Channel>);
 
 fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     Ok(Channels(match text {
@@ -145,7 +147,7 @@ fn several(arguments: &Arguments) -> Option<&[Channel]> {
 ///
 /// # Errors
 /// Manifest, photographs, table or outputs.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = options(arguments);
     #[cfg(feature = "report")]
     if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
@@ -426,7 +428,7 @@ fn bounded(id: ParameterId, bound: Bound) -> String {
 ///
 /// # Errors
 /// [`Failure::Json`]; [`Failure::Channel`] for one of several channels.
-pub fn read_result(path: &Path) -> Result<ResultFile, Failure> {
+pub(crate) fn read_result(path: &Path) -> Result<ResultFile, Failure> {
     read_channel(path, None)
 }
 
@@ -434,7 +436,11 @@ pub fn read_result(path: &Path) -> Result<ResultFile, Failure> {
 ///
 /// # Errors
 /// [`Failure::Model`].
-pub fn check_model(path: &Path, result: &ResultFile, model: Option<Family>) -> Result<(), Failure> {
+pub(crate) fn check_model(
+    path: &Path,
+    result: &ResultFile,
+    model: Option<Family>,
+) -> Result<(), Failure> {
     match model {
         Some(asked) if asked != result.model => Err(Failure::Model {
             path: path.to_owned(),
@@ -448,7 +454,7 @@ pub fn check_model(path: &Path, result: &ResultFile, model: Option<Family>) -> R
 ///
 /// # Errors
 /// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named, or another.
-pub fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
+pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
     let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);
     let channels = |held: BTreeMap<String, ResultFile>| Failure::Channel {

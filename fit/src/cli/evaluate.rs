@@ -8,8 +8,8 @@ use serde::Serialize;
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
+use crate::images::Shown;
 use crate::images::metrics;
-use crate::images::metrics::Shown;
 use crate::images::metrics::error::Error;
 use crate::images::metrics::lpips;
 use crate::images::metrics::lpips::Lpips;
@@ -26,7 +26,7 @@ higher, FLIP (mean) and LPIPS (AlexNet, v0.1) lower for pictures that are more a
 Examples:
   fit evaluate aerial.png photograph.png
   fit evaluate aerial.exr photograph.png --exposure 10 --json")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The rendered image
     pub rendered: PathBuf,
     /// The photograph that it should look like
@@ -65,7 +65,7 @@ struct Report {
 ///
 /// # Errors
 /// Pictures or weights.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (rendered, photo) = (&arguments.rendered, &arguments.photo);
     let lpips = arguments.lpips.as_deref().map(Lpips::read).transpose();
     let lpips = lpips.map_err(Error::from)?;

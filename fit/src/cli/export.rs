@@ -8,7 +8,7 @@ use tables::Outputs;
 use crate::cli::estimate::read_result;
 use crate::cli::failure::Failure;
 use crate::cli::parse;
-use crate::predict::export::{Form, LOST, nearest};
+use crate::predict::{Form, LOST, nearest};
 
 /// Writes the nearest lobe of a fitted sheet as a material for renderers.
 #[derive(Debug, clap::Args)]
@@ -19,7 +19,7 @@ least squared MTF difference from the sheet at the distance and incidence given.
 Examples:
   fit export result.json --table pair.h5 --to materialx --distance 150 -o sheet.mtlx
   fit export result.json --table pair.h5 --to gltf --distance 300 --incidence 20 -o sheet.gltf")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// What `fit estimate -o` wrote
     pub result: PathBuf,
     /// A table of the fitted cell
@@ -46,7 +46,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Result, table, direction or output.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;

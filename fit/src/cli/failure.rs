@@ -8,7 +8,7 @@ use crate::estimate::error as estimate;
 use crate::estimate::scene;
 #[cfg(feature = "images")]
 use crate::images::{metrics, render};
-use crate::names::kernel::Family;
+use crate::names::Family;
 use crate::photographs::{captures, edge, photo};
 use crate::predict::error as predict;
 #[cfg(feature = "report")]
@@ -18,7 +18,7 @@ use crate::simulate::error as simulate;
 /// Anything that ends a verb.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Failure {
+pub(crate) enum Failure {
     /// The manifest.
     #[error(transparent)]
     Captures(#[from] captures::error::Error),
@@ -79,7 +79,7 @@ pub enum Failure {
         /// The photograph.
         image: PathBuf,
         /// The region.
-        roi: crate::photographs::roi::Roi,
+        roi: crate::photographs::Roi,
         /// Width of the picture.
         width: usize,
         /// Height of the picture.
@@ -139,7 +139,7 @@ impl From<estimate::Error> for Failure {
 
 impl Failure {
     /// 2 for wrong usage that clap cannot see, 1 for work that failed.
-    pub fn code(&self) -> u8 {
+    pub(crate) fn code(&self) -> u8 {
         match self {
             #[cfg(feature = "report")]
             Failure::Plot(plot::Error::Format(_)) => 2,

@@ -3,14 +3,14 @@
 use std::fmt::Write;
 
 use crate::cli::parse;
-use crate::estimate::forward::Forward;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
-use crate::study::forward::Speed;
+use crate::estimate::Forward;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
+use crate::study::Speed;
 
 /// The renders that are studied.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Renders {
+pub(crate) struct Renders {
     /// Study a forward model: render times estimates by samples beside the closed form
     #[arg(long, value_enum, conflicts_with = "ranges")]
     pub forward: Option<Forward>,
@@ -24,7 +24,7 @@ pub struct Renders {
 
 /// Numbers of samples.
 #[derive(Debug, Clone)]
-pub struct Samples(Vec<usize>);
+pub(crate) struct Samples(Vec<usize>);
 
 fn samples(text: &str) -> Result<Samples, String> {
     let list = parse::positives(text)?;
@@ -36,7 +36,7 @@ fn samples(text: &str) -> Result<Samples, String> {
 
 impl Renders {
     /// Every number of samples, evenly spread and independent.
-    pub fn samplings(&self, seed: u64) -> Vec<Sampling> {
+    pub(crate) fn samplings(&self, seed: u64) -> Vec<Sampling> {
         let Samples(list) = &self.samples;
         [Sequence::Sobol, Sequence::Independent]
             .into_iter()
@@ -56,7 +56,7 @@ fn percent(value: Option<f64>) -> String {
 }
 
 /// The study as a table for a person.
-pub fn table(speed: &Speed) -> String {
+pub(crate) fn table(speed: &Speed) -> String {
     let mut text = format!(
         "{} photographs, loss mtf; closed form: {:.4} s for the estimate ({} evaluations), {:.5} s for one evaluation\n\
          standard errors by the pixels' noise: c {} %, a {} %, mu {} %\n",

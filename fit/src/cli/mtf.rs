@@ -10,16 +10,16 @@ use tables::Outputs;
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
+use crate::photographs::Measurement;
+use crate::photographs::Roi;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::measure;
-use crate::photographs::measure::Measurement;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::roi::Roi;
 use crate::photographs::sfr;
-use crate::photographs::sfr::{Estimator, crossing};
+use crate::photographs::{Estimator, crossing};
 
 /// Points of the curve from 0 to the pixel frequency.
 const POINTS: usize = 512;
@@ -34,7 +34,7 @@ frequencies are along the edge normal, not along the rows.
 Examples:
   fit mtf edge.exr --pixel-pitch 0.05
   fit mtf photo.png --roi 200,150,320,256 --accept doubled --json -o mtf.json")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB); camera raw with the feature raw
     pub image: PathBuf,
     /// Region that holds one edge, pixels; if left out, the picture's only slanted edge is found
@@ -110,7 +110,7 @@ struct Report {
 ///
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = terminal::reserve(
         arguments.output.as_deref(),
         &mut Outputs::beside([arguments.image.as_path()]),

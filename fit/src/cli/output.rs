@@ -4,14 +4,14 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// An object as JSON text, keys in the order of the struct.
-pub fn json(object: &impl serde::Serialize) -> String {
+pub(crate) fn json(object: &impl serde::Serialize) -> String {
     let text = serde_json::to_string_pretty(object)
         .expect("all keys are strings and all values are numbers or text");
     text + "\n"
 }
 
 /// A command line as a shell would take it again; the program without its folder.
-pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
+pub(crate) fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
     let quoted = |text: String| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+@%".contains(c);
         if !text.is_empty() && text.chars().all(plain) {

@@ -11,7 +11,7 @@ use crate::photographs::photo::transfer::Transfer;
 ///
 /// # Errors
 /// A sentence for clap.
-pub fn incidences(text: &str) -> Result<Vec<f64>, String> {
+pub(crate) fn incidences(text: &str) -> Result<Vec<f64>, String> {
     let list = list(text).map_err(|error| error.to_string())?;
     match list.iter().find(|v| !(0.0..90.0).contains(*v)) {
         Some(bad) => Err(format!(
@@ -25,7 +25,7 @@ pub fn incidences(text: &str) -> Result<Vec<f64>, String> {
 ///
 /// # Errors
 /// A sentence for clap.
-pub fn incidence(text: &str) -> Result<f64, String> {
+pub(crate) fn incidence(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..90.0).contains(&value) => Ok(value),
         _ => Err("must be an angle of 0 <= angle < 90 degrees".into()),
@@ -33,7 +33,7 @@ pub fn incidence(text: &str) -> Result<f64, String> {
 }
 
 /// The azimuth of a table that holds only one.
-pub fn only_azimuth(table: &tables::Table) -> Option<f64> {
+pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
     match table.axes.azimuth_deg[..] {
         [azimuth] if !azimuth.is_nan() => Some(azimuth),
         _ => None,
@@ -44,7 +44,7 @@ pub fn only_azimuth(table: &tables::Table) -> Option<f64> {
 ///
 /// # Errors
 /// A sentence for clap.
-pub fn positives(text: &str) -> Result<Vec<f64>, String> {
+pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
     let list = list(text).map_err(|error| error.to_string())?;
     match list.iter().find(|v| **v <= 0.0) {
         Some(bad) => Err(format!("{bad} is not larger than 0")),
@@ -56,7 +56,7 @@ pub fn positives(text: &str) -> Result<Vec<f64>, String> {
 ///
 /// # Errors
 /// A sentence for clap.
-pub fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("must be a number larger than 0".into()),
@@ -67,7 +67,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// A sentence for clap.
-pub fn not_negative(text: &str) -> Result<f64, String> {
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
         _ => Err("must be a number, 0 or larger".into()),
@@ -78,7 +78,7 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// A sentence for clap.
-pub fn transfer(text: &str) -> Result<Transfer, String> {
+pub(crate) fn transfer(text: &str) -> Result<Transfer, String> {
     let names = Transfer::NAMES.join(" or ");
     Transfer::from_name(text).ok_or_else(|| format!("must be {names}"))
 }
@@ -90,7 +90,7 @@ const MOST_JSON: u64 = 1 << 25;
 ///
 /// # Errors
 /// [`Failure::Json`] where it cannot be read or is another kind of file.
-pub fn read_json<T: serde::de::DeserializeOwned>(
+pub(crate) fn read_json<T: serde::de::DeserializeOwned>(
     path: &Path,
     expected: &'static str,
 ) -> Result<T, Failure> {
@@ -99,7 +99,7 @@ pub fn read_json<T: serde::de::DeserializeOwned>(
         message,
         expected,
     };
-    let text = crate::document::text::read(path, MOST_JSON)
+    let text = crate::document::read(path, MOST_JSON)
         .map_err(|e| error(format!("cannot be read ({e})")))?;
     serde_json::from_str(&text).map_err(|e| error(format!("is not such a file ({e})")))
 }

@@ -11,12 +11,14 @@ use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
-use crate::names::kernel::{Family, Kernel};
+use crate::names::{Family, Kernel};
 #[cfg(feature = "report")]
-use crate::predict::prediction::{Around, around};
-use crate::predict::prediction::{Axis, Places, Prediction, predict};
+use crate::predict::{Around, around};
+use crate::predict::{Axis, Places, Prediction, predict};
 #[cfg(feature = "report")]
-use crate::report::plot::{self, Variable};
+use crate::report::Variable;
+#[cfg(feature = "report")]
+use crate::report::plot::{self};
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
 #[derive(Debug, clap::Args)]
@@ -32,7 +34,7 @@ Examples:
     --plot against.svg -o against.csv
   fit predict result.json --table pair.h5 --distance 150 --incidence 20 --frequency 0.5,1,2 --against direction \
     --plot polar.svg --json -o polar.json")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// What `fit estimate -o` wrote
     pub result: PathBuf,
     /// A table of the fitted cell: the fit's own, or one of the same mesh and index with more directions
@@ -91,7 +93,7 @@ struct Report<'a> {
 ///
 /// # Errors
 /// Result, table, direction or outputs.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
         clap::Command::new("fit predict")

@@ -7,7 +7,7 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A bar that a person sees; a pipe stays quiet.
-pub struct Progress {
+pub(crate) struct Progress {
     #[cfg(feature = "report")]
     bar: ProgressBar,
 }
@@ -15,7 +15,7 @@ pub struct Progress {
 impl Progress {
     /// A bar of this many campaigns, at none.
     #[cfg(feature = "report")]
-    pub fn of(campaigns: u64) -> Progress {
+    pub(crate) fn of(campaigns: u64) -> Progress {
         let bar = ProgressBar::new(campaigns);
         if !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
@@ -35,13 +35,13 @@ impl Progress {
     }
 
     /// One campaign is done.
-    pub fn step(&self) {
+    pub(crate) fn step(&self) {
         #[cfg(feature = "report")]
         self.bar.inc(1);
     }
 
     /// All are done; the bar goes.
-    pub fn done(&self) {
+    pub(crate) fn done(&self) {
         #[cfg(feature = "report")]
         self.bar.finish_and_clear();
     }

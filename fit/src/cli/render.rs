@@ -13,18 +13,19 @@ use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::sampled::Samples;
-use crate::estimate::forward::Forward;
+use crate::estimate::Forward;
+use crate::images::Scale;
+use crate::images::Viewpoint;
 use crate::images::render;
 use crate::images::render::psf::Psf;
+use crate::images::render::sampled;
 use crate::images::render::sampled::Spotted;
 use crate::images::render::view::CameraView;
-use crate::images::render::{Scale, sampled};
-use crate::images::spot::Viewpoint;
-use crate::names::kernel::Family;
+use crate::names::Family;
 use crate::photographs::photo;
 use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::sheet::Fitted;
+use crate::predict::Fitted;
 
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
 #[derive(Debug, clap::Args)]
@@ -60,7 +61,7 @@ mirror taken away, in mm:
     luminance = 0.002
     [coating]                           # optional: what its front face mirrors is added
     refractive_index = 1.5")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The picture
     #[arg(long, value_name = "IMAGE")]
     pub source: PathBuf,
@@ -175,7 +176,7 @@ struct Seconds {
 ///
 /// # Errors
 /// Source, result, table, direction or output.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = [&arguments.source, &arguments.params, &arguments.table];
     let inputs = inputs.into_iter().chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));

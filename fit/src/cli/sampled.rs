@@ -1,13 +1,13 @@
 //! The options of a model by samples.
 
-use crate::estimate::loss::Kind;
-use crate::estimate::select::Candidates;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
+use crate::estimate::Candidates;
+use crate::estimate::Kind;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
 
 /// Samples of a render.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Samples {
+pub(crate) struct Samples {
     /// Samples per pixel of --forward render
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub samples: u32,
@@ -21,7 +21,7 @@ pub struct Samples {
 
 impl Samples {
     /// The samples that were asked for.
-    pub fn sampling(&self) -> Sampling {
+    pub(crate) fn sampling(&self) -> Sampling {
         Sampling {
             samples: self.samples as usize,
             seed: self.seed,
@@ -32,7 +32,7 @@ impl Samples {
 
 /// Leaves the candidates that have samples. Ends the program with a usage error where none is left, or another loss was asked
 /// for than those of MTFs.
-pub fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
+pub(crate) fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
     match candidates.clone().with_samples(loss) {
         Ok(left) => *candidates = left,
         Err(conflict) => clap::Command::new(verb)

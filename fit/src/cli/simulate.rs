@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tables::cli as terminal;
 
 use crate::cli::failure::Failure;
-use crate::simulate::params::Params;
+use crate::simulate::Params;
 use crate::simulate::write;
 
 /// Writes a synthetic campaign: photographs with noise, captures.toml and truth.json.
@@ -38,7 +38,7 @@ With --table the sheet is the one that an exact table describes, with the spots 
   fit simulate params.toml -o campaign
   fit simulate params.toml --table pair.h5 -o of-the-table
   fit estimate campaign/captures.toml --table pair.h5 --truth campaign/truth.json")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Camera, sheet and captures
     pub params: PathBuf,
     /// The folder to write; created
@@ -62,7 +62,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// The parameters, or the folder.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut params = Params::load(&arguments.params)?;
     if let Some(table) = &arguments.table {
         params = params.of_sheet(&tables::read(table)?)?;

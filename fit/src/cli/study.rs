@@ -14,22 +14,22 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
-use crate::estimate::error::Error;
-use crate::estimate::forward::Forward;
-use crate::estimate::loss::Kind;
-use crate::estimate::scene::Scene;
+use crate::estimate::Error;
+use crate::estimate::Forward;
+use crate::estimate::Kind;
+use crate::estimate::Scene;
+use crate::estimate::Watch;
 use crate::estimate::select::select;
-use crate::estimate::watch::Watch;
 use crate::photographs::captures;
 #[cfg(feature = "report")]
 use crate::report::{picture, speed as speed_picture};
-use crate::study::forward::{Speed, speed};
-use crate::study::given::{Study, photographs};
-use crate::study::ranges::Ranges;
+use crate::study::Ranges;
+use crate::study::Refused;
 use crate::study::refused;
-use crate::study::refused::Refused;
-use crate::study::summary::{LOOSE, Summary};
-use crate::study::trial::{LOSSES, PARAMETERS, Trial};
+use crate::study::{LOOSE, Summary};
+use crate::study::{LOSSES, PARAMETERS, Trial};
+use crate::study::{Speed, speed};
+use crate::study::{Study, photographs};
 use crate::study::{choice, trial};
 
 /// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, by samples against the closed form,
@@ -64,7 +64,7 @@ Examples:
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv --plot study.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --choice
   fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 --plot forward.svg")]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The manifest of the photographs to study
     #[arg(required_unless_present = "ranges", conflicts_with = "ranges")]
     pub captures: Option<PathBuf>,
@@ -113,7 +113,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// Manifest, photographs, ranges, table or outputs.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = terminal::pool(arguments.threads)?;
     let text = match (&arguments.ranges, &arguments.captures) {
         (Some(ranges), _) => drawn(arguments, ranges, &pool)?,

@@ -1,12 +1,12 @@
 //! The options by which a verb leaves terms of the model open, or closes them.
 
-use crate::estimate::select::Candidates;
-use crate::names::kernel::{Family, Kernel};
-use crate::names::lobe::LobeShape;
+use crate::estimate::Candidates;
+use crate::names::LobeShape;
+use crate::names::{Family, Kernel};
 
 /// Which terms are open.
 #[derive(Debug, clap::Args)]
-pub struct Terms {
+pub(crate) struct Terms {
     /// Whose model of the sheet: the proposed one, or a baseline for comparison
     #[arg(long, value_enum, default_value_t = Family::Proposed)]
     pub model: Family,
@@ -27,11 +27,11 @@ pub struct Terms {
 
 /// The kernels that are open.
 #[derive(Debug, Clone)]
-pub struct Kernels(Vec<Kernel>);
+pub(crate) struct Kernels(Vec<Kernel>);
 
 /// The lobe shapes that are open.
 #[derive(Debug, Clone, Copy)]
-pub enum Lobes {
+pub(crate) enum Lobes {
     /// All that the model has.
     Auto,
     /// One.
@@ -40,7 +40,7 @@ pub enum Lobes {
 
 /// What may be fitted per angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum PerAngle {
+pub(crate) enum PerAngle {
     /// The diffraction spread.
     A,
     /// The reflectance.
@@ -51,7 +51,7 @@ pub enum PerAngle {
 
 /// What may be shared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum SharedName {
+pub(crate) enum SharedName {
     /// The diffraction spread.
     A,
     /// The corner size.
@@ -91,7 +91,7 @@ fn conflict(verb: &'static str, message: &str) -> ! {
 impl Terms {
     /// The candidates that are left. Ends the program with a usage error where a parameter is both shared and per angle, or
     /// terms of one model are named for another.
-    pub fn candidates(&self, verb: &'static str) -> Candidates {
+    pub(crate) fn candidates(&self, verb: &'static str) -> Candidates {
         let sharing = |per_angle: PerAngle, shared: SharedName| {
             let named = (
                 self.per_angle.contains(&per_angle),

@@ -17,18 +17,18 @@ use nalgebra::{DMatrix, DVector};
 use crate::compare::pixels::Pixels;
 use crate::compare::place::Place;
 use crate::compare::view::MODEL_ERROR;
-use crate::model::blur::Blur;
-use crate::model::camera::Camera;
-use crate::model::edge::Model;
-use crate::model::spread::{Even, Grid};
+use crate::model::Blur;
+use crate::model::Camera;
+use crate::model::Model;
+use crate::model::{Even, Grid};
 use crate::numerics::clip;
 use crate::numerics::factor;
-use crate::photographs::noise::PixelNoise;
-use crate::photographs::profile::BIN_PX;
+use crate::photographs::BIN_PX;
+use crate::photographs::PixelNoise;
 
 /// Nuisances of a photograph, in the order of their columns.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nuisances {
+pub(crate) struct Nuisances {
     /// Distance of the edge from the photograph's line, pixels.
     pub place_px: f64,
     /// Turn of the edge against the line, rad.
@@ -42,19 +42,19 @@ pub struct Nuisances {
 }
 
 /// Columns of the nuisances; that of ln(step) is the last.
-pub const NUISANCES: usize = 6;
+pub(crate) const NUISANCES: usize = 6;
 
 /// Column of ln(step).
-pub const STEP: usize = NUISANCES - 1;
+pub(crate) const STEP: usize = NUISANCES - 1;
 
 /// The edge profile of a trial model and its derivatives by what is fitted: ln spread, ln c, then the lens.
-pub struct Curves {
+pub(crate) struct Curves {
     value: Even,
     by: Vec<Even>,
 }
 
 /// A photograph at the optimum of its nuisances.
-pub struct Fitted {
+pub(crate) struct Fitted {
     /// Upper triangular R with R^T R = the weighted normal matrix of (nuisances, derivatives, residual).
     pub factor: DMatrix<f64>,
     /// Where the nuisances ended.
@@ -71,20 +71,19 @@ struct Weight {
 }
 
 /// A photograph whose noise is known.
-pub struct Photograph<'a> {
+pub(crate) struct Photograph<'a> {
     /// Its pixels.
     pub pixels: &'a Pixels,
     /// Its noise.
     pub noise: PixelNoise,
     grid: Grid,
-    pitch_mm: f64,
     weights: Vec<Weight>,
     start: Nuisances,
 }
 
 impl<'a> Photograph<'a> {
     /// A photograph before anything is known of it but its pixels.
-    pub fn new(pixels: &'a Pixels, pitch_mm: f64) -> Photograph<'a> {
+    pub(crate) fn new(pixels: &'a Pixels, pitch_mm: f64) -> Photograph<'a> {
         Photograph {
             pixels,
             noise: PixelNoise {
@@ -92,7 +91,6 @@ impl<'a> Photograph<'a> {
                 gain: 0.0,
             },
             grid: Grid::new(2 * pixels.reach() + 1, pitch_mm),
-            pitch_mm,
             weights: Vec::new(),
             start: Nuisances {
                 place_px: 0.0,
@@ -105,14 +103,19 @@ impl<'a> Photograph<'a> {
     }
 
     /// Independent numbers in it: a mean and, where a bin is spread along the edge, a slope for every bin.
-    pub fn observations(&self) -> usize {
+    pub(crate) fn observations(&self) -> usize {
         let known = |w: &Weight| w.root.iter().filter(|&&root| root > 0.0).count();
         self.weights.iter().map(known).sum()
     }
 
     /// The edge profile through `camera`, of the source edge itself where there is no `model`; with derivatives by the
     /// first `lens` of the lens's parameters (ln blur, exponent).
-    pub fn curves(&self, model: Option<(&Model, Blur)>, camera: &Camera, lens: usize) -> Curves {
+    pub(crate) fn curves(
+        &self,
+        model: Option<(&Model, Blur)>,
+        camera: &Camera,
+        lens: usize,
+    ) -> Curves {
         let normal_rad = self.pixels.line.normal_rad;
         let blurs = model.map_or((false, false), |(model, _)| {
             (model.kernel.has_lobe(), model.kernel.has_c())
@@ -163,7 +166,7 @@ impl<'a> Photograph<'a> {
     ///
     /// Noise and light hang on one another little, so that the second round is the last, but where noise is cut off: there
     /// the dark plateau moves with the noise, and every round leaves about a tenth of what was off.
-    pub fn settle(&mut self, curves: &Curves) {
+    pub(crate) fn settle(&mut self, curves: &Curves) {
         let rounds = if self.pixels.cut_off { 5 } else { 2 };
         self.start = self.first_guess(curves);
         for _ in 0..rounds {
@@ -174,7 +177,7 @@ impl<'a> Photograph<'a> {
     }
 
     /// Replaces the noise by a known one: for bounds at a planted truth.
-    pub fn with_noise(&mut self, curves: &Curves, noise: PixelNoise) {
+    pub(crate) fn with_noise(&mut self, curves: &Curves, noise: PixelNoise) {
         self.noise = noise;
         let light = self.light(curves);
         self.set_weights(&light);
@@ -280,7 +283,7 @@ impl<'a> Photograph<'a> {
 
     /// Puts the nuisances at their optimum under a model: Gauss-Newton from the start, which lies so near that the problem
     /// is all but linear.
-    pub fn fit(&self, curves: &Curves) -> Fitted {
+    pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
         let mut nuisances = self.start;
         let columns = NUISANCES + curves.by.len();
@@ -312,7 +315,7 @@ impl<'a> Photograph<'a> {
 
     /// The weighted rows (derivatives by the nuisances, by the curves' parameters, residual = model - data) of all bins:
     /// first of the mean, then of the slope along the edge.
-    pub fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
+    pub(crate) fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
         let size = NUISANCES + curves.by.len() + 1;
         let (mut mean, mut slope) = (vec![0.0; size], vec![0.0; size]);
         let [by_d, by_t] = at.gradient;
@@ -364,7 +367,7 @@ impl<'a> Photograph<'a> {
 
     /// The factor of a fitted photograph with the full information of pixels that were cut off at 0; the estimate uses
     /// their mean alone, which has a little less.
-    pub fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
+    pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
         let size = NUISANCES + curves.by.len() + 1;
         let mut normal = DMatrix::zeros(size, size);
         let gains: Vec<f64> = self
@@ -393,11 +396,6 @@ impl<'a> Photograph<'a> {
             factor::add(&mut normal, &row);
         });
         factor::of(normal)
-    }
-
-    /// One pixel, mm.
-    pub fn pitch_mm(&self) -> f64 {
-        self.pitch_mm
     }
 }
 

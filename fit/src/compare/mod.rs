@@ -4,8 +4,15 @@
 //! leave. The room compares one photograph at a time and looks for nothing but its nuisances: place, angle, plateaus, gradient. It may
 //! touch `model`, `photographs` and `numerics`.
 
-pub mod likelihood;
-pub mod pixels;
-pub mod place;
-pub mod reflectance;
-pub mod view;
+mod likelihood;
+mod pixels;
+mod place;
+mod reflectance;
+mod view;
+
+#[cfg(test)]
+pub(crate) use likelihood::Nuisances;
+pub(crate) use likelihood::{Curves, Fitted, NUISANCES, Photograph, STEP};
+pub(crate) use pixels::Pixels;
+pub(crate) use reflectance::Contrast;
+pub(crate) use view::{View, Weights};

@@ -7,9 +7,9 @@
 //! differ across it, (1/4 px)^2/12 over the variance of the blur: 1 % of the information on a lens of half a pixel, 0.1 %
 //! on an aerial image.
 
+use crate::photographs::BIN_PX;
 use crate::photographs::edge::line::EdgeLine;
-use crate::photographs::profile::BIN_PX;
-use crate::photographs::window::{Raster, Window};
+use crate::photographs::{Raster, Window};
 
 /// Pixels of one bin; u = distance from the bin's centre along the normal, t = position along the edge, both in pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,11 +1,11 @@
 //! Where the pixels of a bin lie in an edge profile, and what a profile says of them.
 
 use crate::compare::pixels::Bin;
-use crate::model::spread::Even;
-use crate::photographs::profile::BIN_PX;
+use crate::model::Even;
+use crate::photographs::BIN_PX;
 
 /// Where a bin's pixels lie in a profile that was moved and turned.
-pub struct Place {
+pub(crate) struct Place {
     /// The profile's bin whose centre is nearest to theirs.
     offset: i64,
     /// Means of u and, in excess of an evenly filled bin, of u^2, and of u^3; bins.
@@ -18,7 +18,7 @@ pub struct Place {
 
 impl Place {
     /// The pixels of `bin`, number `index`, about an edge at `place` (pixels off the line) with `turn` (rad).
-    pub fn new(bin: &Bin, index: i64, [place, turn]: [f64; 2]) -> Place {
+    pub(crate) fn new(bin: &Bin, index: i64, [place, turn]: [f64; 2]) -> Place {
         let whole = (place / BIN_PX).round();
         // u - place + turn t, the turn's own spread kept to second order.
         let by = turn * bin.along - (place - whole * BIN_PX);
@@ -51,7 +51,7 @@ impl Place {
 
     /// A curve's mean over the pixels, its slope along the edge (per pixel), and its first two derivatives across it (per
     /// pixel, and per pixel and bin).
-    pub fn of(&self, curve: &Even) -> [f64; 4] {
+    pub(crate) fn of(&self, curve: &Even) -> [f64; 4] {
         let [here, first, second, third] = curve.around(self.offset);
         let [m1, m2, m3] = self.moments;
         [
@@ -63,7 +63,7 @@ impl Place {
     }
 
     /// Derivatives of a curve's mean and of its slope along the edge by the turn.
-    pub fn by_turn(&self, across: f64, bend: f64) -> [f64; 4] {
+    pub(crate) fn by_turn(&self, across: f64, bend: f64) -> [f64; 4] {
         let centre = across - bend * self.moments[0];
         [
             centre * self.turned[0] + bend * self.turned[1],

@@ -3,15 +3,13 @@
 //! The two plateaus are parameters of a straight-line fit of the measured profile to the modelled unit edge, not means of
 //! a corner: a lobe's tails reach beyond any window.
 
-use crate::photographs::profile::Profile;
+use crate::photographs::Profile;
 
 /// The step between the plateaus of an edge, fitted to a modelled unit profile.
 #[derive(Debug, Clone)]
-pub struct Contrast {
+pub(crate) struct Contrast {
     /// Bright minus dark plateau, linear light at the photograph's exposure.
     pub step: f64,
-    /// Level of the dark plateau.
-    pub dark: f64,
     /// Derivative of `step` by every bin.
     pub by_bin: Vec<f64>,
 }
@@ -19,7 +17,7 @@ pub struct Contrast {
 impl Contrast {
     /// Weighted least squares of the bins to dark + step x unit; weights are the pixels in a bin, which keeps the result
     /// independent of the noise estimate.
-    pub fn fit(profile: &Profile, unit: &[f64]) -> Contrast {
+    pub(crate) fn fit(profile: &Profile, unit: &[f64]) -> Contrast {
         let total: f64 = profile.count.iter().sum();
         let weighted = |curve: &[f64]| {
             profile
@@ -30,7 +28,7 @@ impl Contrast {
                 .sum::<f64>()
                 / total
         };
-        let (centre, level) = (weighted(unit), weighted(&profile.mean));
+        let centre = weighted(unit);
         let spread: f64 = profile
             .count
             .iter()
@@ -44,15 +42,11 @@ impl Contrast {
             .map(|(n, e)| n * (e - centre) / spread)
             .collect();
         let step = by_bin.iter().zip(&profile.mean).map(|(w, y)| w * y).sum();
-        Contrast {
-            step,
-            dark: level - step * centre,
-            by_bin,
-        }
+        Contrast { step, by_bin }
     }
 
     /// Variance of `step` by pixel noise.
-    pub fn variance(&self, profile: &Profile) -> f64 {
+    pub(crate) fn variance(&self, profile: &Profile) -> f64 {
         self.by_bin
             .iter()
             .zip(&profile.variance)
@@ -61,7 +55,7 @@ impl Contrast {
     }
 
     /// Relative derivative of `step` when the unit profile changes by `change` per unit of a parameter.
-    pub fn relative_change(&self, change: &[f64]) -> f64 {
+    pub(crate) fn relative_change(&self, change: &[f64]) -> f64 {
         -self
             .by_bin
             .iter()

@@ -4,18 +4,18 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
 
-use crate::model::blur::Blur;
-use crate::model::camera::Camera;
-use crate::model::edge::{Curve, Model};
-use crate::model::spread::Grid;
-use crate::numerics::fourier::fast_length;
+use crate::model::Blur;
+use crate::model::Camera;
+use crate::model::Grid;
+use crate::model::{Curve, Model};
+use crate::numerics::fast_length;
+use crate::photographs::Profile;
 use crate::photographs::edge::line::EdgeLine;
-use crate::photographs::profile::Profile;
 use crate::photographs::sfr;
-use crate::photographs::sfr::{Estimator, Mtf};
+use crate::photographs::{Estimator, Mtf};
 
 /// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
-pub const MODEL_ERROR: f64 = 2e-5;
+pub(crate) const MODEL_ERROR: f64 = 2e-5;
 
 /// Most frequencies that one photograph is compared at.
 const MOST_FREQUENCIES: usize = 96;
@@ -186,11 +186,7 @@ impl View {
 
     /// Frequency (1/mm) at which the measured MTF first falls to one half, from the frequencies of comparison.
     pub fn mtf50_per_mm(&self) -> Option<f64> {
-        crate::photographs::sfr::crossing(
-            &self.estimator.frequencies_per_mm,
-            &self.mtf.modulus,
-            0.5,
-        )
+        crate::photographs::crossing(&self.estimator.frequencies_per_mm, &self.mtf.modulus, 0.5)
     }
 
     /// One pixel, mm.

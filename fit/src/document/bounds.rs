@@ -2,7 +2,7 @@
 
 /// What a number may be.
 #[derive(Debug, Clone, Copy)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// The condition in words, after "must be".
     pub words: &'static str,
     /// Whether a finite number meets it.
@@ -11,32 +11,32 @@ pub struct Bounds {
 
 impl Bounds {
     /// Any finite number.
-    pub const FINITE: Bounds = Bounds {
+    pub(crate) const FINITE: Bounds = Bounds {
         words: "a finite number",
         holds: |_| true,
     };
     /// Above zero.
-    pub const POSITIVE: Bounds = Bounds {
+    pub(crate) const POSITIVE: Bounds = Bounds {
         words: "greater than 0",
         holds: |x| x > 0.0,
     };
     /// Zero or above.
-    pub const NOT_NEGATIVE: Bounds = Bounds {
+    pub(crate) const NOT_NEGATIVE: Bounds = Bounds {
         words: "0 or greater",
         holds: |x| x >= 0.0,
     };
     /// A share that cannot vanish.
-    pub const SHARE: Bounds = Bounds {
+    pub(crate) const SHARE: Bounds = Bounds {
         words: "greater than 0 and at most 1",
         holds: |x| x > 0.0 && x <= 1.0,
     };
     /// Incidence angle, degrees from the sheet's normal.
-    pub const INCIDENCE: Bounds = Bounds {
+    pub(crate) const INCIDENCE: Bounds = Bounds {
         words: "at least 0 and below 90 degrees",
         holds: |x| (0.0..90.0).contains(&x),
     };
     /// Angle about an axis, degrees.
-    pub const TURN: Bounds = Bounds {
+    pub(crate) const TURN: Bounds = Bounds {
         words: "between -360 and 360 degrees",
         holds: |x| x.abs() <= 360.0,
     };

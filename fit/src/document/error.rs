@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::document::line::FileLine;
-use crate::names::spectrum::SpectrumError;
+use crate::names::SpectrumError;
 
 /// A TOML file that cannot be used.
 #[derive(Debug, thiserror::Error)]

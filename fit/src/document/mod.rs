@@ -4,8 +4,14 @@
 //! knows no photograph and no model: manifests, parameters of a simulation, ranges and views are all read through it.
 //! It may touch `names`.
 
-pub mod bounds;
-pub mod error;
-pub mod line;
-pub mod section;
-pub mod text;
+mod bounds;
+pub(crate) mod error;
+mod line;
+mod section;
+mod text;
+
+pub(crate) use bounds::Bounds;
+pub(crate) use error::Error;
+pub(crate) use line::FileLine;
+pub(crate) use section::{Document, NumberOrTable, Section};
+pub(crate) use text::read;

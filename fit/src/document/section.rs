@@ -11,11 +11,11 @@ use toml::de::{DeTable, DeValue};
 use crate::document::bounds::Bounds;
 use crate::document::error::Error;
 use crate::document::line::FileLine;
-use crate::names::spectrum::Spectrum;
+use crate::names::Spectrum;
 
 /// The text of a TOML file and where it came from.
 #[derive(Debug)]
-pub struct Document {
+pub(crate) struct Document {
     file: PathBuf,
     text: String,
 }
@@ -28,7 +28,7 @@ impl Document {
     ///
     /// # Errors
     /// [`Error::Read`] where the system does not give it, it is not UTF-8 or longer than a MiB.
-    pub fn read(file: &Path) -> Result<Document, Error> {
+    pub(crate) fn read(file: &Path) -> Result<Document, Error> {
         let text = crate::document::text::read(file, MOST_BYTES).map_err(|source| Error::Read {
             file: file.to_owned(),
             source,
@@ -43,7 +43,7 @@ impl Document {
     ///
     /// # Errors
     /// [`Error::Syntax`] with the line of the first error.
-    pub fn parse(&self) -> Result<Spanned<DeTable<'_>>, Error> {
+    pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'_>>, Error> {
         DeTable::parse(&self.text).map_err(|error| Error::Syntax {
             place: self.place(error.span().map_or(0, |span| span.start)),
             message: error.message().replace('\n', ", "),
@@ -61,7 +61,7 @@ impl Document {
 
 /// One table of a document, all of whose keys are known ones.
 #[derive(Debug)]
-pub struct Section<'d> {
+pub(crate) struct Section<'d> {
     document: &'d Document,
     table: &'d DeTable<'d>,
     name: String,
@@ -73,7 +73,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::UnknownKey`].
-    pub fn root(
+    pub(crate) fn root(
         document: &'d Document,
         table: &'d Spanned<DeTable<'d>>,
         known: &[&'static str],
@@ -108,17 +108,17 @@ impl<'d> Section<'d> {
     }
 
     /// Where the table begins.
-    pub fn place(&self) -> &FileLine {
+    pub(crate) fn place(&self) -> &FileLine {
         &self.place
     }
 
     /// All keys of the table, in lexicographic order.
-    pub fn keys(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &str> {
         self.table.keys().map(|key| key.get_ref().as_ref())
     }
 
     /// Where `key` is set; the table itself where it is not.
-    pub fn place_of(&self, key: &str) -> FileLine {
+    pub(crate) fn place_of(&self, key: &str) -> FileLine {
         self.table
             .iter()
             .find(|(name, _)| name.get_ref() == key)
@@ -132,7 +132,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::Missing`].
-    pub fn required<T>(&self, key: &'static str, value: Option<T>) -> Result<T, Error> {
+    pub(crate) fn required<T>(&self, key: &'static str, value: Option<T>) -> Result<T, Error> {
         value.ok_or_else(|| Error::Missing {
             place: self.place.clone(),
             key,
@@ -157,7 +157,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::OutOfRange`] (also for NaN and infinities).
-    pub fn number(&self, key: &str, bounds: Bounds) -> Result<Option<f64>, Error> {
+    pub(crate) fn number(&self, key: &str, bounds: Bounds) -> Result<Option<f64>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -183,7 +183,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::OutOfRange`].
-    pub fn whole(&self, key: &str, least: u64) -> Result<Option<u64>, Error> {
+    pub(crate) fn whole(&self, key: &str, least: u64) -> Result<Option<u64>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -209,7 +209,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`].
-    pub fn flag(&self, key: &str) -> Result<Option<bool>, Error> {
+    pub(crate) fn flag(&self, key: &str) -> Result<Option<bool>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -224,7 +224,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`].
-    pub fn text(&self, key: &str) -> Result<Option<&'d str>, Error> {
+    pub(crate) fn text(&self, key: &str) -> Result<Option<&'d str>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -239,7 +239,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::UnknownName`].
-    pub fn choice<T>(
+    pub(crate) fn choice<T>(
         &self,
         key: &str,
         names: &'static [&'static str],
@@ -263,7 +263,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::UnknownName`].
-    pub fn choices<T>(
+    pub(crate) fn choices<T>(
         &self,
         key: &str,
         names: &'static [&'static str],
@@ -286,7 +286,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`] where it is not an array of that many whole numbers, [`Error::OutOfRange`].
-    pub fn whole_array<const N: usize>(
+    pub(crate) fn whole_array<const N: usize>(
         &self,
         key: &str,
         expected: &'static str,
@@ -317,7 +317,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`] where it is not an array of three numbers, [`Error::OutOfRange`].
-    pub fn vector(&self, key: &str) -> Result<Option<[f64; 3]>, Error> {
+    pub(crate) fn vector(&self, key: &str) -> Result<Option<[f64; 3]>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -339,7 +339,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// As [`Section::number`].
-    pub fn number_or_table(
+    pub(crate) fn number_or_table(
         &self,
         key: &str,
         bounds: Bounds,
@@ -369,7 +369,7 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::Spectrum`], or that the value is neither.
-    pub fn spectrum(&self) -> Result<Option<Spectrum>, Error> {
+    pub(crate) fn spectrum(&self) -> Result<Option<Spectrum>, Error> {
         let key = "wavelength_nm";
         let spectrum = match self.text(key) {
             Ok(None) => None,
@@ -398,7 +398,11 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::UnknownKey`].
-    pub fn section(&self, key: &str, known: &[&'static str]) -> Result<Option<Section<'d>>, Error> {
+    pub(crate) fn section(
+        &self,
+        key: &str,
+        known: &[&'static str],
+    ) -> Result<Option<Section<'d>>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -414,7 +418,11 @@ impl<'d> Section<'d> {
     ///
     /// # Errors
     /// [`Error::WrongType`], [`Error::UnknownKey`].
-    pub fn sections(&self, key: &str, known: &[&'static str]) -> Result<Vec<Section<'d>>, Error> {
+    pub(crate) fn sections(
+        &self,
+        key: &str,
+        known: &[&'static str],
+    ) -> Result<Vec<Section<'d>>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(Vec::new());
         };
@@ -438,7 +446,7 @@ impl<'d> Section<'d> {
 
 /// One number for all, or one per entry of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub enum NumberOrTable {
+pub(crate) enum NumberOrTable {
     /// The one number.
     Number(f64),
     /// Key and number of each entry.

@@ -14,8 +14,8 @@ use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::scene::Scene;
 use crate::estimate::watch::{Step, Watch};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 
 /// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and more.
 const STEP_DEG: f64 = 5.0;
@@ -98,7 +98,7 @@ impl Profile<'_> {
 }
 
 /// The model to look for it with: what may differ by angle does, so that the azimuth does not make up for it.
-pub fn flexible(scene: &Scene) -> Choice {
+pub(crate) fn flexible(scene: &Scene) -> Choice {
     let several = scene.groups.len() > 1;
     Choice {
         kernel: Kernel::Eq1,
@@ -124,7 +124,7 @@ fn check(table: &Table) -> Result<(), Error> {
 ///
 /// # Errors
 /// [`Error::OneAzimuth`], [`Error::Cancelled`]; the table does not go all around.
-pub fn find(
+pub(crate) fn find(
     scene: &Scene,
     table: &Table,
     choice: Choice,
@@ -197,7 +197,7 @@ pub fn find(
 ///
 /// # Errors
 /// As [`find`].
-pub fn scatter(
+pub(crate) fn scatter(
     scene: &Scene,
     table: &Table,
     found: &Azimuth,

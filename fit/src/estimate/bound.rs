@@ -16,8 +16,8 @@ use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{refined, rough, sum_of_squares_with};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::{CLEAR, Selection};
-use crate::names::kernel::Kernel;
-use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::names::Kernel;
+use crate::names::{ParameterId, ParameterKind};
 
 /// A one-sided bound at a confidence.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ pub struct Bound {
 }
 
 /// The bounds of an estimate, by parameter.
-pub type Bounds = BTreeMap<ParameterId, Bound>;
+pub(crate) type Bounds = BTreeMap<ParameterId, Bound>;
 
 /// Relative standard error beyond which an estimate is a number without meaning: two standard errors reach to nothing, so that the
 /// photographs do not tell the term from none.
@@ -45,7 +45,7 @@ const RISE: f64 = 2.706;
 
 /// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at most, a at least (each is the
 /// direction in which its blur fades away).
-pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
+pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
     let mut found = Bounds::new();
     for i in 0..fit.blur_parameters() {
         let relative = fit.covariance[(i, i)].sqrt() / fit.solution.parameters[i].exp();
@@ -60,7 +60,7 @@ pub fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
 /// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where the shift alone was,
 /// from the literal Eq. (1), which has both; likewise a baseline's rough front. `None` where all is there, or the fuller
 /// model was no candidate.
-pub fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterId, Bound)> {
+pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterId, Bound)> {
     let choice = selection.best.choice;
     let (kind, with) = match choice.kernel {
         Kernel::Lobe => (ParameterKind::CornerSize, Kernel::Eq1),

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 use tables::Table;
 
-use crate::compare::view::Weights;
+use crate::compare::Weights;
 use crate::estimate::azimuth;
 use crate::estimate::azimuth::Azimuth;
 use crate::estimate::bound::{Bounds, absent, bounds};
@@ -17,11 +17,11 @@ use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
 use crate::estimate::verdict;
 use crate::estimate::watch::Watch;
-use crate::names::spectrum::Spectrum;
-use crate::numerics::solve::Stop;
-use crate::photographs::captures::Campaign;
+use crate::names::Spectrum;
+use crate::numerics::Stop;
+use crate::photographs::Campaign;
 use crate::photographs::photo::channel::Channel;
-use crate::samples::sampled::Sampling;
+use crate::samples::Sampling;
 
 /// What is asked of a campaign.
 #[derive(Debug, Clone)]

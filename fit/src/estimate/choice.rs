@@ -1,7 +1,7 @@
 //! What a candidate lets vary, and a number with its error.
 
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 
 /// What a candidate lets vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

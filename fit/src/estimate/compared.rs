@@ -2,17 +2,17 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::compare::view::Weights;
+use crate::compare::Weights;
 use crate::estimate::choice::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::scene::{Aerial, Scene};
-use crate::model::baseline::Baseline;
-use crate::model::blur::Blur;
-use crate::model::camera::Camera;
-use crate::model::edge::{Curve, Model};
+use crate::model::Baseline;
+use crate::model::Blur;
+use crate::model::Camera;
+use crate::model::{Curve, Model};
 
 /// One photograph's model with derivatives.
-pub struct Compared {
+pub(crate) struct Compared {
     /// The model on the photograph's bins.
     pub curve: Curve,
     /// Its MTF through the photograph's estimator.
@@ -24,7 +24,7 @@ pub struct Compared {
 }
 
 /// The model of one photograph under a candidate.
-pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
+pub(crate) fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
     Model {
         kernel: choice.kernel,
         shape: choice.shape,
@@ -43,7 +43,7 @@ pub fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
 
 /// The model's edge profile on a photograph's bins, in closed form or by the photograph's samples; as `camera` would have it, else
 /// the scene's own.
-pub fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Curve {
+pub(crate) fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Curve {
     let (view, model) = (&shot.view, model(shot, choice));
     match (&shot.sampled, camera) {
         (None, None) => view.curve(&model, blur),
@@ -57,7 +57,12 @@ pub fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur)
 }
 
 /// Compares a photograph's MTF with that of a model, as [`curve`] has it.
-pub fn compare(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Compared {
+pub(crate) fn compare(
+    shot: &Aerial,
+    camera: Option<&Camera>,
+    choice: Choice,
+    blur: Blur,
+) -> Compared {
     let curve = curve(shot, camera, choice, blur);
     let by: Vec<Vec<f64>> = curve
         .by_ln_spread
@@ -80,7 +85,7 @@ pub fn compare(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blu
 }
 
 /// Stacks the differences of all photographs and their derivatives, weighed.
-pub fn assemble(
+pub(crate) fn assemble(
     scene: &Scene,
     layout: &Layout,
     parts: &[Compared],

@@ -3,14 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::compare::reflectance::Contrast;
-use crate::compare::view::Weights;
+use crate::compare::Contrast;
+use crate::compare::Weights;
 use crate::estimate::compared::{Compared, curve};
 use crate::estimate::layout::Layout;
 use crate::estimate::reference::Reference;
 use crate::estimate::scene::{Aerial, Scene};
-use crate::model::camera::Camera;
-use crate::numerics::solve::Solution;
+use crate::model::Camera;
+use crate::numerics::Solution;
 
 /// Covariances of logarithms.
 pub struct Covariances {
@@ -29,7 +29,7 @@ pub struct Mu {
 }
 
 /// An optimum on the MTFs, about which every estimate is linear in the bins of every photograph.
-pub struct Linear<'a> {
+pub(crate) struct Linear<'a> {
     /// The photographs.
     pub scene: &'a Scene,
     /// Where the parameters stand.
@@ -58,7 +58,7 @@ impl Linear<'_> {
     /// d(ln p) = -H^-1 J^T dr for the blur, the fit of the plateaus plus its dependence on the blur for mu. The bins' noise is carried
     /// through the weights of the loss, so that the errors hold whether or not they are the best (a sandwich). The blur's covariance
     /// is raised by the inflation.
-    pub fn covariances(&self) -> Covariances {
+    pub(crate) fn covariances(&self) -> Covariances {
         let p = self.layout.parameters();
         let answers = self.answers();
         let by = Followed {
@@ -207,7 +207,7 @@ impl Linear<'_> {
 }
 
 /// The plateaus of every photograph under its model.
-pub fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
+pub(crate) fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
     let shots = scene.shots.iter().zip(parts);
     shots
         .map(|(shot, part)| Contrast::fit(&shot.view.profile, &part.curve.bins))
@@ -216,7 +216,7 @@ pub fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
 
 /// mu of every incidence group (or one): means over its photographs with the weights of their own noise; and by how much of
 /// itself it follows the ln(step) of each photograph. NaN without a reference.
-pub fn reflectances(
+pub(crate) fn reflectances(
     scene: &Scene,
     layout: &Layout,
     contrasts: &[Contrast],

@@ -4,8 +4,8 @@ use tables::Direction;
 
 use crate::model::baseline;
 use crate::model::wave;
-use crate::names::kernel::Kernel;
-use crate::names::spectrum::Spectrum;
+use crate::names::Kernel;
+use crate::names::Spectrum;
 use tables::ShiftLine;
 use tables::WaveLine;
 

@@ -8,7 +8,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::compare::view::Weights;
+use crate::compare::Weights;
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::compared::{Compared, assemble, compare};
 use crate::estimate::covariance::{Covariances, Linear};
@@ -17,10 +17,10 @@ use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::optimum::Optimum;
 use crate::estimate::scene::Scene;
-use crate::model::camera::Camera;
-use crate::names::parameter::{ParameterId, ParameterKind};
-use crate::numerics::solve::Solution;
-use crate::samples::sampled::Sampling;
+use crate::model::Camera;
+use crate::names::{ParameterId, ParameterKind};
+use crate::numerics::Solution;
+use crate::samples::Sampling;
 
 /// A fitted candidate.
 #[derive(Debug, Clone)]
@@ -111,7 +111,7 @@ impl Estimate {
 }
 
 /// Everything that follows from the optimum: mu, covariance, losses.
-pub fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
+pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
     let layout = &Layout::new(optimum.choice, scene.groups.len());
     let camera = match loss {
         Loss::Mtf(_) | Loss::Mse(_) => scene.camera,

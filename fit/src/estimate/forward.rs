@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tables::Table;
 
-use crate::compare::view::Weights;
+use crate::compare::Weights;
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::{Compared, compare};
 use crate::estimate::covariance::{contrasts, reflectances};
@@ -21,8 +21,8 @@ use crate::estimate::loss::Loss;
 use crate::estimate::optimum::{Optimum, refined_to, rough};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::watch::{Step, Watch};
-use crate::samples::sampled::{Sampled, Sampling, Tile};
-use crate::samples::shift::ShiftSampler;
+use crate::samples::ShiftSampler;
+use crate::samples::{Sampled, Sampling, Tile};
 
 /// Forward models.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -40,11 +40,11 @@ pub enum Forward {
 const CONVERGED: f64 = 1e-6;
 
 /// Independent randomisations from whose scatter the sampling error is taken: known to 1/sqrt(2 x 7) = 27 % of itself.
-pub const RANDOMISATIONS: u64 = 8;
+pub(crate) const RANDOMISATIONS: u64 = 8;
 
 /// What the estimates by samples of one scene have in common.
 #[derive(Clone, Copy)]
-pub struct Renders<'a> {
+pub(crate) struct Renders<'a> {
     /// The photographs, in closed form.
     pub scene: &'a Scene,
     /// The table that the scene was measured with.
@@ -61,7 +61,7 @@ impl Renders<'_> {
     ///
     /// # Errors
     /// As [`Table::direction`]; not for the table that the scene was measured with.
-    pub fn drawn(&self, choice: Choice, randomisation: u64) -> Result<Scene, tables::Error> {
+    pub(crate) fn drawn(&self, choice: Choice, randomisation: u64) -> Result<Scene, tables::Error> {
         let count = self.scene.shots.len() as u64;
         let shots = self.scene.shots.par_iter().enumerate();
         let samples = shots
@@ -104,7 +104,7 @@ impl Renders<'_> {
     ///
     /// # Errors
     /// As [`Renders::drawn`].
-    pub fn by_one_randomisation(
+    pub(crate) fn by_one_randomisation(
         &self,
         start: Optimum,
         randomisation: u64,
@@ -121,7 +121,11 @@ impl Renders<'_> {
     ///
     /// # Errors
     /// As [`Renders::drawn`]; [`Error::Cancelled`].
-    pub fn estimate(&self, choice: Choice, watch: &Watch) -> Result<(Estimate, Scene), Error> {
+    pub(crate) fn estimate(
+        &self,
+        choice: Choice,
+        watch: &Watch,
+    ) -> Result<(Estimate, Scene), Error> {
         let start = rough(self.scene, choice);
         // The first samples are drawn again in the end: two drawings at a time would take twice the memory.
         let mut best = self.by_one_randomisation(start, 0)?.0;
@@ -141,7 +145,7 @@ impl Renders<'_> {
 }
 
 /// Samples of one evaluation of all photographs.
-pub fn samples(scene: &Scene) -> usize {
+pub(crate) fn samples(scene: &Scene) -> usize {
     let sampled = scene.shots.iter().filter_map(|shot| shot.sampled.as_ref());
     sampled.map(Sampled::samples).sum()
 }

@@ -3,16 +3,16 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::compare::likelihood::{Curves, Fitted, NUISANCES, Photograph, STEP};
+use crate::compare::{Curves, Fitted, NUISANCES, Photograph, STEP};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu};
 use crate::estimate::layout::Layout;
 use crate::estimate::reference::camera_of;
 use crate::estimate::scene::Scene;
-use crate::model::camera::Camera;
-use crate::numerics::solve::Evaluation;
-use crate::photographs::noise::PixelNoise;
+use crate::model::Camera;
+use crate::numerics::Evaluation;
+use crate::photographs::PixelNoise;
 
 /// The photographs of a scene with their noise; fixed while candidates are compared.
 pub struct Joint<'a> {

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use crate::estimate::choice::Choice;
-use crate::model::blur::Blur;
+use crate::model::Blur;
 
 /// The order of one candidate's parameters.
 pub struct Layout {

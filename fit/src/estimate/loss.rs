@@ -4,13 +4,13 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::compare::view::Weights;
+use crate::compare::Weights;
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::{Compared, assemble, compare};
 use crate::estimate::joint::Joint;
 use crate::estimate::layout::Layout;
 use crate::estimate::scene::{Aerial, Scene};
-use crate::numerics::solve::Evaluation;
+use crate::numerics::Evaluation;
 
 /// The losses by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]

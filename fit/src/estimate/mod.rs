@@ -9,24 +9,61 @@
 //! it is least, [`covariance`] and [`fitted`] what follows, [`select`](mod@select) which terms, [`bound`], [`azimuth`] and
 //! [`forward`] what else may be asked, [`verdict`] what to say, [`watch`] to whom.
 
-pub mod azimuth;
-pub mod bound;
-pub mod campaign;
-pub mod choice;
-pub mod compared;
-pub mod covariance;
-pub mod error;
-pub mod facing;
-pub mod fitted;
-pub mod forward;
-pub mod joint;
-pub mod layout;
-pub mod loss;
-pub mod optimum;
-pub mod reference;
-pub mod remarks;
-pub mod scene;
-pub mod select;
-pub mod start;
-pub mod verdict;
-pub mod watch;
+mod azimuth;
+mod bound;
+pub(crate) mod campaign;
+mod choice;
+mod compared;
+mod covariance;
+pub(crate) mod error;
+mod facing;
+mod fitted;
+pub(crate) mod forward;
+mod joint;
+mod layout;
+mod loss;
+pub(crate) mod optimum;
+mod reference;
+mod remarks;
+pub(crate) mod scene;
+pub(crate) mod select;
+mod start;
+mod verdict;
+mod watch;
+
+#[cfg(test)]
+pub(crate) use azimuth::{find, scatter};
+pub use bound::Bound;
+pub(crate) use bound::Bounds;
+#[cfg(test)]
+pub(crate) use bound::{absent, bounds};
+pub use campaign::{Estimated, Options};
+pub use choice::{Choice, Value};
+pub(crate) use compared::curve;
+#[cfg(test)]
+pub(crate) use compared::{compare, model};
+#[cfg(test)]
+pub(crate) use error::Conflict;
+pub use error::Error;
+pub use fitted::Estimate;
+pub(crate) use fitted::estimate;
+pub(crate) use forward::Forward;
+#[cfg(test)]
+pub(crate) use forward::RANDOMISATIONS;
+pub(crate) use forward::Renders;
+pub(crate) use joint::{Joint, Used};
+pub(crate) use layout::Layout;
+pub use loss::Kind;
+pub(crate) use loss::Loss;
+pub(crate) use optimum::Optimum;
+#[cfg(test)]
+pub(crate) use optimum::residuals_at;
+pub(crate) use optimum::{refined, sum_of_squares_with};
+pub(crate) use scene::{Aerial, Scene};
+pub use select::Candidates;
+pub(crate) use select::Ranked;
+#[cfg(test)]
+pub(crate) use select::Selection;
+pub(crate) use select::{CLEAR, own_mu_limit, scatter_of_mu};
+pub(crate) use verdict::POOR_FIT;
+pub use watch::{Step, Watch};

@@ -1,13 +1,15 @@
 //! Where a candidate describes the photographs best.
 
-use nalgebra::{DMatrix, DVector};
+#[cfg(test)]
+use nalgebra::DMatrix;
+use nalgebra::DVector;
 
 use crate::estimate::choice::Choice;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
-use crate::numerics::solve::{CONVERGED, Solution, least_squares};
+use crate::numerics::{CONVERGED, Solution, least_squares};
 
 /// The optimum of one candidate.
 #[derive(Debug, Clone)]
@@ -36,18 +38,18 @@ impl Optimum {
 }
 
 /// Fits one candidate to the MTFs of a scene.
-pub fn optimum(scene: &Scene, choice: Choice) -> Optimum {
+pub(crate) fn optimum(scene: &Scene, choice: Choice) -> Optimum {
     let start = rough(scene, choice);
     refined(scene, &Loss::Mtf(scene), start)
 }
 
 /// The optimum of a candidate on the MTFs to a thousandth: enough to tell a hopeless one.
-pub fn rough(scene: &Scene, choice: Choice) -> Optimum {
+pub(crate) fn rough(scene: &Scene, choice: Choice) -> Optimum {
     rough_from(scene, choice, start::points(scene, choice))
 }
 
 /// The same from given starting points, of which there is at least one.
-pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
+pub(crate) fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
     const ROUGH: f64 = 1e-3;
     let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
@@ -70,12 +72,12 @@ pub fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> O
 }
 
 /// The optimum of a candidate under any loss, to convergence, from one on the MTFs.
-pub fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+pub(crate) fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     refined_to(CONVERGED, scene, loss, from)
 }
 
 /// The same until parameters and sum of squares change by less than `tolerance` of themselves.
-pub fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
     let mut solution = least_squares(start, tolerance, |at| loss.evaluate(&layout, at));
@@ -88,7 +90,7 @@ pub fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> 
 }
 
 /// A candidate under any loss where its parameters stand: an upper limit of its sum of squares.
-pub fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
+pub(crate) fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let parameters = loss.start(&from.solution.parameters);
     let (residuals, jacobian) = loss.evaluate(&layout, &parameters);
@@ -105,7 +107,7 @@ pub fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
 }
 
 /// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of the profile likelihood.
-pub fn sum_of_squares_with(
+pub(crate) fn sum_of_squares_with(
     scene: &Scene,
     loss: &Loss,
     choice: Choice,
@@ -128,7 +130,8 @@ pub fn sum_of_squares_with(
 }
 
 /// Whitened MTF differences and their derivatives at the given logarithms of c and the spreads.
-pub fn residuals_at(
+#[cfg(test)]
+pub(crate) fn residuals_at(
     scene: &Scene,
     choice: Choice,
     parameters: &DVector<f64>,

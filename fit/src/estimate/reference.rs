@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2};
 
-use crate::compare::pixels::Pixels;
-use crate::compare::reflectance::Contrast;
-use crate::compare::view::View;
-use crate::model::camera::{Camera, Lens};
-use crate::numerics::solve::{CONVERGED, Solution, least_squares};
+use crate::compare::Contrast;
+use crate::compare::Pixels;
+use crate::compare::View;
+use crate::model::{Camera, Lens};
+use crate::numerics::{CONVERGED, Solution, least_squares};
 
 /// A measured reference.
 #[derive(Debug, Clone)]
@@ -36,7 +36,7 @@ const KEEP_EXPONENT: f64 = 10.8;
 const STEP: f64 = 1e-4;
 
 /// Measures the camera with a photograph of the source edge.
-pub fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
+pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
     let pitch_mm = view.pitch_mm();
     // A Gaussian of half a pixel: 1/f0 = sqrt 2 pi sigma.
     let start = (std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.5 * pitch_mm).ln();
@@ -101,7 +101,7 @@ impl Reference {
 }
 
 /// The camera of lens parameters: ln(blur / mm), and the exponent where it is not 2.
-pub fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
+pub(crate) fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
     let exponent = parameters.get(1).copied().unwrap_or(2.0).clamp(0.5, 4.0);
     // A lens blur below a thousandth of a pixel is none, one beyond 100 pixels no camera.
     let blur_mm = parameters[0].exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm);

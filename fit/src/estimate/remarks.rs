@@ -3,7 +3,7 @@
 use tables::Table;
 use tables::options::Element;
 
-use crate::photographs::captures::Campaign;
+use crate::photographs::Campaign;
 
 /// How far the table's light goes from straight back, rad, if it says so and that is seen.
 fn deviates(table: &Table) -> Option<f64> {
@@ -19,7 +19,7 @@ fn deviates(table: &Table) -> Option<f64> {
 }
 
 /// What the table means for the estimates of a campaign, one sentence each.
-pub fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
+pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
     let mut warnings = Vec::new();
     let spectrum = &campaign.setup.spectrum;
     if table.axes.is_mean() && campaign.captures.iter().any(|c| c.azimuth_deg.is_some()) {

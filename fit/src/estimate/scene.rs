@@ -9,24 +9,24 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use tables::{Direction, Table};
 
-use crate::compare::pixels::Pixels;
-use crate::compare::view::View;
+use crate::compare::Pixels;
+use crate::compare::View;
 use crate::estimate::facing::{Along, Facing, Returned};
 use crate::estimate::reference;
 use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
 use crate::estimate::watch::{Cancelled, Step, Watch};
-use crate::model::camera::Camera;
+use crate::model::Camera;
 use crate::model::wave;
-use crate::names::kernel::Kernel;
-use crate::names::spectrum::Spectrum;
+use crate::names::Kernel;
+use crate::names::Spectrum;
+use crate::photographs::Measurement;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Capture};
 use crate::photographs::edge;
 use crate::photographs::measure;
-use crate::photographs::measure::Measurement;
 use crate::photographs::photo::plane::Photo;
-use crate::samples::sampled::Sampled;
+use crate::photographs::{Campaign, Capture};
+use crate::samples::Sampled;
 
 /// Why a scene cannot be fitted.
 #[derive(Debug, thiserror::Error)]
@@ -66,7 +66,8 @@ pub enum Error {
 }
 
 /// Where photographs come from.
-pub type Source<'a> = dyn Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync + 'a;
+pub(crate) type Source<'a> =
+    dyn Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync + 'a;
 
 /// One photograph of the mid-air edge, and what the table makes of it.
 #[derive(Clone)]

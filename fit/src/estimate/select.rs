@@ -22,9 +22,9 @@ use crate::estimate::scene::Scene;
 use crate::estimate::start;
 use crate::estimate::watch::{Step, Watch};
 use crate::model::wave;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::samples::sampled::has_samples;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::samples::has_samples;
 
 /// Fall of the criterion below which the simpler candidate stays.
 ///
@@ -33,7 +33,7 @@ use crate::samples::sampled::has_samples;
 /// costs: a parameter that the photographs do not need is taken where noise lowers the sum of squares by more than ln n + 4, in 3 of
 /// 1000 campaigns of n = 100 numbers and 1 of 1000 of n = 1000; and one that they need is left out where it lies within 2.9 and 3.3
 /// standard deviations of none.
-pub const CLEAR: f64 = 4.0;
+pub(crate) const CLEAR: f64 = 4.0;
 
 /// Candidates whose criterion is so many times the best at first sight are not refined: theirs in the report is good to a
 /// thousandth. A convention that saves time; it costs a candidate that is so far behind by the MTFs and would win by the pixels.
@@ -123,7 +123,7 @@ impl Candidates {
 }
 
 /// The chosen candidate, and all that were compared, best criterion first.
-pub struct Selection<'a> {
+pub(crate) struct Selection<'a> {
     /// What was minimised.
     pub loss: Loss<'a>,
     /// The candidate, and its parameters near the truth, about which the pixels' noise was taken.
@@ -169,7 +169,7 @@ fn misfit(fits: &[Optimum]) -> f64 {
 ///
 /// # Errors
 /// [`Error::NothingOpen`], [`Error::Cancelled`].
-pub fn select<'a>(
+pub(crate) fn select<'a>(
     scene: &'a Scene,
     kind: Kind,
     open: &Candidates,
@@ -324,7 +324,7 @@ fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
 
 /// Sum of squares of the differences of ln mu between the incidence groups, in units of their noise; `covariance` is that of
 /// ln mu. `None` where it is singular.
-pub fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
+pub(crate) fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
     let rest = mu.len() - 1;
     // Differences to the first: the errors that all share (reference, lens) fall out.
     let difference = DVector::from_fn(rest, |i, _| (mu[i + 1] / mu[0]).ln());
@@ -337,6 +337,6 @@ pub fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
 }
 
 /// The sum of squares from which so many groups have a mu each: ln(photographs) for each further parameter.
-pub fn own_mu_limit(groups: usize, photographs: usize) -> f64 {
+pub(crate) fn own_mu_limit(groups: usize, photographs: usize) -> f64 {
     (groups - 1) as f64 * (photographs as f64).ln() + CLEAR
 }

@@ -10,7 +10,7 @@ use crate::estimate::scene::Scene;
 
 /// A starting point.
 #[derive(Debug, Clone)]
-pub struct Start {
+pub(crate) struct Start {
     /// Corner size, mm.
     pub c_mm: f64,
     /// Spread of every incidence group, or of all.
@@ -30,7 +30,7 @@ fn decades(first: f64, i: usize) -> f64 {
 ///
 /// c from 0.01 to 1 mm, a from 0.3 to 30 /mm; roughnesses that blur as much (their gains lie about 3). The comparison leaves out what the estimator adds (its taper and window), a
 /// few percent, which the solver then accounts for.
-pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
+pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     let size = if choice.kernel.is_baseline() {
         1.0 / scene.mean_distance_mm()
     } else {
@@ -57,7 +57,7 @@ pub fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
 }
 
 /// The best point at one c.
-pub fn at(scene: &Scene, choice: Choice, c_mm: f64) -> Start {
+pub(crate) fn at(scene: &Scene, choice: Choice, c_mm: f64) -> Start {
     Search::new(scene, choice).at(c_mm).1
 }
 

@@ -5,7 +5,7 @@ use crate::estimate::choice::Value;
 use crate::estimate::fitted::Estimate;
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
-use crate::names::kernel::Kernel;
+use crate::names::Kernel;
 
 /// Reduced chi-square above which the model is said not to describe the photographs.
 ///
@@ -13,10 +13,10 @@ use crate::names::kernel::Kernel;
 /// is a convention. Noise alone scatters it by sqrt(2 / degrees of freedom): it exceeds 2 in 5 of 1000 fits of 20 degrees of
 /// freedom, and in 4 of 100,000 of 50. What the convention costs: of the thousands of bins of a campaign a misfit far below
 /// the noise would be sure, and nothing is said of it. The standard errors are raised all the same, by up to sqrt 2.
-pub const POOR_FIT: f64 = 2.0;
+pub(crate) const POOR_FIT: f64 = 2.0;
 
 /// What to say of an estimate: what it cannot tell, what its model does not describe, and numbers that cannot be.
-pub fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<String> {
+pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<String> {
     let mut warnings = Vec::new();
     // Which way a scales with distance: told apart only by photographs at several distances, or named by the user.
     let tried = |kernel| compared.iter().any(|row| row.choice.kernel == kernel);
@@ -96,7 +96,7 @@ fn coarse(best: &Estimate) -> Option<String> {
 }
 
 /// What to say of an azimuth that others would do for.
-pub fn of_azimuth(found: &Azimuth) -> Vec<String> {
+pub(crate) fn of_azimuth(found: &Azimuth) -> Vec<String> {
     let others = found.others_deg.iter();
     let said = others.map(|deg| {
         format!("the photographs are as likely at azimuth {deg:.2} deg; an edge in another direction would tell")

@@ -3,8 +3,8 @@
 //! All are of what a display shows: linear light, clipped to 0..1, as sRGB values. PSNR and SSIM are worked on in f32; FLIP
 //! and LPIPS are defined on 8-bit pictures and get them rounded.
 
-pub mod error;
-pub mod lpips;
+pub(crate) mod error;
+pub(crate) mod lpips;
 
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
@@ -18,11 +18,11 @@ const SIGMA: f64 = 1.5;
 const RADIUS: usize = 5;
 
 /// Smallest picture that SSIM has a window for.
-pub const SMALLEST: usize = 2 * RADIUS + 1;
+pub(crate) const SMALLEST: usize = 2 * RADIUS + 1;
 
 /// Red, green and blue as a display is sent them, 0..1.
 #[derive(Debug, Clone)]
-pub struct Shown {
+pub(crate) struct Shown {
     width: usize,
     height: usize,
     planes: [Vec<f32>; 3],
@@ -30,7 +30,7 @@ pub struct Shown {
 
 impl Shown {
     /// A picture on a display, its light times `exposure`; grey is shown as red, green and blue alike.
-    pub fn new(picture: &Picture, exposure: f64) -> Shown {
+    pub(crate) fn new(picture: &Picture, exposure: f64) -> Shown {
         let exposure = exposure as f32;
         let plane = |index: usize| -> Vec<f32> {
             let plane = picture.planes.get(index).unwrap_or(&picture.planes[0]);
@@ -45,12 +45,12 @@ impl Shown {
     }
 
     /// Columns and rows.
-    pub fn size(&self) -> [usize; 2] {
+    pub(crate) fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
 
     /// Rounded to 8 bits, red, green and blue of a pixel side by side.
-    pub fn bytes(&self) -> Vec<u8> {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
         (0..self.width * self.height)
             .flat_map(|i| self.planes.each_ref().map(|p| (p[i] * 255.0).round() as u8))
             .collect()
@@ -58,7 +58,7 @@ impl Shown {
 }
 
 /// Peak signal-to-noise ratio, dB, over all three colours; `None` where the pictures are equal. Both have one size.
-pub fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
+pub(crate) fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
     let pairs = a.planes.iter().flatten().zip(b.planes.iter().flatten());
     let squares = pairs.map(|(a, b)| f64::from(a - b).powi(2));
     let count = 3 * a.width * a.height;
@@ -69,7 +69,7 @@ pub fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
 /// Structural similarity (Wang et al. 2004), mean over the colours and over all places whose window lies inside: what
 /// scikit-image calls `gaussian_weights=True, sigma=1.5, use_sample_covariance=False`. Both pictures have one size, at least
 /// [`SMALLEST`] on both sides.
-pub fn ssim(a: &Shown, b: &Shown) -> f64 {
+pub(crate) fn ssim(a: &Shown, b: &Shown) -> f64 {
     let size = a.size();
     let planes = a.planes.iter().zip(&b.planes);
     planes.map(|(a, b)| ssim_of(a, b, size)).sum::<f64>() / 3.0
@@ -120,7 +120,7 @@ fn windowed(values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
 
 /// FLIP (Andersson et al. 2020) for a viewer who sees `pixels_per_degree`: the mean over the picture, 0 for equal ones.
 /// NVIDIA's own code, on 8 bits. Both have one size.
-pub fn flip(reference: &Shown, test: &Shown, pixels_per_degree: f32) -> f64 {
+pub(crate) fn flip(reference: &Shown, test: &Shown, pixels_per_degree: f32) -> f64 {
     let image = |shown: &Shown| {
         let [width, height] = shown.size().map(|n| n as u32);
         nv_flip::FlipImageRgb8::with_data(width, height, &shown.bytes())

@@ -3,8 +3,16 @@
 //! A picture, a result and a table enter; a rendered picture or measures of likeness leave. The room may touch
 //! predictions, samples, the model and the reading of pictures.
 
-pub mod metrics;
-pub mod plane;
-pub mod render;
-pub mod sheet;
-pub mod spot;
+pub(crate) mod metrics;
+mod plane;
+pub(crate) mod render;
+mod sheet;
+mod spot;
+
+pub(crate) use metrics::Shown;
+pub(crate) use render::Scale;
+#[cfg(test)]
+pub(crate) use render::viewed;
+pub(crate) use spot::Viewpoint;
+#[cfg(test)]
+pub(crate) use spot::{Sampler, Sheet, Spot, TAIL};

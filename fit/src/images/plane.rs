@@ -18,7 +18,7 @@ const STEPS: f64 = 20.0;
 
 /// S over the plane of frequencies.
 #[derive(Debug, Clone)]
-pub struct ShiftPlane {
+pub(crate) struct ShiftPlane {
     source: Source,
     /// mm of the aerial image per edge length of shift, (tangential, sagittal).
     scale: [f64; 2],
@@ -34,7 +34,12 @@ enum Source {
 impl ShiftPlane {
     /// Of a direction that returns light. `cosine` is that of the outside incidence. The lattice of bins ends at
     /// `finest_per_mm`, beyond which S is taken for 0.
-    pub fn new(direction: &Direction, cosine: f64, c_mm: f64, finest_per_mm: f64) -> ShiftPlane {
+    pub(crate) fn new(
+        direction: &Direction,
+        cosine: f64,
+        c_mm: f64,
+        finest_per_mm: f64,
+    ) -> ShiftPlane {
         let scale = [c_mm * cosine, c_mm];
         let corners = corners(direction);
         let reach_mm = corners
@@ -55,12 +60,12 @@ impl ShiftPlane {
     }
 
     /// The longest shift, mm.
-    pub fn reach_mm(&self) -> f64 {
+    pub(crate) fn reach_mm(&self) -> f64 {
         self.reach_mm
     }
 
     /// S at a frequency in 1/mm, (tangential, sagittal): to 1e-13 from polygons, 1e-5 from bins.
-    pub fn otf(&self, frequency: [f64; 2]) -> Complex64 {
+    pub(crate) fn otf(&self, frequency: [f64; 2]) -> Complex64 {
         let kappa = [frequency[0] * self.scale[0], frequency[1] * self.scale[1]];
         match &self.source {
             Source::Polygons(direction) => direction.otf_along(kappa, &[1.0])[0],

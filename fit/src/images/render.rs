@@ -2,11 +2,11 @@
 //!
 //! The picture is the source as it appears in the mid-air image, upright, one luminance a pixel; pixels outside of it are black.
 
-pub mod psf;
-pub mod sampled;
-pub mod tiles;
-pub mod transform;
-pub mod view;
+pub(crate) mod psf;
+pub(crate) mod sampled;
+pub(crate) mod tiles;
+pub(crate) mod transform;
+pub(crate) mod view;
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ use crate::photographs::photo::picture::Picture;
 /// Why there is no image.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub(crate) enum Error {
     /// Neither .exr nor .png.
     #[error("{}: an image is written as .exr or .png; give one of these endings", path.display())]
     Ending {
@@ -42,7 +42,7 @@ pub enum Error {
     Blur(#[from] Fault),
     /// A view that cannot be read.
     #[error(transparent)]
-    CameraView(#[from] crate::document::error::Error),
+    CameraView(#[from] crate::document::Error),
     /// A view that does not show the sheet.
     #[error(transparent)]
     Unseen(#[from] view::Error),
@@ -65,7 +65,7 @@ pub enum Error {
 
 /// How a picture lies in the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// One pixel in the plane of the image, mm.
     pub pitch_mm: f64,
     /// Direction of the tangential axis, from +x (columns, right) towards +y (rows, down), degrees.
@@ -74,7 +74,7 @@ pub struct Scale {
 
 impl Scale {
     /// From (tangential, sagittal) mm to (columns, rows).
-    pub fn pixels_from_mm(&self) -> [[f64; 2]; 2] {
+    pub(crate) fn pixels_from_mm(&self) -> [[f64; 2]; 2] {
         let (sine, cosine) = self.tangential_axis_deg.to_radians().sin_cos();
         [[cosine, -sine], [sine, cosine]].map(|row| row.map(|v| v / self.pitch_mm))
     }
@@ -84,14 +84,18 @@ impl Scale {
 ///
 /// # Errors
 /// [`Fault`].
-pub fn uniform_psf(sheet: &dyn Sheet, place: &Viewpoint, scale: &Scale) -> Result<Psf, Fault> {
+pub(crate) fn uniform_psf(
+    sheet: &dyn Sheet,
+    place: &Viewpoint,
+    scale: &Scale,
+) -> Result<Psf, Fault> {
     Psf::new(sheet, place, scale.pixels_from_mm())
 }
 
 /// A picture under one blur and dimming: the far field, where every pixel is seen at the same incidence and distance.
 ///
 /// Every plane's sum is the energy times that of the source, but for what is blurred past the frame.
-pub fn uniform(source: &Picture, psf: &Psf) -> Picture {
+pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
     let energy = psf.energy.unwrap_or(1.0) as f32;
     let size = [source.width, source.height];
     let planes = if energy == 0.0 {
@@ -121,7 +125,7 @@ pub fn uniform(source: &Picture, psf: &Psf) -> Picture {
 ///
 /// # Errors
 /// [`Error::Unseen`], [`Error::Pixel`].
-pub fn viewed(
+pub(crate) fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
     view: &CameraView,

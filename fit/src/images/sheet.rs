@@ -5,17 +5,17 @@ use tables::Direction;
 
 use crate::images::plane::ShiftPlane;
 use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
-use crate::model::baseline::Baseline;
-use crate::model::blur::Blur;
-use crate::model::lobe::CUT;
+use crate::model::Baseline;
+use crate::model::Blur;
+use crate::model::CUT;
 use crate::model::wave;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::predict::error::Error;
-use crate::predict::sheet::Fitted;
-use crate::samples::lobe::LobeSampler;
-use crate::samples::sampled::has_samples;
-use crate::samples::shift::ShiftSampler;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::predict::Error;
+use crate::predict::Fitted;
+use crate::samples::LobeSampler;
+use crate::samples::ShiftSampler;
+use crate::samples::has_samples;
 use tables::WaveLine;
 
 impl Sheet for Fitted<'_> {

@@ -5,12 +5,12 @@
 
 use num_complex::Complex64;
 
-use crate::predict::error::Error;
-use crate::samples::sequence::DIMENSIONS;
+use crate::predict::Error;
+use crate::samples::DIMENSIONS;
 
 /// Where a point of the mid-air image is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Viewpoint {
+pub(crate) struct Viewpoint {
     /// Incidence on the sheet, degrees from its normal.
     pub incidence_deg: f64,
     /// Azimuth about the normal, degrees; `None` for a table that is a mean over azimuths.
@@ -20,7 +20,7 @@ pub struct Viewpoint {
 }
 
 /// The image of one point, in the plane across the viewing ray: (tangential, sagittal) in mm, frequencies in 1/mm.
-pub trait Spot: Send + Sync {
+pub(crate) trait Spot: Send + Sync {
     /// Luminance over that of the source, half mirror included: mu eta T R. 0 where nothing returns; `None` where mu is
     /// not known but something returns.
     fn energy(&self) -> Option<f64>;
@@ -45,14 +45,14 @@ pub trait Spot: Send + Sync {
     }
 }
 
-/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::sequence::Points`].
-pub type Sampler<'a> = dyn Fn([f64; DIMENSIONS]) -> [f64; 2] + Sync + 'a;
+/// A point of the spot, mm, for a point of the unit cube of [`crate::samples::Points`].
+pub(crate) type Sampler<'a> = dyn Fn([f64; DIMENSIONS]) -> [f64; 2] + Sync + 'a;
 
 /// Share of the light that may fall outside of [`Spot::reach_mm`].
-pub const TAIL: f64 = 0.002;
+pub(crate) const TAIL: f64 = 0.002;
 
 /// A model of a sheet that makes spots.
-pub trait Sheet: Sync {
+pub(crate) trait Sheet: Sync {
     /// The spot at one place. `finest_per_mm` is the highest frequency at which its OTF will be asked, which lets it
     /// tabulate; beyond it the OTF may be 0.
     ///

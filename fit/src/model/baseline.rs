@@ -25,8 +25,8 @@
 use num_complex::Complex64;
 
 use crate::model::blur::Blur;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 
 /// Facets of one roughness that the light meets one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +134,7 @@ impl Facets {
 }
 
 /// The share of the light that a sheet returns before mu: `eta` of the table, and what the kernel makes of it.
-pub fn returned(kernel: Kernel, eta: f64, incidence_rad: f64, refractive_index: f64) -> f64 {
+pub(crate) fn returned(kernel: Kernel, eta: f64, incidence_rad: f64, refractive_index: f64) -> f64 {
     match kernel {
         Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe | Kernel::Wave => eta,
         Kernel::Saito | Kernel::SaitoSurface | Kernel::Guo => {
@@ -145,7 +145,7 @@ pub fn returned(kernel: Kernel, eta: f64, incidence_rad: f64, refractive_index: 
 }
 
 /// Reflectance of a smooth dielectric front for unpolarised light.
-pub fn fresnel(incidence_rad: f64, refractive_index: f64) -> f64 {
+pub(crate) fn fresnel(incidence_rad: f64, refractive_index: f64) -> f64 {
     let cos = incidence_rad.cos();
     let inside = (1.0 - (incidence_rad.sin() / refractive_index).powi(2)).sqrt();
     let across = (cos - refractive_index * inside) / (cos + refractive_index * inside);

@@ -1,6 +1,6 @@
 //! One model of the blur: its numbers, and how its spread scales with the floating distance.
 
-use crate::names::kernel::Kernel;
+use crate::names::Kernel;
 
 /// One model of the blur at one incidence: what a fit varies.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,8 @@ use num_complex::Complex64;
 
 use crate::model::baseline::Baseline;
 use crate::model::blur::Blur;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 use tables::ShiftLine;
 use tables::WaveLine;
 

@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use crate::model::microfacet;
-use crate::names::lobe::LobeShape;
-use crate::numerics::quadrature::GAUSS_16;
+use crate::names::LobeShape;
+use crate::numerics::GAUSS_16;
 use tables::Samples;
 
 /// Where the radial lobe is cut, as a r.
-pub const CUT: f64 = 2.4 * PI;
+pub(crate) const CUT: f64 = 2.4 * PI;
 
 impl LobeShape {
     /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal` (tangential, sagittal), for
@@ -65,7 +65,7 @@ const TABLE_STEP: f64 = 0.02;
 ///
 /// Cubic Hermite interpolation of quadrature values: g's fourth derivative is at most int (sin^2 t) t^3 dt / g(0) = 260,
 /// so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
-pub fn radial(k: f64) -> (f64, f64) {
+pub(crate) fn radial(k: f64) -> (f64, f64) {
     static TABLE: LazyLock<(Samples, f64)> = LazyLock::new(|| {
         let norm = quadrature(0.0).0;
         let count = (TABLE_END / TABLE_STEP) as usize + 2;

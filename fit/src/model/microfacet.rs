@@ -8,14 +8,14 @@
 //! D(h) of a renderer is this density of slopes over cos^4 of the normal's angle, a factor of 1 to second order.
 
 /// Transform of Beckmann's density at k >= 0 and its derivative.
-pub fn beckmann(k: f64) -> (f64, f64) {
+pub(crate) fn beckmann(k: f64) -> (f64, f64) {
     let value = (-0.25 * k * k).exp();
     (value, -0.5 * k * value)
 }
 
 /// Transform of the GGX density at k >= 0 and its derivative. Accuracy 3e-7: K0 and K1 by Abramowitz and Stegun, 9.8.5 to
 /// 9.8.8, with I0 and I1 by 9.8.1 and 9.8.3.
-pub fn ggx(k: f64) -> (f64, f64) {
+pub(crate) fn ggx(k: f64) -> (f64, f64) {
     if k == 0.0 {
         return (1.0, 0.0);
     }

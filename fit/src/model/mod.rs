@@ -4,11 +4,22 @@
 //! edge that it blurs. The room knows no photograph but for the widths of its bins. It may touch `names`, `numerics` and
 //! `photographs`.
 
-pub mod baseline;
-pub mod blur;
-pub mod camera;
-pub mod edge;
-pub mod lobe;
-pub mod microfacet;
-pub mod spread;
-pub mod wave;
+pub(crate) mod baseline;
+mod blur;
+mod camera;
+mod edge;
+mod lobe;
+pub(crate) mod microfacet;
+mod spread;
+pub(crate) mod wave;
+
+pub(crate) use baseline::Baseline;
+#[cfg(test)]
+pub(crate) use baseline::{fresnel, returned};
+pub(crate) use blur::Blur;
+pub(crate) use camera::{Camera, Lens};
+pub(crate) use edge::{Curve, Model};
+pub(crate) use lobe::CUT;
+pub(crate) use spread::{Even, Grid};
+#[cfg(test)]
+pub(crate) use wave::Fault;

@@ -8,11 +8,11 @@ use realfft::ComplexToReal;
 
 use crate::numerics::fourier;
 use crate::numerics::sinc::sinc;
-use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::{BIN_PX, Profile};
 
 /// The frequencies at which an OTF is wanted, and the transform from there to the bins.
 #[derive(Clone)]
-pub struct Grid {
+pub(crate) struct Grid {
     /// Length of the transform: bins of one period.
     size: usize,
     bin_mm: f64,
@@ -23,7 +23,7 @@ pub struct Grid {
 
 impl Grid {
     /// A grid whose period is at least three profiles long, so that a blur of up to a whole profile does not come round.
-    pub fn new(bins: usize, pitch_mm: f64) -> Grid {
+    pub(crate) fn new(bins: usize, pitch_mm: f64) -> Grid {
         let size = (3 * bins).next_power_of_two().max(2048);
         // f bin = q / size and f period = q.
         let step = (0..size / 2 + 1).map(|q| match q {
@@ -39,7 +39,7 @@ impl Grid {
     }
 
     /// Frequencies along the normal, 1/mm, from 0 to 2 per pixel.
-    pub fn frequencies_per_mm(&self) -> impl ExactSizeIterator<Item = f64> + use<> {
+    pub(crate) fn frequencies_per_mm(&self) -> impl ExactSizeIterator<Item = f64> + use<> {
         let period = self.size as f64 * self.bin_mm;
         (0..self.size / 2 + 1).map(move |q| q as f64 / period)
     }
@@ -49,7 +49,7 @@ impl Grid {
     /// `otf` at the grid's frequencies; its first value scales the step (1 for a profile, 0 for a derivative). `kink` is
     /// -d OTF/d|f| at 0 (mm): a kinked OTF has 1/s^2 tails, whose periodic images are taken out to second order. The
     /// profile is the inverse transform, exact but for the images of a lobe wider than a profile.
-    pub fn even(&self, otf: &[Complex64], kink: f64) -> Even {
+    pub(crate) fn even(&self, otf: &[Complex64], kink: f64) -> Even {
         let period = self.size as f64 * self.bin_mm;
         let step = otf[0].re;
         let mut half: Vec<Complex64> = otf
@@ -82,7 +82,7 @@ impl Grid {
     ///
     /// A bin's excess moments (a few hundredths of a pixel) are put in with the profile's own differences, whose slope is
     /// good to (pi/4)^4/30 = 1.3 % at half the sampling frequency and to 1e-5 at a tenth of it.
-    pub fn profile(&self, otf: &[Complex64], kink: f64, profile: &Profile) -> Vec<f64> {
+    pub(crate) fn profile(&self, otf: &[Complex64], kink: f64, profile: &Profile) -> Vec<f64> {
         let even = self.even(otf, kink);
         let reach = profile.reach as i64;
         let mut bins: Vec<f64> = (-reach..=reach)
@@ -99,14 +99,14 @@ impl Grid {
 }
 
 /// An edge profile averaged over evenly filled bins: one period, the edge in the middle of bin 0.
-pub struct Even {
+pub(crate) struct Even {
     values: Vec<f64>,
 }
 
 impl Even {
     /// Value and first three derivatives per bin at `offset` (within half a period), by differences of fourth order (second for the
     /// third).
-    pub fn around(&self, offset: i64) -> [f64; 4] {
+    pub(crate) fn around(&self, offset: i64) -> [f64; 4] {
         let middle = (self.values.len() / 2) as i64;
         let at = (middle + offset).clamp(2, 2 * middle - 3) as usize;
         let [b2, b1, here, a1, a2] = [

@@ -2,7 +2,7 @@
 
 use tables::{Direction, NoWaves, WaveLine};
 
-use crate::names::spectrum::Spectrum;
+use crate::names::Spectrum;
 
 /// Why a direction has no waves.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,7 +22,7 @@ pub enum Fault {
 ///
 /// # Errors
 /// [`Fault`] where no wavelength is named, or the table holds no polygons of corner cubes for the direction.
-pub fn line(
+pub(crate) fn line(
     direction: &Direction,
     incidence_rad: f64,
     normal: [f64; 2],

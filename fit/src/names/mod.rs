@@ -4,7 +4,14 @@
 //! optics stands here: the model and the simulator share this room on purpose, and nothing else, so that each checks
 //! the other. The room may touch no other.
 
-pub mod kernel;
-pub mod lobe;
-pub mod parameter;
-pub mod spectrum;
+mod kernel;
+mod lobe;
+mod parameter;
+mod spectrum;
+
+pub(crate) use kernel::Family;
+pub use kernel::Kernel;
+pub use lobe::LobeShape;
+pub use parameter::{ParameterId, ParameterKind};
+pub use spectrum::Spectrum;
+pub(crate) use spectrum::{SpectralLine, SpectrumError};

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 /// Mean of max(0, x) for x normal about `mean` with standard deviation `sigma` > 0, its derivative by `mean`, and its
 /// variance.
-pub fn clipped(mean: f64, sigma: f64) -> (f64, f64, f64) {
+pub(crate) fn clipped(mean: f64, sigma: f64) -> (f64, f64, f64) {
     let z = mean / sigma;
     // Beyond 8 sigma a pixel in 10^15 is cut off.
     if z > 8.0 {
@@ -21,7 +21,7 @@ pub fn clipped(mean: f64, sigma: f64) -> (f64, f64, f64) {
 }
 
 /// Fisher information on the mean in one such observation, in units of 1/sigma^2: 1 far above 0.
-pub fn information(mean: f64, sigma: f64) -> f64 {
+pub(crate) fn information(mean: f64, sigma: f64) -> f64 {
     let z = mean / sigma;
     if z > 8.0 {
         return 1.0;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Adds row^T row to the upper triangle.
-pub fn add(normal: &mut DMatrix<f64>, row: &[f64]) {
+pub(crate) fn add(normal: &mut DMatrix<f64>, row: &[f64]) {
     for (j, &b) in row.iter().enumerate() {
         let mut column = normal.column_mut(j);
         for (sum, &a) in column.iter_mut().zip(&row[..=j]) {
@@ -14,7 +14,7 @@ pub fn add(normal: &mut DMatrix<f64>, row: &[f64]) {
 
 /// Upper triangular R with R^T R = `normal`, of which the upper triangle is read. A column that depends on those before it,
 /// to rounding, gets a row of zeros.
-pub fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     let n = normal.nrows();
     for i in 0..n {
         let whole = normal[(i, i)];
@@ -37,7 +37,7 @@ pub fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Solves the first `n` rows of R x = column `c` of R; 0 where R has a row of zeros.
-pub fn back_substituted(factor: &DMatrix<f64>, n: usize, c: usize) -> DVector<f64> {
+pub(crate) fn back_substituted(factor: &DMatrix<f64>, n: usize, c: usize) -> DVector<f64> {
     let mut x = DVector::zeros(n);
     for i in (0..n).rev() {
         let rest: f64 = (i + 1..n).map(|j| factor[(i, j)] * x[j]).sum();

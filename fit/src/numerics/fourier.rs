@@ -8,27 +8,27 @@ static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
     LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
 
 /// The transform of `length` real numbers to frequencies 0 to `length` / 2.
-pub fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
+pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
     planner.plan_fft_forward(length)
 }
 
 /// The transform back, not divided by `length`.
-pub fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
+pub(crate) fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
     planner.plan_fft_inverse(length)
 }
 
 /// The least length of at least `least` with no prime factor above 5: its transform is fast, and it is at most 11 % longer
 /// from 100 on (every length to 5,000 was looked at).
-pub fn fast_length(least: usize) -> usize {
+pub(crate) fn fast_length(least: usize) -> usize {
     (least.max(1)..)
         .find(|&n| is_smooth(n, &[2, 3, 5]))
         .unwrap_or(least)
 }
 
 /// Whether a number >= 1 has no other prime factors.
-pub fn is_smooth(n: usize, primes: &[usize]) -> bool {
+pub(crate) fn is_smooth(n: usize, primes: &[usize]) -> bool {
     let mut rest = n;
     for &prime in primes {
         while rest.is_multiple_of(prime) {
@@ -42,17 +42,17 @@ pub fn is_smooth(n: usize, primes: &[usize]) -> bool {
 const PRIMES: [usize; 4] = [2, 3, 5, 7];
 
 /// The smallest fast length from `least` >= 1 on.
-pub fn smooth(least: usize) -> usize {
+pub(crate) fn smooth(least: usize) -> usize {
     (least..).find(|&n| is_smooth(n, &PRIMES)).unwrap_or(least)
 }
 
 /// The smallest fast even length from `least` >= 1 on.
-pub fn smooth_even(least: usize) -> usize {
+pub(crate) fn smooth_even(least: usize) -> usize {
     2 * smooth(least.div_ceil(2))
 }
 
 /// The smallest fast odd length from `least` >= 1 on.
-pub fn smooth_odd(least: usize) -> usize {
+pub(crate) fn smooth_odd(least: usize) -> usize {
     (least | 1..)
         .step_by(2)
         .find(|&n| is_smooth(n, &PRIMES))

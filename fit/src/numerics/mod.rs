@@ -3,9 +3,14 @@
 //! Arrays of numbers and closures enter; arrays of numbers leave, with the accuracy that each file states. Nothing here
 //! knows of light or photographs. This is the ground room: it may touch no other.
 
-pub mod clip;
-pub mod factor;
-pub mod fourier;
-pub mod quadrature;
-pub mod sinc;
-pub mod solve;
+pub(crate) mod clip;
+pub(crate) mod factor;
+pub(crate) mod fourier;
+mod quadrature;
+pub(crate) mod sinc;
+mod solve;
+
+pub(crate) use fourier::{fast_length, smooth, smooth_even, smooth_odd};
+pub(crate) use quadrature::GAUSS_16;
+pub(crate) use solve::{CONVERGED, Evaluation, least_squares};
+pub(crate) use solve::{Solution, Stop};

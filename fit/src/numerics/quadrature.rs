@@ -1,7 +1,7 @@
 //! Nodes and weights of quadrature.
 
 /// Positive nodes and weights of the 16-point Gauss-Legendre rule on [-1, 1] (Abramowitz and Stegun, table 25.4).
-pub const GAUSS_16: [(f64, f64); 8] = [
+pub(crate) const GAUSS_16: [(f64, f64); 8] = [
     (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
     (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
     (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),

@@ -4,7 +4,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
 /// Residuals and their derivatives (rows: residuals, columns: parameters) at one point.
-pub type Evaluation = (DVector<f64>, DMatrix<f64>);
+pub(crate) type Evaluation = (DVector<f64>, DMatrix<f64>);
 
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for 
 }
 
 /// Change of the parameters, and of the sum of squares relative to itself, below which an iteration has converged.
-pub const CONVERGED: f64 = 1e-10;
+pub(crate) const CONVERGED: f64 = 1e-10;
 
 /// Length of the first step, in units of the parameters' own scaled length (MINPACK's factor, 100 by default): a longer one
 /// from a rough start can leap to where a term has faded away and its derivative with it.
@@ -96,7 +96,7 @@ const STEP_BOUND: f64 = 0.3;
 
 /// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of scales); the iteration ends
 /// when they or the sum of squares change by less than `tolerance` of themselves.
-pub fn least_squares(
+pub(crate) fn least_squares(
     start: DVector<f64>,
     tolerance: f64,
     evaluate: impl Fn(&DVector<f64>) -> Evaluation,

@@ -4,15 +4,15 @@
 //! x runs along columns to the right and y along rows downward; angles in it run from +x towards +y. Every key is
 //! checked here, so that whatever comes out is finite and in range and every image exists.
 
-pub mod error;
+pub(crate) mod error;
 
 use std::path::{Path, PathBuf};
 
-use crate::document::bounds::Bounds;
+use crate::document::Bounds;
+use crate::document::FileLine;
 use crate::document::error as document;
-use crate::document::line::FileLine;
-use crate::document::section::{Document, Section};
-use crate::names::spectrum::Spectrum;
+use crate::document::{Document, Section};
+use crate::names::Spectrum;
 use crate::photographs::captures::error::Error;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;

@@ -33,7 +33,7 @@ const SLENDER: f64 = 2.5;
 
 /// A region about each straight piece of a photograph that has room for one, the longest piece first. Whether it holds an edge
 /// that can be measured is left to the measurement.
-pub fn regions(photo: &Photo) -> Vec<Roi> {
+pub(crate) fn regions(photo: &Photo) -> Vec<Roi> {
     let blocks = Blocks::of(photo);
     let pieces = blocks.pieces();
     let regions = pieces
@@ -43,7 +43,7 @@ pub fn regions(photo: &Photo) -> Vec<Roi> {
 }
 
 /// The middle of a region, at most 600 pixels long and wide: enough to see whether it holds an edge.
-pub fn middle(roi: &Roi) -> Roi {
+pub(crate) fn middle(roi: &Roi) -> Roi {
     let part = |at: usize, size: usize| (at + size.saturating_sub(600) / 2, size.min(600));
     let ((x, width), (y, height)) = (part(roi.x, roi.width), part(roi.y, roi.height));
     Roi {
@@ -55,7 +55,7 @@ pub fn middle(roi: &Roi) -> Roi {
 }
 
 /// Whether two edges lie on one line: within 1 degree, and each in the other's direction within 1 % of their distance.
-pub fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLine)) -> bool {
+pub(crate) fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLine)) -> bool {
     let turn = (a.normal_rad - b.normal_rad).sin().abs();
     let centre = |roi: &Roi| {
         (

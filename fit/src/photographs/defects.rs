@@ -14,7 +14,7 @@ const LEAST_STEPS: f64 = 0.05;
 
 /// Takes out pixels farther from all others than these are from each other (an EXR's hot pixels can be thousands of times
 /// the picture); they would spoil the search for the edge. Returns their number.
-pub fn exclude_gross(window: &mut Window) -> usize {
+pub(crate) fn exclude_gross(window: &mut Window) -> usize {
     let (low, high) = window.bulk();
     let span = high - low;
     if span <= 0.0 {
@@ -27,7 +27,12 @@ pub fn exclude_gross(window: &mut Window) -> usize {
 /// Returns their number.
 ///
 /// The profile is that of the medians, which a few wild pixels do not move; it is only formed where the means raise a doubt.
-pub fn exclude(window: &mut Window, line: &EdgeLine, profile: &Profile, arc_px: f64) -> usize {
+pub(crate) fn exclude(
+    window: &mut Window,
+    line: &EdgeLine,
+    profile: &Profile,
+    arc_px: f64,
+) -> usize {
     let (dark, bright) = profile.plateaus();
     let least = LEAST_STEPS * (bright - dark);
     let limits: Vec<f64> = (0..profile.len())

@@ -1,9 +1,9 @@
 //! Finding the slanted edge: direction, place, and whether there is exactly one.
 
-pub mod accepted;
-pub mod fault;
-pub mod line;
-pub mod shape;
+pub(crate) mod accepted;
+pub(crate) mod fault;
+pub(crate) mod line;
+pub(crate) mod shape;
 
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::EdgeLine;
@@ -17,7 +17,7 @@ const LARGE: usize = 400_000;
 ///
 /// The first direction is that of the first moment under a rotationally symmetric weight, which is exact for any straight
 /// edge; direction and place are then refined, see [`refine`]. Large windows are averaged down for that start.
-pub fn locate(window: &Window) -> Result<EdgeLine, Fault> {
+pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
     let pixels = window.width() * window.height();
     if pixels > LARGE {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
@@ -40,7 +40,7 @@ pub fn locate(window: &Window) -> Result<EdgeLine, Fault> {
 
 /// Refines an edge until the pixels scatter least about their common profile (Gauss-Newton on the angle; the place is the half
 /// level). Accuracy: noise-limited, see the standard error; noise-free below 2e-5 rad.
-pub fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
+pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
     let mut profile = centre(window, &mut line)?;
     // 1e-4 px at the end of the edge moves no MTF.
     let least = 2e-4 / (window.width() as f64).hypot(window.height() as f64);

@@ -20,7 +20,7 @@ const BELIEVED: f64 = 50.0;
 
 /// The light about an edge, 1 on the edge abreast of the window's centre. Lengths in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Light {
+pub(crate) struct Light {
     line: EdgeLine,
     /// Of s, t and s^2 + t^2.
     terms: [f64; 3],
@@ -28,7 +28,7 @@ pub struct Light {
 
 impl Light {
     /// The light at a pixel.
-    pub fn at(&self, pixel: &Pixel) -> f64 {
+    pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
         let (s, t) = self.line.place(pixel);
         let [across, along, curvature] = self.terms;
         1.0 + across * s + along * t + curvature * (s * s + t * t)
@@ -36,7 +36,7 @@ impl Light {
 }
 
 /// Largest over smallest light in the window, less 1, where several lights multiply; infinite where one falls to 0.
-pub fn unevenness(lights: &[Light], window: &Window) -> f64 {
+pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
     let (mut low, mut high) = (1.0_f64, 1.0_f64);
     for pixel in window.outline() {
         let light: f64 = lights
@@ -49,7 +49,7 @@ pub fn unevenness(lights: &[Light], window: &Window) -> f64 {
 }
 
 /// Finds the light of a window, where it is uneven beyond noise and doubt; `None` where it is even.
-pub fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
+pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
     let ([g2, g3], fall_along) = along(window, line, profile)?;
     let (g1, fall_across) = across(profile, g3);
     let light = Light {

@@ -4,16 +4,32 @@
 //! edges, their profiles and measured MTFs leave, with what spoils them. The room knows no sheet and no model. It may
 //! touch `numerics`, `names` and `document`.
 
-pub mod captures;
-pub mod chart;
-pub mod defects;
-pub mod edge;
-pub mod illumination;
-pub mod measure;
-pub mod noise;
-pub mod photo;
-pub mod profile;
-pub mod roi;
-pub mod saturation;
-pub mod sfr;
-pub mod window;
+pub(crate) mod captures;
+mod chart;
+mod defects;
+pub(crate) mod edge;
+mod illumination;
+pub(crate) mod measure;
+mod noise;
+pub(crate) mod photo;
+mod profile;
+mod roi;
+mod saturation;
+pub(crate) mod sfr;
+mod window;
+
+pub use captures::{Campaign, Capture, Setup, Shot};
+#[cfg(test)]
+pub(crate) use edge::locate;
+pub use measure::Measurement;
+pub(crate) use noise::PixelNoise;
+#[cfg(test)]
+pub(crate) use photo::load_colour;
+pub(crate) use profile::BIN_PX;
+pub(crate) use profile::Profile;
+pub(crate) use roi::Roi;
+pub(crate) use sfr::Mtf;
+#[cfg(test)]
+pub(crate) use sfr::standard_error;
+pub use sfr::{Estimator, crossing};
+pub(crate) use window::{Raster, Window};

@@ -5,19 +5,19 @@
 //! camera raw (with the feature `raw`), much of which is TIFF inside.
 //! Row 0 is the top of the picture; `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
-pub mod channel;
-pub mod error;
-pub mod exposure;
-pub mod format;
-pub mod limits;
+pub(crate) mod channel;
+pub(crate) mod error;
+pub(crate) mod exposure;
+pub(crate) mod format;
+pub(crate) mod limits;
 mod openexr;
-pub mod picture;
-pub mod plane;
+pub(crate) mod picture;
+pub(crate) mod plane;
 mod raster;
 #[cfg_attr(not(feature = "raw"), path = "photo/no_raw.rs")]
 mod raw;
-pub mod settings;
-pub mod transfer;
+pub(crate) mod settings;
+pub(crate) mod transfer;
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};

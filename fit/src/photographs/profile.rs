@@ -7,7 +7,7 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::window::Window;
 
 /// Width of a bin, pixels along the edge normal (fourfold oversampling, as ISO 12233).
-pub const BIN_PX: f64 = 0.25;
+pub(crate) const BIN_PX: f64 = 0.25;
 
 /// Least share of the fullest pixel's worth of bins that a bin at the end of the profile must hold.
 const COVERAGE: f64 = 0.3;

@@ -19,7 +19,7 @@ const MOST_ZERO: f64 = 2.0 / 3.0;
 const SAMPLE: usize = 65_536;
 
 /// Refuses a window without plateaus; returns what the user should know of a lesser degree of that.
-pub fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault> {
+pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault> {
     let (low, high) = window.bulk();
     let middle = (0.5 * (low + high)) as f32;
     let values = window.sample(SAMPLE);

@@ -188,7 +188,7 @@ impl Estimator {
 }
 
 /// Standard error of the modulus at every frequency, by pixel noise.
-pub fn standard_error(response: &DMatrix<f64>, profile: &Profile) -> Vec<f64> {
+pub(crate) fn standard_error(response: &DMatrix<f64>, profile: &Profile) -> Vec<f64> {
     let rows = response.row_iter();
     let squares = rows.map(|row| {
         let bins = row.iter().zip(&profile.variance);

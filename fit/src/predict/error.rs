@@ -1,7 +1,7 @@
 //! Why a sheet shows nothing that could be predicted.
 
 use crate::model::wave;
-use crate::names::parameter::ParameterKind;
+use crate::names::ParameterKind;
 
 /// Why a sheet shows nothing that could be predicted.
 #[derive(Debug, thiserror::Error)]

@@ -8,18 +8,18 @@
 use serde_json::{Value, json};
 use tables::Table;
 
-use crate::model::baseline::Baseline;
-use crate::model::blur::Blur;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::parameter::ParameterKind;
+use crate::model::Baseline;
+use crate::model::Blur;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::ParameterKind;
 use crate::predict::error::Error;
 use crate::predict::prediction::{Places, Prediction, predict};
-use crate::result::report::ResultFile;
+use crate::result::ResultFile;
 
 /// Forms of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Form {
+pub(crate) enum Form {
     /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2), as MaterialX
     Openpbr,
     /// generalized_schlick_bsdf with retroreflective (MaterialX 1.39.5)
@@ -30,7 +30,7 @@ pub enum Form {
 
 /// A retroreflective lobe, and what it stands for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Nearest {
+pub(crate) struct Nearest {
     /// Roughness alpha of GGX, the width of its slopes.
     pub alpha: f64,
     /// Share of the light that comes back, half mirror left out.
@@ -48,17 +48,17 @@ pub struct Nearest {
 }
 
 /// MTF below which the comparison ends.
-pub const FAINT: f64 = 0.05;
+pub(crate) const FAINT: f64 = 0.05;
 
 /// What no form carries.
-pub const LOST: &str = "ray shift is not carried: the blur of this lobe grows with the distance, that of the sheet does not all; \
+pub(crate) const LOST: &str = "ray shift is not carried: the blur of this lobe grows with the distance, that of the sheet does not all; \
                         nor is the fall of the reflectance with incidence";
 
 /// Finds the lobe at one place.
 ///
 /// # Errors
 /// As [`predict`]; [`Error::Unknown`] without mu; [`Error::Dark`] where nothing returns.
-pub fn nearest(
+pub(crate) fn nearest(
     result: &ResultFile,
     table: &Table,
     distance_mm: f64,
@@ -141,7 +141,7 @@ fn least(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 
 impl Nearest {
     /// What it stands for, in one sentence.
-    pub fn criterion(&self) -> String {
+    pub(crate) fn criterion(&self) -> String {
         let azimuth = self
             .azimuth_deg
             .map_or(String::new(), |a| format!(", azimuth {a} deg"));
@@ -152,7 +152,7 @@ impl Nearest {
     }
 
     /// The material as text.
-    pub fn text(&self, form: Form) -> String {
+    pub(crate) fn text(&self, form: Form) -> String {
         match form {
             Form::Openpbr => self.materialx(&self.openpbr_node()),
             Form::Materialx => self.materialx(&self.bsdf_node()),

@@ -3,14 +3,14 @@
 use serde::Serialize;
 use tables::{Direction, Table};
 
-use crate::model::baseline::Baseline;
-use crate::model::edge::Model;
+use crate::model::Baseline;
+use crate::model::Model;
 use crate::model::wave;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
-use crate::result::report::ResultFile;
+use crate::result::ResultFile;
 use tables::ShiftLine;
 
 /// Orientation of a pattern: along which axis its contrast is measured.
@@ -71,7 +71,7 @@ pub struct Places {
 
 /// The MTF at one place over the direction of contrast in the image.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Around {
+pub(crate) struct Around {
     /// Floating distance (optical path), mm.
     pub distance_mm: f64,
     /// Incidence, degrees.
@@ -161,9 +161,7 @@ pub fn predict(
                     interpolated: seen.direction.interpolated,
                     luminance: sheet.luminance(incidence_deg, eta),
                     mtf50_per_mm: (!mtf.is_empty())
-                        .then(|| {
-                            crate::photographs::sfr::crossing(&places.frequency_per_mm, &mtf, 0.5)
-                        })
+                        .then(|| crate::photographs::crossing(&places.frequency_per_mm, &mtf, 0.5))
                         .flatten(),
                     mtf,
                 });
@@ -180,7 +178,11 @@ const DIRECTIONS: usize = 36;
 ///
 /// # Errors
 /// As [`predict`].
-pub fn around(result: &ResultFile, table: &Table, places: &Places) -> Result<Vec<Around>, Error> {
+pub(crate) fn around(
+    result: &ResultFile,
+    table: &Table,
+    places: &Places,
+) -> Result<Vec<Around>, Error> {
     let sheet = Fitted::new(result, table)?;
     let step = 180.0 / DIRECTIONS as f64;
     let mut all = Vec::new();

@@ -2,17 +2,18 @@
 
 use tables::Table;
 
+use crate::model::Blur;
 use crate::model::baseline;
-use crate::model::blur::Blur;
-use crate::names::kernel::Kernel;
-use crate::names::parameter::ParameterKind;
+use crate::names::Kernel;
+use crate::names::ParameterKind;
 use crate::predict::error::Error;
-use crate::result::report::{ResultFile, TableResult};
+use crate::result::ResultFile;
+use crate::result::TableResult;
 
 /// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly in the incidence and
 /// held constant beyond the fitted angles.
 #[derive(Debug, Clone, Copy)]
-pub struct Fitted<'a> {
+pub(crate) struct Fitted<'a> {
     /// What was fitted.
     pub result: &'a ResultFile,
     /// A table of the same cell, perhaps with other directions.
@@ -24,7 +25,7 @@ impl<'a> Fitted<'a> {
     ///
     /// # Errors
     /// [`Error::OtherCell`].
-    pub fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
+    pub(crate) fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
         let given = TableResult::of(table);
         if result.table.same_cell(&given) {
             return Ok(Fitted { result, table });
@@ -41,9 +42,9 @@ impl<'a> Fitted<'a> {
     ///
     /// # Errors
     /// [`Error::Unknown`].
-    pub fn blur(&self, incidence_deg: f64) -> Result<Blur, Error> {
+    pub(crate) fn blur(&self, incidence_deg: f64) -> Result<Blur, Error> {
         let result = self.result;
-        let at = |parameter, values: &Option<crate::result::report::Parameter>| {
+        let at = |parameter, values: &Option<crate::result::Parameter>| {
             let value = values.as_ref().and_then(|values| values.at(incidence_deg));
             value.ok_or(Error::Unknown { parameter })
         };
@@ -67,14 +68,14 @@ impl<'a> Fitted<'a> {
     }
 
     /// What the model makes of the fraction `eta` that the table returns; itself but for baselines.
-    pub fn returned(&self, incidence_deg: f64, eta: f64) -> f64 {
+    pub(crate) fn returned(&self, incidence_deg: f64, eta: f64) -> f64 {
         let index = self.table.provenance.refractive_index;
         baseline::returned(self.result.kernel, eta, incidence_deg.to_radians(), index)
     }
 
     /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and Fresnel's or other shares of
     /// a baseline; `None` without mu.
-    pub fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
+    pub(crate) fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
         let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
         mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)
     }

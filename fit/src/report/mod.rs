@@ -4,7 +4,9 @@
 //! does not hold, but for the profiles of the likelihood. It may touch every room but
 //! `cli`.
 
-pub mod page;
-pub mod picture;
-pub mod plot;
-pub mod speed;
+pub(crate) mod page;
+pub(crate) mod picture;
+pub(crate) mod plot;
+pub(crate) mod speed;
+
+pub(crate) use plot::Variable;

@@ -5,12 +5,12 @@ mod chart;
 mod crop;
 mod curves;
 mod estimates;
-pub mod evidence;
+pub(crate) mod evidence;
 mod identify;
 mod markup;
 mod photographs;
 mod provenance;
-pub mod shown;
+pub(crate) mod shown;
 mod terms;
 
 use crate::report::page::markup::{count, escape, significant};
@@ -23,7 +23,7 @@ type Section = (&'static str, &'static str, String);
 
 impl Page<'_> {
     /// The page as HTML.
-    pub fn html(&self) -> String {
+    pub(crate) fn html(&self) -> String {
         let title = format!("Estimate of {}", self.campaign.file.display());
         let sections: [Section; 6] = [
             ("estimates", "Estimates", estimates::section(self)),
@@ -66,14 +66,14 @@ impl Page<'_> {
     /// In two sentences: what was fitted, and whether it may be believed.
     fn verdict(&self) -> String {
         let result = self.result;
-        let distinct = |of: fn(&crate::result::report::CaptureResult) -> f64| {
+        let distinct = |of: fn(&crate::result::CaptureResult) -> f64| {
             let mut values: Vec<f64> = result.captures.iter().map(of).collect();
             values.sort_by(f64::total_cmp);
             values.dedup();
             values.len()
         };
         let warnings = photographs::number(result);
-        let (class, fits) = if self.evidence.reduced_chi2 > crate::estimate::verdict::POOR_FIT {
+        let (class, fits) = if self.evidence.reduced_chi2 > crate::estimate::POOR_FIT {
             ("poor", "does not describe them within their noise")
         } else {
             ("good", "describes them within their noise")

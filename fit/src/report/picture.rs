@@ -4,11 +4,12 @@ use std::path::Path;
 
 use kuva::prelude::*;
 
-use crate::estimate::loss::Kind;
+use crate::estimate::Kind;
 use crate::report::plot::{Error, draw};
-use crate::study::given::Study;
-use crate::study::summary::{Figure, Row, Summary};
-use crate::study::trial::{LOSSES, PARAMETERS};
+use crate::study::Study;
+use crate::study::summary::Row;
+use crate::study::{Figure, Summary};
+use crate::study::{LOSSES, PARAMETERS};
 
 /// The colour of a loss.
 fn colour(loss: Kind) -> &'static str {
@@ -23,7 +24,7 @@ fn colour(loss: Kind) -> &'static str {
 ///
 /// # Errors
 /// [`Error::Drawing`], [`Error::Ending`].
-pub fn drawn(summary: &Summary, path: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn drawn(summary: &Summary, path: &Path) -> Result<Vec<u8>, Error> {
     type Of = fn(&Row) -> Figure;
     let percent = |f: Figure| Figure {
         value: 100.0 * f.value,
@@ -79,7 +80,7 @@ pub fn drawn(summary: &Summary, path: &Path) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// As [`drawn`].
-pub fn photographs(study: &Study, path: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn photographs(study: &Study, path: &Path) -> Result<Vec<u8>, Error> {
     let fits = study
         .fits
         .iter()

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use kuva::prelude::*;
 use tables::cli::PlotFormat;
 
-use crate::predict::prediction::{Around, Axis, Prediction};
-use crate::result::report::ResultFile;
+use crate::predict::{Around, Axis, Prediction};
+use crate::result::ResultFile;
 
 /// Why a picture cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub(crate) enum Error {
     /// An extension that names no format of plots.
     #[error(transparent)]
     Format(#[from] tables::cli::Error),
@@ -34,7 +34,7 @@ const COLOURS: [&str; 6] = [
 ///
 /// # Errors
 /// [`Error::Drawing`].
-pub fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
     let mut incidences: Vec<f64> = result.captures.iter().map(|c| c.incidence_deg).collect();
     incidences.sort_by(f64::total_cmp);
     incidences.dedup();
@@ -108,7 +108,7 @@ pub fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// [`Error::Drawing`].
-pub fn predicted(
+pub(crate) fn predicted(
     predictions: &[Prediction],
     frequency_per_mm: &[f64],
     path: &Path,
@@ -170,7 +170,7 @@ pub fn predicted(
 
 /// What the MTF at single frequencies is drawn against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Variable {
+pub(crate) enum Variable {
     /// Incidence angle
     Incidence,
     /// Azimuth
@@ -209,7 +209,7 @@ impl Variable {
 ///
 /// # Errors
 /// [`Error::Drawing`].
-pub fn against(
+pub(crate) fn against(
     predictions: &[Prediction],
     frequency_per_mm: &[f64],
     variable: Variable,
@@ -282,7 +282,11 @@ pub fn against(
 ///
 /// # Errors
 /// [`Error::Drawing`].
-pub fn around(all: &[Around], frequency_per_mm: &[f64], path: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn around(
+    all: &[Around],
+    frequency_per_mm: &[f64],
+    path: &Path,
+) -> Result<Vec<u8>, Error> {
     let last = frequency_per_mm.len().max(2) - 1;
     let panel = |place: &Around| {
         let polar = PolarPlot::new()
@@ -335,7 +339,7 @@ fn ramp(x: f64) -> String {
 ///
 /// # Errors
 /// [`Error::Drawing`], [`Error::Format`].
-pub fn draw(
+pub(crate) fn draw(
     panels: Vec<Vec<Plot>>,
     layouts: Vec<Layout>,
     title: &str,

@@ -5,14 +5,15 @@ use std::path::Path;
 use kuva::prelude::*;
 
 use crate::report::plot::{Error, draw};
-use crate::samples::sequence::Sequence;
-use crate::study::forward::{Row, Speed};
+use crate::samples::Sequence;
+use crate::study::Speed;
+use crate::study::forward::Row;
 
 /// Error against samples per pixel and against seconds, both axes logarithmic.
 ///
 /// # Errors
 /// [`Error::Drawing`], [`Error::Ending`].
-pub fn drawn(speed: &Speed, path: &Path) -> Result<Vec<u8>, Error> {
+pub(crate) fn drawn(speed: &Speed, path: &Path) -> Result<Vec<u8>, Error> {
     let by_samples = panel(speed, |row| row.samples as f64)
         .with_title("error and samples")
         .with_x_label("samples per pixel");

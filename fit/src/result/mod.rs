@@ -4,5 +4,10 @@
 //! parameters as types: their text form (`a_per_mm_at_20`) is made at the border of the file. It may touch `estimate` and the rooms
 //! below it.
 
-pub mod report;
-pub mod table;
+pub(crate) mod report;
+mod table;
+
+pub use report::ResultFile;
+pub(crate) use report::sharing;
+pub(crate) use report::{AtAngle, Candidate, CaptureResult, Number, Parameter};
+pub use table::TableResult;

@@ -2,20 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::bound::Bounds;
-use crate::estimate::campaign::Estimated;
-use crate::estimate::choice::Value;
-use crate::estimate::fitted::Estimate;
-use crate::estimate::forward::Forward;
-use crate::estimate::loss::Kind;
-use crate::estimate::scene::{Aerial, Scene};
-use crate::estimate::select::Ranked;
-use crate::names::kernel::{Family, Kernel};
-use crate::names::lobe::LobeShape;
-use crate::names::parameter::{ParameterId, ParameterKind};
-use crate::names::spectrum::Spectrum;
-pub use crate::result::table::{CellResult, TableResult};
-use crate::samples::sampled::Sampling;
+use crate::estimate::Bounds;
+use crate::estimate::Estimate;
+use crate::estimate::Estimated;
+use crate::estimate::Forward;
+use crate::estimate::Kind;
+use crate::estimate::Ranked;
+use crate::estimate::Value;
+use crate::estimate::{Aerial, Scene};
+use crate::names::LobeShape;
+use crate::names::Spectrum;
+use crate::names::{Family, Kernel};
+use crate::names::{ParameterId, ParameterKind};
+use crate::result::table::TableResult;
+use crate::samples::Sampling;
 
 /// A parameter: one number for all incidence angles, or one per angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -354,7 +354,7 @@ impl ResultFile {
 }
 
 /// How the spread is shared, in words.
-pub fn sharing(kernel: Kernel, per_angle: bool) -> String {
+pub(crate) fn sharing(kernel: Kernel, per_angle: bool) -> String {
     let name = if kernel.is_baseline() {
         "roughness"
     } else {

@@ -11,8 +11,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
 
-use crate::model::lobe::CUT;
-use crate::names::lobe::LobeShape;
+use crate::model::CUT;
+use crate::names::LobeShape;
 use crate::samples::quantile::Quantile;
 
 /// Cells of the radial table.
@@ -24,18 +24,18 @@ const PER_PERIOD: usize = 256;
 
 /// Maps points of the unit square to offsets of a lobe with a = 1.
 #[derive(Debug, Clone, Copy)]
-pub struct LobeSampler {
+pub(crate) struct LobeSampler {
     shape: LobeShape,
 }
 
 impl LobeSampler {
     /// The sampler of a shape.
-    pub fn new(shape: LobeShape) -> LobeSampler {
+    pub(crate) fn new(shape: LobeShape) -> LobeSampler {
         LobeSampler { shape }
     }
 
     /// The offset (tangential, sagittal) times a of a point of the unit square.
-    pub fn at(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn at(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let about = |r: f64| {
             let (sin, cos) = (TAU * v).sin_cos();
             [r * cos, r * sin]

@@ -8,8 +8,15 @@
 //! coordinates, so that evenly spread points give evenly spread samples. The sequence is this crate's own: `bake` has one
 //! for two dimensions and a direction's angles, and `fit` does not depend on it.
 
-pub mod lobe;
-pub mod quantile;
-pub mod sampled;
-pub mod sequence;
-pub mod shift;
+mod lobe;
+mod quantile;
+mod sampled;
+mod sequence;
+mod shift;
+
+pub(crate) use lobe::LobeSampler;
+pub(crate) use sampled::has_samples;
+pub(crate) use sampled::{Sampled, Sampling, Tile};
+pub(crate) use sequence::Sequence;
+pub(crate) use sequence::{DIMENSIONS, Points};
+pub(crate) use shift::ShiftSampler;

@@ -2,7 +2,7 @@
 
 /// Quantiles of a distribution that is even within each of its cells.
 #[derive(Debug, Clone)]
-pub struct Quantile {
+pub(crate) struct Quantile {
     first: f64,
     step: f64,
     /// Distribution function at the ends of the cells.
@@ -13,7 +13,7 @@ pub struct Quantile {
 
 impl Quantile {
     /// Cells of width `step` from `first` on; masses >= 0. `None` where there is no mass at all.
-    pub fn new(first: f64, step: f64, masses: &[f64]) -> Option<Quantile> {
+    pub(crate) fn new(first: f64, step: f64, masses: &[f64]) -> Option<Quantile> {
         let total: f64 = masses.iter().sum();
         if !(total.is_finite() && total > 0.0) {
             return None;
@@ -45,7 +45,7 @@ impl Quantile {
     }
 
     /// The quantile of `share` in [0, 1), and the cell that it lies in.
-    pub fn at(&self, share: f64) -> (f64, usize) {
+    pub(crate) fn at(&self, share: f64) -> (f64, usize) {
         let cells = self.below.len() - 1;
         let mut cell = self.guide[((share * cells as f64) as usize).min(cells)] as usize;
         while cell + 1 < cells && self.below[cell + 1] <= share {
@@ -57,7 +57,7 @@ impl Quantile {
     }
 
     /// Share of the mass below the left end of a cell.
-    pub fn below(&self, cell: usize) -> f64 {
+    pub(crate) fn below(&self, cell: usize) -> f64 {
         self.below[cell]
     }
 }

@@ -14,31 +14,31 @@
 //! Sobol points a pixel the transform of the line spread has 1/50 to 1/25 of the variance that independent points leave. The same net
 //! for every bin has 20 times more (its pixels lie differently in every bin), one for all of a photograph no less.
 
-pub mod texture;
+pub(crate) mod texture;
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::model::blur::Blur;
-use crate::model::camera::Camera;
-use crate::model::edge::{Curve, Model};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::model::Blur;
+use crate::model::Camera;
+use crate::model::{Curve, Model};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::photographs::Raster;
 use crate::photographs::edge::line::EdgeLine;
-use crate::photographs::profile::{BIN_PX, Profile};
-use crate::photographs::window::Raster;
+use crate::photographs::{BIN_PX, Profile};
 use crate::samples::lobe::LobeSampler;
 use crate::samples::sampled::texture::{CELLS_PER_PX, Texture};
 use crate::samples::sequence::{Points, Sequence};
 use crate::samples::shift::{Departure, ShiftSampler};
 
 /// Most points of a photograph that are evenly spread: 2 MB, which a core's second cache holds.
-pub const EVEN_POINTS: usize = 1 << 18;
+pub(crate) const EVEN_POINTS: usize = 1 << 18;
 
 /// Most independent points, so many that two bins of the same points lie far apart: 16 MB.
-pub const INDEPENDENT_POINTS: usize = 1 << 21;
+pub(crate) const INDEPENDENT_POINTS: usize = 1 << 21;
 
 /// How a photograph is sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -228,7 +228,7 @@ impl Sampled {
 }
 
 /// Whether a kernel has samples: waves interfere, and have none; of the baselines none are drawn.
-pub fn has_samples(kernel: Kernel) -> bool {
+pub(crate) fn has_samples(kernel: Kernel) -> bool {
     matches!(
         kernel,
         Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe

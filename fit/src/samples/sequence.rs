@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Dimensions of a point.
-pub const DIMENSIONS: usize = 4;
+pub(crate) const DIMENSIONS: usize = 4;
 
 /// How points are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -32,20 +32,20 @@ impl Sequence {
 
 /// One independent randomisation of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Points {
+pub(crate) struct Points {
     sequence: Sequence,
     key: u64,
 }
 
 impl Points {
     /// Randomisation `stream` of `seed`: another stream or seed is independent.
-    pub fn new(sequence: Sequence, seed: u64, stream: u64) -> Points {
+    pub(crate) fn new(sequence: Sequence, seed: u64, stream: u64) -> Points {
         let key = mix(seed ^ mix(stream.wrapping_add(1)));
         Points { sequence, key }
     }
 
     /// Point `index`: centres of the 2^32 equal cells of [0, 1), so that none lies on an end.
-    pub fn at(&self, index: u32) -> [f64; DIMENSIONS] {
+    pub(crate) fn at(&self, index: u32) -> [f64; DIMENSIONS] {
         let cells = match self.sequence {
             Sequence::Sobol => {
                 let digits = digits(index);

@@ -26,7 +26,7 @@ pub struct CubeShift {
 ///
 /// `incidence_rad` is outside a flat front face of refractive index `ior` (1: hollow); `azimuth_rad` as in a table.
 /// The fraction of the whole cell is the mean of the cubes' `eta`.
-pub fn shifts(incidence_rad: f64, azimuth_rad: f64, ior: f64, pair: bool) -> Vec<CubeShift> {
+pub(crate) fn shifts(incidence_rad: f64, azimuth_rad: f64, ior: f64, pair: bool) -> Vec<CubeShift> {
     let inside_rad = (incidence_rad.sin() / ior).clamp(-1.0, 1.0).asin();
     let turns = if pair {
         &[0.0, std::f64::consts::PI][..]
@@ -91,7 +91,7 @@ fn clip(polygon: &[[f64; 2]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// Area of a counter-clockwise polygon.
-pub fn area(polygon: &[[f64; 2]]) -> f64 {
+pub(crate) fn area(polygon: &[[f64; 2]]) -> f64 {
     let twice: f64 = (0..polygon.len())
         .map(|k| {
             let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
@@ -103,7 +103,7 @@ pub fn area(polygon: &[[f64; 2]]) -> f64 {
 
 /// A piece of a piecewise-linear probability density: from (`low`, `at_low`) to (`high`, `at_high`).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ramp {
+pub(crate) struct Ramp {
     /// Where it begins.
     pub low: f64,
     /// Where it ends.
@@ -116,12 +116,12 @@ pub struct Ramp {
 
 impl Ramp {
     /// Mass of the piece.
-    pub fn mass(&self) -> f64 {
+    pub(crate) fn mass(&self) -> f64 {
         0.5 * (self.at_low + self.at_high) * (self.high - self.low)
     }
 
     /// Integral of max(t - w, 0) over the piece.
-    pub fn twice_integrated(&self, t: f64) -> f64 {
+    pub(crate) fn twice_integrated(&self, t: f64) -> f64 {
         if t <= self.low {
             return 0.0;
         }
@@ -137,7 +137,7 @@ impl Ramp {
 
 /// Density of `along . r`, r uniform over a convex polygon: exact, piecewise linear, of mass 1. Empty where the
 /// projection has no width (below 1e-12): the density is then a single point at the projection.
-pub fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
+pub(crate) fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
     // (along, across) coordinates: a chord is a difference of the second at equal first.
     let turned: Vec<[f64; 2]> = polygon
         .iter()

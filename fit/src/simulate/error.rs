@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::document::FileLine;
 use crate::document::error as document;
-use crate::document::line::FileLine;
-use crate::names::kernel::Kernel;
+use crate::names::Kernel;
 
 /// A simulation that was refused or could not be written.
 #[derive(Debug, thiserror::Error)]

@@ -52,7 +52,7 @@ impl<const N: usize> Gauss<N> {
 }
 
 /// Edge response of the radial lobe.
-pub struct RadialEdge {
+pub(crate) struct RadialEdge {
     a_per_mm: f64,
     rule: Gauss<16>,
     total: f64,
@@ -60,7 +60,7 @@ pub struct RadialEdge {
 
 impl RadialEdge {
     /// The lobe of spread `a_per_mm` > 0.
-    pub fn new(a_per_mm: f64) -> RadialEdge {
+    pub(crate) fn new(a_per_mm: f64) -> RadialEdge {
         let mut edge = RadialEdge {
             a_per_mm,
             rule: Gauss::new(),
@@ -84,7 +84,7 @@ impl RadialEdge {
 
     /// Energy at distances up to `x_mm` along any direction: 0 far on the dark side, 1/2 at 0, 1 far on the bright.
     /// Twice the Abel integral of the lobe; absolute error below 1e-12.
-    pub fn at(&self, x_mm: f64) -> f64 {
+    pub(crate) fn at(&self, x_mm: f64) -> f64 {
         let z = (self.a_per_mm * x_mm).abs();
         if z >= RADIAL_END {
             return if x_mm > 0.0 { 1.0 } else { 0.0 };
@@ -190,7 +190,12 @@ fn sine_and_cosine_integral(x: f64) -> (f64, f64) {
 /// closed-form edge, the narrower is summed over it: samples at a step that its band limit a/pi makes exact, or where
 /// it is narrower than the grid, exact masses. Its 1/t^2 tails beyond `reach` go to the plateau, which leaves an error
 /// of order s^3 / (a^2 reach^5): below 1e-9 for a > 1/mm, with reach = 8 times the half-width of the picture.
-pub fn separable_edge(a_per_mm: f64, along: [f64; 2], step_mm: f64, half: usize) -> Vec<f64> {
+pub(crate) fn separable_edge(
+    a_per_mm: f64,
+    along: [f64; 2],
+    step_mm: f64,
+    half: usize,
+) -> Vec<f64> {
     let (most, least) = (
         along[0].abs().max(along[1].abs()),
         along[0].abs().min(along[1].abs()),

@@ -5,14 +5,23 @@
 //! no transfer function. So it may touch the names of kernels and lobes, TOML documents and plain numerics, but
 //! neither the model nor the photographs' room. Its sheets by a table come from the crate `tables`.
 
-pub mod cell;
-pub mod error;
-pub mod lobe_edge;
-pub mod noise;
-pub mod params;
-pub mod photograph;
-pub mod profile;
-pub mod sheet;
-pub mod truth;
-pub mod wave_edge;
-pub mod write;
+pub(crate) mod cell;
+pub(crate) mod error;
+mod lobe_edge;
+mod noise;
+mod params;
+pub(crate) mod photograph;
+mod profile;
+mod sheet;
+mod truth;
+mod wave_edge;
+pub(crate) mod write;
+
+pub(crate) use error::Error;
+pub(crate) use noise::PixelNoise;
+pub use params::Params;
+pub(crate) use params::{ByIncidence, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
+pub(crate) use params::{CAMERA, camera};
+pub(crate) use truth::Truth;
+#[cfg(test)]
+pub(crate) use write::run;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 /// Draws for one pixel of one photograph.
 #[derive(Debug, Clone)]
-pub struct PixelNoise {
+pub(crate) struct PixelNoise {
     key: u64,
     counter: u64,
 }
@@ -20,7 +20,7 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl PixelNoise {
     /// The noise of `pixel` in `photograph` under `seed`.
-    pub fn new(seed: u64, photograph: u64, pixel: u64) -> PixelNoise {
+    pub(crate) fn new(seed: u64, photograph: u64, pixel: u64) -> PixelNoise {
         let seeded = mix(seed.wrapping_add(GOLDEN));
         let photographed = mix(seeded ^ photograph.wrapping_add(1).wrapping_mul(GOLDEN));
         PixelNoise {
@@ -30,21 +30,21 @@ impl PixelNoise {
     }
 
     /// Uniform in (0, 1), never an end.
-    pub fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         self.counter += 1;
         let bits = mix(self.key.wrapping_add(self.counter.wrapping_mul(GOLDEN)));
         ((bits >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
     }
 
     /// Normal, mean 0, variance 1 (Box and Muller).
-    pub fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform().ln()).sqrt();
         radius * (TAU * self.uniform()).cos()
     }
 
     /// Poisson of mean `mean` >= 0: products of uniforms below 30, Hormann's transformed rejection (PTRS, 1993) above;
     /// both exact.
-    pub fn poisson(&mut self, mean: f64) -> f64 {
+    pub(crate) fn poisson(&mut self, mean: f64) -> f64 {
         if mean < 30.0 {
             let limit = (-mean).exp();
             let (mut count, mut product) = (0.0, self.uniform());

@@ -1,13 +1,13 @@
 //! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
 
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::spectrum::Spectrum;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::Spectrum;
 use std::path::Path;
 
-use crate::document::bounds::Bounds;
-use crate::document::line::FileLine;
-use crate::document::section::{Document, NumberOrTable, Section};
+use crate::document::Bounds;
+use crate::document::FileLine;
+use crate::document::{Document, NumberOrTable, Section};
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 

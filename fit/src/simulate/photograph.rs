@@ -9,10 +9,10 @@
 //! for the reference and source_level x mu x eta x T x R of the half mirror for a capture; then shot noise and reading
 //! noise in electrons, rounding to the converter's steps, and clipping to [0, 1].
 
-use crate::document::line::FileLine;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::spectrum::{SpectralLine, Spectrum};
+use crate::document::FileLine;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::{SpectralLine, Spectrum};
 use crate::simulate::cell;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
@@ -28,7 +28,7 @@ use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 ///
 /// # Panics
 /// Where `index` is not below the number of captures.
-pub fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
+pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
     let camera = &params.camera;
     let (edge, blur, contrast) = match index {
         None => {
@@ -72,7 +72,7 @@ pub fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
 ///
 /// # Panics
 /// As [`light`].
-pub fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
+pub(crate) fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
     let camera = &params.camera;
     let steps = ((1_u64 << camera.bits) - 1) as f64;
     let number = index.map_or(0, |index| index as u64 + 1);

@@ -10,11 +10,11 @@ use crate::simulate::lobe_edge::{RadialEdge, separable_edge};
 use crate::simulate::wave_edge::wave_edge;
 
 /// Grid steps per pixel of a simulated photograph.
-pub const STEPS_PER_PIXEL: f64 = 32.0;
+pub(crate) const STEPS_PER_PIXEL: f64 = 32.0;
 
 /// The diffraction of one photograph; `a_per_mm` > 0.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Spread {
+pub(crate) enum Spread {
     /// No diffraction.
     None,
     /// sinc^2(a r) cut at a r = 2.4 pi.
@@ -36,7 +36,7 @@ pub enum Spread {
 
 /// All that shapes one edge.
 #[derive(Debug, Clone)]
-pub struct EdgeBlur {
+pub(crate) struct EdgeBlur {
     /// Direction of the edge normal against the tangential axis, radians from +x towards +y.
     pub normal_rad: f64,
     /// Direction of the edge normal against the pixel columns, radians.
@@ -55,7 +55,7 @@ pub struct EdgeBlur {
 
 /// An edge profile on a grid: 0 far on the dark side, 1 far on the bright.
 #[derive(Debug, Clone)]
-pub struct EdgeProfile {
+pub(crate) struct EdgeProfile {
     step_mm: f64,
     half: usize,
     values: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct EdgeProfile {
 
 impl EdgeProfile {
     /// The profile for distances up to `reach_mm` from the edge, `steps` to a pixel.
-    pub fn new(blur: &EdgeBlur, reach_mm: f64, steps: f64) -> EdgeProfile {
+    pub(crate) fn new(blur: &EdgeBlur, reach_mm: f64, steps: f64) -> EdgeProfile {
         let step = blur.pixel_pitch_mm / steps;
         let kernel = compact(blur, step);
         let half = (reach_mm / step).ceil() as usize + 2;
@@ -106,7 +106,7 @@ impl EdgeProfile {
     }
 
     /// Value at signed distance `s_mm` from the edge, positive on the bright side; cubic between grid points.
-    pub fn at(&self, s_mm: f64) -> f64 {
+    pub(crate) fn at(&self, s_mm: f64) -> f64 {
         let place =
             (s_mm / self.step_mm + self.half as f64).clamp(1.0, 2.0 * self.half as f64 - 2.0);
         let base = place.floor();

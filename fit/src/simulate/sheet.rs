@@ -3,7 +3,7 @@
 
 use tables::Table;
 
-use crate::names::kernel::Kernel;
+use crate::names::Kernel;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 use crate::simulate::params::{Params, PlantedShot};

@@ -2,19 +2,19 @@
 
 use serde::Deserialize;
 
-use crate::names::kernel::Kernel;
-use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::names::Kernel;
+use crate::names::{ParameterId, ParameterKind};
 
 /// The numbers that a campaign was made with.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Truth {
+pub(crate) struct Truth {
     truth: serde_json::Value,
 }
 
 impl Truth {
     /// The planted value of a parameter, at its incidence where the value differs by angle.
     /// `None` where the planted kernel has no such parameter: `a` is a R under `angular`, else in 1/mm.
-    pub fn of(&self, id: ParameterId) -> Option<f64> {
+    pub(crate) fn of(&self, id: ParameterId) -> Option<f64> {
         let kernel = Kernel::from_name(self.truth.get("kernel")?.as_str()?)?;
         let key = match id.kind {
             ParameterKind::CornerSize if kernel.has_c() => "c",

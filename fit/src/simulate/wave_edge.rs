@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use crate::numerics::quadrature::GAUSS_16;
+use crate::numerics::GAUSS_16;
 use crate::simulate::cell::CubeShift;
 use tables::Samples;
 
@@ -25,7 +25,7 @@ type Chord = (f64, f64, f64);
 
 /// The edge at positions (i - half) step for i in 0..=2 half, mm. `scale_mm` takes the cubes' polygons to the image;
 /// `lines` holds lambda R (mm^2) and the share of every line, shares summing to 1.
-pub fn wave_edge(
+pub(crate) fn wave_edge(
     cubes: &[CubeShift],
     scale_mm: [f64; 2],
     along: [f64; 2],

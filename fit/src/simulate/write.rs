@@ -14,7 +14,7 @@ use crate::simulate::photograph::photograph;
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
+pub(crate) struct Report {
     /// The manifest.
     pub manifest: PathBuf,
     /// Photographs written, the reference included.
@@ -32,7 +32,7 @@ pub struct Report {
 /// # Errors
 /// [`Error::NotEmpty`] where the folder holds anything and `force` is not set; [`Error::Write`], [`Error::WriteExr`];
 /// [`Error::NoEntry`] for parameters built in code.
-pub fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
+pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
     let cannot = |file: &Path| {
         let file = file.to_owned();
         move |source| Error::Write { file, source }

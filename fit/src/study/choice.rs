@@ -10,34 +10,34 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use tables::Table;
 
+use crate::estimate::Choice;
+use crate::estimate::Error;
+use crate::estimate::Layout;
+use crate::estimate::Loss;
+use crate::estimate::Scene;
+use crate::estimate::Watch;
 use crate::estimate::campaign as estimate;
-use crate::estimate::campaign::{Estimated, Options};
-use crate::estimate::choice::Choice;
-use crate::estimate::error::Error;
-use crate::estimate::joint::{Joint, Used};
-use crate::estimate::layout::Layout;
-use crate::estimate::loss::Loss;
-use crate::estimate::optimum::{Optimum, refined};
-use crate::estimate::scene::Scene;
-use crate::estimate::select::{CLEAR, Candidates, Ranked, own_mu_limit, scatter_of_mu};
-use crate::estimate::watch::Watch;
-use crate::names::kernel::Kernel;
-use crate::names::parameter::ParameterKind;
-use crate::numerics::solve::{Solution, Stop};
+use crate::estimate::{CLEAR, Candidates, Ranked, own_mu_limit, scatter_of_mu};
+use crate::estimate::{Estimated, Options};
+use crate::estimate::{Joint, Used};
+use crate::estimate::{Optimum, refined};
+use crate::names::Kernel;
+use crate::names::ParameterKind;
+use crate::numerics::{Solution, Stop};
 use crate::photographs::edge::accepted::Accepted;
-use crate::simulate::noise::PixelNoise;
-use crate::simulate::params::{ByIncidence, Params};
+use crate::simulate::PixelNoise;
 use crate::simulate::photograph as simulate;
+use crate::simulate::{ByIncidence, Params};
 use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial;
 
 /// Standard deviations that make a difference sure: one campaign in 44 on the limit goes the other way.
-pub const SURE: f64 = 2.0;
+pub(crate) const SURE: f64 = 2.0;
 
 /// Terms of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Terms {
+pub(crate) struct Terms {
     /// The kernel.
     pub kernel: Kernel,
     /// Whether every angle has an a of its own.
@@ -48,7 +48,7 @@ pub struct Terms {
 
 /// A term as planted, beside what was made of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Verdict {
+pub(crate) struct Verdict {
     /// Standard deviations by which the planted terms should win against the best simpler ones; `None`: there are none.
     pub margin: Option<f64>,
     /// Whether they were chosen.
@@ -59,7 +59,7 @@ pub struct Verdict {
 
 /// A one-sided bound beside the planted value: c from above, a from below.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct OneSided {
+pub(crate) struct OneSided {
     /// The bound; `None` where the photographs gave none.
     pub bound: Option<f64>,
     /// c in mm, 0 where nothing was shifted; a in 1/mm, `None` where nothing was diffracted.
@@ -70,7 +70,7 @@ pub struct OneSided {
 
 /// What came of one campaign.
 #[derive(Debug, Clone, Serialize)]
-pub struct Trial {
+pub(crate) struct Trial {
     /// Number of the campaign.
     pub index: u64,
     /// Photographs, the reference not counted.
@@ -93,7 +93,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// Photographs so noisy that their edge is not found, or a fit that failed.
-pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
+pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let truth = &params.truth;
     let own = |values: &ByIncidence| matches!(values, ByIncidence::Table(_));
     let planted = Choice {
@@ -264,7 +264,7 @@ fn margins(
 
 /// How often what was planted was chosen, among campaigns that can tell it, cannot, or lie between.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// What was planted.
     pub planted: String,
     /// Campaigns of it.
@@ -302,7 +302,7 @@ impl Row {
 
 /// One kind of one-sided bound.
 #[derive(Debug, Clone, Default, Serialize)]
-pub struct Sided {
+pub(crate) struct Sided {
     /// c at most, or a at least; and of what.
     pub name: String,
     /// Campaigns in which the parameter was not given as a number.
@@ -315,7 +315,7 @@ pub struct Sided {
 
 /// What the trials say.
 #[derive(Debug, Clone, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Campaigns drawn.
     pub campaigns: usize,
     /// Those in which some photograph was refused, by the reason.
@@ -328,7 +328,7 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up the trials, beside the campaigns that came to none.
-    pub fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
+    pub(crate) fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
         let mut rows = Vec::new();
         let (mut all, mut mus) = (Row::new("all kernels".into()), Vec::new());
         for kernel in Kernel::ALL {

@@ -7,19 +7,20 @@ use rayon::prelude::*;
 use serde::Serialize;
 use tables::Table;
 
-use crate::compare::view::Weights;
-use crate::estimate::choice::{Choice, Value};
-use crate::estimate::compared::curve;
-use crate::estimate::fitted::{Estimate, estimate};
+use crate::compare::Weights;
+use crate::estimate::Layout;
+use crate::estimate::Loss;
+use crate::estimate::Optimum;
+use crate::estimate::Renders;
+use crate::estimate::Scene;
+use crate::estimate::curve;
 use crate::estimate::forward;
-use crate::estimate::forward::Renders;
-use crate::estimate::layout::Layout;
-use crate::estimate::loss::Loss;
-use crate::estimate::optimum::{Optimum, optimum};
-use crate::estimate::scene::Scene;
-use crate::numerics::solve::Solution;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
+use crate::estimate::optimum::optimum;
+use crate::estimate::{Choice, Value};
+use crate::estimate::{Estimate, estimate};
+use crate::numerics::Solution;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
 
 /// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
 /// they are compared with begin (fit/BENCHMARKS.md).
@@ -27,7 +28,7 @@ const AWAY: [f64; 2] = [1.75, 7.0 / 12.0];
 
 /// Relative errors of a fit, root mean square over randomisations and incidence angles; null for what the model has not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Errors {
+pub(crate) struct Errors {
     /// Of the spreads.
     pub a: Option<f64>,
     /// Of the corner size.
@@ -38,7 +39,7 @@ pub struct Errors {
 
 /// One forward model timed.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Samples per pixel.
     pub samples: usize,
     /// How they are spread.
@@ -62,7 +63,7 @@ pub struct Row {
 
 /// What a study of forward models says.
 #[derive(Debug, Clone, Serialize)]
-pub struct Speed {
+pub(crate) struct Speed {
     /// Photographs.
     pub photographs: usize,
     /// Median seconds of the estimate in closed form.
@@ -83,7 +84,7 @@ pub struct Speed {
 ///
 /// # Errors
 /// As [`Renders::drawn`].
-pub fn speed(
+pub(crate) fn speed(
     scene: &Scene,
     table: &Table,
     choice: Choice,

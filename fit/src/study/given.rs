@@ -4,22 +4,24 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::estimate::choice::Choice;
-use crate::estimate::error::Error;
-use crate::estimate::fitted::{Estimate, estimate};
-use crate::estimate::joint::Used;
-use crate::estimate::layout::Layout;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::{optimum, refined};
-use crate::estimate::scene::Scene;
-use crate::estimate::select::{Candidates, select};
-use crate::estimate::watch::Watch;
-use crate::names::kernel::Kernel;
-use crate::names::parameter::ParameterId;
+use crate::estimate::Candidates;
+use crate::estimate::Choice;
+use crate::estimate::Error;
+use crate::estimate::Layout;
+use crate::estimate::Scene;
+use crate::estimate::Used;
+use crate::estimate::Watch;
+use crate::estimate::optimum::optimum;
+use crate::estimate::refined;
+use crate::estimate::select::select;
+use crate::estimate::{Estimate, estimate};
+use crate::estimate::{Kind, Loss};
+use crate::names::Kernel;
+use crate::names::ParameterId;
 
 /// What the photographs of a campaign allow, and what the losses make of them.
 #[derive(Debug, Clone, Serialize)]
-pub struct Study {
+pub(crate) struct Study {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// Photographs, the reference not counted.
@@ -34,7 +36,7 @@ pub struct Study {
 
 /// A parameter: how well it can be known, and how well it is.
 #[derive(Debug, Clone, Serialize)]
-pub struct Parameter {
+pub(crate) struct Parameter {
     /// c_mm, a_per_mm or a_times_r, mu; `_at_<incidence>` where there is one per angle.
     pub name: ParameterId,
     /// Estimate of the pixels.
@@ -50,7 +52,7 @@ pub struct Parameter {
 
 /// One kernel fitted with one loss.
 #[derive(Debug, Clone, Serialize)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Terms of the blur.
     pub kernel: Kernel,
     /// What was minimised.
@@ -64,7 +66,7 @@ pub struct Fit {
 }
 
 /// One candidate fitted with one loss: start, optimum, and everything that follows from it.
-pub fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
+pub(crate) fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
     let near = optimum(scene, choice);
     let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
     let best = match kind {
@@ -78,7 +80,7 @@ pub fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
 ///
 /// # Errors
 /// As [`select`].
-pub fn photographs(
+pub(crate) fn photographs(
     scene: &Scene,
     seconds_to_measure: f64,
     open: &Candidates,

@@ -5,15 +5,15 @@ use std::path::Path;
 
 use tables::Table;
 
-use crate::document::bounds::Bounds;
-use crate::document::section::{Document, Section};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::spectrum::Spectrum;
+use crate::document::Bounds;
+use crate::document::{Document, Section};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::Spectrum;
+use crate::simulate::Error;
+use crate::simulate::PixelNoise;
 use crate::simulate::cell;
-use crate::simulate::error::Error;
-use crate::simulate::noise::PixelNoise;
-use crate::simulate::params::{
+use crate::simulate::{
     ByIncidence, CAMERA, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
 };
 
@@ -157,7 +157,7 @@ impl Ranges {
             a_fall: range("a_fall", Bounds::POSITIVE, default.a_fall)?,
             mu_fall: range("mu_fall", Bounds::POSITIVE, default.mu_fall)?,
             camera: match &own {
-                Some(keys) => crate::simulate::params::camera(Some(keys))?,
+                Some(keys) => crate::simulate::camera(Some(keys))?,
                 None => default.camera,
             },
         })

@@ -5,12 +5,12 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::estimate::error::Error;
+use crate::estimate::Error;
 use crate::estimate::scene;
 
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Refused {
+pub(crate) struct Refused {
     /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::fault::Fault::kind`].
     pub reason: &'static str,
     /// How many.
@@ -22,7 +22,7 @@ pub struct Refused {
 }
 
 /// Parts what came of all campaigns, in order, into trials and refusals, the most frequent reason first.
-pub fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T>, Vec<Refused>) {
+pub(crate) fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T>, Vec<Refused>) {
     let (mut trials, mut found) = (Vec::new(), BTreeMap::new());
     for (index, one) in all.into_iter().enumerate() {
         match one {
@@ -55,12 +55,12 @@ fn reason(error: &Error) -> &'static str {
 }
 
 /// How many were refused, whatever for.
-pub fn total(refused: &[Refused]) -> usize {
+pub(crate) fn total(refused: &[Refused]) -> usize {
     refused.iter().map(|of| of.campaigns).sum()
 }
 
 /// In words: how many, of what kind, and the first of every kind.
-pub fn examples(refused: &[Refused]) -> String {
+pub(crate) fn examples(refused: &[Refused]) -> String {
     let mut text = String::new();
     for of in refused {
         let _ = writeln!(
@@ -73,7 +73,7 @@ pub fn examples(refused: &[Refused]) -> String {
 }
 
 /// One line: how many, and of what kind.
-pub fn line(refused: &[Refused]) -> String {
+pub(crate) fn line(refused: &[Refused]) -> String {
     let mut text = format!("{} refused", total(refused));
     for (i, of) in refused.iter().enumerate() {
         let mark = if i == 0 { ": " } else { ", " };

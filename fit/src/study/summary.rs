@@ -2,21 +2,21 @@
 
 use serde::Serialize;
 
-use crate::estimate::loss::Kind;
+use crate::estimate::Kind;
 use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 
 /// Relative bound on c from which a campaign says too little to be counted. A convention: up to there the model is all but
 /// linear across the errors, which the Cramer-Rao bound and intervals of +-1.96 standard errors take it for.
-pub const LOOSE: f64 = 0.1;
+pub(crate) const LOOSE: f64 = 0.1;
 
 /// Standard deviations of a 95 % interval.
 const INTERVAL: f64 = 1.959_964;
 
 /// A number and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// The number.
     pub value: f64,
     /// One standard deviation, by the number of campaigns.
@@ -25,7 +25,7 @@ pub struct Figure {
 
 /// One parameter under one loss.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// c, a or mu.
     pub parameter: &'static str,
     /// What was minimised.
@@ -40,7 +40,7 @@ pub struct Row {
 
 /// What a study says.
 #[derive(Debug, Clone, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Campaigns drawn.
     pub campaigns: usize,
     /// Those in which some photograph was refused, by the reason.
@@ -55,7 +55,7 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up the trials, beside the campaigns that came to none.
-    pub fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
+    pub(crate) fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
         let counted: Vec<&Trial> = trials.iter().filter(|t| tells(t)).collect();
         let mut rows = Vec::new();
         for (i, parameter) in PARAMETERS.into_iter().enumerate() {
@@ -74,7 +74,7 @@ impl Summary {
 }
 
 /// Whether a campaign's photographs tell c.
-pub fn tells(trial: &Trial) -> bool {
+pub(crate) fn tells(trial: &Trial) -> bool {
     trial.bound[0] < LOOSE * trial.truth[0]
 }
 

@@ -6,32 +6,33 @@ use nalgebra::DVector;
 use serde::Serialize;
 use tables::Table;
 
-use crate::estimate::choice::Choice;
-use crate::estimate::error::Error;
-use crate::estimate::fitted::{Estimate, estimate};
-use crate::estimate::joint::{Joint, Used};
-use crate::estimate::layout::Layout;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::{optimum, refined};
-use crate::estimate::scene::Scene;
-use crate::names::kernel::Kernel;
+use crate::estimate::Choice;
+use crate::estimate::Error;
+use crate::estimate::Layout;
+use crate::estimate::Scene;
+use crate::estimate::optimum::optimum;
+use crate::estimate::refined;
+use crate::estimate::{Estimate, estimate};
+use crate::estimate::{Joint, Used};
+use crate::estimate::{Kind, Loss};
+use crate::names::Kernel;
+use crate::photographs::PixelNoise;
 use crate::photographs::captures;
-use crate::photographs::captures::{Campaign, Capture, Setup};
 use crate::photographs::edge::accepted::Accepted;
-use crate::photographs::noise::PixelNoise;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::{Campaign, Capture, Setup};
 use crate::simulate;
-use crate::simulate::params::{Params, PlantedCamera};
+use crate::simulate::{Params, PlantedCamera};
 
 /// The parameters of a trial, in their order everywhere.
-pub const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
+pub(crate) const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
 
 /// The losses of a trial, in their order everywhere.
-pub const LOSSES: [Kind; 2] = [Kind::Mtf, Kind::Edge];
+pub(crate) const LOSSES: [Kind; 2] = [Kind::Mtf, Kind::Edge];
 
 /// What came of one campaign. c in mm, a in 1/mm.
 #[derive(Debug, Clone, Serialize)]
-pub struct Trial {
+pub(crate) struct Trial {
     /// Number of the campaign.
     pub index: u64,
     /// Photographs, the reference not counted.
@@ -52,7 +53,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// As [`Scene::load`]: photographs so noisy that their edge is not found.
-pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
+pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let photographs = source(params, simulate::photograph::photograph);
     let scene = Scene::of(&campaign(params, &[]), table, &photographs)?;
     let choice = Choice {
@@ -61,7 +62,7 @@ pub fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
         per_angle_a: false,
         per_angle_mu: false,
     };
-    let shared = |values: &crate::simulate::params::ByIncidence| {
+    let shared = |values: &crate::simulate::ByIncidence| {
         values
             .at(params.captures[0].incidence_deg)
             .unwrap_or(f64::NAN)

@@ -1,12 +1,12 @@
 //! The azimuth of the sheet by the photographs alone, against planted ones.
 
-use crate::estimate::azimuth::{find, scatter};
-use crate::estimate::choice::Choice;
-use crate::estimate::loss::Kind;
-use crate::estimate::watch::Watch;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::simulate::params::PlantedSheet;
+use crate::estimate::Choice;
+use crate::estimate::Kind;
+use crate::estimate::Watch;
+use crate::estimate::{find, scatter};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::simulate::PlantedSheet;
 use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 

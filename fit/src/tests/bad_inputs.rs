@@ -26,7 +26,7 @@ fn image_error(file: &Path) -> Option<String> {
 }
 
 fn simulate_error(file: &Path) -> Option<String> {
-    crate::simulate::params::Params::load(file)
+    crate::simulate::Params::load(file)
         .err()
         .map(|error| error.to_string())
 }

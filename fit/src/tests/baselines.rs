@@ -4,19 +4,20 @@ use crate::tests::planted;
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
-use crate::document::line::FileLine;
-use crate::estimate::loss::Kind;
-use crate::estimate::scene::Scene;
-use crate::estimate::select::{Candidates, Selection, select};
-use crate::estimate::watch::Watch;
-use crate::model::baseline::{Baseline, fresnel, returned};
-use crate::model::blur::Blur;
+use crate::document::FileLine;
+use crate::estimate::Kind;
+use crate::estimate::Scene;
+use crate::estimate::Watch;
+use crate::estimate::select::select;
+use crate::estimate::{Candidates, Selection};
+use crate::model::Blur;
 use crate::model::microfacet;
-use crate::names::kernel::{Family, Kernel};
-use crate::names::lobe::LobeShape;
-use crate::photographs::captures::{Campaign, Capture, Setup, Shot};
+use crate::model::{Baseline, fresnel, returned};
+use crate::names::LobeShape;
+use crate::names::{Family, Kernel};
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::{Campaign, Capture, Setup, Shot};
 
 use crate::tests::planted::Stream;
 

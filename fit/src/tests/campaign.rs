@@ -3,16 +3,17 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::estimate::campaign::{Options, campaign};
-use crate::estimate::error::{Conflict, Error};
-use crate::estimate::loss::Kind;
-use crate::estimate::select::Candidates;
-use crate::estimate::watch::{Step, Watch};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
-use crate::simulate::params::Params;
+use crate::estimate::Candidates;
+use crate::estimate::Kind;
+use crate::estimate::Options;
+use crate::estimate::campaign::campaign;
+use crate::estimate::{Conflict, Error};
+use crate::estimate::{Step, Watch};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
+use crate::simulate::Params;
 use crate::simulate::photograph;
 use crate::study::trial;
 use crate::tests::planted::{camera, params, table, truth};

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use crate::photographs::Roi;
 use crate::photographs::captures;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::roi::Roi;
 
 /// A folder with a manifest and an image for it.
 fn campaign(manifest: &str) -> (tempfile::TempDir, captures::Campaign) {

@@ -1,8 +1,8 @@
 //! One fit per channel of coloured photographs: each channel is the photograph of its own light.
 
-use crate::estimate::scene::Scene;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::estimate::Scene;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 use crate::photographs::captures;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
@@ -17,7 +17,7 @@ fn every_channel_is_measured_as_its_own_photograph() {
         let folder = tempfile::tempdir().unwrap();
         let truth = truth(Kernel::Eq1, LobeShape::Radial, a, 0.2, mu);
         let params = params(3, truth, &incidence, &[200.0, 300.0], camera(20_000.0));
-        crate::simulate::write::run(&params, folder.path(), true).unwrap();
+        crate::simulate::run(&params, folder.path(), true).unwrap();
         folder
     });
     let mixed = tempfile::tempdir().unwrap();

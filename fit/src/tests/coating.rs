@@ -2,13 +2,13 @@
 
 use crate::images::render::sampled;
 use crate::images::render::view::CameraView;
-use crate::images::render::viewed;
-use crate::images::spot::{Sheet, Spot, Viewpoint};
+use crate::images::viewed;
+use crate::images::{Sheet, Spot, Viewpoint};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::error::Error;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
+use crate::predict::Error;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 

@@ -1,15 +1,15 @@
 //! The slanted-edge estimator against edges of known place and transfer function.
 
-use crate::model::camera::{Camera, Lens};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::model::{Camera, Lens};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::photographs::Estimator;
+use crate::photographs::Profile;
+use crate::photographs::Window;
 use crate::photographs::edge::fault::Fault;
-use crate::photographs::edge::locate;
+use crate::photographs::locate;
 use crate::photographs::photo::plane::Photo;
-use crate::photographs::profile::Profile;
-use crate::photographs::sfr::Estimator;
-use crate::photographs::window::Window;
-use crate::simulate::params::PlantedEdge;
+use crate::simulate::PlantedEdge;
 use crate::simulate::photograph as simulate;
 use crate::tests::planted::{Stream, camera, params, truth};
 

@@ -1,21 +1,23 @@
 //! The estimate against planted answers.
 
-use crate::compare::reflectance::Contrast;
-use crate::compare::view::Weights;
-use crate::estimate::bound::{absent, bounds};
-use crate::estimate::choice::Choice;
-use crate::estimate::fitted::{Estimate, estimate};
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::{optimum, refined, residuals_at};
-use crate::estimate::scene::Scene;
-use crate::estimate::select::{Candidates, select};
-use crate::estimate::watch::Watch;
-use crate::model::blur::Blur;
-use crate::model::edge::Model;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::parameter::ParameterKind;
-use crate::names::spectrum::Spectrum;
+use crate::compare::Contrast;
+use crate::compare::Weights;
+use crate::estimate::Candidates;
+use crate::estimate::Choice;
+use crate::estimate::Scene;
+use crate::estimate::Watch;
+use crate::estimate::optimum::optimum;
+use crate::estimate::select::select;
+use crate::estimate::{Estimate, estimate};
+use crate::estimate::{Kind, Loss};
+use crate::estimate::{absent, bounds};
+use crate::estimate::{refined, residuals_at};
+use crate::model::Blur;
+use crate::model::Model;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::ParameterKind;
+use crate::names::Spectrum;
 use crate::photographs::captures;
 use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use nalgebra::DVector;
@@ -70,9 +72,14 @@ fn model_equals_noise_free_photographs() {
                 let profile = &shot.view.profile;
                 let contrast = Contrast::fit(profile, &curve.bins);
                 let bins = &curve.bins;
-                let error = |j: usize| {
-                    (profile.mean[j] - contrast.dark - contrast.step * bins[j]) / contrast.step
+                // The fit passes through the means, weighted by the pixels of each bin.
+                let mean = |curve: &[f64]| {
+                    let sum: f64 = profile.count.iter().zip(curve).map(|(n, v)| n * v).sum();
+                    sum / profile.count.iter().sum::<f64>()
                 };
+                let dark = mean(&profile.mean) - contrast.step * mean(bins);
+                let error =
+                    |j: usize| (profile.mean[j] - dark - contrast.step * bins[j]) / contrast.step;
                 // The edge's place is the half level of the profile, not the model's centre: its error, a few
                 // thousandths of a pixel, is the share of the slope in the differences.
                 let slope = |j: usize| 0.5 * (bins[j + 1] - bins[j - 1]);
@@ -152,7 +159,7 @@ fn derivatives_match_differences() {
 
 /// Differences from the truth in units of the reported standard error, over planted campaigns.
 fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
-    let pull = |v: crate::estimate::choice::Value, truth: f64| (v.value - truth) / v.standard_error;
+    let pull = |v: crate::estimate::Value, truth: f64| (v.value - truth) / v.standard_error;
     let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
     [
         pull(fit.c_mm.expect("eq1 has c"), c),
@@ -349,8 +356,7 @@ fn degenerate_campaigns() {
     // Nothing returns anywhere: an error that says so.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nothing = params(23, hollow, &incidence[1..], &[200.0], camera(4e4));
-    crate::simulate::write::run(&nothing, folder.path(), true)
-        .expect("the campaign can be written");
+    crate::simulate::run(&nothing, folder.path(), true).expect("the campaign can be written");
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     let error = Scene::load(&campaign, &of_hollow)

@@ -1,13 +1,14 @@
 //! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms. And
 //! predictions drawn against one variable.
 
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::predict::export::{Form, Nearest, nearest};
-use crate::predict::prediction::{Places, around, predict};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::predict::{Form, Nearest, nearest};
+use crate::predict::{Places, around, predict};
+use crate::report::Variable;
 use crate::report::plot;
-use crate::report::plot::Variable;
-use crate::result::report::{ResultFile, TableResult};
+use crate::result::ResultFile;
+use crate::result::TableResult;
 use crate::tests::planted;
 use serde_json::{Value, json};
 use tables::Table;

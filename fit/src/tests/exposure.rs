@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use crate::photographs::Campaign;
 use crate::photographs::captures;
-use crate::photographs::captures::Campaign;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
 

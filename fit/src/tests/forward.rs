@@ -1,20 +1,21 @@
 //! The model by samples against its closed form, and the estimate by one against that by the other.
 
-use crate::compare::view::Weights;
-use crate::estimate::choice::Choice;
-use crate::estimate::compared::{compare, curve};
-use crate::estimate::fitted::{Estimate, estimate};
-use crate::estimate::forward::{RANDOMISATIONS, Renders};
-use crate::estimate::loss::Loss;
-use crate::estimate::optimum::{optimum, refined, residuals_at};
-use crate::estimate::scene::Scene;
-use crate::estimate::watch::Watch;
-use crate::model::blur::Blur;
-use crate::model::edge::Curve;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
+use crate::compare::Weights;
+use crate::estimate::Choice;
+use crate::estimate::Loss;
+use crate::estimate::Scene;
+use crate::estimate::Watch;
+use crate::estimate::optimum::optimum;
+use crate::estimate::{Estimate, estimate};
+use crate::estimate::{RANDOMISATIONS, Renders};
+use crate::estimate::{compare, curve};
+use crate::estimate::{refined, residuals_at};
+use crate::model::Blur;
+use crate::model::Curve;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
 use crate::tests::planted::{camera, params, scene, table, truth};
 use nalgebra::DVector;
 use num_complex::Complex64;

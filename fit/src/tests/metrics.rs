@@ -2,8 +2,8 @@
 //!
 //! Recorded by fit/tests/metrics.py with scikit-image 0.26.0, flip-evaluator 1.7, torch and lpips 0.1.4.
 
+use crate::images::Shown;
 use crate::images::metrics;
-use crate::images::metrics::Shown;
 use crate::images::metrics::lpips::Lpips;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;

@@ -3,15 +3,16 @@
 
 use std::f64::consts::PI;
 
+use crate::photographs::Measurement;
+use crate::photographs::Roi;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::fault::Fault;
-use crate::photographs::measure::{Measurement, edge};
+use crate::photographs::measure::edge;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::roi::Roi;
-use crate::photographs::sfr::{Estimator, standard_error};
+use crate::photographs::{Estimator, standard_error};
 
 const SIGMA_PX: f64 = 0.8;
 const DARK: f64 = 0.1;

@@ -1,18 +1,19 @@
 //! The likelihood of the pixels against planted answers, differences, and a plain loop over all pixels.
 
-use crate::compare::likelihood::{Nuisances, Photograph};
-use crate::estimate::choice::Choice;
-use crate::estimate::fitted::{Estimate, estimate};
-use crate::estimate::joint::{Joint, Used};
-use crate::estimate::layout::Layout;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::{optimum, refined};
-use crate::estimate::scene::Scene;
-use crate::model::blur::Blur;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::photographs::noise::PixelNoise;
-use crate::simulate::params::Params;
+use crate::compare::{Nuisances, Photograph};
+use crate::estimate::Choice;
+use crate::estimate::Layout;
+use crate::estimate::Scene;
+use crate::estimate::optimum::optimum;
+use crate::estimate::refined;
+use crate::estimate::{Estimate, estimate};
+use crate::estimate::{Joint, Used};
+use crate::estimate::{Kind, Loss};
+use crate::model::Blur;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::photographs::PixelNoise;
+use crate::simulate::Params;
 use crate::simulate::photograph as simulate;
 use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use nalgebra::{DMatrix, DVector};
@@ -31,11 +32,7 @@ fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
 }
 
 /// Residuals and nuisance derivatives of a photograph's rows, stacked.
-fn rows(
-    photograph: &Photograph,
-    curves: &crate::compare::likelihood::Curves,
-    at: &Nuisances,
-) -> DMatrix<f64> {
+fn rows(photograph: &Photograph, curves: &crate::compare::Curves, at: &Nuisances) -> DMatrix<f64> {
     let mut all: Vec<Vec<f64>> = Vec::new();
     photograph.rows(curves, at, |row| all.push(row.to_vec()));
     DMatrix::from_fn(all.len(), all[0].len(), |i, j| all[i][j])
@@ -54,7 +51,7 @@ fn nuisance_derivatives_match_differences() {
     );
     let shot = &scene.shots[0];
     let mut photograph = Photograph::new(&shot.pixels, scene.camera.pitch_mm);
-    let model = crate::estimate::compared::model(shot, SHARED);
+    let model = crate::estimate::model(shot, SHARED);
     let blur = Blur {
         spread: 3.4,
         c_mm: 0.31,
@@ -183,7 +180,7 @@ impl Plain {
     fn light(&self, at: &DVector<f64>, photograph: usize) -> Vec<f64> {
         let mut params = self.params.clone();
         params.truth.c_mm = at[0].exp();
-        params.truth.a = crate::simulate::params::ByIncidence::Shared(at[1].exp());
+        params.truth.a = crate::simulate::ByIncidence::Shared(at[1].exp());
         params.camera.sigma_px = at[2].exp();
         params.camera.veil = 0.0;
         params.camera.dark_ratio = 0.0;

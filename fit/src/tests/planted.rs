@@ -2,25 +2,23 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
-use crate::estimate::scene::Scene;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::spectrum::Spectrum;
+use crate::estimate::Scene;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::Spectrum;
 use crate::photographs::captures;
 use crate::simulate::cell;
-use crate::simulate::params::{
-    ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
-};
+use crate::simulate::{ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 use ndarray::{Array2, Array3, Array4};
 use tables::options::{Back, Losses, Method, StatedOptions};
 use tables::{Axes, Exact, Path, Provenance, Table};
 
 /// A splitmix64 stream in [0, 1): reproducible parameters for planted campaigns.
-pub struct Stream(pub u64);
+pub(crate) struct Stream(pub u64);
 
 impl Stream {
     /// The next number, between `low` and `high`.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -30,7 +28,7 @@ impl Stream {
 }
 
 /// The exact table of the ideal cell from the closed form: shift polygons as paths, no bins filled.
-pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
+pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
     let n = incidence_deg.len();
     let cubes = if truth.pair { 2.0 } else { 1.0 };
     let mut paths = Vec::new();
@@ -115,7 +113,7 @@ pub fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> T
 }
 
 /// A small camera.
-pub fn camera(full_well_e: f64) -> PlantedCamera {
+pub(crate) fn camera(full_well_e: f64) -> PlantedCamera {
     PlantedCamera {
         width: 192,
         height: 128,
@@ -133,7 +131,7 @@ pub fn camera(full_well_e: f64) -> PlantedCamera {
 }
 
 /// A campaign over the given incidence angles and distances, edges tilted by varied angles.
-pub fn params(
+pub(crate) fn params(
     seed: u64,
     truth: PlantedSheet,
     incidence_deg: &[f64],
@@ -171,7 +169,7 @@ pub fn params(
 }
 
 /// The truth of a campaign.
-pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> PlantedSheet {
+pub(crate) fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> PlantedSheet {
     PlantedSheet {
         kernel,
         lobe,
@@ -185,9 +183,9 @@ pub fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> Pla
 }
 
 /// Simulates the campaign on disk and measures it as the program does.
-pub fn scene(params: &Params, table: &Table) -> Scene {
+pub(crate) fn scene(params: &Params, table: &Table) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    crate::simulate::write::run(params, folder.path(), true).expect("the campaign can be written");
+    crate::simulate::run(params, folder.path(), true).expect("the campaign can be written");
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     Scene::load(&campaign, table).expect("the photographs hold edges")

@@ -2,16 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::model::camera::{Camera, Lens};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::model::{Camera, Lens};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::photographs::Estimator;
 use crate::photographs::captures;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::measure;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
-use crate::photographs::sfr::Estimator;
-use crate::simulate::params::PlantedEdge;
+use crate::simulate::PlantedEdge;
 use crate::simulate::photograph as simulate;
 use crate::tests::planted::{camera, params, truth};
 

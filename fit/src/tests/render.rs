@@ -3,19 +3,20 @@
 mod samples;
 mod views;
 
+use crate::images::Scale;
 use crate::images::render;
-use crate::images::render::Scale;
 use crate::images::render::psf::{Fault, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::images::{Sampler, Sheet, Spot, TAIL, Viewpoint};
+use crate::names::Kernel;
+use crate::names::LobeShape;
 use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::error::Error;
-use crate::predict::sheet::Fitted;
-use crate::result::report::{ResultFile, TableResult};
+use crate::predict::Error;
+use crate::predict::Fitted;
+use crate::result::ResultFile;
+use crate::result::TableResult;
 use crate::tests::planted::{Stream, table, truth};
 use num_complex::Complex64;
 use serde_json::json;
@@ -299,7 +300,7 @@ fn pictures_come_back_from_their_files() {
             let file = folder.path().join(name);
             assert_eq!(Writing::of(&file), Some(writing));
             std::fs::write(&file, own.clone().encode(writing).unwrap()).unwrap();
-            let read = crate::photographs::photo::load_colour(&file, Some(transfer)).unwrap();
+            let read = crate::photographs::load_colour(&file, Some(transfer)).unwrap();
             assert_eq!(
                 [read.width, read.height, read.planes.len()],
                 [13, 9, planes]

@@ -1,10 +1,10 @@
 //! Samples of shift and lobe against their transforms: the OTF of the samples is the OTF of the model.
 
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::samples::lobe::LobeSampler;
-use crate::samples::sequence::{Points, Sequence};
-use crate::samples::shift::ShiftSampler;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::samples::LobeSampler;
+use crate::samples::ShiftSampler;
+use crate::samples::{Points, Sequence};
 use crate::tests::planted::{Stream, table, truth};
 use ndarray::Array2;
 use num_complex::Complex64;

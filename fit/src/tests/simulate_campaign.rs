@@ -3,14 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::names::Kernel;
+use crate::names::LobeShape;
 use crate::photographs::{captures, photo};
-use crate::simulate::error::Error;
-use crate::simulate::params::{
-    ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
-};
+use crate::simulate::Error;
 use crate::simulate::photograph as simulate;
+use crate::simulate::{ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 
 fn params() -> Params {
     let shot = |distance, incidence, normal| PlantedShot {
@@ -63,12 +61,12 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn campaigns_are_readable_repeatable_and_protected() {
     let folder = tempfile::tempdir().unwrap();
     let (one, two) = (folder.path().join("one"), folder.path().join("deeper/two"));
-    let report = crate::simulate::write::run(&params(), &one, false).unwrap();
+    let report = crate::simulate::run(&params(), &one, false).unwrap();
     assert_eq!(
         (report.photographs, report.clipped, report.warnings.len()),
         (3, 0, 0)
     );
-    crate::simulate::write::run(&params(), &two, false).unwrap();
+    crate::simulate::run(&params(), &two, false).unwrap();
     let first = files(&one);
     assert_eq!(first.len(), 5);
     assert_eq!(first, files(&two), "the same seed gives the same bytes");
@@ -79,11 +77,11 @@ fn campaigns_are_readable_repeatable_and_protected() {
     );
 
     assert!(matches!(
-        crate::simulate::write::run(&params(), &one, false),
+        crate::simulate::run(&params(), &one, false),
         Err(Error::NotEmpty { .. })
     ));
     assert_eq!(first, files(&one));
-    crate::simulate::write::run(
+    crate::simulate::run(
         &Params {
             seed: 12,
             ..params()
@@ -198,7 +196,7 @@ fn an_empty_direction_is_a_veil() {
 fn the_photograph_is_the_same_through_its_own_file() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("campaign");
-    crate::simulate::write::run(&params(), &out, false).unwrap();
+    crate::simulate::run(&params(), &out, false).unwrap();
     let source = photo::load(&out.join("source.exr"), &photo::channel::Decode::default()).unwrap();
     assert_eq!(
         source.luminance,

@@ -2,19 +2,19 @@
 
 use std::path::Path;
 
-use crate::estimate::loss::Kind;
-use crate::estimate::select::Candidates;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::names::parameter::ParameterKind;
-use crate::names::spectrum::Spectrum;
+use crate::estimate::Candidates;
+use crate::estimate::Kind;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::names::ParameterKind;
+use crate::names::Spectrum;
+use crate::study::Ranges;
+use crate::study::Trial;
 use crate::study::choice;
-use crate::study::given::photographs;
-use crate::study::ranges::Ranges;
+use crate::study::photographs;
 use crate::study::refused;
-use crate::study::summary::{Summary, tells};
 use crate::study::trial;
-use crate::study::trial::Trial;
+use crate::study::{Summary, tells};
 use crate::tests::planted::{camera, params, scene, table, truth};
 use rayon::prelude::*;
 

@@ -7,7 +7,7 @@ use crate::images::metrics::lpips;
 /// Why two pictures cannot be compared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub(crate) enum Error {
     /// Of two sizes.
     #[error("{} is {} x {} pixels, {} is {} x {}; crop or render one to the size of the other",
         rendered.display(), sizes[0][0], sizes[0][1], photo.display(), sizes[1][0], sizes[1][1])]

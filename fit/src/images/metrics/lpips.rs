@@ -28,12 +28,12 @@ const SHIFT: [f32; 3] = [-0.030, -0.088, -0.188];
 const SCALE: [f32; 3] = [0.458, 0.448, 0.450];
 
 /// Smallest side that leaves a pixel after both poolings.
-pub const SMALLEST: usize = 31;
+pub(crate) const SMALLEST: usize = 31;
 
 /// Why weights cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub(crate) enum Error {
     /// The system does not give the file.
     #[error("{}: cannot be read ({source}); check the path", file.display())]
     Read {
@@ -62,7 +62,7 @@ pub enum Error {
 
 /// The network.
 #[derive(Debug, Clone)]
-pub struct Lpips {
+pub(crate) struct Lpips {
     layers: Vec<Layer>,
 }
 
@@ -81,7 +81,7 @@ impl Lpips {
     ///
     /// # Errors
     /// [`Error`].
-    pub fn read(path: &Path) -> Result<Lpips, Error> {
+    pub(crate) fn read(path: &Path) -> Result<Lpips, Error> {
         let file = || path.to_owned();
         let bytes = std::fs::read(path).map_err(|source| Error::Read {
             file: file(),
@@ -101,7 +101,7 @@ impl Lpips {
     ///
     /// # Errors
     /// Those of `tensor`.
-    pub fn from_tensors<E>(
+    pub(crate) fn from_tensors<E>(
         mut tensor: impl FnMut(&str, usize) -> Result<Vec<f32>, E>,
     ) -> Result<Lpips, E> {
         let mut layers = Vec::with_capacity(LAYERS.len());
@@ -120,7 +120,7 @@ impl Lpips {
     }
 
     /// The distance, 0 for equal pictures; both have one size, at least [`SMALLEST`] on both sides.
-    pub fn distance(&self, a: &Shown, b: &Shown) -> f64 {
+    pub(crate) fn distance(&self, a: &Shown, b: &Shown) -> f64 {
         let mut pair = [a, b].map(Maps::of);
         let mut sum = 0.0;
         for layer in &self.layers {

@@ -16,9 +16,9 @@ use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
 use crate::images::spot::{Sheet, Viewpoint};
-use crate::numerics::fourier::smooth_odd;
 use crate::numerics::sinc::sinc;
-use crate::predict::error::Error;
+use crate::numerics::smooth_odd;
+use crate::predict::Error;
 
 /// Error of the transfer at any frequency that the sum over m may leave.
 const TOLERANCE: f64 = 1e-4;
@@ -27,11 +27,11 @@ const TOLERANCE: f64 = 1e-4;
 const WIDEST: usize = 32;
 
 /// Largest size of a kernel, pixels: wider ones hold half a gigabyte.
-pub const LARGEST: usize = 8191;
+pub(crate) const LARGEST: usize = 8191;
 
 /// Weights between pixels, and the energy of the place.
 #[derive(Debug, Clone)]
-pub struct Psf {
+pub(crate) struct Psf {
     /// Columns and rows reached on either side.
     pub reach: [usize; 2],
     /// Weights, rows from -reach\[1\] to reach\[1\], each from -reach\[0\] to reach\[0\]; they sum to 1, to 0 where nothing
@@ -48,7 +48,7 @@ pub struct Psf {
 /// Why there are no weights.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub(crate) enum Fault {
     /// The sheet has none.
     #[error(transparent)]
     Sheet(#[from] Error),
@@ -72,7 +72,7 @@ impl Psf {
     ///
     /// # Errors
     /// [`Fault`].
-    pub fn new(
+    pub(crate) fn new(
         sheet: &dyn Sheet,
         place: &Viewpoint,
         pixels_from_mm: [[f64; 2]; 2],

@@ -13,9 +13,9 @@ use crate::images::render::view::CameraView;
 use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
 use crate::images::spot::{Sheet, Spot, Viewpoint};
 use crate::photographs::photo::picture::Picture;
-use crate::predict::error::Error as Unshown;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Points;
+use crate::predict::Error as Unshown;
+use crate::samples::Points;
+use crate::samples::Sampling;
 
 /// Independent randomisations among which a pixel's samples are shared out; its standard error comes from their scatter.
 const RANDOMISATIONS: usize = 8;
@@ -25,7 +25,7 @@ const DRAWN: usize = 32_768;
 
 /// An image by samples.
 #[derive(Debug)]
-pub struct Sampled {
+pub(crate) struct Sampled {
     /// The image.
     pub image: Picture,
     /// Root mean square over all values of the image of their standard errors; `None` for one sample a pixel.
@@ -36,7 +36,7 @@ pub struct Sampled {
 
 /// What the sheet makes of one place.
 #[derive(Debug, Clone, Copy)]
-pub struct Spotted {
+pub(crate) struct Spotted {
     /// The place.
     pub place: Viewpoint,
     /// Luminance over the source's; `None` without mu.
@@ -143,7 +143,7 @@ fn turned(matrix: &[[f64; 2]; 2], offset: [f64; 2]) -> [f64; 2] {
 ///
 /// # Errors
 /// [`Error::Blur`]; [`Error::NoSamples`].
-pub fn uniform(
+pub(crate) fn uniform(
     source: &Picture,
     sheet: &dyn Sheet,
     place: &Viewpoint,
@@ -188,7 +188,7 @@ pub fn uniform(
 ///
 /// # Errors
 /// [`Error::Unseen`], [`Error::Pixel`], [`Error::NoSamples`].
-pub fn viewed(
+pub(crate) fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
     view: &CameraView,

@@ -15,7 +15,7 @@ use crate::images::render::transform::Convolver;
 const MOST: usize = 64;
 
 /// Weights on a grid of corners.
-pub struct Tiles {
+pub(crate) struct Tiles {
     /// Corners along both axes, in pixels from the picture's left and top: the first at -0.5, the last at the far end.
     places: [Vec<f64>; 2],
     /// Row-major, energy included.
@@ -30,7 +30,7 @@ impl Tiles {
     ///
     /// # Errors
     /// Those of `at`.
-    pub fn new<E: From<Fault> + Send>(
+    pub(crate) fn new<E: From<Fault> + Send>(
         size: [usize; 2],
         tolerance: f64,
         at: impl Fn([f64; 2]) -> Result<Psf, E> + Sync,
@@ -89,19 +89,19 @@ impl Tiles {
     }
 
     /// Number of tiles along both axes.
-    pub fn counts(&self) -> [usize; 2] {
+    pub(crate) fn counts(&self) -> [usize; 2] {
         self.places.each_ref().map(|places| places.len() - 1)
     }
 
     /// Columns and rows of all corners, from the middle of the picture's first pixel.
-    pub fn corner_places(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+    pub(crate) fn corner_places(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let [columns, rows] = &self.places;
         rows.iter()
             .flat_map(|&y| columns.iter().map(move |&x| [x, y]))
     }
 
     /// Weights at all corners.
-    pub fn corners(&self) -> &[Psf] {
+    pub(crate) fn corners(&self) -> &[Psf] {
         &self.corners
     }
 
@@ -112,7 +112,7 @@ impl Tiles {
     }
 
     /// The image of planes of one size, `size` columns and rows.
-    pub fn render(&self, planes: &[Vec<f32>], [width, height]: [usize; 2]) -> Vec<Vec<f32>> {
+    pub(crate) fn render(&self, planes: &[Vec<f32>], [width, height]: [usize; 2]) -> Vec<Vec<f32>> {
         let mut images = vec![vec![0.0; width * height]; planes.len()];
         let [columns, rows] = self.counts();
         // Tiles are put in in order, each made by itself.

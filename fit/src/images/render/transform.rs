@@ -11,13 +11,13 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
 use crate::images::render::psf::Psf;
-use crate::numerics::fourier::{smooth, smooth_even};
+use crate::numerics::{smooth, smooth_even};
 
 /// Columns that are transformed together: a cache line of the rows that they are gathered from.
 const BLOCK: usize = 16;
 
 /// The transforms for pictures of one size and blurs up to one reach.
-pub struct Convolver {
+pub(crate) struct Convolver {
     /// Columns and rows of the picture.
     picture: [usize; 2],
     /// Columns and rows of a period, wide enough that nothing that is seen comes round.
@@ -29,13 +29,13 @@ pub struct Convolver {
 }
 
 /// The spectrum of a picture or of weights: blocks of columns, each column whole.
-pub struct Spectrum {
+pub(crate) struct Spectrum {
     blocks: Vec<Vec<Complex32>>,
 }
 
 impl Convolver {
     /// For pictures of `size` (columns, rows) and weights of `reach`.
-    pub fn new(size: [usize; 2], reach: [usize; 2]) -> Convolver {
+    pub(crate) fn new(size: [usize; 2], reach: [usize; 2]) -> Convolver {
         // What is sent past one end comes round to the other, where only `reach` is needed dark.
         let period = [smooth_even(size[0] + reach[0]), smooth(size[1] + reach[1])];
         let mut real = RealFftPlanner::new();
@@ -51,7 +51,7 @@ impl Convolver {
     }
 
     /// The transform of weights, scaled so that a spectrum times it is ready for [`Convolver::blur`].
-    pub fn weights(&self, psf: &Psf) -> Spectrum {
+    pub(crate) fn weights(&self, psf: &Psf) -> Spectrum {
         let [width, height] = self.period;
         let [reach_x, reach_y] = psf.reach;
         let scale = 1.0 / (width * height) as f32;
@@ -78,12 +78,12 @@ impl Convolver {
     }
 
     /// The picture's plane blurred, `picture` in size: black outside.
-    pub fn blur(&self, plane: &[f32], weights: &Spectrum) -> Vec<f32> {
+    pub(crate) fn blur(&self, plane: &[f32], weights: &Spectrum) -> Vec<f32> {
         self.blurred(self.spectrum(plane).times(weights))
     }
 
     /// The transform of a plane.
-    pub fn spectrum(&self, plane: &[f32]) -> Spectrum {
+    pub(crate) fn spectrum(&self, plane: &[f32]) -> Spectrum {
         let lines: Vec<Option<Vec<Complex32>>> = plane
             .par_chunks_exact(self.picture[0])
             .map(|row| {
@@ -96,7 +96,7 @@ impl Convolver {
     }
 
     /// The plane of a spectrum.
-    pub fn blurred(&self, mut spectrum: Spectrum) -> Vec<f32> {
+    pub(crate) fn blurred(&self, mut spectrum: Spectrum) -> Vec<f32> {
         let [width, pixels_down] = self.picture;
         let height = self.period[1];
         let blocks = spectrum.blocks.par_iter_mut();
@@ -156,7 +156,7 @@ impl Convolver {
 
 impl Spectrum {
     /// The product of two of one size.
-    pub fn times(&self, other: &Spectrum) -> Spectrum {
+    pub(crate) fn times(&self, other: &Spectrum) -> Spectrum {
         let blocks = self.blocks.par_iter().zip(&other.blocks);
         let product = |(block, other): (&Vec<Complex32>, &Vec<Complex32>)| {
             block.iter().zip(other).map(|(a, b)| a * b).collect()

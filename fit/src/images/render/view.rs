@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use crate::document::bounds::Bounds;
+use crate::document::Bounds;
 use crate::document::error as document;
-use crate::document::section::{Document, Section};
+use crate::document::{Document, Section};
 use crate::images::spot::Viewpoint;
 
 /// Directions this close to the normal have no azimuth of their own, rad.
@@ -28,7 +28,7 @@ const UPRIGHT: f64 = 1e-9;
 
 /// What a VIEW.toml says; lengths in mm, directions of length 1.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CameraView {
+pub(crate) struct CameraView {
     file: PathBuf,
     camera: Vector3<f64>,
     centre: Vector3<f64>,
@@ -49,7 +49,7 @@ pub struct CameraView {
 
 /// How a pixel is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub(crate) struct Seen {
     /// Where on the sheet.
     pub place: Viewpoint,
     /// From (tangential, sagittal) mm across the ray to (columns, rows).
@@ -62,7 +62,7 @@ pub struct Seen {
 /// A pixel that shows no sheet.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Error {
+pub(crate) enum Error {
     /// The sheet turns its back.
     #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn `normal` of [sheet] towards \
              the camera", file.display())]
@@ -98,7 +98,7 @@ impl CameraView {
     ///
     /// # Errors
     /// [`document::Error`] with file, line, key and remedy.
-    pub fn load(file: &Path) -> Result<CameraView, document::Error> {
+    pub(crate) fn load(file: &Path) -> Result<CameraView, document::Error> {
         let document = Document::read(file)?;
         let parsed = document.parse()?;
         let known = ["camera", "image", "sheet", "ambient", "coating"];
@@ -144,7 +144,7 @@ impl CameraView {
     }
 
     /// One pixel, mm.
-    pub fn pitch_mm(&self) -> f64 {
+    pub(crate) fn pitch_mm(&self) -> f64 {
         self.pitch_mm
     }
 
@@ -152,7 +152,7 @@ impl CameraView {
     ///
     /// # Errors
     /// [`Error`].
-    pub fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
+    pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
         let file = || self.file.clone();
         let plane = self.right.cross(&self.down);
         let point = self.centre + (self.right * column + self.down * row) * self.pitch_mm;
@@ -223,7 +223,7 @@ impl CameraView {
 }
 
 /// Share of unpolarised light that a flat face of `index` reflects at an incidence (Fresnel's equations).
-pub fn fresnel(index: f64, incidence_deg: f64) -> f64 {
+pub(crate) fn fresnel(index: f64, incidence_deg: f64) -> f64 {
     let (sine, cosine) = incidence_deg.to_radians().sin_cos();
     let inside = 1.0 - (sine / index).powi(2);
     if inside <= 0.0 {

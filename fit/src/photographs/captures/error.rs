@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::document::FileLine;
 use crate::document::error as document;
-use crate::document::line::FileLine;
 use crate::photographs::photo::error as photo;
 use crate::photographs::roi::Roi;
 

@@ -22,7 +22,7 @@ const BOW: [f64; 2] = [0.1, 1.0];
 
 /// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of these, and of what is
 /// accepted.
-pub fn check(
+pub(crate) fn check(
     window: &Window,
     line: &EdgeLine,
     profile: &Profile,
@@ -65,7 +65,7 @@ pub fn check(
 ///
 /// # Errors
 /// [`Fault::Bowed`].
-pub fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<f64, Fault> {
+pub(crate) fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<f64, Fault> {
     let (sagitta_px, error) = bow(window, line, profile);
     let sagitta_px = sagitta_px.abs();
     if sagitta_px <= 5.0 * error {

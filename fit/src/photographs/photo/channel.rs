@@ -3,7 +3,7 @@
 use crate::photographs::photo::transfer::Transfer;
 
 /// Rec. 709 weights of linear red, green and blue in luminance (ITU-R BT.709-6, item 3.2).
-pub const REC709: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub(crate) const REC709: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Which plane of a colour photograph is used.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]

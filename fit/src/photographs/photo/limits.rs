@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::photographs::photo::error::Error;
 
 /// Largest photograph that is decoded, pixels: a claim beyond it is refused from the header alone.
-pub const MAX_PIXELS: u64 = 200_000_000;
+pub(crate) const MAX_PIXELS: u64 = 200_000_000;
 
 /// Refuses sizes that no photograph has, before anything is allocated for them.
 pub(crate) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Error> {

@@ -8,7 +8,7 @@ use crate::report::page::markup::{escape, minus};
 
 /// One axis of a panel.
 #[derive(Debug, Clone, Copy)]
-pub struct Axis {
+pub(crate) struct Axis {
     low: f64,
     high: f64,
     log: bool,
@@ -16,7 +16,7 @@ pub struct Axis {
 
 impl Axis {
     /// From `low` to `high`, evenly.
-    pub fn linear(low: f64, high: f64) -> Axis {
+    pub(crate) fn linear(low: f64, high: f64) -> Axis {
         // An axis without a length would divide by it.
         let high = if high > low { high } else { low + 1.0 };
         Axis {
@@ -27,7 +27,7 @@ impl Axis {
     }
 
     /// From `low` > 0 to `high`, by powers.
-    pub fn logarithmic(low: f64, high: f64) -> Axis {
+    pub(crate) fn logarithmic(low: f64, high: f64) -> Axis {
         Axis {
             log: true,
             ..Axis::linear(low, high)
@@ -35,7 +35,7 @@ impl Axis {
     }
 
     /// Around all values, with a margin of 6 % of their range.
-    pub fn around(values: impl IntoIterator<Item = f64>) -> Axis {
+    pub(crate) fn around(values: impl IntoIterator<Item = f64>) -> Axis {
         let (low, high) = values
             .into_iter()
             .filter(|v| v.is_finite())
@@ -104,7 +104,7 @@ fn nice(step: f64) -> f64 {
 
 /// A rectangle of the picture with two axes. Lengths in the picture's own units, origin at its upper left.
 #[derive(Debug, Clone, Copy)]
-pub struct Panel {
+pub(crate) struct Panel {
     /// Across.
     pub x: Axis,
     /// Upwards.
@@ -123,7 +123,7 @@ impl Panel {
     }
 
     /// Lines and names of the y ticks; x ticks with names if `named`.
-    pub fn grid(&self, y_ticks: usize, named: bool) -> String {
+    pub(crate) fn grid(&self, y_ticks: usize, named: bool) -> String {
         const X_TICKS: usize = 5;
         let [left, top, width, height] = self.frame;
         let (right, bottom) = (left + width, top + height);
@@ -155,7 +155,7 @@ impl Panel {
     }
 
     /// Names of the axes: below, and turned on the left.
-    pub fn names(&self, x: &str, y: &str) -> String {
+    pub(crate) fn names(&self, x: &str, y: &str) -> String {
         let [left, top, width, height] = self.frame;
         let (centre, middle) = (left + 0.5 * width, top + 0.5 * height);
         let below = if x.is_empty() {
@@ -174,7 +174,7 @@ impl Panel {
     }
 
     /// A curve; what leaves the panel upwards is cut there.
-    pub fn line(&self, class: &str, points: &[[f64; 2]]) -> String {
+    pub(crate) fn line(&self, class: &str, points: &[[f64; 2]]) -> String {
         let mut d = String::new();
         let mut pen = false;
         let mut go = |[x, y]: [f64; 2], pen: bool| {
@@ -208,7 +208,7 @@ impl Panel {
     }
 
     /// Round dots: lines of no length with round ends.
-    pub fn dots(&self, class: &str, points: &[[f64; 2]]) -> String {
+    pub(crate) fn dots(&self, class: &str, points: &[[f64; 2]]) -> String {
         let mut d = String::new();
         for &[x, y] in points {
             let [x, y] = self.at(x, y);
@@ -218,7 +218,7 @@ impl Panel {
     }
 
     /// Upright bars from the first to the second y.
-    pub fn bars(&self, class: &str, bars: &[(f64, [f64; 2])]) -> String {
+    pub(crate) fn bars(&self, class: &str, bars: &[(f64, [f64; 2])]) -> String {
         let mut d = String::new();
         for &(x, [low, high]) in bars {
             let ([x, low], [_, high]) = (self.at(x, low), self.at(x, high));
@@ -228,17 +228,17 @@ impl Panel {
     }
 
     /// A level line across.
-    pub fn level(&self, class: &str, y: f64) -> String {
+    pub(crate) fn level(&self, class: &str, y: f64) -> String {
         self.line(class, &[[self.x.low, y], [self.x.high, y]])
     }
 
     /// An upright line from bottom to top.
-    pub fn upright(&self, class: &str, x: f64) -> String {
+    pub(crate) fn upright(&self, class: &str, x: f64) -> String {
         self.line(class, &[[x, self.y.low], [x, self.y.high]])
     }
 
     /// A shaded rectangle between two corners, as far as it lies in the panel.
-    pub fn shade(&self, class: &str, from: [f64; 2], to: [f64; 2]) -> String {
+    pub(crate) fn shade(&self, class: &str, from: [f64; 2], to: [f64; 2]) -> String {
         let limit = |axis: &Axis, v: f64| v.clamp(axis.low, axis.high);
         let inside = |[x, y]: [f64; 2]| self.at(limit(&self.x, x), limit(&self.y, y));
         let ([x0, y1], [x1, y0]) = (inside(from), inside(to));
@@ -250,12 +250,12 @@ impl Panel {
     }
 
     /// A shaded rectangle over the whole width.
-    pub fn band(&self, class: &str, low: f64, high: f64) -> String {
+    pub(crate) fn band(&self, class: &str, low: f64, high: f64) -> String {
         self.shade(class, [self.x.low, low], [self.x.high, high])
     }
 
     /// The unit circle under the linear map [[a, 0], [b, c]] about 0 (linear axes): an ellipse.
-    pub fn ellipse(&self, style: &str, [a, b, c]: [f64; 3]) -> String {
+    pub(crate) fn ellipse(&self, style: &str, [a, b, c]: [f64; 3]) -> String {
         let [x, y] = self.at(0.0, 0.0);
         let [_, _, width, height] = self.frame;
         let right = width / (self.x.high - self.x.low);
@@ -270,7 +270,7 @@ impl Panel {
 }
 
 /// A picture with a description for those who do not see it.
-pub fn svg([width, height]: [f64; 2], label: &str, body: &str) -> String {
+pub(crate) fn svg([width, height]: [f64; 2], label: &str, body: &str) -> String {
     format!(
         "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">{body}</svg>\n",
         escape(label)

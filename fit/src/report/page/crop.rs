@@ -5,7 +5,7 @@ use std::io::Cursor;
 use base64::Engine;
 use image::{ImageFormat, Rgb, RgbImage};
 
-use crate::photographs::captures::Shot;
+use crate::photographs::Shot;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
@@ -26,7 +26,7 @@ type Rectangle = [usize; 4];
 
 /// A crop as SVG markup: the tone-mapped pixels with the region and the edge that was found in it as lines. `None` where
 /// the photograph cannot be read any more.
-pub fn crop(shot: &Shot, label: &str) -> Option<String> {
+pub(crate) fn crop(shot: &Shot, label: &str) -> Option<String> {
     let photo = shot.load().ok()?;
     let measured = measure::edge(&photo, shot.roi, &shot.accepted).ok();
     let whole = [0, 0, photo.width, photo.height];

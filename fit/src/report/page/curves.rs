@@ -1,6 +1,6 @@
 //! Small multiples: the MTF of every photograph, measured and modelled through one estimator, and what lies between.
 
-use crate::result::report::CaptureResult;
+use crate::result::CaptureResult;
 
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{escape, significant};
@@ -13,7 +13,7 @@ const VISIBLE: f64 = 0.02;
 const RESIDUALS: f64 = 4.0;
 
 /// One figure per photograph, all with the same axes.
-pub fn section(page: &Page) -> String {
+pub(crate) fn section(page: &Page) -> String {
     let captures = &page.result.captures;
     let farthest = captures
         .iter()

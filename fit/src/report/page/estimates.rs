@@ -1,15 +1,15 @@
 //! The numbers: c, a and mu with 95 % intervals, or bounds.
 
-use crate::estimate::bound::Bound;
-use crate::names::parameter::{ParameterId, ParameterKind};
-use crate::result::report::{AtAngle, Number, Parameter};
+use crate::estimate::Bound;
+use crate::names::{ParameterId, ParameterKind};
+use crate::result::{AtAngle, Number, Parameter};
 
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{Row, minus, rounded, significant, table};
 use crate::report::page::shown::Page;
 
 /// Half a 95 % interval, in standard errors of a normal distribution.
-pub const INTERVAL: f64 = 1.959_964;
+pub(crate) const INTERVAL: f64 = 1.959_964;
 
 /// One parameter as the page shows it.
 struct Shown<'a> {
@@ -30,7 +30,7 @@ struct Entry {
 }
 
 /// Symbol, meaning and unit of a parameter.
-pub fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'static str) {
+pub(crate) fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'static str) {
     match kind {
         ParameterKind::CornerSize => ("c", "corner size", "mm"),
         ParameterKind::ATimesR => ("a\u{a0}R", "diffraction spread times distance", ""),
@@ -88,7 +88,7 @@ fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Show
 }
 
 /// Cards, charts by angle, and the whole table.
-pub fn section(page: &Page) -> String {
+pub(crate) fn section(page: &Page) -> String {
     let result = page.result;
     // A term that the model lacks may have a bound all the same.
     let absent = |kind: ParameterKind| {

@@ -1,10 +1,10 @@
 //! What an estimate rests on: profile likelihoods, how much worse the best fit becomes as one parameter is moved away.
 
-use crate::estimate::bound::Bound;
-use crate::estimate::campaign::Estimated;
-use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::sum_of_squares_with;
-use crate::names::parameter::{ParameterId, ParameterKind};
+use crate::estimate::Bound;
+use crate::estimate::Estimated;
+use crate::estimate::sum_of_squares_with;
+use crate::estimate::{Kind, Loss};
+use crate::names::{ParameterId, ParameterKind};
 
 /// Most parameters that are followed: of a campaign with many angles the first.
 const MOST: usize = 4;
@@ -17,7 +17,7 @@ const REACH: f64 = 3.0;
 
 /// The profile likelihood of one parameter.
 #[derive(Debug, Clone)]
-pub struct LikelihoodProfile {
+pub(crate) struct LikelihoodProfile {
     /// The parameter.
     pub id: ParameterId,
     /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per degree of freedom, at least 1).
@@ -28,7 +28,7 @@ pub struct LikelihoodProfile {
 
 /// What an estimate rests on, beyond its numbers.
 #[derive(Debug, Clone)]
-pub struct Evidence {
+pub(crate) struct Evidence {
     /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
     pub reduced_chi2: f64,
     /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four. None under `mse`, which is no
@@ -38,7 +38,7 @@ pub struct Evidence {
 
 impl Evidence {
     /// Follows the profiles of a fit: each point is a least-squares fit of all other parameters.
-    pub fn of(estimated: &Estimated) -> Evidence {
+    pub(crate) fn of(estimated: &Estimated) -> Evidence {
         let (fit, bounds) = (&estimated.best, &estimated.bounds);
         let size = ParameterKind::size_of(fit.choice.kernel);
         let wanted = |i: &usize| {

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::names::parameter::{ParameterId, ParameterKind};
-use crate::result::report::Parameter;
+use crate::names::{ParameterId, ParameterKind};
+use crate::result::Parameter;
 
 use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::estimates::{INTERVAL, symbol};
@@ -26,7 +26,7 @@ const SIZE: [f64; 2] = [360.0, 236.0];
 const FRAME: [f64; 4] = [54.0, 10.0, 294.0, 184.0];
 
 /// Profiles and ellipses.
-pub fn section(page: &Page) -> String {
+pub(crate) fn section(page: &Page) -> String {
     let mut figures: String = page
         .evidence
         .profiles

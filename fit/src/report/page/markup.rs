@@ -1,7 +1,7 @@
 //! Text and numbers of a page. Everything that comes from a file or a command line goes through [`escape`].
 
 /// Text for any place of the page, attributes too. Characters that no XML may hold become the replacement character.
-pub fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
         match character {
@@ -19,7 +19,7 @@ pub fn escape(text: &str) -> String {
 }
 
 /// A number with as many decimals as show two significant digits of its error.
-pub fn rounded(value: f64, error: f64) -> String {
+pub(crate) fn rounded(value: f64, error: f64) -> String {
     let decimals = if error > 0.0 && error.is_finite() {
         (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize
     } else {
@@ -29,7 +29,7 @@ pub fn rounded(value: f64, error: f64) -> String {
 }
 
 /// A number with so many significant digits; a power of ten where it would be long.
-pub fn significant(value: f64, digits: usize) -> String {
+pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(format!("{value}"));
     }
@@ -43,7 +43,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A criterion or a chi-square: one decimal, or whole in groups of three where it is large.
-pub fn grouped(value: f64) -> String {
+pub(crate) fn grouped(value: f64) -> String {
     if value.abs() < 10_000.0 || !value.is_finite() {
         return minus(format!("{value:.1}"));
     }
@@ -59,17 +59,17 @@ pub fn grouped(value: f64) -> String {
 }
 
 /// The typographic minus.
-pub fn minus(number: String) -> String {
+pub(crate) fn minus(number: String) -> String {
     number.replace('-', "\u{2212}")
 }
 
 /// A number of things.
-pub fn count(number: usize, one: &str, several: &str) -> String {
+pub(crate) fn count(number: usize, one: &str, several: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { several })
 }
 
 /// A table that scrolls by itself where it is wider than the page. Cells are markup; the first of a row is its header.
-pub fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
+pub(crate) fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
     let mut out = format!(
         "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\"><table>\n<thead><tr>",
         escape(label)
@@ -97,7 +97,7 @@ pub fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
 }
 
 /// One row of a [`table`].
-pub struct Row {
+pub(crate) struct Row {
     /// Markup of the cells.
     pub cells: Vec<String>,
     /// Whether it stands out.

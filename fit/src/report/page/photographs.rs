@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::photographs::captures::Shot;
-use crate::result::report::ResultFile;
+use crate::photographs::Shot;
+use crate::result::ResultFile;
 
 use crate::report::page::crop::crop;
 use crate::report::page::markup::{count, escape};
@@ -20,13 +20,13 @@ struct Warned<'a> {
 }
 
 /// How many warnings a result has.
-pub fn number(result: &ResultFile) -> usize {
+pub(crate) fn number(result: &ResultFile) -> usize {
     let of_captures: usize = result.captures.iter().map(|c| c.warnings.len()).sum();
     result.warnings.len() + of_captures
 }
 
 /// All of them.
-pub fn section(page: &Page) -> String {
+pub(crate) fn section(page: &Page) -> String {
     let warned = gather(page);
     if warned.is_empty() {
         return "<p>None: nothing was repaired, assumed or found doubtful.</p>\n".into();

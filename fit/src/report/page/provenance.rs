@@ -4,7 +4,7 @@ use crate::report::page::markup::{escape, significant};
 use crate::report::page::shown::Page;
 
 /// Names and values.
-pub fn section(page: &Page) -> String {
+pub(crate) fn section(page: &Page) -> String {
     let result = page.result;
     let code = |text: &str| format!("<code>{}</code>", escape(text));
     let mut rows = vec![

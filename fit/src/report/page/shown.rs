@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use crate::photographs::captures::Campaign;
+use crate::photographs::Campaign;
 use crate::report::page::evidence::Evidence;
-use crate::result::report::ResultFile;
-use crate::simulate::truth::Truth;
+use crate::result::ResultFile;
+use crate::simulate::Truth;
 
 /// What is shown.
-pub struct Page<'a> {
+pub(crate) struct Page<'a> {
     /// The estimate.
     pub result: &'a ResultFile,
     /// The photographs and where they lie; those that are warned about are read again for their crops.

@@ -1,16 +1,16 @@
 //! Which terms the model has, and why.
 
-use crate::estimate::loss::Kind;
-use crate::estimate::select::CLEAR;
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
-use crate::result::report::{Candidate, Parameter, ResultFile, sharing};
+use crate::estimate::CLEAR;
+use crate::estimate::Kind;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::result::{Candidate, Parameter, ResultFile, sharing};
 
 use crate::report::page::markup::{Row, grouped, table};
 use crate::report::page::shown::Page;
 
 /// The model in words.
-pub fn in_words(kernel: Kernel, lobe: Option<LobeShape>) -> String {
+pub(crate) fn in_words(kernel: Kernel, lobe: Option<LobeShape>) -> String {
     let lobe = match lobe {
         Some(shape) => format!("a {} lobe", shape.name()),
         None => "a lobe".into(),
@@ -41,7 +41,7 @@ pub fn in_words(kernel: Kernel, lobe: Option<LobeShape>) -> String {
 }
 
 /// The comparison of all candidates.
-pub fn section(page: &Page) -> String {
+pub(crate) fn section(page: &Page) -> String {
     let result = page.result;
     let least = result
         .candidates

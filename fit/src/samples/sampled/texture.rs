@@ -2,13 +2,13 @@
 
 use num_complex::Complex64;
 
-use crate::model::camera::Camera;
-use crate::model::spread::Grid;
+use crate::model::Camera;
+use crate::model::Grid;
 use crate::numerics::sinc::sinc;
-use crate::photographs::profile::BIN_PX;
+use crate::photographs::BIN_PX;
 
 /// Cells of the texture per pixel.
-pub const CELLS_PER_PX: f64 = 32.0;
+pub(crate) const CELLS_PER_PX: f64 = 32.0;
 
 /// Cells: 256 pixels on either side of the edge, where the worst of lenses is within 2e-4 of its plateaus. A power of two,
 /// so that a mask is all that keeps an index inside.
@@ -29,14 +29,14 @@ const BLOCK: usize = 64;
 /// The corners are those of the edge sharpened by the transform of the line between them, so that the lines blur nothing:
 /// what they leave is a ripple of h^2 E'' / 12, 5e-5 for a lens of half a pixel, whose mean is 0.
 #[derive(Debug)]
-pub struct Texture {
+pub(crate) struct Texture {
     /// Value in the middle of the cell and slope; cell k is centred k + 1/2 cells from the edge, negative ones at the end.
     cells: Box<[[f32; 2]; CELLS]>,
 }
 
 impl Texture {
     /// The edge that `camera` sees across a normal at `normal_rad` in the photograph.
-    pub fn new(camera: &Camera, normal_rad: f64) -> Texture {
+    pub(crate) fn new(camera: &Camera, normal_rad: f64) -> Texture {
         let finer = CELLS_PER_PX * BIN_PX;
         let pitch_mm = camera.pitch_mm / finer;
         // Twice as long as the texture, so that its period does not come round.
@@ -69,7 +69,7 @@ impl Texture {
 
     /// Sums of E, E' x and E' y over samples of a pixel `distance_px` from the edge, at `distance - scale[0] x -
     /// scale[1] y - scale[2] z` with the scales in cells; E' per cell. Without any z they are 0.
-    pub fn sums(&self, distance_px: f32, scale: [f32; 3], offsets: [&[f32]; 3]) -> [f32; 3] {
+    pub(crate) fn sums(&self, distance_px: f32, scale: [f32; 3], offsets: [&[f32]; 3]) -> [f32; 3] {
         match offsets[2] {
             [] => self.sums_of::<false>(distance_px, scale, offsets),
             _ => self.sums_of::<true>(distance_px, scale, offsets),
@@ -129,7 +129,7 @@ fn place(at: f32) -> (usize, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::camera::Lens;
+    use crate::model::Lens;
 
     const CAMERA: Camera = Camera {
         pitch_mm: 0.05,

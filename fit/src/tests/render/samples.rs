@@ -1,17 +1,17 @@
 //! Images by samples against those by transforms.
 
+use crate::images::Scale;
 use crate::images::render;
-use crate::images::render::Scale;
 use crate::images::render::sampled;
 use crate::images::render::sampled::Sampled;
-use crate::images::spot::{Sampler, Sheet, Spot, Viewpoint};
-use crate::names::kernel::Kernel;
-use crate::names::lobe::LobeShape;
+use crate::images::{Sampler, Sheet, Spot, Viewpoint};
+use crate::names::Kernel;
+use crate::names::LobeShape;
 use crate::photographs::photo::picture::Picture;
-use crate::predict::error::Error;
-use crate::predict::sheet::Fitted;
-use crate::samples::sampled::Sampling;
-use crate::samples::sequence::Sequence;
+use crate::predict::Error;
+use crate::predict::Fitted;
+use crate::samples::Sampling;
+use crate::samples::Sequence;
 use num_complex::Complex64;
 
 use crate::tests::planted::{table, truth};
