@@ -4,5 +4,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    bake::cli::main(std::env::args_os())
+    bake::cli::main(std::env::args_os(), option_env!("AIRR_COMMIT"))
 }

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    fit::cli::verbs::main()
+    fit::cli::main(option_env!("AIRR_COMMIT"))
 }

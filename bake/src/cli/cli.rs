@@ -9,9 +9,10 @@ use crate::cli::study;
 use crate::cli::trace;
 use crate::cli::verify;
 use crate::run::{Launched, start};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
+use tables::cli::{Completions, Manual, version};
 
 /// Traces a corner-cube mesh into a ray-shift table.
 #[derive(Debug, Parser)]
@@ -86,16 +87,33 @@ Example: a bake in two halves, as two machines would make them
   bake trace pair.obj -o half2.h5 --method rays --rays 1000000 --shard 2/2
   bake merge half1.h5 half2.h5 -o pair.h5")]
     Merge(merge::MergeArgs),
+    #[command(after_help = "Example: for the shell that is open\n  bake completions bash")]
+    Completions(Completions),
+    #[command(
+        after_help = "Example: read them with man -l pages/bake-trace.1\n  bake manual pages"
+    )]
+    Manual(Manual),
+}
+
+/// The arguments, read.
+fn parsed(
+    arguments: impl IntoIterator<Item = OsString>,
+    commit: Option<&str>,
+) -> Result<Cli, clap::Error> {
+    let command = Cli::command().version(version(env!("CARGO_PKG_VERSION"), commit));
+    Cli::from_arg_matches(&command.try_get_matches_from(arguments)?)
 }
 
 /// Runs the program on its arguments (the program's name first): results to stdout, the rest to stderr.
 ///
 /// Of the ranks of an MPI run all trace, and rank 0 alone does the rest.
-pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+///
+/// `commit` names the commit that was built, where the build was told; `--version` shows it.
+pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>) -> ExitCode {
     tables::apart::serve();
     let launched = Launched::from(|name| std::env::var(name).ok());
     let ranks = start::start(launched);
-    let cli = match Cli::try_parse_from(arguments) {
+    let cli = match parsed(arguments, commit) {
         Ok(cli) => cli,
         Err(_) if !ranks.leads() => return ExitCode::SUCCESS,
         Err(error) => {
@@ -113,6 +131,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Compare(args) => compare::run(&args),
         Verb::Verify(args) => verify::run(&args),
         Verb::Merge(args) => merge::run(&args),
+        Verb::Completions(args) => args.run(Cli::command()).map_err(Failure::from),
+        Verb::Manual(args) => args.run(Cli::command()).map_err(Failure::from),
     };
     match done {
         Ok(()) | Err(Failure::Elsewhere) => ExitCode::SUCCESS,

@@ -1,11 +1,11 @@
 //! `bake compare`: two tables, direction by direction.
 
 use crate::cli::failure::Failure;
-use crate::cli::output::print;
 use crate::cli::report::{comparison_json, comparison_text};
 use crate::run::Comparison;
 use clap::Args;
 use std::path::PathBuf;
+use tables::cli::print;
 
 /// Options of `bake compare`.
 #[derive(Debug, Args)]

@@ -1,12 +1,12 @@
 //! `bake design`: its options and what is done with them.
 
 use crate::cli::failure::Failure;
-use crate::cli::output::print;
 use clap::Args;
 use meshes::design::{Bead, Design, Plate, Shape};
 use meshes::{Fault, Mesh};
 use std::path::{Path, PathBuf};
 use tables::Outputs;
+use tables::cli::print;
 
 /// Options of `bake design`.
 #[derive(Debug, Args)]
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     if args.list {
         let lines =
             meshes::design::list().map(|(name, description)| format!("{name:16} {description}\n"));
-        return print(&lines.collect::<String>());
+        return Ok(print(&lines.collect::<String>())?);
     }
     // clap asks for both unless --list is there.
     let (Some(name), Some(output)) = (&args.name, &args.output) else {

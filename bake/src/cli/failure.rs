@@ -1,5 +1,6 @@
 //! Why a verb of `bake` failed: one sentence, and the exit code that it ends with.
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use meshes::Fault;
@@ -45,8 +46,8 @@ pub(crate) enum Failure {
     },
     #[error(transparent)]
     Output(#[from] tables::OutputError),
-    #[error("standard output cannot be written ({0}); free some space or check the pipe")]
-    Stdout(std::io::Error),
+    #[error(transparent)]
+    Terminal(#[from] tables::cli::Error),
     #[error("the tables differ by more than their errors allow")]
     Differ,
     #[error("{} does not hold what rays find in {}: the differences are larger than both errors; bake it again",
@@ -87,7 +88,8 @@ pub(crate) enum Failure {
 impl Failure {
     /// Says it on standard error.
     pub(crate) fn print(&self) {
-        eprintln!("error: {self}");
+        // A closed standard error is no reason to stop.
+        let _ = writeln!(std::io::stderr(), "error: {self}");
     }
 
     /// 2 for wrong usage, 1 for work that failed; 0 where another process tells, whose code then is that of all.
@@ -102,7 +104,8 @@ impl Failure {
             | Failure::NotJoined { .. }
             | Failure::Design(_)
             | Failure::MeshExtension(_)
-            | Failure::Plot(PlotError::Extension { .. }) => 2,
+            | Failure::Terminal(tables::cli::Error::PlotExtension(_))
+            | Failure::Plot(PlotError::Format(_)) => 2,
             // Options that only the mesh's own code can judge.
             Failure::Mesh(error) => match *error.fault {
                 Fault::EdgeLength { .. }

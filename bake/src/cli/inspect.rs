@@ -1,7 +1,6 @@
 //! `bake inspect`: what is in a table.
 
 use crate::cli::failure::Failure;
-use crate::cli::output::{print, reserve_picture};
 use crate::cli::report::{directions_json, directions_text};
 use crate::plots::exits;
 use crate::plots::histograms;
@@ -9,6 +8,7 @@ use clap::Args;
 use serde_json::json;
 use std::fmt::{Display, Write};
 use std::path::PathBuf;
+use tables::cli::{print, reserve_plot};
 use tables::deviation::Grid;
 use tables::{Exact, Outputs, Provenance, Symmetry, Table};
 
@@ -31,8 +31,8 @@ pub(crate) struct InspectArgs {
 /// Runs `bake inspect`.
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([args.table.as_path()]);
-    let shifts = reserve_picture(args.plot.as_deref(), &mut outputs)?;
-    let spots = reserve_picture(args.plot_deviations.as_deref(), &mut outputs)?;
+    let shifts = reserve_plot(args.plot.as_deref(), &mut outputs)?;
+    let spots = reserve_plot(args.plot_deviations.as_deref(), &mut outputs)?;
     let table = tables::read(&args.table)?;
     if let Some((file, output)) = shifts {
         output.commit(&histograms(&table, file)?)?;
@@ -40,11 +40,11 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     if let Some((file, output)) = spots {
         output.commit(&exits(&table, file)?)?;
     }
-    print(&if args.json {
+    Ok(print(&if args.json {
         json(&table)
     } else {
         text(&table)
-    })
+    })?)
 }
 
 /// Lines of a name and a value each.

@@ -1,9 +1,9 @@
 //! `bake merge`: tables of one cell put together.
 
 use crate::cli::failure::Failure;
-use crate::cli::output::{print, warn};
 use clap::Args;
 use std::path::PathBuf;
+use tables::cli::{print, warn};
 use tables::{Outputs, Table};
 
 /// Options of `bake merge`.
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     let (incidences, azimuths) = merged.axes.shape();
     let (rays, hash) = (merged.rays.sum(), merged.content_hash());
     let shards = merged.provenance.shards.as_ref().map(ToString::to_string);
-    print(&if args.json {
+    Ok(print(&if args.json {
         let value = serde_json::json!({
             "table": args.output.display().to_string(), "merged": parts.len(), "content_hash": hash,
             "directions": incidences * azimuths, "rays": rays, "seed": merged.provenance.seed, "shards": shards });
@@ -56,5 +56,5 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
             parts.len(),
             incidences * azimuths
         )
-    })
+    })?)
 }

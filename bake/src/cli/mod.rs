@@ -11,7 +11,6 @@ mod design;
 mod failure;
 mod inspect;
 mod merge;
-mod output;
 mod progress;
 mod report;
 mod study;

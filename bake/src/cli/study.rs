@@ -2,13 +2,13 @@
 
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
-use crate::cli::output::{print, reserve_picture, warn};
 use crate::cli::progress::Progress;
 use crate::plan::{Request, default};
 use crate::study::{StudyPlan, picture, report, study};
 use clap::Args;
 use std::path::PathBuf;
 use tables::Outputs;
+use tables::cli::{print, reserve_plot, warn};
 use tables::options::{Back, SceneOptions};
 
 /// Options of `bake study`.
@@ -86,7 +86,7 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
     })?;
     // Minutes of work are not lost to a folder that is not there.
     let mut outputs = Outputs::beside([args.mesh.as_path()]);
-    let picture = reserve_picture(args.plot.as_deref(), &mut outputs)?;
+    let picture = reserve_plot(args.plot.as_deref(), &mut outputs)?;
     let csv = args
         .csv
         .as_deref()
@@ -103,9 +103,9 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
     if let Some((file, output)) = picture {
         output.commit(&picture::draw(&study, file)?)?;
     }
-    print(&if args.json {
+    Ok(print(&if args.json {
         report::json(&study)
     } else {
         report::text(&study)
-    })
+    })?)
 }

@@ -3,7 +3,6 @@
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
-use crate::cli::output::{print, warn};
 use crate::cli::progress::Progress;
 use crate::cli::report;
 use crate::optics::material;
@@ -13,6 +12,7 @@ use clap::Args;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use tables::cli::{print, warn};
 use tables::options::{Back, Losses, Method, Record, Sampler, SceneOptions};
 use tables::{Output, Outputs, Table};
 
@@ -201,8 +201,11 @@ pub(crate) fn run(
     }
     match &said[..] {
         [] => Ok(()),
-        [one] if args.json => print(&format!("{one}\n")),
-        all if args.json => print(&format!("{}\n", serde_json::json!({ "tables": all }))),
+        [one] if args.json => Ok(print(&format!("{one}\n"))?),
+        all if args.json => Ok(print(&format!(
+            "{}\n",
+            serde_json::json!({ "tables": all })
+        ))?),
         _ => Ok(()),
     }
 }

@@ -3,12 +3,12 @@
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
-use crate::cli::output::{print, warn};
 use crate::cli::report::comparison_text;
 use crate::run::{Comparison, RetraceError, Watch, retrace, stated};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use tables::Table;
+use tables::cli::{print, warn};
 
 /// Options of `bake verify`.
 #[derive(Debug, Args)]

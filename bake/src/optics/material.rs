@@ -168,7 +168,7 @@ fn finite(text: &str) -> Option<f64> {
 /// Reads a number, a name, or nm:index pairs, between which the index is linear in the wavelength.
 ///
 /// # Errors
-/// [`MaterialError`]. Whether a plain number is in range is for [`crate::plan::plan`] to say.
+/// [`MaterialError`]. Whether a plain number is in range is for [`crate::Plan::new`] to say.
 pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, MaterialError> {
     let option = "--refractive-index";
     if let Some(index) = finite(text) {

@@ -2,48 +2,25 @@
 
 use crate::plan::default;
 use crate::plan::error::PlanError;
-use crate::plan::limits::DIRECTIONS_LIMIT;
 use crate::plan::number::positive;
 use crate::plan::request::Request;
 use tables::Symmetry;
+use tables::cli::{ListError, list};
 use tables::options::Method;
 
 /// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
 pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
-    let number = |part: &str| {
-        let wrong = || PlanError::Angle {
+    let mut angles = list(text).map_err(|error| match error {
+        ListError::Number(part) => PlanError::Angle {
             option,
             text: text.into(),
-            part: part.trim().into(),
-        };
-        part.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|angle| angle.is_finite())
-            .ok_or_else(wrong)
-    };
-    let mut angles = if text.contains(':') {
-        let [start, stop, step] = text.split(':').map(number).collect::<Result<Vec<_>, _>>()?[..]
-        else {
-            return Err(PlanError::Steps {
-                option,
-                text: text.into(),
-            });
-        };
-        // Half a thousandth of a step forgives the rounding of steps such as 0.1.
-        let steps = ((stop - start) / step + 5e-4).floor();
-        if !(step > 0.0 && (0.0..DIRECTIONS_LIMIT as f64).contains(&steps)) {
-            return Err(PlanError::Steps {
-                option,
-                text: text.into(),
-            });
-        }
-        (0..=steps as u32)
-            .map(|i| start + f64::from(i) * step)
-            .collect()
-    } else {
-        text.split(',').map(number).collect::<Result<Vec<_>, _>>()?
-    };
+            part,
+        },
+        ListError::Parts | ListError::Range => PlanError::Steps {
+            option,
+            text: text.into(),
+        },
+    })?;
     angles.sort_by(f64::total_cmp);
     angles.dedup();
     // -0 is 0.

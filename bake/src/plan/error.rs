@@ -3,6 +3,7 @@
 use crate::optics::MaterialError;
 use crate::plan::limits::DIRECTIONS_LIMIT;
 use tables::MOST_SHARDS;
+use tables::cli::LONGEST_LIST;
 use thiserror::Error;
 
 /// Why a request is not a plan. Each names the option, what was given and what to give instead.
@@ -21,7 +22,7 @@ pub enum PlanError {
     },
     /// A range of angles that is empty or too long.
     #[error(
-        "{option} {text}: the step does not lead from start to stop in 1 to {DIRECTIONS_LIMIT} angles; give start:stop:step with start <= stop and step > 0"
+        "{option} {text}: the step does not lead from start to stop in 1 to {LONGEST_LIST} angles; give start:stop:step with start <= stop and step > 0"
     )]
     Steps {
         /// The option.

@@ -8,6 +8,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::Scene;
 use std::path::{Path, PathBuf};
 use tables::Table;
+use tables::cli::PlotFormat;
 use thiserror::Error;
 
 /// Directions drawn at most; of a larger table every k-th is.
@@ -16,12 +17,9 @@ const PANELS: usize = 24;
 /// Why there is no picture.
 #[derive(Debug, Error)]
 pub(crate) enum PlotError {
-    /// An extension that names no picture format.
-    #[error("--plot {}: the extension must be .png or .svg", file.display())]
-    Extension {
-        /// The file asked for.
-        file: PathBuf,
-    },
+    /// An extension that names no format of plots.
+    #[error(transparent)]
+    Format(#[from] tables::cli::Error),
     /// No light to draw that goes elsewhere than straight back.
     #[error(
         "--plot-deviations: the table says of no light that it goes elsewhere than straight back; its cells are ideal, or their rays \
@@ -38,49 +36,21 @@ pub(crate) enum PlotError {
     },
 }
 
-/// Picture formats.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Format {
-    /// Vector.
-    Svg,
-    /// Pixels.
-    Png,
-}
-
-impl Format {
-    /// The format that the extension of `file` names.
-    ///
-    /// # Errors
-    /// [`PlotError::Extension`].
-    pub(crate) fn of(file: &Path) -> Result<Self, PlotError> {
-        let extension = file
-            .extension()
-            .map(|extension| extension.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("png") => Ok(Format::Png),
-            Some("svg") => Ok(Format::Svg),
-            _ => Err(PlotError::Extension {
+/// Returns a scene as the bytes of `file`, whose extension names the format.
+///
+/// # Errors
+/// [`PlotError::Format`] or [`PlotError::Draw`].
+pub(crate) fn render(scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
+    match PlotFormat::of(file)? {
+        // The viewer's own font: an embedded one takes 3 MB.
+        PlotFormat::Svg => Ok(SvgBackend::new().render_scene(scene).into_bytes()),
+        PlotFormat::Png => PngBackend::new()
+            .with_scale(1.5)
+            .render_scene(scene)
+            .map_err(|reason| PlotError::Draw {
                 file: file.to_path_buf(),
+                reason,
             }),
-        }
-    }
-
-    /// The scene as the bytes of `file`.
-    ///
-    /// # Errors
-    /// [`PlotError::Draw`].
-    pub(crate) fn render(self, scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
-        match self {
-            // The viewer's own font: an embedded one takes 3 MB.
-            Format::Svg => Ok(SvgBackend::new().render_scene(scene).into_bytes()),
-            Format::Png => PngBackend::new()
-                .with_scale(1.5)
-                .render_scene(scene)
-                .map_err(|reason| PlotError::Draw {
-                    file: file.to_path_buf(),
-                    reason,
-                }),
-        }
     }
 }
 
@@ -99,7 +69,7 @@ pub(crate) fn figure(
     labels: &Labels,
     plot: &dyn Fn((usize, usize)) -> Plot,
 ) -> Result<Vec<u8>, PlotError> {
-    let format = Format::of(file)?;
+    PlotFormat::of(file)?;
     let (incidences, azimuths) = table.axes.shape();
     let stride = (incidences * azimuths).div_ceil(PANELS);
     let chosen: Vec<(usize, usize)> = (0..incidences * azimuths)
@@ -118,7 +88,7 @@ pub(crate) fn figure(
         .with_layouts(layouts)
         .with_cell_size(370.0, 300.0)
         .render();
-    format.render(&scene, file)
+    render(&scene, file)
 }
 
 /// What all panels have in common, no wider than they are.

@@ -7,5 +7,5 @@ mod figure;
 mod histograms;
 
 pub(crate) use exits::exits;
-pub(crate) use figure::{Format, PlotError};
+pub(crate) use figure::{PlotError, render};
 pub(crate) use histograms::histograms;

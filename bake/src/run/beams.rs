@@ -5,8 +5,8 @@ use crate::cell::{ExactCell, MEAN_ERROR};
 use crate::plan::Effort;
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
-use crate::run::pool::pool;
 use crate::run::watch::Watch;
+use tables::cli::pool;
 use tables::options::{Method, Record, SceneOptions};
 use tables::{Provenance, Table};
 
@@ -24,7 +24,8 @@ impl Bake<'_> {
             watch.tell(rays_saved);
             !watch.is_stopped()
         };
-        let baked = pool(self.plan)?.install(|| exact::bake(exact, &self.axes, &self.rules, done));
+        let baked =
+            pool(self.plan.threads)?.install(|| exact::bake(exact, &self.axes, &self.rules, done));
         let baked = baked.ok_or(RunError::Stopped)?;
         let provenance = Provenance {
             seed: 0,

@@ -10,10 +10,10 @@ use crate::cell::ExactCell;
 use crate::plan::default;
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
-use crate::run::pool::pool;
 use crate::run::watch::Watch;
 use crate::samples::Stream;
 use rayon::prelude::*;
+use tables::cli::pool;
 use tables::options::Sampler;
 use tables::{Axes, Fate, Table};
 
@@ -51,7 +51,7 @@ pub(crate) fn choose(bake: &Bake, exact: &ExactCell, tolerance: f64) -> Result<A
         around_to: goes_around.then_some(first + width),
         aim: AIM * tolerance,
     };
-    pool(bake.plan)?.install(|| search.refine())?;
+    pool(bake.plan.threads)?.install(|| search.refine())?;
     Ok(search.axes(bake.axes.bins))
 }
 

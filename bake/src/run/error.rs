@@ -1,19 +1,15 @@
 //! Why a bake fails.
 
 use crate::cell::ExactError;
+use tables::cli::NoThreads;
 use thiserror::Error;
 
 /// Why a bake failed.
 #[derive(Debug, Error)]
 pub enum RunError {
     /// The threads could not be started.
-    #[error("cannot start {threads} threads ({source}); give fewer with --threads")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// What the system said.
-        source: rayon::ThreadPoolBuildError,
-    },
+    #[error(transparent)]
+    Threads(#[from] NoThreads),
     /// The cell or the directions are not for the exact method.
     #[error("--method exact: {0}")]
     Exact(#[from] ExactError),

@@ -9,7 +9,6 @@ mod beams;
 mod comparison;
 mod directions;
 mod error;
-mod pool;
 mod provenance;
 mod ranks;
 mod retrace;

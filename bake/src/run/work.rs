@@ -4,13 +4,13 @@
 use crate::rays::{Bins, Index, Kernel, Sheet, Sums, Tally};
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
-use crate::run::pool::pool;
 use crate::run::watch::Watch;
 use crate::samples::Stream;
 use ndarray::{Array4, Array5};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use tables::cli::pool;
 use tables::deviation::{Deviations, Entry, Grid, counted};
 use tables::options::Method;
 use tables::{Fate, Table};
@@ -105,7 +105,7 @@ impl<'a> Work<'a> {
             exits: bake.plan.deviations(bake.prepared),
             directions: DirectionSums::all(bake, &bins),
             watch,
-            pool: pool(bake.plan)?,
+            pool: pool(bake.plan.threads)?,
         })
     }
 

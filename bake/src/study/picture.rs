@@ -1,6 +1,6 @@
 //! The study as a picture: error against rays and against seconds, on logarithmic axes.
 
-use crate::plots::{Format, PlotError};
+use crate::plots::{PlotError, render};
 use crate::rays::Tracer;
 use crate::study::report::{slope_text, title};
 use crate::study::study::{Point, Reference, Series, Study};
@@ -18,7 +18,6 @@ use tables::options::Sampler;
 /// # Errors
 /// [`PlotError`].
 pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
-    let format = Format::of(file)?;
     let (plots, layouts) = [by_rays(study), by_seconds(study)].into_iter().unzip();
     let heading = format!(
         "{}: {} directions, {} x {} bins; L1 error per launched ray",
@@ -31,7 +30,7 @@ pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
         .with_layouts(layouts)
         .with_cell_size(560.0, 480.0)
         .render();
-    format.render(&scene, file)
+    render(&scene, file)
 }
 
 /// Both axes logarithmic, or empty where there is nothing above zero to draw.

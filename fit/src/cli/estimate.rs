@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use tables::cli as terminal;
 
 use tables::{Outputs, Table};
 
@@ -158,17 +159,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let campaign = captures::load(&arguments.captures)?;
     let mut outputs = Outputs::beside(inputs(arguments, &campaign));
-    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let page = output::reserve(arguments.report.as_deref(), &mut outputs)?;
+    let page = terminal::reserve(arguments.report.as_deref(), &mut outputs)?;
     let truth: Option<Truth> = arguments
         .truth
         .as_deref()
         .map(|path| parse::read_json(path, "holds a planted answer"))
         .transpose()?;
-    let pool = parse::pool(arguments.threads)?;
+    let pool = terminal::pool(arguments.threads)?;
     let table = pool.install(|| tables::read(&arguments.table))?;
     let job = Job {
         arguments,
@@ -184,11 +185,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let tables = results
             .iter()
             .map(|(channel, result)| format!("{channel}\n{}", summary(result, truth.as_ref())));
-        return output::print(&if arguments.json {
+        return Ok(terminal::print(&if arguments.json {
             json
         } else {
             tables.collect::<Vec<_>>().join("\n")
-        });
+        })?);
     }
     #[cfg_attr(
         not(feature = "report"),
@@ -216,11 +217,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(output) = output {
         output.commit(json.as_bytes())?;
     }
-    output::print(&if arguments.json {
+    Ok(terminal::print(&if arguments.json {
         json
     } else {
         summary(&result, truth.as_ref())
-    })
+    })?)
 }
 
 /// Files that are read, of which none may be an output.
@@ -281,11 +282,11 @@ impl Job<'_> {
 /// Says what the user should know of a result.
 fn warn(result: &ResultFile, before: &str) {
     for warning in &result.warnings {
-        output::warn(&format!("{before}{warning}"));
+        terminal::warn([format!("{before}{warning}")]);
     }
     for capture in &result.captures {
         for warning in &capture.warnings {
-            output::warn(&format!("{before}{}: {warning}", capture.image));
+            terminal::warn([format!("{before}{}: {warning}", capture.image)]);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `fit evaluate`: how alike a rendered image and a photograph look.
 
 use std::path::PathBuf;
+use tables::cli as terminal;
 
 use serde::Serialize;
 
@@ -121,9 +122,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         warnings,
     };
     if arguments.json {
-        return output::print(&output::json(&report));
+        return Ok(terminal::print(&output::json(&report))?);
     }
-    report.warnings.iter().for_each(|text| output::warn(text));
+    terminal::warn(&report.warnings);
     let psnr = match report.psnr_db {
         Some(psnr) => format!("{psnr:.2} dB"),
         None => "infinite (the pictures are equal)".into(),
@@ -131,8 +132,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let lpips = report
         .lpips
         .map_or(String::new(), |d| format!("LPIPS  {d:.4}\n"));
-    output::print(&format!(
+    Ok(terminal::print(&format!(
         "PSNR   {psnr}\nSSIM   {:.4}\nFLIP   {:.4}\n{lpips}",
         report.ssim, report.flip
-    ))
+    ))?)
 }

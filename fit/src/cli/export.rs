@@ -1,12 +1,12 @@
 //! `fit export`: the nearest retroreflective lobe for renderers.
 
 use std::path::PathBuf;
+use tables::cli as terminal;
 
 use tables::Outputs;
 
 use crate::cli::estimate::read_result;
 use crate::cli::failure::Failure;
-use crate::cli::output;
 use crate::cli::parse;
 use crate::predict::export::{Form, LOST, nearest};
 
@@ -48,7 +48,7 @@ pub struct Arguments {
 /// Result, table, direction or output.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
-    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     let result = read_result(&arguments.result)?;
     let table = tables::read(&arguments.table)?;
     let azimuth = arguments.azimuth.or(parse::only_azimuth(&table));
@@ -59,6 +59,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.incidence,
         azimuth,
     )?;
-    output::warn(&format!("{LOST}. {}", lobe.criterion()));
-    output::deliver(&lobe.text(arguments.to), output)
+    terminal::warn([format!("{LOST}. {}", lobe.criterion())]);
+    Ok(terminal::deliver(&lobe.text(arguments.to), output)?)
 }

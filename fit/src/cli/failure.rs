@@ -123,17 +123,12 @@ pub enum Failure {
         /// What it holds.
         held: &'static str,
     },
-    /// Standard output is closed or full.
-    #[error("standard output cannot be written ({0}); check the pipe, or use -o")]
-    Stdout(std::io::Error),
+    /// What both programs do with terminal, threads and outputs.
+    #[error(transparent)]
+    Terminal(#[from] tables::cli::Error),
     /// Threads could not be started.
-    #[error("--threads {threads}: the threads could not be started ({message}); ask for fewer")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// What the library said.
-        message: String,
-    },
+    #[error(transparent)]
+    Threads(#[from] tables::cli::NoThreads),
 }
 
 impl From<estimate::Error> for Failure {
@@ -147,7 +142,8 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             #[cfg(feature = "report")]
-            Failure::Plot(plot::Error::Ending { .. }) => 2,
+            Failure::Plot(plot::Error::Format(_)) => 2,
+            Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
             #[cfg(feature = "images")]
             Failure::Render(render::Error::Ending { .. }) => 2,
             _ => 1,

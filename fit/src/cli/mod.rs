@@ -20,4 +20,6 @@ pub mod sampled;
 pub mod simulate;
 pub mod study;
 pub mod terms;
-pub mod verbs;
+mod verbs;
+
+pub use verbs::main;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
+use tables::cli as terminal;
 
 use serde::Serialize;
 use tables::Outputs;
@@ -110,7 +111,7 @@ struct Report {
 /// # Errors
 /// The photograph cannot be read or holds no edge; the output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = output::reserve(
+    let output = terminal::reserve(
         arguments.output.as_deref(),
         &mut Outputs::beside([arguments.image.as_path()]),
     )?;
@@ -135,12 +136,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::json(&report)
     } else {
         for warning in &report.warnings {
-            output::warn(&format!("{}: {warning}", arguments.image.display()));
+            terminal::warn([format!("{}: {warning}", arguments.image.display())]);
         }
-        output::note(&report.line());
+        terminal::note(&report.line());
         report.csv(arguments.pixel_pitch.is_some())
     };
-    output::deliver(&text, output)
+    Ok(terminal::deliver(&text, output)?)
 }
 
 /// The edge of a photograph and its curve, up to the sampling frequency.

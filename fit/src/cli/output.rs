@@ -1,63 +1,7 @@
-//! What verbs print, and the files that they reserve.
+//! What a verb says: an object as JSON, a command line as a shell takes it.
 
 use std::ffi::OsString;
-use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
-
-use tables::{Output, Outputs};
-
-use crate::cli::failure::Failure;
-#[cfg(feature = "report")]
-use crate::report::plot;
-
-/// Prints to standard output.
-///
-/// # Errors
-/// [`Failure::Stdout`].
-pub fn print(text: &str) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())
-        .and_then(|()| out.flush())
-        .map_err(Failure::Stdout)
-}
-
-/// Writes a verb's text to the file that was reserved for it, or to standard output.
-///
-/// # Errors
-/// [`Failure::Output`], [`Failure::Stdout`].
-pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Failure> {
-    match output {
-        Some(output) => Ok(output.commit(text.as_bytes())?),
-        None => print(text),
-    }
-}
-
-/// Reserves the file that was asked for.
-///
-/// # Errors
-/// [`Failure::Output`].
-pub fn reserve(path: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Output>, Failure> {
-    Ok(path.map(|path| outputs.reserve(path)).transpose()?)
-}
-
-/// Reserves the picture that was asked for; its ending is checked first.
-///
-/// # Errors
-/// [`Failure::Plot`], [`Failure::Output`].
-#[cfg(feature = "report")]
-pub fn reserve_picture<'a>(
-    path: Option<&'a Path>,
-    outputs: &mut Outputs,
-) -> Result<Option<(&'a Path, Output)>, Failure> {
-    let Some(path) = path else { return Ok(None) };
-    plot::Format::of(path)?;
-    Ok(Some((path, outputs.reserve(path)?)))
-}
-
-/// Prints a warning to standard error.
-pub fn warn(text: &str) {
-    let _ = writeln!(std::io::stderr(), "warning: {text}");
-}
+use std::path::PathBuf;
 
 /// An object as JSON text, keys in the order of the struct.
 pub fn json(object: &impl serde::Serialize) -> String {
@@ -84,14 +28,6 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
         .map(|word| quoted(word.to_string_lossy().into_owned()))
         .collect();
     words.join(" ")
-}
-
-/// Prints a remark to standard error where a person reads it; a pipe stays quiet.
-pub fn note(text: &str) {
-    let mut stderr = std::io::stderr();
-    if stderr.is_terminal() {
-        let _ = writeln!(stderr, "{text}");
-    }
 }
 
 #[cfg(test)]

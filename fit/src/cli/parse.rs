@@ -1,51 +1,18 @@
-//! How arguments are read: numbers, lists of them, JSON files, threads.
+//! How arguments are read: numbers, lists of them, JSON files.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
+
+use tables::cli::list;
 
 use crate::cli::failure::Failure;
 use crate::photographs::photo::transfer::Transfer;
-
-/// A list of numbers: `0,5,10` or `start:stop:step`, both ends included.
-///
-/// # Errors
-/// A sentence for clap, naming what is wrong.
-pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    const MOST: f64 = 100_000.0;
-    let number = |part: &str| match part.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!(
-            "\"{part}\" is not a number; write 0,5,10 or start:stop:step"
-        )),
-    };
-    let list = if text.contains(':') {
-        let parts: Vec<f64> = text.split(':').map(number).collect::<Result<_, _>>()?;
-        let [start, stop, step] = parts[..] else {
-            return Err("a range has three parts, start:stop:step".into());
-        };
-        let count = ((stop - start) / step + 1e-9).floor();
-        if !(step > 0.0 && (0.0..MOST).contains(&count)) {
-            return Err(
-                "a range needs stop >= start and a step > 0 (at most 100000 values)".into(),
-            );
-        }
-        (0..=count as usize)
-            .map(|i| start + i as f64 * step)
-            .collect()
-    } else {
-        text.split(',')
-            .map(number)
-            .collect::<Result<Vec<f64>, _>>()?
-    };
-    Ok(list)
-}
 
 /// `0 <= incidence < 90`, every one.
 ///
 /// # Errors
 /// A sentence for clap.
 pub fn incidences(text: &str) -> Result<Vec<f64>, String> {
-    let list = numbers(text)?;
+    let list = list(text).map_err(|error| error.to_string())?;
     match list.iter().find(|v| !(0.0..90.0).contains(*v)) {
         Some(bad) => Err(format!(
             "incidence {bad} is outside of 0 <= angle < 90 degrees"
@@ -78,7 +45,7 @@ pub fn only_azimuth(table: &tables::Table) -> Option<f64> {
 /// # Errors
 /// A sentence for clap.
 pub fn positives(text: &str) -> Result<Vec<f64>, String> {
-    let list = numbers(text)?;
+    let list = list(text).map_err(|error| error.to_string())?;
     match list.iter().find(|v| **v <= 0.0) {
         Some(bad) => Err(format!("{bad} is not larger than 0")),
         None => Ok(list),
@@ -135,19 +102,4 @@ pub fn read_json<T: serde::de::DeserializeOwned>(
     let text = crate::document::text::read(path, MOST_JSON)
         .map_err(|e| error(format!("cannot be read ({e})")))?;
     serde_json::from_str(&text).map_err(|e| error(format!("is not such a file ({e})")))
-}
-
-/// A thread pool of the size asked for; `None` for the default, one thread per core.
-///
-/// # Errors
-/// [`Failure::Threads`].
-pub fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, Failure> {
-    let threads = threads.map_or(0, NonZeroUsize::get);
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| Failure::Threads {
-            threads,
-            message: e.to_string(),
-        })
 }

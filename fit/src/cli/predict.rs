@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
+use tables::cli as terminal;
 
 use serde::Serialize;
 use tables::Outputs;
@@ -44,13 +45,13 @@ pub struct Arguments {
     #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
     pub incidence: std::vec::Vec<f64>,
     /// Azimuths, degrees; the table's own if it holds only one
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = parse::numbers)]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = terminal::list)]
     pub azimuth: Option<std::vec::Vec<f64>>,
     /// Of a file of `fit estimate --channel each`, the channel: red, green or blue
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
     /// Frequencies, 1/mm
-    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = parse::numbers)]
+    #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = terminal::list)]
     pub frequency: std::vec::Vec<f64>,
     /// Whose model the result must be, if any is named: a result knows its own
     #[arg(long, value_enum)]
@@ -101,9 +102,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
-    let output = output::reserve(arguments.output.as_deref(), &mut outputs)?;
+    let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
     check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
@@ -132,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if arguments.azimuth.is_some() && table.axes.is_mean() {
-        output::warn("the table is a mean over azimuths: --azimuth has no effect");
+        terminal::warn(["the table is a mean over azimuths: --azimuth has no effect"]);
     }
     let mut between: Vec<String> = predictions
         .iter()
@@ -141,10 +142,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .collect();
     between.dedup();
     if !between.is_empty() {
-        output::warn(&format!(
+        terminal::warn([format!(
             "interpolated between directions of the table, which costs accuracy: incidence {} deg; bake them",
             between.join(", ")
-        ));
+        )]);
     }
     #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
@@ -166,7 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         csv(&predictions, &places.frequency_per_mm)
     };
-    output::deliver(&text, output)
+    Ok(terminal::deliver(&text, output)?)
 }
 
 /// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.

@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
+use tables::cli as terminal;
 
 use serde::Serialize;
 use tables::Outputs;
@@ -187,7 +188,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     check_model(&arguments.params, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let sheet = Fitted::new(&result, &table)?;
-    let pool = parse::pool(arguments.threads)?;
+    let pool = terminal::pool(arguments.threads)?;
 
     let started = Instant::now();
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
@@ -218,13 +219,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let bytes = pool.install(|| encoded(image, writing, arguments))?;
     output.commit(&bytes)?;
     let written = started.elapsed().as_secs_f64();
-    for warning in &warnings {
-        output::warn(warning);
-    }
+    terminal::warn(&warnings);
     if !arguments.json {
         return Ok(());
     }
-    output::print(&output::json(&Report {
+    Ok(terminal::print(&output::json(&Report {
         width,
         height,
         channels,
@@ -245,7 +244,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             write: written - rendered,
         },
         warnings,
-    }))
+    }))?)
 }
 
 /// What is said of an image brighter than its file can hold.

@@ -2,10 +2,9 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use tables::cli as terminal;
 
 use crate::cli::failure::Failure;
-use crate::cli::output;
-use crate::cli::parse;
 use crate::simulate::params::Params;
 use crate::simulate::write;
 
@@ -68,12 +67,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(table) = &arguments.table {
         params = params.of_sheet(&tables::read(table)?)?;
     }
-    let report = parse::pool(arguments.threads)?
+    let report = terminal::pool(arguments.threads)?
         .install(|| write::run(&params, &arguments.output, arguments.force))?;
-    for warning in &report.warnings {
-        output::warn(warning);
-    }
-    output::print(&if arguments.json {
+    terminal::warn(&report.warnings);
+    Ok(terminal::print(&if arguments.json {
         let object = serde_json::json!({
             "manifest": report.manifest,
             "photographs": report.photographs,
@@ -87,5 +84,5 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             report.photographs,
             report.manifest.display()
         )
-    })
+    })?)
 }

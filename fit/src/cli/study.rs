@@ -4,13 +4,13 @@ use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use tables::cli as terminal;
 
 use rayon::prelude::*;
 use tables::{Outputs, Table};
 
 use crate::cli::failure::Failure;
 use crate::cli::output;
-use crate::cli::parse;
 use crate::cli::progress::Progress;
 use crate::cli::terms::Terms;
 use crate::cli::{forward, sampled};
@@ -114,7 +114,7 @@ pub struct Arguments {
 /// # Errors
 /// Manifest, photographs, ranges, table or outputs.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let pool = parse::pool(arguments.threads)?;
+    let pool = terminal::pool(arguments.threads)?;
     let text = match (&arguments.ranges, &arguments.captures) {
         (Some(ranges), _) => drawn(arguments, ranges, &pool)?,
         (None, Some(captures)) if arguments.forward.forward == Some(Forward::Render) => {
@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             #[cfg(feature = "report")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
             #[cfg(feature = "report")]
-            let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+            let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
             let table = tables::read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
             let start = Instant::now();
@@ -145,7 +145,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         (None, None) => String::new(),
     };
-    output::print(&text)
+    Ok(terminal::print(&text)?)
 }
 
 /// Speed against error of the estimate by samples.
@@ -160,7 +160,7 @@ fn rendered(
     #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
     #[cfg(feature = "report")]
-    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     let table = tables::read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let scene = Scene::load(&campaign, &table)?;
@@ -232,9 +232,9 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     let table = tables::read(&arguments.table)?;
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
     let mut outputs = Outputs::beside([file, &arguments.table]);
-    let csv = output::reserve(arguments.csv.as_deref(), &mut outputs)?;
+    let csv = terminal::reserve(arguments.csv.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
-    let picture = output::reserve_picture(arguments.plot.as_deref(), &mut outputs)?;
+    let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
         let (trials, refused) = run_all(arguments, pool, |index| {
             let params = ranges.open_campaign(arguments.seed, index, &directions);

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use tables::cli::{Completions, Manual, version};
 
 use crate::cli as verbs;
 use crate::cli::failure::Failure;
@@ -30,12 +31,20 @@ enum Verb {
     Evaluate(verbs::evaluate::Arguments),
     Simulate(verbs::simulate::Arguments),
     Study(verbs::study::Arguments),
+    #[command(after_help = "Example: for the shell that is open\n  fit completions bash")]
+    Completions(Completions),
+    #[command(
+        after_help = "Example: read them with man -l pages/fit-estimate.1\n  fit manual pages"
+    )]
+    Manual(Manual),
 }
 
-/// Runs the program.
-pub fn main() -> ExitCode {
+/// Runs the program on the arguments of the process.
+///
+/// `commit` names the commit that was built, where the build was told; `--version` shows it.
+pub fn main(commit: Option<&str>) -> ExitCode {
     tables::apart::serve();
-    let done = match arguments().verb {
+    let done = match arguments(commit).verb {
         Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
         Verb::Export(arguments) => verbs::export::run(&arguments),
         Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
@@ -46,13 +55,11 @@ pub fn main() -> ExitCode {
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
         Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
         Verb::Study(arguments) => verbs::study::run(&arguments),
+        Verb::Completions(arguments) => arguments.run(command()).map_err(Failure::from),
+        Verb::Manual(arguments) => arguments.run(command()).map_err(Failure::from),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        // A reader that has seen enough is no failure.
-        Err(Failure::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
-            ExitCode::SUCCESS
-        }
         Err(failure) => {
             let _ = writeln!(std::io::stderr(), "error: {failure}");
             ExitCode::from(failure.code())
@@ -61,8 +68,8 @@ pub fn main() -> ExitCode {
 }
 
 /// The command line as it was given; ends the program for `--help` and wrong usage.
-fn arguments() -> Arguments {
-    let mut command = command();
+fn arguments(commit: Option<&str>) -> Arguments {
+    let mut command = command().version(version(env!("CARGO_PKG_VERSION"), commit));
     let matches = command.get_matches_mut();
     Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit())
 }

@@ -1,6 +1,7 @@
 //! Mathematics without a field: transforms, interpolation, quadrature, least squares.
 //!
-//! Numbers enter and leave. The room may touch no other.
+//! Arrays of numbers and closures enter; arrays of numbers leave, with the accuracy that each file states. Nothing here
+//! knows of light or photographs. This is the ground room: it may touch no other.
 
 pub mod clip;
 pub mod factor;

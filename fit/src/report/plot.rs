@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kuva::prelude::*;
+use tables::cli::PlotFormat;
 
 use crate::predict::prediction::{Around, Axis, Prediction};
 use crate::result::report::ResultFile;
@@ -11,12 +12,9 @@ use crate::result::report::ResultFile;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Neither .svg nor .png.
-    #[error("{}: a plot is written as .svg or .png; give one of these endings", path.display())]
-    Ending {
-        /// The file asked for.
-        path: PathBuf,
-    },
+    /// An extension that names no format of plots.
+    #[error(transparent)]
+    Format(#[from] tables::cli::Error),
     /// The drawing library failed.
     #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png", path.display())]
     Drawing {
@@ -25,36 +23,6 @@ pub enum Error {
         /// What the library said.
         message: String,
     },
-}
-
-/// Picture formats.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// Vector.
-    Svg,
-    /// Pixels.
-    Png,
-}
-
-impl Format {
-    /// The format that a file's ending names.
-    ///
-    /// # Errors
-    /// [`Error::Ending`].
-    pub fn of(path: &Path) -> Result<Format, Error> {
-        match path
-            .extension()
-            .and_then(|e| e.to_str())
-            .map(str::to_ascii_lowercase)
-            .as_deref()
-        {
-            Some("svg") => Ok(Format::Svg),
-            Some("png") => Ok(Format::Png),
-            _ => Err(Error::Ending {
-                path: path.to_owned(),
-            }),
-        }
-    }
 }
 
 /// Curves of one panel in these colours, by floating distance.
@@ -366,7 +334,7 @@ fn ramp(x: f64) -> String {
 /// Panels under one title.
 ///
 /// # Errors
-/// [`Error::Drawing`], [`Error::Ending`].
+/// [`Error::Drawing`], [`Error::Format`].
 pub fn draw(
     panels: Vec<Vec<Plot>>,
     layouts: Vec<Layout>,
@@ -381,13 +349,15 @@ pub fn draw(
         .with_layouts(layouts)
         .with_cell_size(380.0, 320.0)
         .render();
-    match Format::of(path)? {
-        Format::Svg => Ok(SvgBackend.render_scene(&scene).into_bytes()),
-        Format::Png => PngBackend::new()
-            .render_scene(&scene)
-            .map_err(|message| Error::Drawing {
-                path: path.to_owned(),
-                message: message.to_string(),
-            }),
+    match PlotFormat::of(path)? {
+        PlotFormat::Svg => Ok(SvgBackend.render_scene(&scene).into_bytes()),
+        PlotFormat::Png => {
+            PngBackend::new()
+                .render_scene(&scene)
+                .map_err(|message| Error::Drawing {
+                    path: path.to_owned(),
+                    message: message.to_string(),
+                })
+        }
     }
 }

@@ -1,14 +1,15 @@
 //! What a shell and a reader of manual pages want of a program: its version, completions and pages, from clap's description.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use clap::Command;
 use clap_complete::Shell;
 
-use crate::cli::Error;
+use crate::cli::error::Error;
+use crate::cli::terminal::print;
 use crate::file::output::Outputs;
 
-/// The text behind `--version`: `version`, and the commit that a build was told of.
+/// Returns the text behind `--version`: the version, and the commit where the build was told of one.
 pub fn version(version: &str, commit: Option<&str>) -> String {
     match commit.filter(|commit| !commit.is_empty()) {
         Some(commit) => format!("{version} ({commit})"),
@@ -16,42 +17,61 @@ pub fn version(version: &str, commit: Option<&str>) -> String {
     }
 }
 
-/// Returns the completions of a program for a shell, to be put where that shell looks for them.
-pub fn completions(mut program: Command, shell: Shell) -> String {
-    let name = program.get_name().to_owned();
-    let mut text = Vec::new();
-    clap_complete::generate(shell, &mut program, name, &mut text);
-    String::from_utf8_lossy(&text).into_owned()
+/// Prints completions for a shell
+#[derive(Debug, clap::Args)]
+pub struct Completions {
+    /// Which shell
+    #[arg(value_enum)]
+    shell: Shell,
 }
 
-/// Writes the manual pages of a program into a folder that exists: one for itself, one for each verb. Returns their names.
-///
-/// # Errors
-/// [`Error::Output`] when a page cannot be written; [`Error::Stdout`] never.
-pub fn manual(mut program: Command, folder: &Path) -> Result<Vec<String>, Error> {
-    // Gives every verb its full name (`bake trace`), which its page shows.
-    program.build();
-    let mut outputs = Outputs::beside([]);
-    let mut pages = Vec::new();
-    let own = program.get_name().to_owned();
-    let verbs = program.get_subcommands().cloned();
-    for page in std::iter::once(program.clone()).chain(verbs) {
-        if page.get_name() == "help" {
-            continue;
-        }
-        let name = match page.get_name() {
-            verb if verb != own => format!("{own}-{verb}.1"),
-            _ => format!("{own}.1"),
-        };
+impl Completions {
+    /// Prints the completions of `program`.
+    ///
+    /// # Errors
+    /// [`Error::Stdout`].
+    pub fn run(&self, mut program: Command) -> Result<(), Error> {
+        let name = program.get_name().to_owned();
         let mut text = Vec::new();
-        clap_mangen::Man::new(page)
-            .render(&mut text)
-            .map_err(Error::Stdout)?;
-        pages.push((outputs.reserve(&folder.join(&name))?, text, name));
+        clap_complete::generate(self.shell, &mut program, name, &mut text);
+        print(&String::from_utf8_lossy(&text))
     }
-    let write = |(output, text, name): (crate::file::output::Output, Vec<u8>, String)| {
-        output.commit(&text)?;
-        Ok(name)
-    };
-    pages.into_iter().map(write).collect()
+}
+
+/// Writes manual pages, one for the program and one for each verb
+#[derive(Debug, clap::Args)]
+pub struct Manual {
+    /// Folder to write them into; made where it is missing
+    folder: PathBuf,
+}
+
+impl Manual {
+    /// Writes the pages of `program` and prints their names.
+    ///
+    /// # Errors
+    /// [`Error::Folder`], [`Error::Output`] or [`Error::Stdout`].
+    pub fn run(&self, mut program: Command) -> Result<(), Error> {
+        std::fs::create_dir_all(&self.folder).map_err(|source| Error::Folder {
+            folder: self.folder.clone(),
+            source,
+        })?;
+        // Gives every verb its full name (`bake trace`), which its page shows.
+        program.build();
+        let verbs = program
+            .get_subcommands()
+            .filter(|verb| verb.get_name() != "help");
+        let mut outputs = Outputs::beside([]);
+        let mut names = String::new();
+        for page in std::iter::once(&program).chain(verbs) {
+            let name = page.get_display_name().unwrap_or(page.get_name());
+            let file = self.folder.join(format!("{name}.1"));
+            let mut text = Vec::new();
+            clap_mangen::Man::new(page.clone())
+                .render(&mut text)
+                .map_err(Error::Stdout)?;
+            outputs.reserve(&file)?.commit(&text)?;
+            names += &format!("{}\n", file.display());
+        }
+        print(&names)
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cli::Error;
+use crate::cli::error::Error;
 
 /// A format of plots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,7 +4,8 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
-use crate::cli::{Error, PlotFormat};
+use crate::cli::error::Error;
+use crate::cli::plot_format::PlotFormat;
 use crate::file::output::{Output, Outputs};
 
 /// Prints a result to standard output. A pipe that was closed (`... | head`) is its reader's wish and no error.
@@ -30,9 +31,11 @@ pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Error> {
     }
 }
 
-/// Prints `warning: ...` to standard error. A closed standard error is ignored.
-pub fn warn(warning: impl Display) {
-    let _ = writeln!(std::io::stderr(), "warning: {warning}");
+/// Prints each warning as a line `warning: ...` to standard error. A closed standard error is ignored.
+pub fn warn<W: Display>(warnings: impl IntoIterator<Item = W>) {
+    for warning in warnings {
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+    }
 }
 
 /// Prints a remark to standard error where a person reads it; a pipe stays quiet.
