@@ -9,8 +9,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use fit::{
-    Campaign, Candidates, Capture, Decode, Options, Photo, ResultFile, Setup, Shot, Step,
-    TableResult, Watch, estimate_campaign, load_photo,
+    Campaign, Candidates, Capture, Decode, LobeShape, Options, Photo, ResultFile, Setup, Shot,
+    Step, TableResult, Watch, estimate_campaign, load_photo,
 };
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
@@ -71,7 +71,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     // Every photograph that the campaign names is in the map.
     let photo = |shot: &Shot| Ok(photos[&shot.image].clone());
-    let options = Options::new(Candidates::proposed());
+    // The sheet of the demo was simulated with the separable lobe.
+    let options = Options::new(Candidates {
+        shapes: vec![LobeShape::Separable],
+        ..Candidates::proposed()
+    });
     let found = estimate_campaign(&campaign(), &photo, &table, &options, &watch)?;
     for warning in &found.warnings {
         eprintln!("warning: {warning}");

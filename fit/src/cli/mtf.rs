@@ -138,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         for warning in &report.warnings {
             terminal::warn([format!("{}: {warning}", arguments.image.display())]);
         }
-        terminal::note(&report.line());
+        terminal::note(report.line());
         report.csv(arguments.pixel_pitch.is_some())
     };
     Ok(terminal::deliver(&text, output)?)

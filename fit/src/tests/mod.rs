@@ -10,6 +10,7 @@ mod channels;
 mod coating;
 mod edge;
 mod estimate;
+#[cfg(feature = "report")]
 mod export;
 mod exposure;
 mod forward;
