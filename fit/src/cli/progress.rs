@@ -30,7 +30,7 @@ impl Progress {
 
     /// Nothing that is seen.
     #[cfg(not(feature = "report"))]
-    pub fn of(_: u64) -> Progress {
+    pub(crate) fn of(_: u64) -> Progress {
         Progress {}
     }
 

@@ -3,7 +3,7 @@
 use crate::images::render::view;
 use crate::images::render::view::CameraView;
 
-pub fn load(text: &str) -> Result<CameraView, String> {
+pub(crate) fn load(text: &str) -> Result<CameraView, String> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("view.toml");
     std::fs::write(&file, text).unwrap();
@@ -11,7 +11,7 @@ pub fn load(text: &str) -> Result<CameraView, String> {
 }
 
 /// The camera `far` before the image, the sheet 300 mm behind it and turned.
-pub fn view(far: f64, turn_deg: f64, mirror: bool) -> String {
+pub(crate) fn view(far: f64, turn_deg: f64, mirror: bool) -> String {
     let (sine, cosine) = turn_deg.to_radians().sin_cos();
     format!(
         "[camera]\nposition_mm = [0, 0, {far}]\n\
