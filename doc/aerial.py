@@ -1,4 +1,4 @@
-"""Draws doc/aerial.png: a sign, and its mid-air image at two floating distances.
+"""Draws doc/sign.png, and doc/aerial.png: the sign and its mid-air image at two floating distances.
 
     python3 doc/aerial.py target/release
 
@@ -58,7 +58,7 @@ def main():
             subprocess.run([programs / program, *words], cwd=here, check=True, capture_output=True)
 
         (here / "sheet.toml").write_text(SHEET)
-        write_png(here / "sign.png", sign())
+        write_png(HERE / "sign.png", srgb(sign()), bits=8)
         run("bake design triangular-pair -o pair.obj")
         run("bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 20 --azimuth 30")
         run("fit simulate sheet.toml -o photographs")
@@ -66,15 +66,15 @@ def main():
             "fit estimate photographs/captures.toml --table pair.h5 --kernel wave "
             "--wavelength-nm 535 -o result.json"
         )
-        pictures = [srgb(read_png(here / "sign.png"))]
+        pictures = [srgb(sign())]
         for distance in DISTANCES_MM:
             image = f"aerial-{distance}.png"
             run(
-                f"fit render --source sign.png --params result.json --table pair.h5 "
+                f"fit render --source {HERE / 'sign.png'} --params result.json --table pair.h5 "
                 f"--distance {distance} --incidence 20 --azimuth 30 --pixel-pitch 0.1 "
-                f"--transfer linear --exposure {EXPOSURE} -o {image}"
+                f"--exposure {EXPOSURE} -o {image}"
             )
-            pictures.append(srgb(read_png(here / image)))
+            pictures.append(read_png(here / image))
     gap = np.full((pictures[0].shape[0], GAP_PX, 3), 0.5)
     row = [part for picture in pictures for part in (picture, gap)][:-1]
     write_png(HERE / "aerial.png", np.concatenate(row, axis=1), bits=8)
