@@ -3,7 +3,7 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo table1 test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
+.PHONY: all build install demo manual deny msrv table1 test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
 
 CARGO = cargo
 PYTHON = python3
@@ -18,6 +18,9 @@ override CMAKE := $(CURDIR)/.tools/cmake
 export CMAKE
 
 all: build
+
+# What `bake --version` and `fit --version` show behind the version. Tests build without it, so that a commit rebuilds nothing there.
+build install demo: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
 	@$(CARGO) build --release --locked -p bake -p fit
@@ -80,7 +83,7 @@ test-mpi: rust tools
 # The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes, then its verbs.
 test-lean: rust tools
 	@echo "== the lean fitter" >&2
-	@$(CARGO) test --workspace --test lean --locked -- --include-ignored --nocapture
+	@$(CARGO) test --workspace --test all --locked -- lean --include-ignored --nocapture
 
 # The optional feature of camera raw, which brings a crate under another licence.
 test-raw: rust tools
@@ -137,6 +140,23 @@ doc: tools
 	@echo "== documentation" >&2
 	@RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
+# Licences, sources and bans of dependencies (deny.toml), where cargo-deny is installed: cargo install cargo-deny.
+deny: tools
+	@$(CARGO) deny --version >/dev/null 2>&1 || { echo "deny: cargo-deny is not installed: cargo install --locked cargo-deny" >&2; exit 1; }
+	@$(CARGO) deny --workspace --locked check bans licenses sources
+
+# The oldest Rust that Cargo.toml promises: clippy (in `lint`) knows what of the standard library is younger, this compiles with it.
+msrv: tools
+	@rustup run $(MSRV) cargo --version >/dev/null 2>&1 || { \
+		echo "msrv: Rust $(MSRV) is not installed: rustup toolchain install $(MSRV)" >&2; exit 1; }
+	@rustup run $(MSRV) cargo check --workspace --all-targets --locked
+MSRV := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+
+# Manual pages of both programs, and completions of a shell: make manual SHELL_NAME=zsh
+manual: build
+	@$(BIN)/bake manual target/manual && $(BIN)/fit manual target/manual
+	@for program in bake fit; do $(BIN)/$$program completions $(or $(SHELL_NAME),bash) > target/manual/$$program.$(or $(SHELL_NAME),bash); done
+
 bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
 		else echo "bench: no package has a benches/ folder yet"; fi
@@ -154,8 +174,10 @@ CAMPAIGN = tests/captures/public_per_angle
 QUIET = $$(test -t 1 || echo --quiet)
 
 demo: tools
+	@echo "demo: building bake and fit; the first time takes some 4 minutes on 2 cores" >&2
 	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit
 	@mkdir -p demo
+	@echo "demo: a cell, its ray-shift table, and the estimate from $(words $(wildcard $(CAMPAIGN)/aerial_*.exr)) photographs" >&2
 	@$(BIN)/bake design triangular-pair -o demo/pair.obj
 	@$(BIN)/bake trace demo/pair.obj -o demo/pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
 	@$(BIN)/bake inspect demo/pair.h5 --plot demo/shift.png

@@ -26,7 +26,7 @@ fn exactly() -> Request {
 fn ten_directions_of_a_sheet_of_2048_cubes(bencher: Bencher) {
     let cell = cells::sheet();
     bencher
-        .counter(ItemsCount::new(10usize))
+        .counter(ItemsCount::new(10_usize))
         .bench(|| bake(&Prepared::new(cell.clone()), &exactly()));
 }
 
@@ -34,6 +34,6 @@ fn ten_directions_of_a_sheet_of_2048_cubes(bencher: Bencher) {
 fn ten_directions(bencher: Bencher, name: &str) {
     let cell = Prepared::new(design(Shape::from_name(name).expect("a design")));
     bencher
-        .counter(ItemsCount::new(10usize))
+        .counter(ItemsCount::new(10_usize))
         .bench(|| bake(&cell, &exactly()));
 }

@@ -1,5 +1,5 @@
 //! What is fuzzed: each function gives some bytes to one door of the project, which must answer with a value or an
-//! error. The fuzz targets call them, and `tests/tests/corpus.rs` does so over the kept corpus.
+//! error. The fuzz targets call them, and `tests/tests/all/corpus.rs` does so over the kept corpus.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,31 +29,31 @@ fn cell(mesh: Result<meshes::Mesh, meshes::Fault>) {
 }
 
 /// A Wavefront OBJ file, to the cell that is traced.
-pub fn obj(bytes: &[u8]) {
+pub(super) fn obj(bytes: &[u8]) {
     cell(meshes::obj::parse(bytes));
 }
 
 /// A glTF or GLB file without files beside it, to the cell that is traced.
-pub fn gltf(bytes: &[u8]) {
+pub(super) fn gltf(bytes: &[u8]) {
     cell(meshes::gltf::parse(bytes, None));
 }
 
 /// An HDF5 table. The tables of the corpus have no seal, so that a changed one reaches the HDF5 library and its
 /// content hash.
-pub fn table(bytes: &[u8]) {
+pub(super) fn table(bytes: &[u8]) {
     let path = file("table.h5", bytes);
     let _ = tables::read(&path);
 }
 
 /// A photograph of any format: what it holds decides, not its name.
-pub fn photograph(bytes: &[u8]) {
+pub(super) fn photograph(bytes: &[u8]) {
     let path = file("photograph", bytes);
     let _ = fit::load_photo(&path, &fit::Decode::default());
     let _ = fit::Settings::of(&path);
 }
 
 /// A manifest of captures, ranges of a study and parameters of a simulation.
-pub fn toml(bytes: &[u8]) {
+pub(super) fn toml(bytes: &[u8]) {
     let path = file("fuzzed.toml", bytes);
     let _ = fit::load_campaign(&path);
     let _ = fit::StudyRanges::load(&path);

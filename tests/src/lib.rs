@@ -5,5 +5,6 @@
 pub mod browser;
 pub mod estimate;
 pub mod files;
+pub mod page;
 pub mod program;
 pub mod rooms;

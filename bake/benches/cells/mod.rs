@@ -8,7 +8,7 @@ use std::path::Path;
 use tables::Table;
 
 /// The ten directions of the default bake, mirrors behind a flat face of acrylic, one thread.
-pub fn request() -> Request {
+pub(crate) fn request() -> Request {
     Request {
         incidence: "0:45:5".into(),
         azimuth: "30".into(),
@@ -19,17 +19,17 @@ pub fn request() -> Request {
 }
 
 /// The table of a cell that is dissected already.
-pub fn bake(cell: &Prepared, request: &Request) -> Table {
+pub(crate) fn bake(cell: &Prepared, request: &Request) -> Table {
     let plan = Plan::new(request).expect("a valid request");
     trace(cell, &plan, Watch::none()).expect("bakes")
 }
 
-pub fn design(shape: Shape) -> Cell {
+pub(crate) fn design(shape: Shape) -> Cell {
     cell(&Design::new(shape).mesh().expect("a design"))
 }
 
 /// 2,048 cubes: 32 x 32 pairs side by side. All coordinates are whole file units, so that neighbours share vertices.
-pub fn sheet() -> Cell {
+pub(crate) fn sheet() -> Cell {
     let pair = Design::new(Shape::TriangularPair).mesh().expect("a design");
     let [_, a, b, c, ..] = pair.positions[..] else {
         unreachable!("a pair has an apex and three edge ends first");
@@ -52,6 +52,6 @@ pub fn sheet() -> Cell {
 }
 
 /// The cell of a mesh in memory.
-pub fn cell(mesh: &Mesh) -> Cell {
+pub(crate) fn cell(mesh: &Mesh) -> Cell {
     meshes::normalise(mesh, Path::new("mesh"), &CellOptions::default()).expect("a cell")
 }

@@ -350,7 +350,7 @@ impl Follower<'_> {
                     match polygon::subtract(&part, &hiding, least) {
                         None => cut.push(part),
                         Some(rest) => {
-                            cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least))
+                            cut.extend(rest.into_iter().filter(|p| polygon::area(p) > least));
                         }
                     }
                 }

@@ -128,7 +128,7 @@ mod tests {
         let united = unite(fan.chain([far.clone()]).collect(), 1e-14);
         assert_eq!(united.len(), 2);
         assert_eq!(united[0].len(), 6);
-        assert!((polygon::area(&united[0]) - 1.5 * 3f64.sqrt()).abs() < 1e-14);
+        assert!((polygon::area(&united[0]) - 1.5 * 3_f64.sqrt()).abs() < 1e-14);
         assert_eq!(united[1], far);
     }
 }

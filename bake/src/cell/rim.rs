@@ -93,15 +93,15 @@ mod tests {
         // In a frame where the apex is below: z grows along (1, 1, 1), only the rim's height matters here.
         let frame = |x: DVec3| {
             DVec3::new(
-                (x.x - x.y) / 2f64.sqrt(),
-                (x.x + x.y - 2.0 * x.z) / 6f64.sqrt(),
+                (x.x - x.y) / 2_f64.sqrt(),
+                (x.x + x.y - 2.0 * x.z) / 6_f64.sqrt(),
                 x.dot(DVec3::ONE),
             )
         };
         let facets = |ends: [DVec3; 3]| {
             join(&[0, 1, 2].map(|i| [DVec3::ZERO, frame(ends[i]), frame(ends[(i + 1) % 3])]))
         };
-        let area = 3f64.sqrt() / 2.0;
+        let area = 3_f64.sqrt() / 2.0;
         let found = openings(&facets(ends), 1.0, area).expect("a pit");
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].len(), 3);

@@ -64,7 +64,7 @@ impl Trace<'_> {
             return warnings;
         };
         let spreads = (0..found.entries.len()).map(|k| found.spread(k));
-        let (mut outermost, mut rms) = (0.0f64, 0.0f64);
+        let (mut outermost, mut rms) = (0.0_f64, 0.0_f64);
         for spread in spreads {
             (outermost, rms) = (outermost.max(spread.outermost), rms.max(spread.rms_rad));
         }

@@ -249,7 +249,7 @@ fn jobs<'a>(
             .collect();
         warnings.dedup();
         warn(&warnings);
-        warn(&method_warning(args, prepared, &plans[0].1));
+        warn(method_warning(args, prepared, &plans[0].1));
     }
     let mut jobs = Vec::new();
     for (file, plan) in plans {
@@ -290,7 +290,7 @@ impl Job<'_> {
             .table_from(Watch::new(&advance), Some(saves), ranks);
         let seconds = start.elapsed().as_secs_f64();
         progress.finish();
-        warn(&Vec::from_iter(unsaved.map(|error| {
+        warn(Vec::from_iter(unsaved.map(|error| {
             format!("the bake could not be saved on its way: {error}")
         })));
         let table = match table.map_err(Failure::from) {
@@ -312,7 +312,7 @@ impl Job<'_> {
             file: self.file,
             seconds,
         };
-        warn(&report.warnings());
+        warn(report.warnings());
         if !args.json {
             print(&report.text())?;
         }

@@ -329,7 +329,7 @@ mod tests {
         #[test]
         fn parts_sum_to_the_whole(
             angles in proptest::collection::vec(0.0..std::f64::consts::TAU, 3..12),
-            ax in -2.0..2.0f64, ay in -2.0..2.0f64, bx in -2.0..2.0f64, by in -2.0..2.0f64,
+            ax in -2.0..2.0_f64, ay in -2.0..2.0_f64, bx in -2.0..2.0_f64, by in -2.0..2.0_f64,
         ) {
             let points: Vec<DVec2> = angles.iter().map(|&t| 2.0 * DVec2::from_angle(t)).collect();
             let polygon = hull(&points, 0.0);

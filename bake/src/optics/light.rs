@@ -253,7 +253,7 @@ mod tests {
         let mut cases = 0;
         for i in 0..200 {
             let angle = f64::from(i) / 199.0 * std::f64::consts::PI;
-            let z = Complex64::new(angle.cos(), angle.sin().max(0.0)) * 10f64.powi(i % 7 - 3);
+            let z = Complex64::new(angle.cos(), angle.sin().max(0.0)) * 10_f64.powi(i % 7 - 3);
             let w = root(z);
             assert!(w.im >= 0.0 && (w * w - z).norm() <= ROUNDING * z.norm());
             cases += 1;

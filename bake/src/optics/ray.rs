@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     fn travel_goes_down_and_along_u() {
-        let d = Incidence::new(20f64.to_radians(), 30f64.to_radians(), 1.49);
-        let inside = (20f64.to_radians().sin() / 1.49).asin();
+        let d = Incidence::new(20_f64.to_radians(), 30_f64.to_radians(), 1.49);
+        let inside = (20_f64.to_radians().sin() / 1.49).asin();
         assert!((d.travel.z + inside.cos()).abs() < 1e-15);
         let along = DVec2::new(d.travel.x, d.travel.y);
         assert!((d.to_frame(along) - DVec2::new(inside.sin(), 0.0)).length() < 1e-15);

@@ -182,7 +182,7 @@ mod tests {
     /// Corners of unit coordinates are known to 1.1e-16 each, and so is the plane where they are.
     #[test]
     fn slivers_lie_in_their_planes() {
-        let (mut cases, mut worst) = (0, 0.0f64);
+        let (mut cases, mut worst) = (0, 0.0_f64);
         for turn in 0..200 {
             let axis = DVec3::new(
                 (1.7 * f64::from(turn)).sin(),
@@ -191,7 +191,7 @@ mod tests {
             );
             let turned = glam::DMat3::from_axis_angle(axis.normalize(), f64::from(turn));
             for decade in -13..=0 {
-                let high = 10f64.powi(decade);
+                let high = 10_f64.powi(decade);
                 let corners =
                     [DVec3::ZERO, DVec3::X, DVec3::new(0.4, high, 0.0)].map(|p| turned * p);
                 let normal = normal(&corners).expect("has area");

@@ -84,7 +84,7 @@ impl Plan {
             Err(_) => angle_error(&prepared.cell().facets),
         };
         // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most, first order.
-        let turn = |error: f64| 2.0 * 3f64.sqrt() * error;
+        let turn = |error: f64| 2.0 * 3_f64.sqrt() * error;
         match (error, self.scene.roughness) {
             (None, _) => ExitPattern::Lobe(tolerance),
             (Some(error), Some(roughness)) => {

@@ -1,3 +1,4 @@
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 use crate::plan::directions::angles;
 use crate::plan::effort::*;
 use crate::plan::plan::*;
@@ -15,7 +16,7 @@ fn lists_and_ranges() {
     );
     assert_eq!(
         angles("--azimuth", "-0").unwrap()[0].to_bits(),
-        0f64.to_bits()
+        0_f64.to_bits()
     );
 }
 

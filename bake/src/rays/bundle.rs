@@ -262,7 +262,7 @@ impl Bounds {
     /// can be within `limit`.
     #[inline(always)]
     pub(crate) fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
-        let (mut from, mut to) = ([0.0f64; 8], [limit; 8]);
+        let (mut from, mut to) = ([0.0_f64; 8], [limit; 8]);
         for axis in 0..3 {
             let (low, high) = (self.low[axis], self.high[axis]);
             let inverse = self.inverse[axis];

@@ -38,7 +38,7 @@ impl Hierarchy {
             .fold(0.0, f64::max);
         // An f32 position within 2 radii of the centre is off by at most 2^-23 radii, its ray at the far side by
         // 2^-23 x 2 radii more, and the box test rounds thrice: 2^-19 radii hold all of it four times over.
-        let padding = radius * (-19f64).exp2();
+        let padding = radius * (-19_f64).exp2();
         let boxes: Vec<Aabb> = facets
             .iter()
             .map(|facet| {
@@ -237,7 +237,7 @@ fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
     let mut nodes = Vec::new();
     let mut deepest = 0;
     // Node of `tree`, its place among `nodes`, and how many are above it.
-    let mut open = vec![(0usize, 0usize, 0usize)];
+    let mut open = vec![(0_usize, 0_usize, 0_usize)];
     nodes.push(Node::EMPTY);
     while let Some((root, place, depth)) = open.pop() {
         deepest = deepest.max(depth);

@@ -196,7 +196,7 @@ impl Kernel {
                     stream,
                     samples,
                 };
-                self.instructions.run(&batch, tally)
+                self.instructions.run(&batch, tally);
             }
         }
     }

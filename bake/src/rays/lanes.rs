@@ -187,7 +187,7 @@ fn by_cells(
     let base = (first >> (2 * CELL_BITS)) as u32;
     let mut excerpt = Excerpt::default();
     let (mut corners, mut points_of_cell) = (Vec::new(), Vec::new());
-    for cell in 0..1u32 << (2 * CELL_BITS) {
+    for cell in 0..1_u32 << (2 * CELL_BITS) {
         let (low, sum) = (cell & 15, cell >> 4);
         let index = |high: u32| {
             let mut folded = high ^ (high >> 16);
@@ -237,7 +237,7 @@ fn by_cells(
                 only: map,
             };
             for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
-                let mut indices = [0u32; LANES];
+                let mut indices = [0_u32; LANES];
                 for lane in 0..LANES {
                     indices[lane] = index(base + group * LANES as u32 + lane as u32);
                 }
@@ -370,7 +370,7 @@ fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
         work.ended[Fate::Retroreflected as usize][lane] += within[lane] >> 63;
         work.ended[Fate::OutOfRange as usize][lane] += (back[lane] & !within[lane]) >> 63;
     }
-    let mut at = [0u64; LANES];
+    let mut at = [0_u64; LANES];
     for lane in 0..LANES {
         let bin = floor(v[lane]) * end + floor(u[lane]);
         // The other rays count in slots beyond the histogram, one per lane: no branch, and no queue at one slot.
@@ -411,14 +411,14 @@ fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
 fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
     match stream.sampler {
         Sampler::Sobol => {
-            let mut indices = [0u32; LANES];
+            let mut indices = [0_u32; LANES];
             for lane in 0..LANES {
                 indices[lane] = (first as u32).wrapping_add(lane as u32);
             }
             sobol(stream, &indices)
         }
         Sampler::Random => {
-            let (mut low, mut high) = ([0u32; LANES], [0u32; LANES]);
+            let (mut low, mut high) = ([0_u32; LANES], [0_u32; LANES]);
             for lane in 0..LANES {
                 let index = first + lane as u64;
                 [low[lane], high[lane]] = stream.counter(index);
@@ -432,7 +432,7 @@ fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
 /// Digits of the Sobol samples `indices`.
 #[inline(always)]
 fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
-    let (mut a, mut b) = ([0u32; LANES], [0u32; LANES]);
+    let (mut a, mut b) = ([0_u32; LANES], [0_u32; LANES]);
     for lane in 0..LANES {
         a[lane] = scramble(indices[lane], stream.keys[0]);
         b[lane] = scramble(pascal(indices[lane]), stream.keys[1]);

@@ -2,7 +2,7 @@
 
 /// `items` in the order of their keys, which are below `keys`: counted, then each put in its place.
 pub(crate) fn order<T: Copy>(items: &[T], keys: usize, key: impl Fn(&T) -> usize) -> Vec<T> {
-    let mut next = vec![0u32; keys + 1];
+    let mut next = vec![0_u32; keys + 1];
     for item in items {
         next[key(item) + 1] += 1;
     }

@@ -150,7 +150,7 @@ impl Search<'_> {
         let stream = Stream::new(Sampler::Random, default::SEED, 0.0, 0.0, 0);
         let between = |ends: &[f64], share: u32| match ends {
             [first, .., last] => {
-                let x = first + (last - first) * (f64::from(share) + 0.5) / 2f64.powi(32);
+                let x = first + (last - first) * (f64::from(share) + 0.5) / 2_f64.powi(32);
                 let above = ends.partition_point(|&end| end <= x);
                 (x, Some(above.clamp(1, ends.len() - 1) - 1))
             }

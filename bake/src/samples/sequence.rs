@@ -169,14 +169,14 @@ pub(crate) fn pascal(index: u32) -> u32 {
 fn dimension(columns: &[u32; 32], index: u32) -> u32 {
     let mut digits = 0;
     for (bit, column) in columns.iter().enumerate() {
-        digits ^= column & 0u32.wrapping_sub((index >> bit) & 1);
+        digits ^= column & 0_u32.wrapping_sub((index >> bit) & 1);
     }
     digits.reverse_bits()
 }
 
 /// Incidence numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
 const THIRD: [u32; 32] = {
-    let mut columns = [0u32; 32];
+    let mut columns = [0_u32; 32];
     columns[0] = 1 << 31;
     columns[1] = 3 << 30;
     let mut i = 2;
@@ -189,7 +189,7 @@ const THIRD: [u32; 32] = {
 
 /// Those of the fourth: polynomial x^3 + x + 1, m = 1, 3, 1.
 const FOURTH: [u32; 32] = {
-    let mut columns = [0u32; 32];
+    let mut columns = [0_u32; 32];
     columns[0] = 1 << 31;
     columns[1] = 3 << 30;
     columns[2] = 1 << 29;
@@ -229,7 +229,7 @@ mod tests {
             (0.75, 0.25, 0.25),
         ];
         // scipy.stats.qmc.Sobol(3, scramble=False) gives the same set in Gray-code order.
-        for (index, point) in [0u32, 1, 2, 3].into_iter().zip(points) {
+        for (index, point) in [0_u32, 1, 2, 3].into_iter().zip(points) {
             let plain = [index, pascal(index), dimension(&THIRD, index)]
                 .map(|digits| f64::from(digits.reverse_bits()) / 4_294_967_296.0);
             let expected = match index {
@@ -248,7 +248,7 @@ mod tests {
         let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);
         let mut boxes = 0;
         for shape in 0..=10 {
-            let mut seen = vec![0u32; 1024];
+            let mut seen = vec![0_u32; 1024];
             for index in 1024 * 5..1024 * 6 {
                 let [x, y] = stream.pair(index);
                 let (columns, rows) = (shape, 10 - shape);
@@ -269,7 +269,7 @@ mod tests {
     fn third_and_fourth_dimension_are_equidistributed() {
         let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);
         for coordinate in [Stream::third, Stream::fourth] {
-            let mut seen = [0u32; 256];
+            let mut seen = [0_u32; 256];
             (0..256).for_each(|index| seen[(coordinate(&stream, index) >> 24) as usize] += 1);
             assert_eq!(seen, [1; 256]);
         }

@@ -101,12 +101,15 @@ mod tests {
     #[test]
     fn planted_power_law_comes_back() {
         let law = |x: f64| 3.0 * x.powf(-0.75);
-        let points: Vec<[f64; 2]> = (5..12).map(|k| 4f64.powi(k)).map(|x| [x, law(x)]).collect();
+        let points: Vec<[f64; 2]> = (5..12)
+            .map(|k| 4_f64.powi(k))
+            .map(|x| [x, law(x)])
+            .collect();
         let found = slope(&points).expect("seven points");
         assert!((found.exponent + 0.75).abs() < 1e-13, "{found:?}");
         assert!(found.standard_error.expect("seven points") < 1e-13);
         assert!((found.at(1e5) / law(1e5) - 1.0).abs() < 1e-12);
-        assert_eq!(found.range, [1024.0, 4f64.powi(11)]);
+        assert_eq!(found.range, [1024.0, 4_f64.powi(11)]);
         assert_eq!(slope(&points[..2]).expect("two").standard_error, None);
         assert_eq!(slope(&points[..1]), None);
         assert_eq!(slope(&[]), None);
@@ -120,7 +123,7 @@ mod tests {
         let points = points.map(|(x, off): (f64, f64)| [x.exp(), (-0.5 * x + off).exp()]);
         let found = slope(&points).expect("four points");
         // sum of squares 0.04 over 2 degrees of freedom; sum (x - 1.5)^2 = 5.
-        let expected = (0.04f64 / 2.0 / 5.0).sqrt();
+        let expected = (0.04_f64 / 2.0 / 5.0).sqrt();
         assert!((found.exponent + 0.5).abs() < 1e-14);
         assert!((found.standard_error.expect("four points") - expected).abs() < 1e-14);
     }
@@ -128,7 +131,7 @@ mod tests {
     #[test]
     fn crossings() {
         let points = [[1.0, 1e-1], [4.0, 1e-2], [16.0, 1e-3]];
-        let Reached::At(seconds) = reached(&points, 10f64.powf(-1.5)) else {
+        let Reached::At(seconds) = reached(&points, 10_f64.powf(-1.5)) else {
             panic!("between the first two");
         };
         assert!((seconds - 2.0).abs() < 1e-12);

@@ -11,7 +11,11 @@ pub(super) const HEIGHT: f64 = 0.577_350_269_189_625_8;
 pub(super) fn edges(turn_deg: f64) -> [DVec3; 3] {
     [0.0, 120.0, 240.0].map(|azimuth: f64| {
         let (y, x) = (azimuth + turn_deg).to_radians().sin_cos();
-        DVec3::new(x * (2.0f64 / 3.0).sqrt(), y * (2.0f64 / 3.0).sqrt(), HEIGHT)
+        DVec3::new(
+            x * (2.0_f64 / 3.0).sqrt(),
+            y * (2.0_f64 / 3.0).sqrt(),
+            HEIGHT,
+        )
     })
 }
 

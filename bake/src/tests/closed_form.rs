@@ -91,7 +91,7 @@ fn retroreflected_fraction_of_the_hollow_cube() {
 /// Chi-square of all bins and directions against exact bin probabilities.
 #[test]
 fn every_bin_within_counting_error() {
-    let n = 4_194_304u64;
+    let n = 4_194_304_u64;
     let asked = request("0:45:5", "0,60", n);
     let table = bake(
         &cells::triangular(),

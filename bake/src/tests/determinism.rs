@@ -54,7 +54,7 @@ fn tolerance_is_reached() {
         ..Request::default()
     };
     let table = rays(&cells::triangular(), &Plan::new(&request).expect("valid")).expect("bakes");
-    for (i, incidence) in [0.0f64, 20.0].into_iter().enumerate() {
+    for (i, incidence) in [0.0_f64, 20.0].into_iter().enumerate() {
         let direction = crate::optics::Incidence::new(incidence.to_radians(), 0.0, 1.0);
         let (fraction, polygon) = cells::closed_form(direction.travel, 0.0);
         let polygon: Vec<_> = polygon.into_iter().map(|p| direction.to_frame(p)).collect();

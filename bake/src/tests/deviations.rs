@@ -166,7 +166,7 @@ fn spots_of_equal_errors() {
             let same = |spot: &(DVec2, u64, DVec2)| (spot.0 - at).length() < 10.0 * eps * eps;
             let own: Vec<_> = left.extract_if(.., |spot| same(spot)).collect();
             // Half the diagonal of a bin; the first order where nothing better is known.
-            let bin = grid.bin_width() / 2f64.sqrt();
+            let bin = grid.bin_width() / 2_f64.sqrt();
             let known = index == 1.0 && errors == [eps; 3];
             let order = if known { 0.0 } else { 4.0 * index * eps * eps };
             for (deviation, ..) in &own {
@@ -319,7 +319,7 @@ fn ideal_cells_record_nothing() {
     let asked = grid(&ideal[0], Record::Within(2.0)).expect("asked for");
     // 2 sqrt 3 times the error, twice: room for steep incidence.
     assert!(
-        (auto.range - 4.0 * 3f64.sqrt() * 1e-4).abs() < 1e-9,
+        (auto.range - 4.0 * 3_f64.sqrt() * 1e-4).abs() < 1e-9,
         "{auto:?}"
     );
     assert_eq!((asked.range, asked.cells), (2e-3, 128));

@@ -150,7 +150,7 @@ fn a_strip_of_rounding_counts_no_ray_twice() {
         for incidence in [0.0, 13.0, 40.0] {
             let mut cell = cells::triangular();
             let corners = &mut cell.entrance.polygon;
-            let outward = -corners[(side + 2) % 3].normalize() * 10f64.powi(decade);
+            let outward = -corners[(side + 2) % 3].normalize() * 10_f64.powi(decade);
             corners[side] += outward;
             corners[(side + 1) % 3] += outward;
             let scene = Arc::new(Scene::new(&cell, Index::Loop));
@@ -263,7 +263,7 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
         mirror_back: false,
         ..MIRROR
     };
-    let (first, rays) = ((1 << 15) - 5, 40_000u64);
+    let (first, rays) = ((1 << 15) - 5, 40_000_u64);
     let mut entered = vec![[false; 2]; 120];
     let mut compared = 0;
     for (incidence, azimuth) in [
@@ -337,7 +337,7 @@ fn what_is_no_set_of_bodies_is_left_whole() {
             cell.facets[..3]
                 .iter_mut()
                 .flatten()
-                .for_each(|p| p.x += 0.1)
+                .for_each(|p| p.x += 0.1);
         }),
         // an apex outside its aperture
         spoilt(&|cell| {
@@ -348,7 +348,7 @@ fn what_is_no_set_of_bodies_is_left_whole() {
         // a facet in the entrance plane
         spoilt(&|cell| {
             cell.facets
-                .push(cell.facets[0].map(|p| p.with_z(cells::HEIGHT)))
+                .push(cell.facets[0].map(|p| p.with_z(cells::HEIGHT)));
         }),
     ];
     let mut expected = [Some(Whole::Connected); 9];
@@ -379,7 +379,7 @@ fn split(cell: Cell) -> Cell {
 #[test]
 fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
     let bins = Bins::new(32, 1.5);
-    let (first, rays) = ((1 << 15) - 5, 40_000u64);
+    let (first, rays) = ((1 << 15) - 5, 40_000_u64);
     let mut compared = 0;
     for (columns, rows) in [(2, 2), (6, 5), (12, 10)] {
         let cell = uneven(columns, rows);

@@ -131,12 +131,12 @@ fn aimed_rays_have_the_right_shift() {
 fn a_million_relaunched_rays() {
     let cell = cells::triangular();
     let scene = Scene::new(&cell, Index::Loop);
-    let (mut relaunched, mut sample) = (0u64, 0);
+    let (mut relaunched, mut sample) = (0_u64, 0);
     while relaunched < 1_000_000 {
         let [a, b, c] = numbers(sample);
         sample += 1;
         // Half of the rays graze: cosines down to 1e-9 with the aperture's plane.
-        let grazing = std::f64::consts::FRAC_PI_2 - 10f64.powf(-9.0 * c);
+        let grazing = std::f64::consts::FRAC_PI_2 - 10_f64.powf(-9.0 * c);
         let incidence = if sample % 2 == 0 { grazing } else { c * 1.55 };
         let direction = Incidence::new(incidence.max(0.0), a * std::f64::consts::TAU, 1.0);
         let corners = &cell.entrance.polygon;

@@ -61,7 +61,7 @@ fn normals_have_the_density_of_visible_ones() {
                 let travel = -(facet * cosine + x * sine);
                 let roughness = rough(slopes, alpha).unwrap();
                 let stream = stream(100 + case as u64);
-                let mut counts = [0u32; BINS * BINS + 1];
+                let mut counts = [0_u32; BINS * BINS + 1];
                 for index in 0..DRAWS {
                     let normal = crate::optics::roughness::normal(
                         &roughness,
@@ -166,7 +166,7 @@ fn exit_directions_spread_as_three_facets_do() {
     const RAYS: u64 = 1 << 15;
     let alpha = 1e-3;
     let scene = Scene::new(&cells::triangular(), Index::Loop);
-    let (mut cases, mut worst) = (0, 0.0f64);
+    let (mut cases, mut worst) = (0, 0.0_f64);
     for index in [1.0, 1.49] {
         for (incidence, azimuth) in [(0.0, 0.0), (15.0, 20.0), (25.0, 200.0_f64)] {
             let incidence: f64 = incidence;
@@ -304,7 +304,7 @@ fn every_ray_has_a_fate_however_rough() {
 #[test]
 fn the_warning_knows_how_much_deviates() {
     let cell = cells::triangular();
-    let tolerance = 0.5f64.to_radians();
+    let tolerance = 0.5_f64.to_radians();
     let mut cases = 0;
     for (slopes, alpha, slack) in [
         // The lobe moves some light to other paths: a part of the order of alpha.
@@ -425,7 +425,7 @@ fn one_slope_turns_light_by_twice_itself() {
 #[test]
 fn a_table_has_the_spread_of_its_roughness() {
     let alpha = 5e-4;
-    let (mut cases, mut worst) = (0, 0.0f64);
+    let (mut cases, mut worst) = (0, 0.0_f64);
     for index in [1.0, 1.49] {
         let table = bake(Request {
             refractive_index: Some(index),

@@ -47,7 +47,7 @@ fn speed() -> Result<(), Box<dyn Error>> {
         "one by one, periodic full cube, hierarchy: {:.2}",
         slow(&full, &bins, Index::Hierarchy)
     );
-    for side in [2usize, 3, 4, 6, 32] {
+    for side in [2_usize, 3, 4, 6, 32] {
         let tiled = tiled(&cell(Shape::TriangularPair)?, side);
         let facets = tiled.facets.len();
         let hierarchy = slow(&tiled, &bins, Index::Hierarchy);
@@ -118,7 +118,7 @@ fn fast(
     let scene = Arc::new(Scene::new(cell, Index::Auto));
     let launch = Launch::new(&cell.entrance);
     let mut tally = Tally::new(bins);
-    let run = 1u64 << 18;
+    let run = 1_u64 << 18;
     let mut seconds = 0.0;
     let angles = [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];
     let mut rays = 0;

@@ -1,5 +1,7 @@
 //! The program and the library from outside.
 
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
+
 mod cli;
 mod library;
 mod merge;

@@ -162,9 +162,9 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
         let middle = 0.5 * (inside + outside);
         let (beyond, _) = risen(middle, &at);
         if beyond {
-            outside = middle
+            outside = middle;
         } else {
-            inside = middle
+            inside = middle;
         }
     }
     Some(outside.exp())

@@ -66,7 +66,7 @@ impl Candidates {
     /// Leaves the candidates that have samples.
     ///
     /// # Errors
-    /// [`Conflict`] where none is left, or another loss was asked for than those of MTFs.
+    /// `Conflict` where none is left, or another loss was asked for than those of MTFs.
     pub fn with_samples(mut self, loss: Option<Kind>) -> Result<Candidates, Conflict> {
         if loss == Some(Kind::Edge) {
             return Err(Conflict::PixelsBySamples);

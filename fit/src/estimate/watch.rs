@@ -62,7 +62,7 @@ impl Watch<'_> {
     /// Says that a step is done.
     ///
     /// # Errors
-    /// [`Cancelled`] where the flag is set.
+    /// `Cancelled` where the flag is set.
     pub fn done(&self, step: Step) -> Result<(), Cancelled> {
         if let Some(progress) = self.progress {
             progress(step);

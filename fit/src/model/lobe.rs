@@ -18,7 +18,7 @@ pub(crate) const CUT: f64 = 2.4 * PI;
 
 impl LobeShape {
     /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal` (tangential, sagittal), for
-    /// `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial, see [`radial`]), 3e-7 (ggx); rounding (separable,
+    /// `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial, see `radial`), 3e-7 (ggx); rounding (separable,
     /// beckmann).
     pub fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {

@@ -54,7 +54,7 @@ impl Spectrum {
     /// One line of weight 1.
     ///
     /// # Errors
-    /// [`SpectrumError::Wavelength`] outside 100 to 20000 nm.
+    /// `SpectrumError::Wavelength` outside 100 to 20000 nm.
     pub fn monochromatic(wavelength_nm: f64) -> Result<Spectrum, SpectrumError> {
         Ok(Spectrum {
             lines: vec![line(wavelength_nm, 1.0)?],
@@ -64,7 +64,7 @@ impl Spectrum {
     /// Reads `550` or `450:0.2,550:0.5,620:0.3`; a weight left out is 1.
     ///
     /// # Errors
-    /// A [`SpectrumError`] about the first entry that is wrong.
+    /// A `SpectrumError` about the first entry that is wrong.
     pub fn parse(text: &str) -> Result<Spectrum, SpectrumError> {
         let read = |entry: &str| {
             let number = |word: &str| {

@@ -96,7 +96,7 @@ impl Shot {
     /// Reads the photograph and checks that the region lies in it.
     ///
     /// # Errors
-    /// [`Error::Photo`], [`Error::RoiOutside`].
+    /// `Error::Photo`, `Error::RoiOutside`.
     pub fn load(&self) -> Result<Photo, Error> {
         let photo = photo::load(&self.image, &self.decode)?;
         match self.roi {
@@ -188,7 +188,7 @@ impl Campaign {
 /// (Exif) over those of the reference, because mu is a ratio of the two; without a reference it has no use and is 1.
 ///
 /// # Errors
-/// The first thing that is wrong, as an [`Error`] that names the line.
+/// The first thing that is wrong, as an `Error` that names the line.
 pub fn load(file: &Path) -> Result<Campaign, Error> {
     let document = Document::read(file)?;
     let table = document.parse()?;

@@ -45,7 +45,7 @@ pub struct Measurement {
 /// warning.
 ///
 /// # Errors
-/// A [`Fault`] for everything that would make the result wrong.
+/// A `Fault` for everything that would make the result wrong.
 pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
     let region = |photo, roi| region(photo, roi, accepted);
     if roi.is_some() {

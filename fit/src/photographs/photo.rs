@@ -33,8 +33,8 @@ use crate::photographs::photo::transfer::Transfer;
 /// Reads a photograph into linear light.
 ///
 /// # Errors
-/// One [`Error`] for each way in which the file cannot be used; non-finite pixels are an error, so a [`Photo`] never
-/// holds NaN or infinity, but for the NaN of camera raw. Sizes beyond [`MAX_PIXELS`](crate::photographs::photo::limits::MAX_PIXELS) are refused from the header, before pixels are allocated.
+/// One `Error` for each way in which the file cannot be used; non-finite pixels are an error, so a [`Photo`] never
+/// holds NaN or infinity, but for the NaN of camera raw. Sizes beyond `MAX_PIXELS` are refused from the header, before pixels are allocated.
 pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let Opened {
         format,

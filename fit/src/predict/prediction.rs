@@ -136,7 +136,7 @@ impl<'a> Seen<'a> {
 /// interpolated linearly in the incidence and held constant beyond the fitted angles.
 ///
 /// # Errors
-/// [`Error::OtherCell`], [`Error::Unknown`], [`Error::Direction`], [`Error::Wave`].
+/// `Error::OtherCell`, `Error::Unknown`, `Error::Direction`, `Error::Wave`.
 pub fn predict(
     result: &ResultFile,
     table: &Table,

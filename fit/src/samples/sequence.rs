@@ -107,7 +107,7 @@ const COLUMNS: [[u32; 32]; DIMENSIONS - 1] = [
 /// Of the polynomial whose inner coefficients are the bits of `inner`, with the first numbers `m`.
 const fn columns(m: &[u32], inner: u32) -> [u32; 32] {
     let degree = m.len();
-    let mut columns = [0u32; 32];
+    let mut columns = [0_u32; 32];
     let mut i = 0;
     while i < 32 {
         columns[i] = if i < degree {
@@ -162,11 +162,11 @@ mod tests {
     #[test]
     fn scrambled_points_are_a_net() {
         let points = Points::new(Sequence::Sobol, 7, 3);
-        let cell = |x: f64, bits: u32| (x * f64::from(1u32 << bits)) as usize;
+        let cell = |x: f64, bits: u32| (x * f64::from(1_u32 << bits)) as usize;
         let block: Vec<_> = (5 * 1024..6 * 1024).map(|i| points.at(i)).collect();
         let mut boxes = 0;
         let mut one_each = |of: &dyn Fn(&[f64; 4]) -> usize| {
-            let mut seen = [0u32; 1024];
+            let mut seen = [0_u32; 1024];
             block.iter().for_each(|point| seen[of(point)] += 1);
             assert!(seen.iter().all(|&count| count == 1));
             boxes += seen.len();

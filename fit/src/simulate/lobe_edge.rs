@@ -157,9 +157,9 @@ fn sine_and_cosine_integral(x: f64) -> (f64, f64) {
             term *= x / f64::from(k);
             let signed = if (k / 2) % 2 == 0 { term } else { -term } / f64::from(k);
             if k % 2 == 1 {
-                sine += signed
+                sine += signed;
             } else {
-                cosine -= signed
+                cosine -= signed;
             }
         }
         return (sine, cosine);

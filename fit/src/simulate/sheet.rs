@@ -12,7 +12,7 @@ impl Params {
     /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.
     ///
     /// # Errors
-    /// [`Error::Sheet`]: a direction without polygons, one from which nothing returns, or waves.
+    /// `Error::Sheet`: a direction without polygons, one from which nothing returns, or waves.
     pub fn of_sheet(mut self, table: &Table) -> Result<Params, Error> {
         let refused = |why: String| Err(Error::Sheet { why });
         if self.truth.kernel == Kernel::Wave {

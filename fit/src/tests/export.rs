@@ -221,7 +221,7 @@ fn all_around_is_the_axes_and_between() {
             }
             let (low, high) = curve
                 .iter()
-                .fold((1.0f64, 0.0f64), |(l, h), &m| (l.min(m), h.max(m)));
+                .fold((1.0_f64, 0.0_f64), |(l, h), &m| (l.min(m), h.max(m)));
             assert!(
                 high - low > 1e-3,
                 "the shift is not alike in all directions"

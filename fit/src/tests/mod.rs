@@ -1,5 +1,7 @@
 //! Tests of the rooms together: planted answers, closed forms, known photographs.
 
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
+
 mod azimuth;
 mod bad_inputs;
 mod baselines;

@@ -46,7 +46,7 @@ pub(crate) struct Fans<'s, 'm> {
 impl<'s, 'm> Fans<'s, 'm> {
     /// Gathers the fans of `surface`.
     pub(crate) fn new(surface: &'s Surface<'m>) -> Self {
-        let mut start = vec![0u32; surface.mesh.positions.len() + 1];
+        let mut start = vec![0_u32; surface.mesh.positions.len() + 1];
         for &vertex in surface.welded.iter().flatten() {
             start[vertex as usize + 1] += 1;
         }
@@ -54,7 +54,7 @@ impl<'s, 'm> Fans<'s, 'm> {
             start[vertex] += start[vertex - 1];
         }
         let mut next = start.clone();
-        let mut triangles = vec![0u32; 3 * surface.welded.len()];
+        let mut triangles = vec![0_u32; 3 * surface.welded.len()];
         for (triangle, corners) in surface.welded.iter().enumerate() {
             for &vertex in corners {
                 triangles[next[vertex as usize] as usize] = triangle as u32;

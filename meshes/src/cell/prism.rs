@@ -37,15 +37,8 @@ pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
     mesh
 }
 
-/// The mirror facets of a closed, outward-wound prism, turned to face the light inside it.
-///
-/// The front face is the largest flat face that has the whole prism behind it and looks away from the apex `corner`
-/// (where there is none: the largest of all), with whatever else lies in its plane.
-///
-/// # Errors
-/// [`Fault::NoFrontFace`].
-pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Fault> {
-    let mesh = surface.mesh;
+/// For each triangle the first one of its flat face: triangles that meet along a side without a bend are of one face.
+fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..surface.welded.len() as u32).collect();
     for sides in surface.meetings() {
         if let [one, other] = sides {
@@ -62,9 +55,21 @@ pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mes
             }
         }
     }
-    let face_of: Vec<u32> = (0..surface.welded.len() as u32)
+    (0..surface.welded.len() as u32)
         .map(|t| root(&mut parent, t))
-        .collect();
+        .collect()
+}
+
+/// The mirror facets of a closed, outward-wound prism, turned to face the light inside it.
+///
+/// The front face is the largest flat face that has the whole prism behind it and looks away from the apex `corner`
+/// (where there is none: the largest of all), with whatever else lies in its plane.
+///
+/// # Errors
+/// [`Fault::NoFrontFace`].
+pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Fault> {
+    let mesh = surface.mesh;
+    let face_of = flat_faces(surface);
     let mut area = vec![DVec3::ZERO; surface.welded.len()];
     for (triangle, &face) in face_of.iter().enumerate() {
         let [a, b, c] = mesh.corners(triangle);

@@ -86,7 +86,7 @@ pub(crate) fn rounding(mesh: &Mesh) -> f64 {
         .iter()
         .map(|p| p.abs().max_element())
         .fold(0.0, f64::max);
-    3f64.sqrt() * f64::EPSILON * largest
+    3_f64.sqrt() * f64::EPSILON * largest
 }
 
 #[cfg(test)]
@@ -97,13 +97,13 @@ mod tests {
     #[test]
     fn agrees_with_the_quadratic_definition() {
         let mut cases = 0;
-        for seed in 0..20u64 {
+        for seed in 0..20_u64 {
             let mut state = seed + 1;
             let mut random = || {
                 state = state
                     .wrapping_mul(6364136223846793005)
                     .wrapping_add(1442695040888963407);
-                (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
+                (state >> 40) as f64 / (1_u64 << 24) as f64 - 0.5
             };
             let tolerance = 0.02;
             let positions: Vec<DVec3> = (0..300)
@@ -117,7 +117,7 @@ mod tests {
             };
             let same = weld(&mesh, tolerance);
             let mut representatives: Vec<u32> = Vec::new();
-            for vertex in 0..300u32 {
+            for vertex in 0..300_u32 {
                 let near = |&&r: &&u32| {
                     mesh.positions[r as usize].distance(mesh.positions[vertex as usize])
                         <= tolerance

@@ -141,7 +141,7 @@ impl Buffers {
             bytes
                 .iter()
                 .rev()
-                .fold(0u32, |number, &byte| number << 8 | u32::from(byte))
+                .fold(0_u32, |number, &byte| number << 8 | u32::from(byte))
         };
         Ok(self.elements(accessor)?.map(number).collect())
     }

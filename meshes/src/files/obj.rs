@@ -2,7 +2,7 @@
 //!
 //! `tobj` numbers vertices by their first use and forgets the file's order, cannot continue lines, and fans every
 //! polygon. So it is given only the `v` and `f` lines, continued lines joined, after one polygon that names all
-//! vertices in order; polygons are cut into triangles in [`crate::mesh::polygon`]. Normals are read here: `tobj` would refuse files
+//! vertices in order; polygons are cut into triangles in `crate::mesh::polygon`. Normals are read here: `tobj` would refuse files
 //! for those that nobody asks for.
 
 use std::borrow::Cow;
@@ -171,7 +171,7 @@ fn triangulate(
     let named = mesh.positions.len();
     let mut start = named;
     let mut all_triangles = true;
-    for (face, &arity) in (1u32..).zip(&arities[1..]) {
+    for (face, &arity) in (1_u32..).zip(&arities[1..]) {
         let corners = &indices[start..start + arity as usize];
         start += arity as usize;
         if mesh.triangles.len() + corners.len() > MAX_ELEMENTS {

@@ -64,7 +64,7 @@ impl Mesh {
     /// Corners of triangle `triangle`, relative to `origin`, file units.
     ///
     /// # Panics
-    /// If the triangle or one of its indices is out of range; [`crate::cell::check::vertices`] excludes the latter.
+    /// If the triangle or one of its indices is out of range; `crate::cell::check::vertices` excludes the latter.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
     }

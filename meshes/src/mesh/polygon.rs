@@ -150,15 +150,15 @@ mod tests {
     /// below 1e-13.
     #[test]
     fn concave_polygons_are_covered_once() {
-        let mut state = 7u64;
+        let mut state = 7_u64;
         let mut random = || {
             state = state
                 .wrapping_mul(6364136223846793005)
                 .wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
+            (state >> 11) as f64 / (1_u64 << 53) as f64
         };
         let (mut cases, mut concave) = (0, 0);
-        for n in 4..40usize {
+        for n in 4..40_usize {
             for _ in 0..20 {
                 let (x, y) = DVec3::new(random() - 0.5, random() - 0.5, 0.3)
                     .normalize()

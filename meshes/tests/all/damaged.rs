@@ -25,7 +25,7 @@ fn files() -> Vec<PathBuf> {
 
 #[test]
 fn damaged_files_get_an_answer() {
-    let mut state = 1u64;
+    let mut state = 1_u64;
     let mut below = |n: usize| {
         state = state
             .wrapping_mul(6364136223846793005)

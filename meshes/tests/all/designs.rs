@@ -34,7 +34,7 @@ const ROUNDING: f64 = 4e-15;
 
 #[test]
 fn ideal_cells_have_their_closed_forms() {
-    let root = 3f64.sqrt();
+    let root = 3_f64.sqrt();
     // Height of the entrance, its area, facets: model of a cube corner with unit edges.
     let expected = [
         (Shape::Triangular, 1.0 / root, root / 2.0, 3),
@@ -63,7 +63,7 @@ fn ideal_cells_have_their_closed_forms() {
             }
             // The first edge ends at azimuth 0.
             let end = cell.facets[0][1];
-            assert!(end.distance(DVec3::new((2f64 / 3.0).sqrt(), 0.0, 1.0 / root)) < ROUNDING);
+            assert!(end.distance(DVec3::new((2_f64 / 3.0).sqrt(), 0.0, 1.0 / root)) < ROUNDING);
             cases += 1;
         }
     }
@@ -75,9 +75,10 @@ fn the_full_cube_tiles_by_its_lattice() {
     let cell = cell(Design::new(Shape::FullCube));
     let [a, b] = cell.entrance.lattice.expect("periodic");
     assert!(
-        (a.length() - 2f64.sqrt()).abs() < ROUNDING && (b.length() - 2f64.sqrt()).abs() < ROUNDING
+        (a.length() - 2_f64.sqrt()).abs() < ROUNDING
+            && (b.length() - 2_f64.sqrt()).abs() < ROUNDING
     );
-    assert!((a.perp_dot(b) - 3f64.sqrt()).abs() < ROUNDING);
+    assert!((a.perp_dot(b) - 3_f64.sqrt()).abs() < ROUNDING);
     // Every outer edge of the hexagon is an outer edge of a neighbour, at the same heights, run the other way.
     let outer: Vec<[DVec3; 2]> = cell.facets.iter().map(|f| [f[1], f[2]]).collect();
     let mut matched = 0;

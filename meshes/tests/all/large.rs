@@ -54,7 +54,7 @@ fn a_patch_of_two_thousand_cubes_normalises() {
     assert_eq!(p.len(), 4);
     let area: f64 = (0..4).map(|i| p[i].perp_dot(p[(i + 1) % 4]) / 2.0).sum();
     // Coordinates to 91 edge lengths, rounded to 1e-14, over a rim of 181.
-    assert!((area - 1024.0 * 3f64.sqrt()).abs() < 4e-12, "{area}");
+    assert!((area - 1024.0 * 3_f64.sqrt()).abs() < 4e-12, "{area}");
     assert!(cell.warnings.is_empty());
 }
 

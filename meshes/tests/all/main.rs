@@ -1,5 +1,7 @@
 //! Tests of the crate from outside, in one program. `cargo test -p meshes --test all normals` runs those of one file.
 
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
+
 mod damaged;
 mod designs;
 mod elements;

@@ -156,7 +156,7 @@ fn nodes_turn_normals() {
                 // The steepest change along a face, 27 sag sqrt 2 / edge over one facet of a sixth.
                 let off = normals.vectors[number as usize].angle_between(own);
                 assert!(
-                    off < 27.0 * 0.01 * 2f64.sqrt() * 2.0 / 6.0,
+                    off < 27.0 * 0.01 * 2_f64.sqrt() * 2.0 / 6.0,
                     "{scale}: {off}"
                 );
             }
@@ -183,25 +183,25 @@ fn normals_that_make_no_sense_are_refused() {
     let cases: [(&str, Change<'_>); 8] = [
         ("has no normals", &|mesh| mesh.corner_normals.clear()),
         ("has no normals", &|mesh| {
-            mesh.corner_normals.fill([None; 3])
+            mesh.corner_normals.fill([None; 3]);
         }),
         ("face 5 has normals at some", &|mesh| {
-            mesh.corner_normals[4][2] = None
+            mesh.corner_normals[4][2] = None;
         }),
         ("face 5 refers to a normal", &|mesh| {
-            mesh.corner_normals[4][2] = number(4096)
+            mesh.corner_normals[4][2] = number(4096);
         }),
         ("that is zero or not finite", &|mesh| {
-            mesh.normals[middle] = DVec3::ZERO
+            mesh.normals[middle] = DVec3::ZERO;
         }),
         ("that is zero or not finite", &|mesh| {
-            mesh.normals[middle] = DVec3::NAN
+            mesh.normals[middle] = DVec3::NAN;
         }),
         ("that is zero or not finite", &|mesh| {
             mesh.normals[middle] = DVec3::new(f64::INFINITY, 0.0, 0.0);
         }),
         ("degrees off its front", &|mesh| {
-            mesh.normals[middle] *= -1.0
+            mesh.normals[middle] *= -1.0;
         }),
     ];
     let mut tried = 0;

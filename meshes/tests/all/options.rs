@@ -23,7 +23,7 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
     for shape in Shape::ALL {
         let mesh = mesh(shape);
         let plain = cell(&mesh, CellOptions::default());
-        for degrees in [-170.0f64, -60.0, 0.0, 15.0, 90.0, 120.0] {
+        for degrees in [-170.0_f64, -60.0, 0.0, 15.0, 90.0, 120.0] {
             // A direction in the file that lies at this azimuth of the plain cell, and out of the sheet's plane too:
             // the file's frame of the plain cell, from the first edge and the facets' common frame.
             let n = plain_normal(&mesh, &plain);
@@ -82,7 +82,7 @@ fn edge_length_is_the_unit() {
         },
     );
     assert_eq!(given.edge_length, 6.0);
-    assert!((given.entrance.height - 0.5 / 3f64.sqrt()).abs() < ROUNDING);
+    assert!((given.entrance.height - 0.5 / 3_f64.sqrt()).abs() < ROUNDING);
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn any_basis_of_the_lattice_is_right_handed_and_covers_one_cell() {
             },
         );
         let [u, v] = found.entrance.lattice.expect("periodic");
-        assert!((u.perp_dot(v) - 3f64.sqrt()).abs() < ROUNDING);
+        assert!((u.perp_dot(v) - 3_f64.sqrt()).abs() < ROUNDING);
         let p = &found.entrance.polygon;
         assert!((p[1] - p[0]).distance(u) < ROUNDING && (p[3] - p[0]).distance(v) < ROUNDING);
         let middle = (p[0] + p[1] + p[2] + p[3]) / 4.0;

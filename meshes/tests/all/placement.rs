@@ -26,7 +26,7 @@ fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
     (1..order.len())
         .rev()
         .for_each(|i| order.swap(i, below(i + 1)));
-    let mut place = vec![0u32; order.len()];
+    let mut place = vec![0_u32; order.len()];
     order
         .iter()
         .enumerate()
@@ -110,18 +110,18 @@ fn a_cell_does_not_depend_on_its_placement() {
         ),
     );
     let inputs = (
-        0..4usize,
-        prop::array::uniform4(-1.0..1.0f64),
-        -6.0..6.0f64,
+        0..4_usize,
+        prop::array::uniform4(-1.0..1.0_f64),
+        -6.0..6.0_f64,
         (
-            prop::array::uniform3(-1.0..1.0f64),
-            prop::option::of(0.0..6.0f64),
+            prop::array::uniform3(-1.0..1.0_f64),
+            prop::option::of(0.0..6.0_f64),
         ),
-        (any::<u64>(), prop::array::uniform3(-1e-2..1e-2f64)),
+        (any::<u64>(), prop::array::uniform3(-1e-2..1e-2_f64)),
     );
     let cases = std::cell::Cell::new(0);
-    let worst = std::cell::Cell::new(0.0f64);
-    let far_worst = std::cell::Cell::new(0.0f64);
+    let worst = std::cell::Cell::new(0.0_f64);
+    let far_worst = std::cell::Cell::new(0.0_f64);
     runner
         .run(
             &inputs,
@@ -134,8 +134,8 @@ fn a_cell_does_not_depend_on_its_placement() {
                 .mesh()
                 .expect("a design");
                 let mesh = shuffled(&mesh, seed);
-                let scale = 10f64.powf(decade) / 3.0;
-                let edges_away = far.map_or(0.0, |f| 10f64.powf(f));
+                let scale = 10_f64.powf(decade) / 3.0;
+                let edges_away = far.map_or(0.0, |f| 10_f64.powf(f));
                 let offset = DVec3::from_array(direction) * edges_away * 3.0 * scale;
                 let moved = placed(
                     &mesh,

@@ -29,7 +29,7 @@ const MOST_WORDS: u64 = 1 << 16;
 static SERVED: AtomicBool = AtomicBool::new(false);
 
 /// To be called first in `main`: where this process was started to read a table, it does so and ends; else
-/// [`crate::file::read()`] starts such processes from now on.
+/// [`crate::read()`] starts such processes from now on.
 ///
 /// Without this call tables are read in the process itself, under the same checks.
 pub fn serve() {

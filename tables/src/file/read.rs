@@ -9,7 +9,7 @@ use crate::file::{apart, seal};
 use crate::table::table::Table;
 
 /// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes before
-/// allocation, finite values, the rules of [`crate::table::check`], counts against what is derived from them, and the
+/// allocation, finite values, the rules of `crate::table::check`, counts against what is derived from them, and the
 /// content hash.
 ///
 /// The result follows from the counts where there are any, so that two readers hold the same bits. Links that
@@ -29,7 +29,7 @@ pub fn read(path: &Path) -> Result<Table, Error> {
     apart::read(path).unwrap_or_else(|| here(path))
 }
 
-/// Whether the file still ends with the seal that [`crate::file::write()`] puts there. A program that opens the table for
+/// Whether the file still ends with the seal that [`crate::write()`] puts there. A program that opens the table for
 /// writing takes it off; what the table holds is then vouched for by its content hash alone.
 ///
 /// # Errors

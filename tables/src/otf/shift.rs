@@ -153,7 +153,7 @@ mod tests {
             path(1.0, 0.7, [-1e-3, 5e-4]),
             path(2.0, 0.8, [1e-3, -2e-3]),
         ]);
-        let incidence = 20f64.to_radians();
+        let incidence = 20_f64.to_radians();
         let mut cases = 0;
         for normal in [[1.0, 0.0], [0.6, 0.8]] {
             let line = ShiftLine::new(&direction, incidence, normal).expect("light returns");
@@ -195,7 +195,7 @@ mod tests {
             paths: None,
             ..of(Vec::new())
         };
-        let incidence = 20f64.to_radians();
+        let incidence = 20_f64.to_radians();
         let (mut cases, mut worst) = (0, 0.0_f64);
         for direction in [
             at(&[[3.0, -3.0]]),

@@ -302,7 +302,7 @@ mod tests {
     /// The OTF as a plain sum over bins of shift and of deviation, and its derivative by c from differences.
     #[test]
     fn spots_and_rows_are_the_plain_sum() {
-        let incidence = 20f64.to_radians();
+        let incidence = 20_f64.to_radians();
         let (mut cases, mut worst) = (0, [0.0_f64; 2]);
         // Shifts beyond those of cubes are about a middle and on a finer step.
         for (kind, bins, range) in [(0, 5, 2.0), (1, 21, 2.0), (0, 5, 8.0)] {

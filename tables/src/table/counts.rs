@@ -27,7 +27,7 @@ impl Table {
     /// there is about `3 / n` (the rule of three): eta < 3/n where none returned, eta > 1 - 3/n where all did.
     ///
     /// # Panics
-    /// If the shapes disagree with the axes: that is the caller's mistake, [`crate::file::read()`] checks them before.
+    /// If the shapes disagree with the axes: that is the caller's mistake, [`crate::read()`] checks them before.
     pub fn from_counts(
         axes: Axes,
         counts: Array5<u64>,
@@ -168,7 +168,7 @@ mod tests {
         );
         let (_, binomial) = returned(two.view(), true);
         assert!(
-            (binomial - (0.24f64 / 200.0).sqrt()).abs() < 1e-15,
+            (binomial - (0.24_f64 / 200.0).sqrt()).abs() < 1e-15,
             "{binomial}"
         );
         // a randomisation without rays (another shard's) is not a sample of eta

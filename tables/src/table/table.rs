@@ -25,7 +25,7 @@ pub struct Table {
     pub retroreflected: Array2<f64>,
     /// Standard error of `retroreflected`; 0 for an exact table.
     pub standard_error: Array2<f64>,
-    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of [`Fate::ALL`]; sums
+    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of `Fate::ALL`; sums
     /// to 1.
     pub fate: Array3<f64>,
     /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.

@@ -164,7 +164,7 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
         ("mesh_hash", |t| t.provenance.mesh_hash.push('1')),
         ("edge_length", |t| t.provenance.edge_length = 2.0),
         ("edge_length_unit", |t| {
-            t.provenance.edge_length_unit.push('1')
+            t.provenance.edge_length_unit.push('1');
         }),
         ("azimuth_zero", |t| t.provenance.azimuth_zero[2] = 2.0),
         ("refractive_index", |t| t.provenance.refractive_index = 1.5),
@@ -172,21 +172,21 @@ fn what_would_count_twice_or_mix_designs_is_refused() {
         ("losses", |t| t.provenance.losses = Losses::Fresnel.into()),
         ("reflectance", |t| t.provenance.reflectance = 0.9),
         ("method", |t| {
-            t.provenance.method = Word::Other("rays1".to_owned())
+            t.provenance.method = Word::Other("rays1".to_owned());
         }),
         ("sampler", |t| {
-            t.provenance.sampler = Some(Sampler::Random.into())
+            t.provenance.sampler = Some(Sampler::Random.into());
         }),
         ("angular_tolerance_deg", |t| {
-            t.provenance.angular_tolerance_deg = 1.0
+            t.provenance.angular_tolerance_deg = 1.0;
         }),
         ("tolerance", |t| t.provenance.tolerance = 1.0),
         ("lattice", |t| t.provenance.lattice = None),
         ("wavelength_nm", |t| {
-            t.provenance.wavelength_nm = Some(550.0)
+            t.provenance.wavelength_nm = Some(550.0);
         }),
         ("metal_index", |t| {
-            t.provenance.metal_index = Some([0.97, 6.5])
+            t.provenance.metal_index = Some([0.97, 6.5]);
         }),
         ("bins", |t| t.axes.bins = 16),
         ("shift_range", |t| t.axes.range = 3.0),

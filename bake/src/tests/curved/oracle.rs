@@ -47,7 +47,7 @@ impl Face {
     /// the turning points of the cubic, between which it has one root at most.
     fn meet(&self, origin: DVec3, direction: DVec3, start: f64) -> Option<f64> {
         let b = self.coordinates(origin, direction);
-        let (mut from, mut to) = (start, 10.0f64);
+        let (mut from, mut to) = (start, 10.0_f64);
         for [constant, slope] in b {
             let zero = -constant / slope;
             if slope > 0.0 {

@@ -75,7 +75,7 @@ fn copies_of_a_periodic_cell_have_its_normals() {
             DVec3::new(1.0, -1.0, 0.0).normalize(),
             DVec3::new(1.0, 1.0, -2.0).normalize(),
         );
-        DVec3::new(axis.dot(x), axis.dot(y), 1.0 / 3f64.sqrt())
+        DVec3::new(axis.dot(x), axis.dot(y), 1.0 / 3_f64.sqrt())
     });
     let lattice = [(e[0] - e[2]).truncate(), (e[1] - e[2]).truncate()];
     let lattice = match lattice[0].perp_dot(lattice[1]) > 0.0 {
@@ -103,7 +103,7 @@ fn copies_of_a_periodic_cell_have_its_normals() {
         facets,
         normals: Some(meshes::Normals { vectors, corners }),
         entrance: Entrance {
-            height: 2.0 / 3f64.sqrt(),
+            height: 2.0 / 3_f64.sqrt(),
             polygon: vec![
                 corner,
                 corner + lattice[0],
@@ -201,7 +201,7 @@ fn light_sent_behind_its_facet_is_absorbed() {
             ..cell(&design(Shape::Triangular, 0.0, 1), false)
         };
         // 80 degrees from the sheet's normal: 10 over the mirror.
-        let light = Incidence::new(80f64.to_radians(), 0.0, 1.0);
+        let light = Incidence::new(80_f64.to_radians(), 0.0, 1.0);
         let scene = Scene::new(&cell, Index::Loop);
         trace(&scene, &RULES, &light, DVec2::new(-0.4, -0.4), 0.5).fate
     };
@@ -260,7 +260,7 @@ fn large_scenes_are_traced_in_any_order() {
     let kernel = Kernel::new(&scene, &launch, &RULES, &bins, 20.0, 30.0);
     let (mut sorted, mut plain) = (Tally::new(&bins), Tally::new(&bins));
     kernel.trace(&stream, 0..RAYS, &mut sorted);
-    let light = Incidence::new(20f64.to_radians(), 30f64.to_radians(), 1.0);
+    let light = Incidence::new(20_f64.to_radians(), 30_f64.to_radians(), 1.0);
     for index in 0..RAYS {
         let point = launch.entry(&stream, index).1;
         plain.count(&bins, &trace(&scene, &RULES, &light, point, 0.5));

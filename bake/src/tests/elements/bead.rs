@@ -55,7 +55,7 @@ fn rays_converge_to_the_meridional_trace() {
     let index = 1.93;
     let mut checked = 0;
     for (diameter, incidence, azimuth, part) in [
-        (0.3, 0.0f64, 0.7f64, 0.85),
+        (0.3, 0.0_f64, 0.7_f64, 0.85),
         (0.3, 15.0, 0.7, 0.85),
         (0.3, 30.0, 0.7, 0.85),
         (0.95, 30.0, 0.0, 0.6),
@@ -139,7 +139,7 @@ fn shares_are_those_of_rings() {
         };
         let ring = |k: i32| 2.0 * (f64::from(k) + 0.5) / f64::from(steps).powi(2);
         let part: f64 = (0..steps).filter(within).map(ring).sum();
-        let area = 0.75f64.sqrt();
+        let area = 0.75_f64.sqrt();
         let expected = part * std::f64::consts::PI * r * r / area;
         let found = table.retroreflected[[0, 0]];
         let sigma = (expected * (1.0 - expected) / rays as f64).sqrt();

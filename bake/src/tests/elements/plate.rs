@@ -143,7 +143,7 @@ fn exact_tables_are_the_unfolded_slits() {
 #[test]
 fn rays_agree_with_beams() {
     let plate = cell(3.0, 0.02);
-    let (mut compared, mut worst) = (0, 0.0f64);
+    let (mut compared, mut worst) = (0, 0.0_f64);
     for losses in [Losses::None, Losses::Fresnel] {
         let asked = Request {
             refractive_index: Some(1.5),

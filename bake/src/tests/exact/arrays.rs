@@ -112,7 +112,7 @@ fn neighbours_are_those_of_a_patch() {
             let light = Incidence::new(incidence.to_radians(), azimuth.to_radians(), 1.0);
             let rules = Rules::mirrors(1.0);
             let share = exact.direction(incidence, azimuth, 4, 2.0, &rules);
-            let mut fates = [0u32; Fate::ALL.len()];
+            let mut fates = [0_u32; Fate::ALL.len()];
             for _ in 0..RAYS {
                 let at = |x: f64, y: f64| entrance.polygon[0] + a * x + b * y;
                 let point = at(draw.next(), draw.next());
@@ -200,7 +200,7 @@ fn a_period_of_several_cells_is_their_mean() {
         ..pair.clone()
     };
     let exact = bakes::exact(&sheet).expect("planar");
-    let (mut cases, mut worst) = (0, 0.0f64);
+    let (mut cases, mut worst) = (0, 0.0_f64);
     for index in [1.0, 1.49] {
         for (incidence, azimuth) in [(0.0, 0.0), (10.0, 33.0), (25.0, 190.0), (40.0, 301.0)] {
             let bins = 32;

@@ -13,7 +13,7 @@ impl Draw {
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
@@ -24,8 +24,8 @@ pub(crate) fn rules(refractive_index: f64) -> Rules {
 
 /// Three mutually perpendicular unit edges around +z; the first one's projection is +x.
 pub(crate) fn ideal_edges() -> [DVec3; 3] {
-    let (s, c) = ((2.0f64 / 3.0).sqrt(), (1.0f64 / 3.0).sqrt());
-    let root = 3f64.sqrt();
+    let (s, c) = ((2.0_f64 / 3.0).sqrt(), (1.0_f64 / 3.0).sqrt());
+    let root = 3_f64.sqrt();
     [
         DVec3::new(s, 0.0, c),
         DVec3::new(-s / 2.0, s * root / 2.0, c),
@@ -105,7 +105,7 @@ pub(crate) fn full_cube() -> Cell {
     let [a, b, c] = edges.map(DVec3::truncate);
     let lattice = [a - c, b - c];
     let polygon = vec![DVec2::ZERO, lattice[0], lattice[0] + lattice[1], lattice[1]];
-    cell(facets, 2.0 / 3f64.sqrt(), polygon, Some(lattice))
+    cell(facets, 2.0 / 3_f64.sqrt(), polygon, Some(lattice))
 }
 
 /// Edges of a cube whose axis leans by `tilt_rad` towards +x, cut at height `height`.
@@ -128,7 +128,7 @@ pub(crate) fn bent_edges(errors_rad: [f64; 3]) -> [DVec3; 3] {
         .collect();
     // Edge i is shared by faces (i, i + 1) and (i - 1, i).
     let edge = |i: usize| turned[(i + 2) % 3].cross(turned[i]);
-    [edge(0), edge(1), edge(2)].map(|e| e * (1.0 / (3f64.sqrt() * e.z)))
+    [edge(0), edge(1), edge(2)].map(|e| e * (1.0 / (3_f64.sqrt() * e.z)))
 }
 
 /// A cube whose apex was cut off by a flat facet at `share` of the height: a flat gap at the bottom.

@@ -52,11 +52,11 @@ fn area(polygon: &[Point]) -> f64 {
 fn cube(inside_rad: f64, azimuth_rad: f64) -> (f64, Vec<f64>) {
     let corner = |k: usize| {
         let angle = k as f64 * std::f64::consts::TAU / 3.0 - azimuth_rad;
-        let radius = (2.0f64 / 3.0).sqrt();
+        let radius = (2.0_f64 / 3.0).sqrt();
         [radius * angle.cos(), radius * angle.sin()]
     };
     let triangle: Vec<Point> = (0..3).map(corner).collect();
-    let q = [-inside_rad.tan() / 3f64.sqrt(), 0.0];
+    let q = [-inside_rad.tan() / 3_f64.sqrt(), 0.0];
     let reflected: Vec<Point> = triangle
         .iter()
         .map(|p| [2.0 * q[0] - p[0], -p[1]])
@@ -113,12 +113,12 @@ fn closed_form(inside_rad: f64, azimuth_rad: f64, is_pair: bool) -> (f64, Vec<f6
 
 /// Inside angle at which a cube cuts off: where q leaves the triangle. q moves along -u.
 fn cutoff_rad(azimuth_rad: f64) -> f64 {
-    let inradius = 1.0 / 6f64.sqrt();
+    let inradius = 1.0 / 6_f64.sqrt();
     // Outward normals of the triangle's sides, in the incidence frame; -u has component -cos on each.
     let steepest = (0..3)
         .map(|k| -((2 * k + 1) as f64 * std::f64::consts::FRAC_PI_3 - azimuth_rad).cos())
         .fold(f64::MIN, f64::max);
-    (inradius / steepest * 3f64.sqrt()).atan()
+    (inradius / steepest * 3_f64.sqrt()).atan()
 }
 
 /// Largest total variation over 500 directions, of which a third lie within 1e-9 to 1e-3 deg of a cutoff.
@@ -126,7 +126,7 @@ fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f
     let exact = bakes::exact(cell).unwrap();
     let rules = rules(index);
     let mut draw = Draw(seed);
-    let (mut worst, mut nonzero, mut empty, mut tried) = (0.0f64, 0, 0, 0);
+    let (mut worst, mut nonzero, mut empty, mut tried) = (0.0_f64, 0, 0, 0);
     while tried < 500 {
         let mut incidence_deg = 89.0 * draw.next();
         let azimuth_deg = 360.0 * draw.next();
@@ -141,7 +141,7 @@ fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f
             let side = if draw.next() < 0.5 { -1.0 } else { 1.0 };
             if sine < 0.999 {
                 incidence_deg =
-                    sine.asin().to_degrees() + side * 10f64.powf(-9.0 + 6.0 * draw.next());
+                    sine.asin().to_degrees() + side * 10_f64.powf(-9.0 + 6.0 * draw.next());
             }
         }
         tried += 1;
@@ -260,11 +260,11 @@ fn the_full_cube_array_returns_the_effective_area() {
     let exact = bakes::exact(&cell).unwrap();
     assert_eq!(exact.facet_count(), 3, "each square is one facet");
     let mut draw = Draw(3);
-    let (mut nonzero, mut worst) = (0, 0.0f64);
+    let (mut nonzero, mut worst) = (0, 0.0_f64);
     for _ in 0..400 {
         let (incidence, azimuth) = (70.0 * draw.next(), 360.0 * draw.next());
         let expected = full_cube_area(incidence.to_radians(), azimuth.to_radians())
-            / (3f64.sqrt() * incidence.to_radians().cos());
+            / (3_f64.sqrt() * incidence.to_radians().cos());
         let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
         worst = worst.max((found.eta - expected).abs());
         assert!(
@@ -337,7 +337,7 @@ fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
         mirror_back: false,
         ..rules(1.49)
     };
-    let limit = (1.0 - 1.0 / (1.49f64 * 1.49)).sqrt();
+    let limit = (1.0 - 1.0 / (1.49_f64 * 1.49)).sqrt();
     let incidence_deg = vec![15.0, 20.0, 25.0];
     let found = mean(&single(ideal_edges()), incidence_deg.clone(), &prism);
     let mut partly = 0;
@@ -382,7 +382,7 @@ fn total_internal_reflection_fails_where_it_should() {
         let inside = (incidence.to_radians().sin() / 1.49).asin();
         let (sin, cos) = azimuth.to_radians().sin_cos();
         let travel = glam::DVec3::new(inside.sin() * cos, inside.sin() * sin, -inside.cos());
-        let limit = (1.0 - 1.0 / (1.49f64 * 1.49)).sqrt();
+        let limit = (1.0 - 1.0 / (1.49_f64 * 1.49)).sqrt();
         let survives = ideal_edges()
             .iter()
             .all(|edge| edge.dot(travel).abs() < limit);

@@ -64,7 +64,7 @@ impl Light {
         let (sin, cos) = incidence_deg.to_radians().sin_cos();
         let (y, x) = azimuth_deg.to_radians().sin_cos();
         let travel = DVec3::new(sin * x, sin * y, -cos);
-        let apex = (travel / travel.z).truncate() / 3f64.sqrt();
+        let apex = (travel / travel.z).truncate() / 3_f64.sqrt();
         Light { travel, apex }
     }
 
@@ -104,7 +104,7 @@ fn at(cell: &Cell, (incidence, azimuth): (f64, f64)) -> (Share, f64) {
 #[test]
 fn rounded_edges_take_three_bands() {
     let axes = ideal_edges();
-    let (mut cases, mut worst) = (0, 0.0f64);
+    let (mut cases, mut worst) = (0, 0.0_f64);
     for radius in [1e-4, 0.01, 0.05, 0.2] {
         for strips in [1, 2, 5] {
             let cell = single(|design| {
@@ -144,7 +144,7 @@ fn rounded_edges_take_three_bands() {
                 if direction.0 == 0.0 {
                     // Three bands of the width sqrt 2 R across a hexagon 2/sqrt 6 wide: 4 R of the aperture; where two cross, less: three
                     // rhombi of 2 R^2 / sin 60 deg, 8 R^2 of it.
-                    let share = kept / (0.5 * 3f64.sqrt());
+                    let share = kept / (0.5 * 3_f64.sqrt());
                     let off = share - (2.0 / 3.0 - 4.0 * radius);
                     assert!(
                         (0.0..8.0 * radius * radius).contains(&off),
@@ -197,7 +197,7 @@ fn a_flat_apex_takes_an_octahedron() {
         for direction in DIRECTIONS {
             let light = Light::new(direction.0, direction.1);
             let d = ideal_edges().map(|axis| axis.dot(light.travel));
-            let faces = (0..8u32).map(|signs| {
+            let faces = (0..8_u32).map(|signs| {
                 let signed = [0, 1, 2].map(|k| if signs >> k & 1 == 0 { d[k] } else { -d[k] });
                 signed.iter().sum::<f64>().abs()
             });
@@ -255,7 +255,7 @@ fn land_dilutes() {
                 let [(tight, inner), (wide, outer)] =
                     [&tight, &wide].map(|cell| at(cell, direction));
                 if shape != Shape::Canted && radius == 0.0 {
-                    let grown = (1.0 + 0.5 * gap * 6f64.sqrt()).powi(2);
+                    let grown = (1.0 + 0.5 * gap * 6_f64.sqrt()).powi(2);
                     assert!((outer / inner - grown).abs() < 1e-12);
                 }
                 let share = inner / outer;
@@ -292,7 +292,7 @@ fn open_gaps_between_full_cubes_dilute() {
             ..Design::new(Shape::FullCube)
         });
         let (found, _) = at(&cell, (0.0, 0.0));
-        let share = (1.0 + gap / 2f64.sqrt()).powi(-2);
+        let share = (1.0 + gap / 2_f64.sqrt()).powi(-2);
         assert!((found.eta - share).abs() < 1e-12, "{gap}: {}", found.eta);
         let missed = found.fate[Fate::Missed as usize];
         assert!((missed - (1.0 - share)).abs() < 1e-12, "{gap}: {missed}");

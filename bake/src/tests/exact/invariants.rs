@@ -77,7 +77,7 @@ fn areas_are_conserved_in_every_direction() {
     let mut cases = 0;
     for (name, cell) in cells() {
         let exact = bakes::exact(&cell).unwrap();
-        let (mut worst, mut returning) = (0.0f64, 0);
+        let (mut worst, mut returning) = (0.0_f64, 0);
         for _ in 0..150 {
             let (incidence, azimuth) = (89.0 * draw.next(), 360.0 * draw.next());
             let found = exact.direction(incidence, azimuth, 64, 2.0, &rules(1.0));
@@ -97,8 +97,8 @@ fn areas_are_conserved_in_every_direction() {
 
 #[test]
 fn hard_directions_are_ordinary() {
-    let edge_on = (1.0f64 / 2f64.sqrt()).atan().to_degrees();
-    let along_edge = 2f64.sqrt().atan().to_degrees();
+    let edge_on = (1.0_f64 / 2_f64.sqrt()).atan().to_degrees();
+    let along_edge = 2_f64.sqrt().atan().to_degrees();
     let mut cases = 0;
     for (name, cell) in cells() {
         let exact = bakes::exact(&cell).unwrap();

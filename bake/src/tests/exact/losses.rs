@@ -121,7 +121,7 @@ fn oracle(index: f64, surface: Backing, incidence: f64, azimuth: f64, entry: [f6
 fn weights_are_those_of_a_plain_jones_trace() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
     let mut draw = Draw(17);
-    let (mut compared, mut apart) = (0, 0.0f64);
+    let (mut compared, mut apart) = (0, 0.0_f64);
     for step in 0..300 {
         let (incidence, azimuth) = (
             if step == 0 { 0.0 } else { 60.0 * draw.next() },
@@ -221,12 +221,12 @@ fn known_losses_at_normal_incidence() {
             .direction(0.0, 0.0, 16, 2.0, &lossy(index, surface))
             .eta
     };
-    for (reflectance, percent) in [(0.96f64, 12.0f64), (0.91, 25.0)] {
+    for (reflectance, percent) in [(0.96_f64, 12.0_f64), (0.91, 25.0)] {
         let found = eta(1.0, Backing::Mirror { reflectance });
         assert!((found - 2.0 / 3.0 * reflectance.powi(3)).abs() < 1e-14);
         assert_eq!(((1.0 - found * 1.5) * 100.0).round(), percent);
     }
-    for index in [1.49f64, 1.5168, 1.586] {
+    for index in [1.49_f64, 1.5168, 1.586] {
         let passed = 4.0 * index / (index + 1.0).powi(2);
         for surface in [Backing::Bare, Backing::Mirror { reflectance: 1.0 }] {
             // 54.7 deg is beyond every critical angle, so that bare faces lose nothing.

@@ -42,7 +42,7 @@ fn a_thousand_pairs_bake_like_one() {
     let [one, many] = [&one, &many].map(|cell| bakes::exact(cell).unwrap());
     assert_eq!([one.facet_count(), many.facet_count()], [6, 6]);
     let mut draw = Draw(11);
-    let (mut cases, mut returning, mut worst) = (0, 0, 0.0f64);
+    let (mut cases, mut returning, mut worst) = (0, 0, 0.0_f64);
     for index in [1.0, 1.49] {
         for _ in 0..50 {
             let (incidence, azimuth) = (70.0 * draw.next(), 360.0 * draw.next());

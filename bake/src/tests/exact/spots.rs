@@ -41,7 +41,7 @@ fn spots(paths: &[Path]) -> Vec<DVec2> {
 #[test]
 fn spots_are_where_the_model_has_them() {
     let mut cases = 0;
-    for error in [-1e-3, -3e-4, 1e-5, 1e-4, 3e-4, 1e-3f64] {
+    for error in [-1e-3, -3e-4, 1e-5, 1e-4, 3e-4, 1e-3_f64] {
         for index in [1.0, 1.49] {
             let outside = |inside: f64| (index * inside.sin()).asin();
             // Third order: some e^3, 1e-9 at most here.
@@ -49,7 +49,7 @@ fn spots_are_where_the_model_has_them() {
             let rules = rules(index);
             let six = spots(&paths(&cell([error; 3]), 0.0, 0.0, &rules));
             assert_eq!(six.len(), 6);
-            let expected = 4.0 * (2.0f64 / 3.0).sqrt() * error.abs() * (1.0 - error / 2.0);
+            let expected = 4.0 * (2.0_f64 / 3.0).sqrt() * error.abs() * (1.0 - error / 2.0);
             for spot in six {
                 let found = spot.length().atan();
                 let off = (found - outside(expected)).abs();
@@ -62,7 +62,7 @@ fn spots_are_where_the_model_has_them() {
             let two = spots(&paths(&cell([error, 0.0, 0.0]), 0.0, 0.0, &rules));
             assert_eq!(two.len(), 2);
             for spot in two {
-                let expected = outside(2.0 * (2.0f64 / 3.0).sqrt() * error.abs());
+                let expected = outside(2.0 * (2.0_f64 / 3.0).sqrt() * error.abs());
                 // Second order.
                 let off = (spot.length().atan() - expected).abs();
                 assert!(

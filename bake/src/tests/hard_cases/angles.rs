@@ -16,7 +16,7 @@ fn eta(incidence_deg: f64, azimuth_deg: f64, index: f64) -> f64 {
 /// 89.9 deg: every design, hollow and solid. Light is neither lost nor made, and both methods agree.
 #[test]
 fn grazing_incidence() {
-    let (mut cases, mut worst, mut returning) = (0, 0.0f64, 0);
+    let (mut cases, mut worst, mut returning) = (0, 0.0_f64, 0);
     for shape in Shape::ALL {
         for index in [1.0, 1.49] {
             let mut light = Light::new("89.9", "0,30,77,180").inside(index);
@@ -84,8 +84,8 @@ fn grazing_incidence_along_the_rows_of_a_lattice() {
 #[test]
 fn both_sides_of_the_cutoffs() {
     let cube = cell(Shape::Triangular);
-    let inside = [0.5f64.sqrt(), 2f64.sqrt()].map(f64::atan);
-    let (mut cases, mut worst) = (0, 0.0f64);
+    let inside = [0.5_f64.sqrt(), 2_f64.sqrt()].map(f64::atan);
+    let (mut cases, mut worst) = (0, 0.0_f64);
     for index in [1.0, 1.2] {
         for (inside_rad, azimuth, over_corner) in [(inside[0], "0", false), (inside[1], "60", true)]
         {
@@ -126,8 +126,8 @@ fn both_sides_of_the_cutoffs() {
 #[test]
 fn both_sides_of_total_internal_reflection() {
     let cube = cell(Shape::Triangular);
-    let index = 1.49f64;
-    let inside = 2f64.sqrt().atan() - (1.0 / index).asin();
+    let index = 1.49_f64;
+    let inside = 2_f64.sqrt().atan() - (1.0 / index).asin();
     let limit_deg = (index * inside.sin()).asin().to_degrees();
     assert!((limit_deg - 18.94).abs() < 0.005, "{limit_deg}");
     // Azimuth 180: light that travels away from the first edge comes from its side.
@@ -160,7 +160,7 @@ fn both_sides_of_total_internal_reflection() {
 /// entrance of 0.87: L1 below 2 x 2.3e-9 x 6 / 3.5 = 8e-9, and as much again for what moves between bins, 62 a row.
 #[test]
 fn an_index_next_to_one() {
-    let (mut cases, mut worst) = (0, 0.0f64);
+    let (mut cases, mut worst) = (0, 0.0_f64);
     for shape in Shape::ALL {
         let cell = cell(shape);
         let hollow = Light::new("0,20,45", "0,60");

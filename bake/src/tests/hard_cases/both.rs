@@ -90,7 +90,7 @@ impl Both {
     ///
     /// A share f of N rays is binomial: sqrt(f (1 - f) / N), and at least one ray's 1/N.
     pub(crate) fn sigmas(&self) -> f64 {
-        let mut worst = 0.0f64;
+        let mut worst = 0.0_f64;
         for ((i, a, fate), &exact) in self.exact.fate.indexed_iter() {
             let n = self.rays.rays[[i, a]] as f64;
             let error = ((exact * (1.0 - exact)).max(1.0 / n) / n).sqrt();

@@ -69,7 +69,7 @@ fn the_last_samples() {
     let (long, short) = (100_003, 1_003);
     let mut cases = 0;
     for (sampler, end) in [
-        (Sampler::Sobol, 1u64 << 32),
+        (Sampler::Sobol, 1_u64 << 32),
         (Sampler::Random, (1 << 34) + 50_000),
         (Sampler::Random, 1 << 48),
     ] {

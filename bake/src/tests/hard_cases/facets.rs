@@ -111,7 +111,7 @@ fn duplicated_and_coincident_faces() {
 fn dihedral_errors() {
     let mut cases = 0;
     for decade in -9..=-2 {
-        let error = 10f64.powi(decade);
+        let error = 10_f64.powi(decade);
         let design = Design {
             dihedral_error_rad: [error; 3],
             ..Design::new(Shape::Triangular)
@@ -120,8 +120,8 @@ fn dihedral_errors() {
         let scene = Scene::new(&bent, Index::Loop);
         let rules = Rules::mirrors(1.0);
         let normal = Incidence::new(0.0, 0.0, 1.0);
-        let expected = 4.0 * (2.0f64 / 3.0).sqrt() * error * (1.0 - error / 2.0);
-        let (mut worst, mut spots) = (0.0f64, Vec::<glam::DVec3>::new());
+        let expected = 4.0 * (2.0_f64 / 3.0).sqrt() * error * (1.0 - error / 2.0);
+        let (mut worst, mut spots) = (0.0_f64, Vec::<glam::DVec3>::new());
         for turn in 0..24 {
             // Near the centre all three faces are met, in the six orders.
             let (y, x) = (f64::from(turn) * 15.0 + 7.0).to_radians().sin_cos();

@@ -141,8 +141,8 @@ fn none_lost_in_programs() {
     let ends = edges(0.0);
     let cube = cells::triangular();
     let mut directions = Vec::new();
-    for incidence in [0.0f64, 10.0, 25.0, 35.264_389_682_754_66, 50.0] {
-        for azimuth in [0.0f64, 13.0, 60.0, 180.0] {
+    for incidence in [0.0_f64, 10.0, 25.0, 35.264_389_682_754_66, 50.0] {
+        for azimuth in [0.0_f64, 13.0, 60.0, 180.0] {
             directions.push((incidence, azimuth));
         }
     }

@@ -68,7 +68,7 @@ impl Axis {
                 &[1.0, 2.0, 5.0]
             };
             return decades
-                .flat_map(|d| steps.iter().map(move |s| s * 10f64.powi(d)))
+                .flat_map(|d| steps.iter().map(move |s| s * 10_f64.powi(d)))
                 .filter(|v| (self.low..=self.high).contains(v))
                 .collect();
         }
@@ -94,7 +94,7 @@ impl Axis {
 
 /// The smallest of 1, 2, 5 times a power of ten that is at least `step`.
 fn nice(step: f64) -> f64 {
-    let power = 10f64.powf(step.log10().floor());
+    let power = 10_f64.powf(step.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
         .map(|m| m * power)
         .into_iter()

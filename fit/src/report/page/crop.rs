@@ -73,7 +73,7 @@ fn png(photo: &Photo, [x, y, width, height]: Rectangle) -> Option<Vec<u8>> {
         for column in 0..size[0] {
             let rows = y + row * block..(y + (row + 1) * block).min(y + height);
             let columns = x + column * block..(x + (column + 1) * block).min(x + width);
-            let (mut sum, mut count, mut clipped) = (0.0f64, 0u32, false);
+            let (mut sum, mut count, mut clipped) = (0.0_f64, 0_u32, false);
             for line in rows {
                 let row = &photo.luminance[line * photo.width..][columns.clone()];
                 for &value in row.iter().filter(|value| !value.is_nan()) {

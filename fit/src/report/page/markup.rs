@@ -35,7 +35,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     }
     let power = value.abs().log10().floor();
     if !(-6.0..6.0).contains(&power) {
-        let mantissa = format!("{:.*}", digits - 1, value / 10f64.powf(power));
+        let mantissa = format!("{:.*}", digits - 1, value / 10_f64.powf(power));
         return minus(format!("{mantissa}e{power}"));
     }
     let decimals = (digits as f64 - 1.0 - power).max(0.0) as usize;

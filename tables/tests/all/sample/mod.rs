@@ -8,10 +8,10 @@ use tables::options::{Back, Losses, Method, Sampler, StatedOptions};
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
 /// A generator of reproducible numbers (splitmix64).
-pub struct Numbers(pub u64);
+pub(crate) struct Numbers(pub u64);
 
 impl Numbers {
-    pub fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -19,16 +19,16 @@ impl Numbers {
         z ^ (z >> 31)
     }
 
-    pub fn below(&mut self, n: u64) -> u64 {
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
         self.next() % n
     }
 
-    pub fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
 
-pub fn provenance() -> Provenance {
+pub(crate) fn provenance() -> Provenance {
     Provenance {
         generator: "bake 0.1.0".to_owned(),
         design: "triangular-pair".to_owned(),
@@ -55,7 +55,7 @@ pub fn provenance() -> Provenance {
     }
 }
 
-pub fn axes() -> Axes {
+pub(crate) fn axes() -> Axes {
     Axes {
         incidence_deg: vec![0.0, 10.0, 45.5],
         azimuth_deg: vec![0.0, 30.0],
@@ -65,7 +65,7 @@ pub fn axes() -> Axes {
 }
 
 /// Counts in every direction but the last, where nothing returns.
-pub fn rays(randomisations: usize, seed: u64) -> Table {
+pub(crate) fn rays(randomisations: usize, seed: u64) -> Table {
     let axes = axes();
     let ((i, j), b) = (axes.shape(), axes.bins);
     let mut numbers = Numbers(seed);
@@ -93,7 +93,7 @@ pub fn rays(randomisations: usize, seed: u64) -> Table {
 }
 
 /// Rays with their deviations, in 4 x 4 cells and 5 x 5 bins.
-pub fn deviations(seed: u64) -> Table {
+pub(crate) fn deviations(seed: u64) -> Table {
     let mut table = rays(2, seed);
     let grid = Grid {
         cells: 4,
@@ -120,7 +120,7 @@ pub fn deviations(seed: u64) -> Table {
 }
 
 /// The mean over azimuths.
-pub fn mean() -> Table {
+pub(crate) fn mean() -> Table {
     let source = rays(2, 11);
     let pick = |a: &Array5<u64>| a.slice(ndarray::s![.., ..1, .., .., ..]).to_owned();
     let axes = Axes {
@@ -142,7 +142,7 @@ pub fn mean() -> Table {
 }
 
 /// An exact table whose azimuths stand for their images.
-pub fn symmetric() -> Table {
+pub(crate) fn symmetric() -> Table {
     let mut table = exact();
     table.provenance.symmetry = tables::Symmetry {
         rotations: 6,
@@ -154,7 +154,7 @@ pub fn symmetric() -> Table {
 }
 
 /// An exact table of two paths a direction and none in the last.
-pub fn exact() -> Table {
+pub(crate) fn exact() -> Table {
     let axes = axes();
     let ((i, j), b) = (axes.shape(), axes.bins);
     let mut provenance = provenance();
@@ -211,7 +211,7 @@ pub fn exact() -> Table {
 }
 
 /// The Python that `make test` sets up.
-pub fn python() -> std::ffi::OsString {
+pub(crate) fn python() -> std::ffi::OsString {
     std::env::var_os("AIRR_PYTHON").expect(
         "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
     )

@@ -17,7 +17,7 @@ const HOSTILE: &str = "<script>alert('1')&\"<b>.exr";
 /// A campaign of six photographs, each a pair at 0, 20 and 40 degrees, with things to warn about: a half mirror that makes mu
 /// larger than 1; one photograph at 20 degrees has a hostile name and a region.
 fn doubtful_campaign(here: &Path) -> String {
-    let parameters = argument("tests/tests/planted/eq1.toml");
+    let parameters = argument("tests/tests/all/planted/eq1.toml");
     fit(
         here,
         &["simulate", &parameters, "-o", "campaign", "--force"],
@@ -277,7 +277,7 @@ fn what_is_only_bounded_has_a_page_too() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let table = bake_table(here, "triangular-pair", "0:30:30", "30");
-    let parameters = fs::read_to_string(argument("tests/tests/planted/angular.toml")).unwrap();
+    let parameters = fs::read_to_string(argument("tests/tests/all/planted/angular.toml")).unwrap();
     // The lobe alone: c has no value, only an upper bound.
     let parameters = parameters
         .replace("kernel = \"angular\"", "kernel = \"lobe\"")

@@ -2,7 +2,8 @@
 
 use tables::ShiftLine;
 use tests::files::argument;
-use tests::program::bake;
+use tests::page::commands;
+use tests::program::{bake, run};
 
 /// A plate at azimuth 45: the shifts fill a square whose sides are across the two layers' mirrors, each 2 w P(s) pitches long
 /// (`bake/src/tests/elements/plate.rs`), so that the OTF of the shift is a product of two sincs of what the image shows of them.
@@ -67,10 +68,10 @@ fn the_manual_runs_as_printed() {
     let here = folder.path();
     let manual = std::fs::read_to_string(argument("bake/doc/elements.md")).unwrap();
     let mut ran = 0;
-    for line in manual.lines().filter(|line| line.starts_with("    bake ")) {
-        let words: Vec<&str> = line.split_whitespace().skip(1).collect();
-        let run = bake(here, &words);
-        assert_eq!(run.code, Some(0), "{line}\n{}", run.err);
+    for words in commands(&manual) {
+        let (program, arguments) = words.split_first().unwrap();
+        let run = run(program, here, arguments);
+        assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
         ran += 1;
     }
     assert_eq!(ran, 6);

@@ -43,7 +43,7 @@ fn planted_numbers_are_found() {
             here,
             &[
                 "simulate",
-                &argument(&format!("tests/tests/planted/{name}.toml")),
+                &argument(&format!("tests/tests/all/planted/{name}.toml")),
                 "-o",
                 name,
             ],

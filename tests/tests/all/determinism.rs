@@ -92,7 +92,7 @@ fn a_result_does_not_depend_on_threads() {
 #[test]
 fn a_simulated_campaign_does_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
-    let parameters = argument("tests/tests/planted/angular.toml");
+    let parameters = argument("tests/tests/all/planted/angular.toml");
     let [one, two] = ["1", "2"].map(|threads| {
         fit(
             folder.path(),

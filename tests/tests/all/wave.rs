@@ -9,7 +9,7 @@ use tests::program::fit;
 fn waves_from_photographs_to_prediction() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    let params = argument("tests/tests/planted/wave.toml");
+    let params = argument("tests/tests/all/planted/wave.toml");
     fit(here, &["simulate", &params, "-o", "waves"]).done();
     let table = bake_table(here, "triangular-pair", "0,30", "30");
     let manifest = "waves/captures.toml";

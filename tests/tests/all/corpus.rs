@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use tests::files::project;
 
-#[path = "../../fuzz/src/lib.rs"]
+#[path = "../../../fuzz/src/lib.rs"]
 mod fuzz;
 
 /// A watchdog: what takes a second under the fuzzer is a finding, and a test machine may be ten times slower.

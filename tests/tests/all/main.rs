@@ -1,0 +1,27 @@
+//! Both programs and the whole project from outside: one test program, so that the crates are linked once.
+
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
+
+mod bad_inputs;
+mod boundaries;
+mod campaigns;
+mod channels;
+mod corpus;
+mod determinism;
+mod deviations;
+mod edges;
+mod elements;
+mod forward;
+mod help;
+mod hostile;
+mod lean;
+mod pages;
+mod pictures;
+mod planted;
+mod predict;
+mod python;
+mod report_page;
+mod rooms;
+mod rough;
+mod together;
+mod wave;

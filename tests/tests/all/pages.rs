@@ -1,0 +1,56 @@
+//! Pages that run: every command in a block marked `sh` works as printed, in the order of the page.
+
+use std::path::Path;
+
+use tests::files::project;
+use tests::page::commands;
+use tests::program::run;
+
+/// The pages, README first: what it writes, the others read.
+const PAGES: [&str; 12] = [
+    "doc/cells.md",
+    "doc/photographs.md",
+    "doc/estimate.md",
+    "doc/predict.md",
+    "doc/tables.md",
+    "doc/python.md",
+    "bake/doc/losses.md",
+    "bake/doc/imperfect.md",
+    "bake/doc/curved.md",
+    "fit/doc/mtf.md",
+    "fit/doc/render.md",
+    "fit/doc/baselines.md",
+];
+
+/// Runs a page in a folder that looks like the project's; returns how many commands ran.
+fn run_page(page: &str, here: &Path) -> usize {
+    let text = std::fs::read_to_string(project().join(page)).unwrap();
+    let mut ran = 0;
+    for words in commands(&text) {
+        let (program, arguments) = words.split_first().unwrap();
+        if program == "python3" {
+            continue; // tests/tests/all/python.rs runs read_table.py with AIRR_PYTHON
+        }
+        let run = run(program, here, arguments);
+        assert_eq!(run.code, Some(0), "{page}: {}\n{}", run.line, run.err);
+        ran += 1;
+    }
+    ran
+}
+
+#[test]
+fn every_page_runs_as_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for name in ["tests", "fit", "doc", "tables"] {
+        std::os::unix::fs::symlink(project().join(name), here.join(name)).unwrap();
+    }
+    let mut ran = run_page("README.md", here);
+    assert_eq!(ran, 5, "README has five commands");
+    for page in PAGES {
+        // Pages overwrite files of their own only; README's sheet.h5 and result.json stay as good.
+        ran += run_page(page, here);
+    }
+    println!("{ran} commands");
+    assert!(ran >= 55, "{ran}");
+}
