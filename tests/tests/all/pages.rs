@@ -7,7 +7,8 @@ use tests::page::commands;
 use tests::program::run;
 
 /// The pages, README first: what it writes, the others read.
-const PAGES: [&str; 12] = [
+const PAGES: [&str; 13] = [
+    "doc/README.md",
     "doc/cells.md",
     "doc/photographs.md",
     "doc/estimate.md",
