@@ -376,6 +376,12 @@ fn inline_in(
                 let inner: Vec<TokenTree> = group.stream().into_iter().collect();
                 inline_in(&inner, at, file, files, found);
             }
+            // The leaves of a `use` are read elsewhere.
+            TokenTree::Ident(word) if *word == "use" => {
+                let semicolon =
+                    |t: &TokenTree| matches!(t, TokenTree::Punct(p) if p.as_char() == ';');
+                i += trees[i..].iter().position(semicolon).unwrap_or(0);
+            }
             TokenTree::Ident(word) if i < 2 || !colons(i - 2) => {
                 let mut path = vec![word.to_string()];
                 while colons(i + 1) {

@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tables::cli::{Completions, Manual, version};
 
-use crate::cli as verbs;
 use crate::cli::failure::Failure;
+use crate::cli::{estimate, export, mtf, predict, simulate, study};
+#[cfg(feature = "images")]
+use crate::cli::{evaluate, render};
 
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
 /// mid-air images, and predicts what the sheet shows elsewhere.
@@ -21,16 +23,16 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    Estimate(verbs::estimate::Arguments),
-    Export(verbs::export::Arguments),
-    Mtf(verbs::mtf::Arguments),
-    Predict(verbs::predict::Arguments),
+    Estimate(estimate::Arguments),
+    Export(export::Arguments),
+    Mtf(mtf::Arguments),
+    Predict(predict::Arguments),
     #[cfg(feature = "images")]
-    Render(verbs::render::Arguments),
+    Render(render::Arguments),
     #[cfg(feature = "images")]
-    Evaluate(verbs::evaluate::Arguments),
-    Simulate(verbs::simulate::Arguments),
-    Study(verbs::study::Arguments),
+    Evaluate(evaluate::Arguments),
+    Simulate(simulate::Arguments),
+    Study(study::Arguments),
     #[command(after_help = "Example: for the shell that is open\n  fit completions bash")]
     Completions(Completions),
     #[command(
@@ -45,16 +47,16 @@ enum Verb {
 pub fn main(commit: Option<&str>) -> ExitCode {
     tables::apart::serve();
     let done = match arguments(commit).verb {
-        Verb::Estimate(arguments) => verbs::estimate::run(&arguments),
-        Verb::Export(arguments) => verbs::export::run(&arguments),
-        Verb::Mtf(arguments) => verbs::mtf::run(&arguments),
-        Verb::Predict(arguments) => verbs::predict::run(&arguments),
+        Verb::Estimate(arguments) => estimate::run(&arguments),
+        Verb::Export(arguments) => export::run(&arguments),
+        Verb::Mtf(arguments) => mtf::run(&arguments),
+        Verb::Predict(arguments) => predict::run(&arguments),
         #[cfg(feature = "images")]
-        Verb::Render(arguments) => verbs::render::run(&arguments),
+        Verb::Render(arguments) => render::run(&arguments),
         #[cfg(feature = "images")]
-        Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
-        Verb::Simulate(arguments) => verbs::simulate::run(&arguments),
-        Verb::Study(arguments) => verbs::study::run(&arguments),
+        Verb::Evaluate(arguments) => evaluate::run(&arguments),
+        Verb::Simulate(arguments) => simulate::run(&arguments),
+        Verb::Study(arguments) => study::run(&arguments),
         Verb::Completions(arguments) => arguments.run(command()).map_err(Failure::from),
         Verb::Manual(arguments) => arguments.run(command()).map_err(Failure::from),
     };
