@@ -138,10 +138,7 @@ fn unsafe_code_stays_behind_its_fences() {
 const LONGEST_FILE: usize = 480;
 
 /// Files that were longer when this limit came, and the length that they may not pass: split them, do not raise it.
-const LONGER: [(&str, usize); 2] = [
-    ("bake/src/cli/cli.rs", 490),
-    ("bake/src/rays/program.rs", 523),
-];
+const LONGER: [(&str, usize); 1] = [("bake/src/rays/program.rs", 523)];
 
 #[test]
 fn no_file_outgrows_its_noun() {
