@@ -1,5 +1,6 @@
-# Needs Rust (rustup), a C and a C++ compiler, make and Python 3 with venv. What else a build or a test needs is
-# brought into .tools/ by `tools` and `python` below, without root; `make clean` removes it again.
+# Needs Rust (rustup), a C and a C++ compiler, make and Python 3 with venv. What else a build or a
+# test needs is brought into .tools/ by `tools` and `python` below, without root; `make clean`
+# removes it again.
 
 .SUFFIXES:
 .NOTPARALLEL:
@@ -12,26 +13,29 @@ VENV = $(CURDIR)/.tools/venv
 CMAKE_WANTED = 3.26
 CMAKE_PACKAGE = cmake==4.4.4
 
-# A link, so that cargo sees one path whichever cmake it leads to. A user's own choice is looked at first.
+# A link, so that cargo sees one path whichever cmake it leads to. A user's own choice is looked at
+# first.
 FOUND_CMAKE := $(or $(CMAKE),cmake)
 override CMAKE := $(CURDIR)/.tools/cmake
 export CMAKE
 
 all: build
 
-# What `bake --version` and `fit --version` show behind the version. Tests build without it, so that a commit rebuilds nothing there.
+# What `bake --version` and `fit --version` show behind the version. Tests build without it, so that
+# a commit rebuilds nothing there.
 build install demo: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
 	@$(CARGO) build --release --locked -p bake -p fit
 
-# With the cmake that HDF5 wants, which a plain `cargo install` takes from PATH or from the variable CMAKE.
+# With the cmake that HDF5 wants, which a plain `cargo install` takes from PATH or from the variable
+# CMAKE.
 install: tools
 	@$(CARGO) install --locked --path bake
 	@$(CARGO) install --locked --path fit
 
-# ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and an
-# interrupted or moved set-up is done again.
+# ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and
+# an interrupted or moved set-up is done again.
 
 tools:
 	@test "$$($(CMAKE) --version 2>/dev/null | wc -l)" -gt 0 || { \
@@ -63,7 +67,8 @@ venv = { "$(VENV)/bin/python" -m pip --version >/dev/null 2>&1 || $(PYTHON) -m v
 	exit 1; }; }
 pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
-# ---- Tests. clippy and doc share the metadata of the dependencies, clippy and test their build scripts.
+# ---- Tests. clippy and doc share the metadata of the dependencies, clippy and test their build
+# scripts.
 
 test: fmt lint doc python
 	@echo "== tests" >&2
@@ -80,7 +85,8 @@ test-mpi: rust tools
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --locked
 	@$(CARGO) test -p bake --features mpi --lib --locked -- ranks
 
-# The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes, then its verbs.
+# The lean fitter, built from nothing and without a C++ compiler: crates, seconds and megabytes,
+# then its verbs.
 test-lean: rust tools
 	@echo "== the lean fitter" >&2
 	@$(CARGO) test --workspace --test all --locked -- lean --include-ignored --nocapture
@@ -91,8 +97,9 @@ test-raw: rust tools
 	@$(CARGO) clippy -p fit --features raw --all-targets --locked -- -D warnings
 	@$(CARGO) test -p fit --features raw --lib --locked -- tests::raw tests::photographs
 
-# MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what it takes); MITSUBA_PYTHON: an
-# interpreter that has mitsuba and h5py; ROUNDS: how often both are timed, in turns.
+# MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what
+# it takes); MITSUBA_PYTHON: an interpreter that has mitsuba and h5py; ROUNDS: how often both are
+# timed, in turns.
 test-mitsuba: demo
 	@test -n "$(MITSUBA_FIT)" || { echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
 	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)" --rounds $(or $(ROUNDS),1)
@@ -105,8 +112,8 @@ test-materialx: demo
 	@$(venv) && $(pip) "materialx==1.39.5"
 	@"$(VENV)/bin/python" tests/in_materialx.py $(BIN)/fit demo/result.json demo/pair.h5
 
-# PSNR, SSIM, FLIP and LPIPS beside the packages that people compare with, in an environment of their own: torch is large. Then the
-# published comparison with LPIPS, by seeded weights.
+# PSNR, SSIM, FLIP and LPIPS beside the packages that people compare with, in an environment of
+# their own: torch is large. Then the published comparison with LPIPS, by seeded weights.
 test-metrics: build
 	@test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics
 	@.tools/metrics/bin/python -m pip install --quiet --disable-pip-version-check $(METRICS)
@@ -114,7 +121,8 @@ test-metrics: build
 	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 --lpips .tools/metrics/seeded.safetensors
 METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 
-# ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor HDF5.
+# ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
+# HDF5.
 
 wheel: tools
 	@$(venv) && $(pip) "maturin>=1.16,<2" && rm -rf dist && "$(VENV)/bin/maturin" build --release --locked --out dist
@@ -140,12 +148,14 @@ doc: tools
 	@echo "== documentation" >&2
 	@RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
-# Licences, sources and bans of dependencies (deny.toml), where cargo-deny is installed: cargo install cargo-deny.
+# Licences, sources and bans of dependencies (deny.toml), where cargo-deny is installed: cargo
+# install cargo-deny.
 deny: tools
 	@$(CARGO) deny --version >/dev/null 2>&1 || { echo "deny: cargo-deny is not installed: cargo install --locked cargo-deny" >&2; exit 1; }
 	@$(CARGO) deny --workspace --locked check bans licenses sources
 
-# The oldest Rust that Cargo.toml promises: clippy (in `lint`) knows what of the standard library is younger, this compiles with it.
+# The oldest Rust that Cargo.toml promises: clippy (in `lint`) knows what of the standard library is
+# younger, this compiles with it.
 msrv: tools
 	@rustup run $(MSRV) cargo --version >/dev/null 2>&1 || { \
 		echo "msrv: Rust $(MSRV) is not installed: rustup toolchain install $(MSRV)" >&2; exit 1; }
@@ -161,13 +171,14 @@ bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
 		else echo "bench: no package has a benches/ folder yet"; fi
 
-# ---- The published comparison: models fitted to photographs of a physical truth, images rendered and scored. LPIPS: the weights
-# that fit/doc/lpips_weights.py writes.
+# ---- The published comparison: models fitted to photographs of a physical truth, images rendered
+# and scored. LPIPS: the weights that fit/doc/lpips_weights.py writes.
 
 table1: build python
 	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1 $(if $(LPIPS),--lpips "$(LPIPS)")
 
-# ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets results.
+# ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets
+# results.
 
 BIN = target/release
 CAMPAIGN = tests/captures/public_per_angle

@@ -1,4 +1,5 @@
-//! Coverage of libhdf5: gcc has no counters of libFuzzer's kind, but calls a function at every edge.
+//! Coverage of libhdf5: gcc has no counters of libFuzzer's kind, but calls a function at every
+//! edge.
 
 fn main() {
     println!("cargo::rerun-if-changed=trace.c");

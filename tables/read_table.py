@@ -1,4 +1,5 @@
 """Reads a ray-shift table (FORMAT.md, versions 1 and 2) with h5py and numpy alone. Usage: read_table.py TABLE.h5"""
+
 import sys
 
 import h5py
@@ -12,18 +13,28 @@ def read_table(name):
         if table.get("format") != "retroreflective ray-shift table":
             raise ValueError(f"{name}: not a ray-shift table")
         if not 1 <= table["version"] <= 2:
-            raise ValueError(f"{name}: format version {table['version']}, this reader knows 1 and 2")
-        table.update({key: data[()] for key, data in file.items() if isinstance(data, h5py.Dataset)})
+            raise ValueError(
+                f"{name}: format version {table['version']}, this reader knows 1 and 2"
+            )
+        table.update(
+            {key: data[()] for key, data in file.items() if isinstance(data, h5py.Dataset)}
+        )
         table["fate_name"] = file["fate_name"].asstr()[()].tolist()
         if "exact" in file:
             group = {key: data[()] for key, data in file["exact"].items()}
             start, azimuths = group["polygon_start"].astype(int), len(table["azimuth_deg"])
             table["entrance_area"] = file["exact"].attrs["entrance_area"]
             table["paths"] = [
-                {"incidence": int(d) // azimuths, "azimuth": int(d) % azimuths, "weight": group["path_weight"][k],
-                 "polygon": group["polygon_vertex"][start[k]:start[k + 1]],
-                 "matrix": group["path_matrix"][k], "offset": group["path_offset"][k]}
-                for k, d in enumerate(group["path_direction"])]
+                {
+                    "incidence": int(d) // azimuths,
+                    "azimuth": int(d) % azimuths,
+                    "weight": group["path_weight"][k],
+                    "polygon": group["polygon_vertex"][start[k] : start[k + 1]],
+                    "matrix": group["path_matrix"][k],
+                    "offset": group["path_offset"][k],
+                }
+                for k, d in enumerate(group["path_direction"])
+            ]
         if "deviation" in file:
             group = file["deviation"]
             table["deviation"] = {key: data[()] for key, data in group.items()} | dict(group.attrs)
@@ -35,7 +46,9 @@ def deviation_image(table, i, j):
     group = table["deviation"]
     bins, k = int(group["bins"]), i * len(table["azimuth_deg"]) + j
     own = slice(int(group["entry_start"][k]), int(group["entry_start"][k + 1]))
-    image = np.bincount((group["entry_place"][own] % bins**2).astype(int), group["entry_rays"][own], bins**2)
+    image = np.bincount(
+        (group["entry_place"][own] % bins**2).astype(int), group["entry_rays"][own], bins**2
+    )
     return image.reshape(bins, bins), ((np.arange(bins) + 0.5) * 2 / bins - 1) * group["range"]
 
 
@@ -47,7 +60,10 @@ def at_azimuth(table, azimuth_deg):
         for image, step in [(own, 1)] + ([(2 * mirror - own, -1)] if mirror is not None else []):
             if abs((azimuth_deg - image + turn / 2) % turn - turn / 2) < 1e-9:
                 # Seen in a mirror, v is turned over.
-                return {"histogram": table["histogram"][:, j, ::step], "retroreflected": table["retroreflected"][:, j]}
+                return {
+                    "histogram": table["histogram"][:, j, ::step],
+                    "retroreflected": table["retroreflected"][:, j],
+                }
     raise KeyError(f"azimuth {azimuth_deg} deg is between those of the table")
 
 

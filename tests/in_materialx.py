@@ -3,6 +3,7 @@
 Both must be valid and become shaders (GLSL and OSL) whose lobe is retroreflective and has the roughness of the document. OpenPBR in
 MaterialX 1.39.5 is 1.1.1, which lacks specular_retroreflectivity: that complaint is expected, and to be the only one.
 """
+
 import subprocess
 import sys
 
@@ -15,7 +16,12 @@ mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(
 
 
 def exported(form):
-    text = subprocess.run([fit, "export", result, "--table", table, "--to", form, "--distance", "150"], check=True, capture_output=True, text=True).stdout
+    text = subprocess.run(
+        [fit, "export", result, "--table", table, "--to", form, "--distance", "150"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     document = mx.createDocument()
     mx.readFromXmlString(document, text)
     document.setDataLibrary(library)
@@ -42,8 +48,14 @@ valid, said = document.validate()
 passed.append(check(valid, f"materialx is valid in MaterialX {mx.getVersionString()} {said}"))
 alpha = document.getChild("lobe").getInputValue("roughness")[0]
 for name, text in shaders(document):
-    set_in = [line for line in text.splitlines() if "lobe_retroreflective = " in line or "lobe_roughness = " in line]
-    right = any("retroreflective = true" in line or "retroreflective = 1" in line for line in set_in)
+    set_in = [
+        line
+        for line in text.splitlines()
+        if "lobe_retroreflective = " in line or "lobe_roughness = " in line
+    ]
+    right = any(
+        "retroreflective = true" in line or "retroreflective = 1" in line for line in set_in
+    )
     right &= any(f"{alpha:.6f}" in line for line in set_in)
     passed.append(check(right, f"{name}: {'; '.join(line.strip(' ,;') for line in set_in)}"))
 
@@ -51,9 +63,17 @@ document = exported("openpbr")
 valid, said = document.validate()
 complaints = [line for line in said.splitlines() if line.strip()]
 expected = "Input 'specular_retroreflectivity' doesn't match declaration"
-passed.append(check(valid or (len(complaints) == 1 and expected in complaints[0]), f"openpbr: {'; '.join(complaints) or 'valid'}"))
+passed.append(
+    check(
+        valid or (len(complaints) == 1 and expected in complaints[0]),
+        f"openpbr: {'; '.join(complaints) or 'valid'}",
+    )
+)
 document.getChild("shader").removeInput("specular_retroreflectivity")
 valid, said = document.validate()
 passed.append(check(valid, f"openpbr without it is valid {said}"))
-passed.extend(check(len(text) > 0, f"{name} of it: {len(text)} characters") for name, text in shaders(document))
+passed.extend(
+    check(len(text) > 0, f"{name} of it: {len(text)} characters")
+    for name, text in shaders(document)
+)
 sys.exit(not all(passed))

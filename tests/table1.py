@@ -29,13 +29,16 @@ FULL_WELL, READ_NOISE = 20_000, 3  # electrons
 
 # ---- Pictures: linear light, (rows, columns, 3), written as 16-bit PNG.
 
+
 def write_png(path, image, bits=16):
     height, width, _ = image.shape
     kind = ">u2" if bits == 16 else "u1"
     pixels = np.round(np.clip(image, 0, 1) * (2**bits - 1)).astype(kind)
     pixels = np.ascontiguousarray(pixels).view(np.uint8).reshape(height, width, -1)
     lines = b"".join(b"\1" + np.diff(row, axis=0, prepend=np.uint8(0)).tobytes() for row in pixels)
-    chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    chunk = lambda name, data: (
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    )
     head = struct.pack(">IIBBBBB", width, height, bits, 2, 0, 0, 0)
     data = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines, 9)) + chunk(b"IEND", b"")
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + data)
@@ -52,7 +55,9 @@ def read_png(path):
             assert (bits, colour) == (16, 2), f"{path}: not 16-bit RGB"
         packed += body if name == b"IDAT" else b""
         at += size + 12
-    lines = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 6 * width).astype(int)
+    lines = (
+        np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 6 * width).astype(int)
+    )
     above = np.zeros((width, 6), int)
     rows = []
     for line in lines:
@@ -86,9 +91,19 @@ def srgb(light):
 
 
 GLYPHS = {  # 5 x 7
-    "A": "0E11111F111111", "I": "0E04040404040E", "R": "1E11111E141211", "E": "1F10101E10101F",
-    "X": "11110A040A1111", "T": "1F040404040404", "2": "0E11010204081F", "5": "1F101E0101110E",
-    "G": "0E11101711110F", "O": "0E11111111110E", "K": "11121418141211", "S": "0F10100E01011E", " ": "00" * 7,
+    "A": "0E11111F111111",
+    "I": "0E04040404040E",
+    "R": "1E11111E141211",
+    "E": "1F10101E10101F",
+    "X": "11110A040A1111",
+    "T": "1F040404040404",
+    "2": "0E11010204081F",
+    "5": "1F101E0101110E",
+    "G": "0E11101711110F",
+    "O": "0E11111111110E",
+    "K": "11121418141211",
+    "S": "0F10100E01011E",
+    " ": "00" * 7,
 }
 
 
@@ -110,7 +125,9 @@ def sign():
     write_text(image, "TAKE EXIT 52 AT GATE 2", 30, 186, 2, white)
     write_text(image, "TAKE EXIT 52 AT GATE 2", 30, 212, 1, white)
     y, x = np.mgrid[:HEIGHT, :WIDTH]
-    arrow = (abs(y - 68) < 36 - (x - 300)) & (x > 300) | ((abs(y - 68) < 12) & (x > 262) & (x <= 300))
+    arrow = (abs(y - 68) < 36 - (x - 300)) & (x > 300) | (
+        (abs(y - 68) < 12) & (x > 262) & (x <= 300)
+    )
     image[arrow] = white
     return image
 
@@ -133,11 +150,17 @@ def natural():
     land = (y > 0.38 + 0.06 * noise)[..., None]
     shade = (0.5 + 0.35 * np.tanh(noise))[..., None]
     image = np.where(land, shade * [0.25, 0.45, 0.12], (1 - 0.4 * shade) * [0.35, 0.55, 0.9])
-    for cx, cy, r, colour in [(0.25, 0.5, 0.12, [0.9, 0.12, 0.08]), (0.55, 0.57, 0.09, [0.95, 0.6, 0.05]), (0.8, 0.45, 0.14, [0.5, 0.2, 0.7])]:
+    for cx, cy, r, colour in [
+        (0.25, 0.5, 0.12, [0.9, 0.12, 0.08]),
+        (0.55, 0.57, 0.09, [0.95, 0.6, 0.05]),
+        (0.8, 0.45, 0.14, [0.5, 0.2, 0.7]),
+    ]:
         dx, dy = (x - cx) / r, (y - cy) / r
         inside = dx**2 + dy**2 < 1
         z = np.sqrt(np.maximum(0, 1 - dx**2 - dy**2))
-        light = np.clip(0.15 + 0.85 * (0.5 * z - 0.5 * dx - 0.6 * dy), 0.04, 1) * (1 + 0.2 * np.tanh(2 * noise))
+        light = np.clip(0.15 + 0.85 * (0.5 * z - 0.5 * dx - 0.6 * dy), 0.04, 1) * (
+            1 + 0.2 * np.tanh(2 * noise)
+        )
         image[inside] = (light[..., None] * colour)[inside]
     return np.clip(image, 0, 0.95)
 
@@ -159,6 +182,7 @@ def chart():
 
 
 # ---- The programs.
+
 
 def run(program, *arguments, cwd):
     done = subprocess.run([program, *map(str, arguments)], cwd=cwd, capture_output=True, text=True)
@@ -203,7 +227,18 @@ def main():
     bake = lambda *a: run(programs / "bake", *a, cwd=work)
     fit = lambda *a: run(programs / "fit", *a, cwd=work)
     bake("design", "triangular-pair", "-o", "pair.obj")
-    bake("trace", "pair.obj", "-o", "pair.h5", "--refractive-index", 1.49, "--incidence", f"0,{INCIDENCE},40", "--azimuth", AZIMUTH)
+    bake(
+        "trace",
+        "pair.obj",
+        "-o",
+        "pair.h5",
+        "--refractive-index",
+        1.49,
+        "--incidence",
+        f"0,{INCIDENCE},40",
+        "--azimuth",
+        AZIMUTH,
+    )
     contents = {"sign": sign(), "natural": natural(), "chart": chart()}
     for name, image in contents.items():
         write_png(work / f"{name}.png", image)
@@ -217,27 +252,83 @@ def main():
         blind = re.sub(r"(?m)^wavelength_nm.*\n", "", manifest.read_text())
         (manifest.parent / "blind.toml").write_text(blind)
         for model in MODELS:
-            fit("estimate", manifest.parent / "blind.toml", "--table", "pair.h5", "--model", model, "--lobe", "auto", "-o", f"{name}_{model}.json")
+            fit(
+                "estimate",
+                manifest.parent / "blind.toml",
+                "--table",
+                "pair.h5",
+                "--model",
+                model,
+                "--lobe",
+                "auto",
+                "-o",
+                f"{name}_{model}.json",
+            )
             fits.append((name, model, json.loads((work / f"{name}_{model}.json").read_text())))
-        fit("estimate", manifest, "--table", "pair.h5", "--kernel", "wave", "--shared", "mu", "-o", f"{name}_truth.json")
+        fit(
+            "estimate",
+            manifest,
+            "--table",
+            "pair.h5",
+            "--kernel",
+            "wave",
+            "--shared",
+            "mu",
+            "-o",
+            f"{name}_truth.json",
+        )
         truth = json.loads((work / f"{name}_truth.json").read_text())
-        truth["c_mm"], truth["mu"] = ({"value": sheet[key], "standard_error": None} for key in ("c", "mu"))
+        truth["c_mm"], truth["mu"] = (
+            {"value": sheet[key], "standard_error": None} for key in ("c", "mu")
+        )
         (work / f"{name}_truth.json").write_text(json.dumps(truth))
         place = ["--table", "pair.h5", "--incidence", INCIDENCE, "--azimuth", AZIMUTH]
-        seen = json.loads(fit("predict", f"{name}_truth.json", *place, "--distance", 150, "--frequency", 0, "--json"))
+        seen = json.loads(
+            fit(
+                "predict",
+                f"{name}_truth.json",
+                *place,
+                "--distance",
+                150,
+                "--frequency",
+                0,
+                "--json",
+            )
+        )
         exposure = 0.9 / seen["predictions"][0]["luminance"]
         for distance in DISTANCES:
             for content in contents:
-                at = [*place, "--distance", distance, "--pixel-pitch", PITCH_MM, "--exposure", exposure]
-                render = lambda who, to: fit("render", "--source", f"{content}.png", "--params", f"{name}_{who}.json", *at, "-o", to)
+                at = [
+                    *place,
+                    "--distance",
+                    distance,
+                    "--pixel-pitch",
+                    PITCH_MM,
+                    "--exposure",
+                    exposure,
+                ]
+                render = lambda who, to: fit(
+                    "render",
+                    "--source",
+                    f"{content}.png",
+                    "--params",
+                    f"{name}_{who}.json",
+                    *at,
+                    "-o",
+                    to,
+                )
                 render("truth", "light.png")
-                electrons = random.poisson(read_png(work / "light.png") * FULL_WELL) + READ_NOISE * random.standard_normal((HEIGHT, WIDTH, 3))
+                electrons = random.poisson(
+                    read_png(work / "light.png") * FULL_WELL
+                ) + READ_NOISE * random.standard_normal((HEIGHT, WIDTH, 3))
                 write_png(work / "photo.png", electrons / FULL_WELL)
                 row = [read_png(work / "photo.png")]
                 for model in MODELS:
                     render(model, "model.png")
                     options = ["--lpips", weights] if weights else []
-                    score = json.loads(fit("evaluate", "model.png", "photo.png", *options, "--json"))
+                    score = json.loads(
+                        fit("evaluate", "model.png", "photo.png", *options, "--json")
+                    )
                     scores[name, distance, model, content] = score
                     row.append(read_png(work / "model.png"))
                 if name == "A" and (content != "natural" or distance == 150):
@@ -251,10 +342,17 @@ def write_tables(out, scores, fits, contents):
     kinds = [kind for kind in SCORES if next(iter(scores.values())).get(kind) is not None]
     csv = "sheet,distance_mm,model,content," + ",".join(kinds) + "\n"
     for (name, distance, model, content), score in scores.items():
-        csv += f"{name},{distance},{model},{content}," + ",".join(f"{score[kind]:.5f}" for kind in kinds) + "\n"
+        csv += (
+            f"{name},{distance},{model},{content},"
+            + ",".join(f"{score[kind]:.5f}" for kind in kinds)
+            + "\n"
+        )
     (out / "table.csv").write_text(csv)
     head = [f"{content} {SCORES[kind]}" for content in contents for kind in kinds]
-    lines = ["| sheet | distance | model | " + " | ".join(head) + " |", "| --- " * (3 + len(head)) + "|"]
+    lines = [
+        "| sheet | distance | model | " + " | ".join(head) + " |",
+        "| --- " * (3 + len(head)) + "|",
+    ]
     behind = []
     for name in SHEETS:
         for distance in DISTANCES:
@@ -264,17 +362,38 @@ def write_tables(out, scores, fits, contents):
                     for kind in kinds:
                         values = {m: scores[name, distance, m, content][kind] for m in MODELS}
                         best = (max if kind in HIGHER_IS_BETTER else min)(values, key=values.get)
-                        shown = f"{values[model]:.2f}" if kind == "psnr_db" else f"{values[model]:.4f}"
+                        shown = (
+                            f"{values[model]:.2f}" if kind == "psnr_db" else f"{values[model]:.4f}"
+                        )
                         cells.append(f"**{shown}**" if model == best else shown)
                         if model == "proposed" != best:
-                            behind.append(f"sheet {name}, {distance} mm, {content}, {SCORES[kind]}: {best}")
+                            behind.append(
+                                f"sheet {name}, {distance} mm, {content}, {SCORES[kind]}: {best}"
+                            )
                 lines.append(f"| {name} | {distance} mm | {model} | " + " | ".join(cells) + " |")
     cells = len(SHEETS) * len(DISTANCES) * len(contents) * len(kinds)
-    lines += ["", f"Proposed model ahead in {cells - len(behind)} of {cells} cells." + "".join(f"\n- behind: {b}" for b in behind), ""]
-    lines += ["| sheet | model | kernel | lobe | chi-square | parameters of the blur |", "| --- | --- | --- | --- | --- | --- |"]
+    lines += [
+        "",
+        f"Proposed model ahead in {cells - len(behind)} of {cells} cells."
+        + "".join(f"\n- behind: {b}" for b in behind),
+        "",
+    ]
+    lines += [
+        "| sheet | model | kernel | lobe | chi-square | parameters of the blur |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
     for name, model, result in fits:
-        least = min(result["candidates"], key=lambda row: row["criterion"] if row["kernel"] == result["kernel"] and row["lobe"] == result["lobe"] else 1e300)
-        lines.append(f"| {name} | {model} | {result['kernel']} | {result['lobe'] or '-'} | {least['loss']:.0f} | {least['parameters']} |")
+        least = min(
+            result["candidates"],
+            key=lambda row: (
+                row["criterion"]
+                if row["kernel"] == result["kernel"] and row["lobe"] == result["lobe"]
+                else 1e300
+            ),
+        )
+        lines.append(
+            f"| {name} | {model} | {result['kernel']} | {result['lobe'] or '-'} | {least['loss']:.0f} | {least['parameters']} |"
+        )
     (out / "table.md").write_text("\n".join(lines) + "\n")
     print("\n".join(lines))
 

@@ -1,4 +1,5 @@
-//! The exact bake of ten directions on one thread, histograms of 128 x 128 bins and the table included.
+//! The exact bake of ten directions on one thread, histograms of 128 x 128 bins and the table
+//! included.
 //!
 //! `make bench`, or `cargo bench -p bake --bench exact`
 

@@ -1,7 +1,9 @@
-//! Rays per second of one thread, from the dissected cell to the table: programs, single rays, a hierarchy, and a sheet of 2,048
-//! cubes. Tables have 32 x 32 bins, so that they take little of the time.
+//! Rays per second of one thread, from the dissected cell to the table: programs, single rays, a
+//! hierarchy, and a sheet of 2,048 cubes. Tables have 32 x 32 bins, so that they take little of the
+//! time.
 //!
-//! `make bench`, or `cargo bench -p bake --bench trace`; ways that only tests can choose: `bake/src/tests/speed.rs`
+//! `make bench`, or `cargo bench -p bake --bench trace`; ways that only tests can choose:
+//! `bake/src/tests/speed.rs`
 
 mod cells;
 

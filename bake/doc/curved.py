@@ -50,14 +50,22 @@ class Sheet:
         self.corners, self.normals = read(path)
         n = np.ones(3) / np.sqrt(3)
         self.up, self.height = n, (self.corners @ n).max()
-        # The rim is the rhombus between ends of edges; its plane and the first edge are those of bake.
+        # The rim is the rhombus between ends of edges; its plane and the first edge are those of
+        # bake.
         flat = self.corners.reshape(-1, 3)
         rim = flat[flat @ n > self.height - 1e-9]
         u = np.array([1.0, 0, 0]) - n * n[0]
         self.u = u / np.linalg.norm(u)
         self.v = np.cross(n, self.u)
         points = np.stack([rim @ self.u, rim @ self.v], 1)
-        corners = points[[points[:, 0].argmin(), points[:, 1].argmin(), points[:, 0].argmax(), points[:, 1].argmax()]]
+        corners = points[
+            [
+                points[:, 0].argmin(),
+                points[:, 1].argmin(),
+                points[:, 0].argmax(),
+                points[:, 1].argmax(),
+            ]
+        ]
         self.corner, self.sides = self.rhombus(corners)
         angle = np.radians(incidence)
         self.travel = -n * np.cos(angle) + self.u * np.sin(angle)
@@ -113,16 +121,42 @@ class Sheet:
 
 def bake(args, rays, threads):
     """Seconds of the processor and of the bake by the clock, eta, and the peak of memory in MB."""
-    command = ["/usr/bin/time", "-f", "%U %S %M", args.bake, "trace", args.mesh, "-o", args.table, "--normals", "file", "--json",
-               "--incidence", str(args.incidence), "--sampler", "random", "--threads", str(threads), "--rays", str(rays)]
+    command = [
+        "/usr/bin/time",
+        "-f",
+        "%U %S %M",
+        args.bake,
+        "trace",
+        args.mesh,
+        "-o",
+        args.table,
+        "--normals",
+        "file",
+        "--json",
+        "--incidence",
+        str(args.incidence),
+        "--sampler",
+        "random",
+        "--threads",
+        str(threads),
+        "--rays",
+        str(rays),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     user, system, peak = done.stderr.split()[-3:]
     report = json.loads(done.stdout)
-    return float(user) + float(system), report["seconds"], report["directions"][0]["retroreflected"], int(peak) / 1024
+    return (
+        float(user) + float(system),
+        report["seconds"],
+        report["directions"][0]["retroreflected"],
+        int(peak) / 1024,
+    )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("mesh")
     parser.add_argument("--bake", default="bake")
     parser.add_argument("--table", default="curved-py.h5")
@@ -139,16 +173,37 @@ def main():
         inside, whole, eta = sheet.trace(np.random.default_rng(turn), args.rays)
         few, one = bake(args, FEW, 1), bake(args, args.rays, 1)
         few_by_two, two = bake(args, FEW, 2), bake(args, args.rays, 2)
-        rows.append([args.rays / inside, args.rays / whole, more / (one[0] - few[0]), more / (two[1] - few_by_two[1]), few[0], one[3]])
-        print("round", turn, [f"{x / 1e6:.3f}" for x in rows[-1][:4]], f"M rays/s; eta {eta:.5f}, {one[2]:.5f}; {load()}", flush=True)
+        rows.append(
+            [
+                args.rays / inside,
+                args.rays / whole,
+                more / (one[0] - few[0]),
+                more / (two[1] - few_by_two[1]),
+                few[0],
+                one[3],
+            ]
+        )
+        print(
+            "round",
+            turn,
+            [f"{x / 1e6:.3f}" for x in rows[-1][:4]],
+            f"M rays/s; eta {eta:.5f}, {one[2]:.5f}; {load()}",
+            flush=True,
+        )
     columns = list(zip(*rows))
     names = ["Embree, 1 thread", "with numpy", "bake, 1 thread", "bake, 2 threads, by the clock"]
     for name, column in zip(names, columns):
-        print(f"{name}: {statistics.median(column) / 1e6:.3f} M rays/s [{min(column) / 1e6:.3f}-{max(column) / 1e6:.3f}]")
+        print(
+            f"{name}: {statistics.median(column) / 1e6:.3f} M rays/s [{min(column) / 1e6:.3f}-{max(column) / 1e6:.3f}]"
+        )
     ratio = [ours / embree for ours, embree in zip(columns[2], columns[0])]
-    print(f"bake / Embree, 1 thread: {statistics.median(ratio):.2f} [{min(ratio):.2f}-{max(ratio):.2f}]")
-    print(f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy and trace {FEW} rays; "
-          f"peak {max(columns[5]):.0f} MB")
+    print(
+        f"bake / Embree, 1 thread: {statistics.median(ratio):.2f} [{min(ratio):.2f}-{max(ratio):.2f}]"
+    )
+    print(
+        f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy and trace {FEW} rays; "
+        f"peak {max(columns[5]):.0f} MB"
+    )
     print(f"all: {time.perf_counter() - start:.0f} s")
 
 

@@ -1,4 +1,5 @@
-//! Bakes the mesh file that is given by rays, with progress and an end after ten seconds, and judges the table by other rays.
+//! Bakes the mesh file that is given by rays, with progress and an end after ten seconds, and
+//! judges the table by other rays.
 //!
 //! `cargo run --release -p bake --example own_mesh -- cell.obj`
 

@@ -1,8 +1,9 @@
-//! Bakes a corner-cube cell into a table of ray shifts: where the light comes back that the cell returns, for each direction of
-//! incidence.
+//! Bakes a corner-cube cell into a table of ray shifts: where the light comes back that the cell
+//! returns, for each direction of incidence.
 //!
-//! A mesh of the crate [`meshes`] enters; a [`tables::Table`] leaves. The cell is dissected once ([`Prepared`]), what is asked for
-//! is checked once ([`Plan`]), and [`trace`] does the rest, by beams where facets are planes and by rays elsewhere.
+//! A mesh of the crate [`meshes`] enters; a [`tables::Table`] leaves. The cell is dissected once
+//! ([`Prepared`]), what is asked for is checked once ([`Plan`]), and [`trace`] does the rest, by
+//! beams where facets are planes and by rays elsewhere.
 //!
 //! ```
 //! use bake::{Plan, Prepared, Request, Watch, trace};
@@ -25,15 +26,17 @@
 //!
 //! # Units
 //!
-//! Lengths are edge lengths of the cell, angles radians, both in the cell frame; names of other units say so (`incidence_deg`,
-//! `wavelength_nm`). Degrees exist at the door only: in a [`Request`] and in the axes of a table. Probabilities are per launched
-//! ray. The shift is p' - p in the entrance plane, u along the direction of travel, v = n x u.
+//! Lengths are edge lengths of the cell, angles radians, both in the cell frame; names of other
+//! units say so (`incidence_deg`, `wavelength_nm`). Degrees exist at the door only: in a
+//! [`Request`] and in the axes of a table. Probabilities are per launched ray. The shift is p' - p
+//! in the entrance plane, u along the direction of travel, v = n x u.
 //!
 //! # Rooms
 //!
-//! Each folder imports only those before it: `geometry` (polygons), `samples` (points of the entrance), `optics` (what one surface
-//! does), `cell` (what a mesh is), `plan` (what is asked), `rays` and `beams` (how light is followed), `run` (the bake), `plots`,
-//! `study` (speed against error), `cli` (the program).
+//! Each folder imports only those before it: `geometry` (polygons), `samples` (points of the
+//! entrance), `optics` (what one surface does), `cell` (what a mesh is), `plan` (what is asked),
+//! `rays` and `beams` (how light is followed), `run` (the bake), `plots`, `study` (speed against
+//! error), `cli` (the program).
 #![deny(unsafe_code)]
 #![warn(unreachable_pub)]
 

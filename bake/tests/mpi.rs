@@ -1,5 +1,5 @@
-//! The ranks of `mpirun`: the same bytes, one voice, and no half table when one of them dies. Open MPI or MPICH; more
-//! ranks than processors are allowed here.
+//! The ranks of `mpirun`: the same bytes, one voice, and no half table when one of them dies. Open
+//! MPI or MPICH; more ranks than processors are allowed here.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -55,7 +55,8 @@ fn one_two_and_four_ranks_bake_the_same_bytes() {
     for options in [
         "",
         "--method rays --rays 3000000 --incidence 0:60:20 --save-every 0",
-        "--method rays --rays 300001 --sampler random --azimuth mean --incidence 0:60:20 --threads 1",
+        "--method rays --rays 300001 --sampler random --azimuth mean --incidence 0:60:20 \
+        --threads 1",
         "--method rays --tolerance 0.02 --incidence 0:60:20",
         "--method rays --rays 100003 --shard 2/3 --incidence 0:60:20",
     ] {
@@ -98,7 +99,8 @@ fn errors_are_said_once_and_end_all() {
         ),
         (
             &format!(
-                "trace cell.obj -o table.h5 {rays} : -n 1 {BAKE} trace missing.obj -o table.h5 {rays}"
+                "trace cell.obj -o table.h5 {rays} : -n 1 {BAKE} trace missing.obj -o table.h5 \
+                {rays}"
             ),
             1,
         ),
@@ -139,7 +141,8 @@ fn children(parent: u32) -> Vec<String> {
 fn a_rank_that_dies_ends_all_and_leaves_the_old_table() {
     let folder = folder();
     let here = folder.path();
-    let line = "trace cell.obj -o table.h5 --method rays --rays 40000000 --incidence 0:60:20 --bins 64 --save-every 0";
+    let line = "trace cell.obj -o table.h5 --method rays --rays 40000000 --incidence 0:60:20 \
+    --bins 64 --save-every 0";
     done(&alone(here, &line.replace("table.h5", "whole.h5")));
     let whole = bytes(here, "whole.h5");
     let mut kills = 0;

@@ -7,6 +7,7 @@ Needs mitsuba, h5py, numpy, and an LLVM that Mitsuba takes (3.9 wants 19: DRJIT_
 direction. --compare: what `fit render` made with the same options; prints the root mean square difference and the standard
 error of the samples here, and fails above 1.2 times that.
 """
+
 import argparse, json, os, sys
 
 import numpy as np
@@ -28,7 +29,8 @@ args = ap.parse_args()
 mi.set_variant("llvm_ad_rgb")
 F, U, V = mi.Float, mi.UInt32, mi.Vector2f
 
-# ---- Table: the triangles of the shift's polygons (exact), or its bins as pairs of triangles; one row [a, b, c] each.
+# ---- Table: the triangles of the shift's polygons (exact), or its bins as pairs of triangles; one
+# row [a, b, c] each.
 table, fit = read_table(args.table), json.load(open(args.params))
 i = int(np.flatnonzero(np.isclose(table["incidence_deg"], args.incidence))[0])
 azimuths = table["azimuth_deg"]
@@ -41,7 +43,9 @@ if "paths" in table:
         shift = corners @ path["matrix"].T + path["offset"]
         for k in range(1, len(corners) - 1):
             triangles.append(shift[[0, k, k + 1]])
-            power.append(path["weight"] * cross(corners[k] - corners[0], corners[k + 1] - corners[0]))
+            power.append(
+                path["weight"] * cross(corners[k] - corners[0], corners[k + 1] - corners[0])
+            )
 else:
     u, v = table["shift_u"], table["shift_v"]
     half = (u[1] - u[0]) / 2
@@ -50,28 +54,42 @@ else:
         triangles += [[low, [high[0], low[1]], high], [low, high, [low[0], high[1]]]]
         power += 2 * [table["histogram"][i, j, row, column]]
 choose = mi.DiscreteDistribution(np.array(power, dtype=np.float32))
-corner = [[F(np.array(triangles)[:, k, axis].astype(np.float32)) for axis in (0, 1)] for k in range(3)]
+corner = [
+    [F(np.array(triangles)[:, k, axis].astype(np.float32)) for axis in (0, 1)] for k in range(3)
+]
+
 
 # ---- Result: parameters at this incidence, linear between the fitted ones.
 def at(parameter):
     if "per_angle" not in parameter:
         return parameter["value"]
     rows = parameter["per_angle"]
-    return float(np.interp(args.incidence, [r["incidence_deg"] for r in rows], [r["value"] for r in rows]))
+    return float(
+        np.interp(args.incidence, [r["incidence_deg"] for r in rows], [r["value"] for r in rows])
+    )
+
 
 kernel = fit["kernel"]
 c = at(fit["c_mm"]) if kernel != "lobe" else 0.0
-a = {"eq1": lambda: at(fit["a_per_mm"]), "lobe": lambda: at(fit["a_per_mm"]), "shift": lambda: None,
-     "angular": lambda: at(fit["a_times_r"]) / args.distance}[kernel]()
+a = {
+    "eq1": lambda: at(fit["a_per_mm"]),
+    "lobe": lambda: at(fit["a_per_mm"]),
+    "shift": lambda: None,
+    "angular": lambda: at(fit["a_times_r"]) / args.distance,
+}[kernel]()
 energy = at(fit["mu"]) * table["retroreflected"][i, j] * fit["half_mirror"]
 t = np.linspace(0, 2.4 * np.pi if fit["lobe"] == "radial" else 4000 * np.pi, 1 << 22)[1:]
 mass = np.cumsum(np.sin(t) ** 2 / t ** (1 if fit["lobe"] == "radial" else 2))
-quantile = F(np.interp(np.linspace(0, 1, 65537), np.r_[0, mass] / mass[-1], np.r_[0, t]).astype(np.float32))
+quantile = F(
+    np.interp(np.linspace(0, 1, 65537), np.r_[0, mass] / mass[-1], np.r_[0, t]).astype(np.float32)
+)
+
 
 def inverse(x):
     x = x * 65536
     k = dr.minimum(U(x), 65535)
     return dr.lerp(dr.gather(F, quantile, k), dr.gather(F, quantile, k + 1), x - F(k))
+
 
 def offset(sampler):
     """mm, (tangential, sagittal): Sugawara and Koizumi's ray shift, and Eq. (1)."""
@@ -91,10 +109,15 @@ def offset(sampler):
         lobe = V(signed(r), signed(s))
     return shift + lobe / a
 
+
 # ---- Render: a texture that is black outside, gathered from where the light of a pixel comes.
-source = np.atleast_3d(np.array(mi.Bitmap(args.source).convert(component_format=mi.Struct.Type.Float32)))[..., :3]
+source = np.atleast_3d(
+    np.array(mi.Bitmap(args.source).convert(component_format=mi.Struct.Type.Float32))
+)[..., :3]
 h, w, planes = source.shape
-texture = mi.Texture2f(mi.TensorXf(np.pad(source, ((1, 1), (1, 1), (0, 0)))), wrap_mode=dr.WrapMode.Clamp)
+texture = mi.Texture2f(
+    mi.TensorXf(np.pad(source, ((1, 1), (1, 1), (0, 0)))), wrap_mode=dr.WrapMode.Clamp
+)
 pitch, groups = fit["camera"]["pixel_pitch_mm"], 8
 lane = dr.arange(U, h * w * (each := args.samples // groups))
 pixel = lane // each
@@ -104,13 +127,20 @@ for group in range(groups):
     sampler.seed(group, len(lane))
     place = V(F(pixel % w), F(pixel // w)) + 1.5 - offset(sampler) / pitch
     values = texture.eval(mi.Point2f(place / V(w + 2, h + 2)))
-    images.append(np.stack([np.array(dr.block_sum(v, each)) / each for v in values], -1).reshape(h, w, planes) * energy)
+    images.append(
+        np.stack([np.array(dr.block_sum(v, each)) / each for v in values], -1).reshape(h, w, planes)
+        * energy
+    )
 image = np.mean(images, 0)
 mi.Bitmap(image.astype(np.float32)).write(args.output)
 if args.compare:
-    other = np.atleast_3d(np.array(mi.Bitmap(args.compare).convert(component_format=mi.Struct.Type.Float32)))[..., :planes]
+    other = np.atleast_3d(
+        np.array(mi.Bitmap(args.compare).convert(component_format=mi.Struct.Type.Float32))
+    )[..., :planes]
     error = np.sqrt(np.mean(np.var(images, 0, ddof=1)) / groups)
     difference = np.sqrt(np.mean((image - other) ** 2))
-    print(f"difference {difference:.3e}, standard error of {args.samples} samples {error:.3e}, light {energy:.5f}, "
-          f"sums {image.sum():.2f} and {other.sum():.2f}")
+    print(
+        f"difference {difference:.3e}, standard error of {args.samples} samples {error:.3e}, light {energy:.5f}, "
+        f"sums {image.sum():.2f} and {other.sum():.2f}"
+    )
     sys.exit(int(difference > 1.2 * error))

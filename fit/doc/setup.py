@@ -11,10 +11,18 @@ THETA = radians(25)
 AZIMUTH = radians(35)
 
 LIGHT = {
-    "paper": "#ffffff", "ink": "#1c2733", "soft": "#5d6b7a", "ray": "#d1700c", "part": "#1769aa"
+    "paper": "#ffffff",
+    "ink": "#1c2733",
+    "soft": "#5d6b7a",
+    "ray": "#d1700c",
+    "part": "#1769aa",
 }
 DARK = {
-    "paper": "#10161d", "ink": "#e6edf3", "soft": "#9aa7b4", "ray": "#f2a245", "part": "#6cb6f5"
+    "paper": "#10161d",
+    "ink": "#e6edf3",
+    "soft": "#9aa7b4",
+    "ray": "#f2a245",
+    "part": "#6cb6f5",
 }
 SHAPES = """
 .ink, .soft, .ray, .part { fill: none; }
@@ -104,7 +112,8 @@ def rays():
     along = (sin(THETA), -cos(THETA))
     normal = (-cos(THETA), -sin(THETA))
     for slope in (-0.16, 0.0, 0.16):
-        # The half mirror is the line x - MIRROR_X = AXIS_Y - y; the ray seems to come from the image.
+        # The half mirror is the line x - MIRROR_X = AXIS_Y - y; the ray seems to come from the
+        # image.
         t = ARM / (1 + slope)
         mirror = (image[0] + t, image[1] + slope * t)
         reach = (SHEET_X - IMAGE_X) * -normal[0]
@@ -174,7 +183,12 @@ def setup():
     for x, top in ((IMAGE_X, 38), (SHEET_X, 38), (MIRROR_X, 84)):
         line((x, top), (x, AXIS_Y - (62 if x == IMAGE_X else 8)), "soft dash")
     arrow((IMAGE_X, 46), (SHEET_X, 46), both=True)
-    text(0.5 * (IMAGE_X + SHEET_X), 36, "R: path_mm, or floating_distance_mm where path_mm is left out", "middle")
+    text(
+        0.5 * (IMAGE_X + SHEET_X),
+        36,
+        "R: path_mm, or floating_distance_mm where path_mm is left out",
+        "middle",
+    )
     arrow((IMAGE_X, 92), (MIRROR_X, 92), both=True)
     text(0.5 * (IMAGE_X + MIRROR_X), 82, "from the half mirror", "soft middle")
 

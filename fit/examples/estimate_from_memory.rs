@@ -1,6 +1,6 @@
-//! Estimates a sheet from photographs in memory, says how far it is, and writes the result: `cargo run --example
-//! estimate_from_memory`. Nothing but the demo photographs themselves is read from files: in their place stands whatever a camera
-//! hands out.
+//! Estimates a sheet from photographs in memory, says how far it is, and writes the result: `cargo
+//! run --example estimate_from_memory`. Nothing but the demo photographs themselves is read from
+//! files: in their place stands whatever a camera hands out.
 
 use std::collections::HashMap;
 use std::error::Error;

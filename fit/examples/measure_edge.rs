@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let normal_deg = edge.line.normal_rad.to_degrees();
     println!("edge normal at {normal_deg:.3} deg from +x");
-    // A period of the transform is 4 per pixel, so that the first quarter ends at the sampling frequency.
+    // A period of the transform is 4 per pixel, so that the first quarter ends at the sampling
+    // frequency.
     let estimator = Estimator::new(&edge.profile, 1.0, 4 * (COUNT - 1), COUNT);
     let mtf = estimator.measure(&edge.profile).modulus;
     println!("cycles/pixel    MTF");

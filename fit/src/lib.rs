@@ -1,13 +1,16 @@
-//! Estimates what a retroreflective sheet does to mid-air images, and predicts what it will show elsewhere.
+//! Estimates what a retroreflective sheet does to mid-air images, and predicts what it will show
+//! elsewhere.
 //!
-//! Mid-air images of corner-cube sheets are blurred and dimmed. Three numbers of the sheet describe it: `c` (corner size, of which
-//! the ray shift is a multiple), `a` (diffraction spread) and `mu` (reflectance). This crate finds them, with standard errors, from
-//! photographs of an edge and a table of the ray shifts that the program `bake` makes; and with them it gives MTF and luminance at any
-//! distance and angle. The method is Sugawara and Koizumi's (SIGGRAPH Asia 2025 Posters).
+//! Mid-air images of corner-cube sheets are blurred and dimmed. Three numbers of the sheet describe
+//! it: `c` (corner size, of which the ray shift is a multiple), `a` (diffraction spread) and `mu`
+//! (reflectance). This crate finds them, with standard errors, from photographs of an edge and a
+//! table of the ray shifts that the program `bake` makes; and with them it gives MTF and luminance
+//! at any distance and angle. The method is Sugawara and Koizumi's (SIGGRAPH Asia 2025 Posters).
 //!
 //! # Units
-//! Lengths in mm, of the aerial image's plane; `a` and frequencies in 1/mm. Angles in radians, but for names that end in `_deg`, as in
-//! files and options. Light is linear, of any unit, and a photograph's exposure is relative to the reference's.
+//! Lengths in mm, of the aerial image's plane; `a` and frequencies in 1/mm. Angles in radians, but
+//! for names that end in `_deg`, as in files and options. Light is linear, of any unit, and a
+//! photograph's exposure is relative to the reference's.
 //!
 //! # Measure an edge
 //! ```
@@ -48,11 +51,13 @@
 //! ```
 //!
 //! # Rooms
-//! Every folder is a room, and imports only those that stand before it here: `numerics` (mathematics), `names` (kernels, lobes,
-//! parameters), `document` (TOML), `photographs` (files to edges), `model` (the blur's transfer function), `samples` (the blur by
-//! samples), `simulate` (photographs with a planted answer, by another road than the model's), `compare` (a model seen through a
-//! photograph's estimator), `estimate`, `result` (result.json), `predict`, `images` (pictures through a sheet; a feature), `study` (how
-//! good estimates are), `report` (plots and the HTML page; a feature), `cli` (the program).
+//! Every folder is a room, and imports only those that stand before it here: `numerics`
+//! (mathematics), `names` (kernels, lobes, parameters), `document` (TOML), `photographs` (files to
+//! edges), `model` (the blur's transfer function), `samples` (the blur by samples), `simulate`
+//! (photographs with a planted answer, by another road than the model's), `compare` (a model seen
+//! through a photograph's estimator), `estimate`, `result` (result.json), `predict`, `images`
+//! (pictures through a sheet; a feature), `study` (how good estimates are), `report` (plots and the
+//! HTML page; a feature), `cli` (the program).
 
 #![forbid(unsafe_code)]
 #![warn(unreachable_pub)]

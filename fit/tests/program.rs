@@ -1,5 +1,5 @@
-//! The program as a shell and a reader of manual pages see it. (That this target exists makes cargo build the program for the
-//! tests of the workspace.)
+//! The program as a shell and a reader of manual pages see it. (That this target exists makes cargo
+//! build the program for the tests of the workspace.)
 
 use std::path::Path;
 use std::process::{Command, Output};

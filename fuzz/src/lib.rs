@@ -1,5 +1,6 @@
-//! What is fuzzed: each function gives some bytes to one door of the project, which must answer with a value or an
-//! error. The fuzz targets call them, and `tests/tests/all/corpus.rs` does so over the kept corpus.
+//! What is fuzzed: each function gives some bytes to one door of the project, which must answer
+//! with a value or an error. The fuzz targets call them, and `tests/tests/all/corpus.rs` does so
+//! over the kept corpus.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,8 +39,8 @@ pub(super) fn gltf(bytes: &[u8]) {
     cell(meshes::gltf::parse(bytes, None));
 }
 
-/// An HDF5 table. The tables of the corpus have no seal, so that a changed one reaches the HDF5 library and its
-/// content hash.
+/// An HDF5 table. The tables of the corpus have no seal, so that a changed one reaches the HDF5
+/// library and its content hash.
 pub(super) fn table(bytes: &[u8]) {
     let path = file("table.h5", bytes);
     let _ = tables::read(&path);

@@ -1,4 +1,5 @@
-//! Writing and reading tables of ten directions, 128 x 128 bins: 16 randomisations of counts, or exact.
+//! Writing and reading tables of ten directions, 128 x 128 bins: 16 randomisations of counts, or
+//! exact.
 //!
 //! `make bench`, or `cargo bench -p tables --bench file`
 

@@ -23,8 +23,8 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// The program that AIRR_CHROMIUM names, else a Chromium on the path. Without one says so past the test harness, which
-    /// keeps what a passing test prints.
+    /// The program that AIRR_CHROMIUM names, else a Chromium on the path. Without one says so past
+    /// the test harness, which keeps what a passing test prints.
     ///
     /// # Panics
     /// When AIRR_CHROMIUM names no file.
@@ -44,7 +44,8 @@ impl Browser {
         if program.is_none() {
             let _ = writeln!(
                 std::io::stderr(),
-                "SKIPPED: no Chromium on PATH, the report was not looked at in a browser (Debian: apt install chromium, \
+                "SKIPPED: no Chromium on PATH, the report was not looked at in a browser (Debian: \
+                apt install chromium, \
                  or set AIRR_CHROMIUM)"
             );
         }
@@ -54,8 +55,8 @@ impl Browser {
         })
     }
 
-    /// Opens a page that posts JSON to its parent, in a frame of a width (a window of less than 500 is not to be had), and
-    /// returns that.
+    /// Opens a page that posts JSON to its parent, in a frame of a width (a window of less than 500
+    /// is not to be had), and returns that.
     ///
     /// # Panics
     /// When the browser fails, or no JSON comes.
@@ -64,8 +65,10 @@ impl Browser {
         let frame = self.profile.path().join("frame.html");
         let markup = format!(
             "<!DOCTYPE html><html style=\"color-scheme: light dark\"><title></title>\
-             <script>addEventListener('message', (event) => {{ document.title = event.data; }});</script>\
-             <iframe src=\"{}\" style=\"width: {width}px; height: 900px; border: 0\"></iframe></html>",
+             <script>addEventListener('message', (event) => {{ document.title = event.data; \
+             }});</script>\
+             <iframe src=\"{}\" style=\"width: {width}px; height: 900px; border: \
+             0\"></iframe></html>",
             address(page).display()
         );
         std::fs::write(&frame, markup).expect("a temporary folder takes a file");

@@ -7,7 +7,8 @@ use serde_json::Value;
 /// One number of a result, its truth, and where it belongs.
 #[derive(Debug, Clone)]
 pub struct Number {
-    /// `c`, `a` (1/mm, or A where the kernel is `angular`) or `mu`, with the incidence if there is one per angle.
+    /// `c`, `a` (1/mm, or A where the kernel is `angular`) or `mu`, with the incidence if there is
+    /// one per angle.
     pub name: String,
     /// What was estimated.
     pub value: f64,
@@ -41,7 +42,8 @@ pub fn json(path: &Path) -> Value {
 /// All numbers of a result with their truths; `truth` is the whole truth.json.
 ///
 /// # Panics
-/// When the result lacks a number, holds one that is not finite, or the truth has none for its angle.
+/// When the result lacks a number, holds one that is not finite, or the truth has none for its
+/// angle.
 pub fn numbers(result: &Value, truth: &Value) -> Vec<Number> {
     let a = if result["kernel"] == "angular" {
         "a_times_r"

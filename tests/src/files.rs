@@ -17,8 +17,8 @@ pub fn argument(parts: &str) -> String {
     project().join(parts).display().to_string()
 }
 
-/// Bakes a design into a table in `folder` and returns its name: behind a front face of index 1.49, like the acrylic of
-/// the campaigns, otherwise as `bake trace` does without being told.
+/// Bakes a design into a table in `folder` and returns its name: behind a front face of index 1.49,
+/// like the acrylic of the campaigns, otherwise as `bake trace` does without being told.
 pub fn bake_table(folder: &Path, design: &str, incidence: &str, azimuth: &str) -> String {
     bake_table_with(folder, design, incidence, azimuth, &[])
 }

@@ -1,4 +1,5 @@
-//! What the end-to-end tests share: the two programs as processes, the files of this folder, results and truths.
+//! What the end-to-end tests share: the two programs as processes, the files of this folder,
+//! results and truths.
 
 #![forbid(unsafe_code)]
 

@@ -75,8 +75,8 @@ pub fn run_by<S: AsRef<str>>(
     }
 }
 
-/// The program beside this test's own folder. Cargo builds it in `cargo test --workspace`, and not in
-/// `cargo test -p tests`: a stale one would test yesterday's code.
+/// The program beside this test's own folder. Cargo builds it in `cargo test --workspace`, and not
+/// in `cargo test -p tests`: a stale one would test yesterday's code.
 fn fresh(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test is a file");
     let program = test
@@ -99,7 +99,8 @@ fn fresh(name: &str) -> PathBuf {
         .expect("the project has sources");
     assert!(
         built >= newest,
-        "{} is missing or older than the sources: `cargo build --workspace`, or test with `make test`",
+        "{} is missing or older than the sources: `cargo build --workspace`, or test with `make \
+        test`",
         program.display()
     );
     program
@@ -129,6 +130,7 @@ pub fn sources(folder: &Path) -> Vec<PathBuf> {
 /// Without it.
 pub fn python() -> std::ffi::OsString {
     std::env::var_os("AIRR_PYTHON").expect(
-        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
+        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and \
+        h5netcdf",
     )
 }

@@ -1,8 +1,10 @@
-//! Reads which source file of a crate imports which, so that a test can hold the rooms to their order.
+//! Reads which source file of a crate imports which, so that a test can hold the rooms to their
+//! order.
 //!
-//! A room is a folder of `src` with a `mod.rs`. Sources are read as tokens, not as text: an import counts whether it stands in a
-//! `use`, in a path inside an expression or a macro call, begins with `crate` or `super`, or passes through a re-export of a
-//! room's `mod.rs`. Comments, and modules under `#[cfg(test)]`, do not count.
+//! A room is a folder of `src` with a `mod.rs`. Sources are read as tokens, not as text: an import
+//! counts whether it stands in a `use`, in a path inside an expression or a macro call, begins with
+//! `crate` or `super`, or passes through a re-export of a room's `mod.rs`. Comments, and modules
+//! under `#[cfg(test)]`, do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -50,8 +52,9 @@ pub fn room(file: &str) -> Option<&str> {
     file.split_once('/').map(|(room, _)| room)
 }
 
-/// All imports between the files of one crate, sorted. A name of the crate's root that is no module, such as a public
-/// re-export, leads to `lib.rs`: whoever imports it imports the whole crate.
+/// All imports between the files of one crate, sorted. A name of the crate's root that is no
+/// module, such as a public re-export, leads to `lib.rs`: whoever imports it imports the whole
+/// crate.
 ///
 /// # Panics
 /// When a file is no Rust.
@@ -71,8 +74,8 @@ pub fn imports(sources: &Sources) -> Vec<Import> {
     found.into_iter().collect()
 }
 
-/// Imports that run up: into a room that stands later in `order` than their own, or to the root of the crate. Each sentence
-/// names both files.
+/// Imports that run up: into a room that stands later in `order` than their own, or to the root of
+/// the crate. Each sentence names both files.
 pub fn upward(sources: &Sources, order: &[&str]) -> Vec<String> {
     let imports = imports(sources);
     let floor = |file: &str| match room(file) {
@@ -191,7 +194,8 @@ impl House {
         }
     }
 
-    /// The file in which the item of a path is written, followed through the re-exports of `mod.rs` files.
+    /// The file in which the item of a path is written, followed through the re-exports of `mod.rs`
+    /// files.
     fn file_of(&self, path: &[String], depth: usize) -> String {
         let mut length = path.len();
         while !self.files.contains_key(&path[..length]) {
@@ -204,7 +208,8 @@ impl House {
             Some(target)
         });
         match through {
-            // A name that is re-exported a dozen times is a circle of re-exports, which rustc refuses.
+            // A name that is re-exported a dozen times is a circle of re-exports, which rustc
+            // refuses.
             Some(target) if depth < 12 => self.file_of(target, depth + 1),
             _ => self.files[module].clone(),
         }
@@ -226,8 +231,8 @@ fn is_of_tests(attributes: &[String]) -> bool {
         .any(|text| text.starts_with("cfg") && text.contains("test"))
 }
 
-/// Calls `visit` with the tokens of every module that is written in this stream, inner modules first and those of tests left out,
-/// and with the module's name.
+/// Calls `visit` with the tokens of every module that is written in this stream, inner modules
+/// first and those of tests left out, and with the module's name.
 fn bodies(tokens: TokenStream, here: &[String], visit: &mut dyn FnMut(&[TokenTree], &[String])) {
     let mut flat = Vec::new();
     let mut attributes: Vec<String> = Vec::new();
@@ -403,7 +408,8 @@ fn inline_in(
     }
 }
 
-/// A path from the root of the crate; `None` where it leads to another crate or names something of its own module.
+/// A path from the root of the crate; `None` where it leads to another crate or names something of
+/// its own module.
 fn absolute(
     path: &[String],
     here: &[String],

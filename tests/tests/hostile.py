@@ -1,6 +1,7 @@
 """Writes files that were made to do harm into a folder, and prints the command that must refuse each of them.
 
 A line of output: name of the case, program, arguments and, last, what the refusal must say; tabs between."""
+
 import hashlib
 import os
 import shutil
@@ -28,14 +29,24 @@ def written(name, content):
 
 def zeros(count):
     """A zlib stream of so many zeros, made of equal blocks; the Adler-32 of n zeros is known."""
+
     def block(length):
         packer = zlib.compressobj(9, zlib.DEFLATED, -15)
         return packer.compress(bytes(length)) + packer.flush(zlib.Z_FULL_FLUSH)
+
     adler = struct.pack(">HH", count % 65521, 1)
-    return b"\x78\xda" + block(1 << 20) * (count >> 20) + block(count % (1 << 20)) + b"\x03\x00" + adler
+    return (
+        b"\x78\xda"
+        + block(1 << 20) * (count >> 20)
+        + block(count % (1 << 20))
+        + b"\x03\x00"
+        + adler
+    )
 
 
-# ---- Tables. Each is changed with h5py, and sealed again: whoever wants to do harm can compute a SHA-256.
+# ---- Tables. Each is changed with h5py, and sealed again: whoever wants to do harm can compute a
+# SHA-256.
+
 
 def table(name, says, change, base=TABLE):
     path = name.replace(" ", "_") + ".h5"
@@ -54,12 +65,14 @@ def claims(name, shape, chunk):
     def change(file):
         del file[name]
         file.create_dataset(name, shape, "f8", chunks=chunk)
+
     return change
 
 
 def attribute(name, value):
     def change(file):
         file.attrs[name] = value
+
     return change
 
 
@@ -67,13 +80,21 @@ def link(name, to):
     def change(file):
         del file[name]
         file[name] = to
+
     return change
 
 
 def bomb_in_a_chunk(file):
     """A chunk of 8 MiB by its shape, of 8 MiB in the file, and of 4 GiB inflated."""
     del file["histogram"]
-    data = file.create_dataset("histogram", (2, 1, 16, 16), "f8", chunks=(1, 1, 1024, 1024), maxshape=(None,) * 4, compression=4)
+    data = file.create_dataset(
+        "histogram",
+        (2, 1, 16, 16),
+        "f8",
+        chunks=(1, 1, 1024, 1024),
+        maxshape=(None,) * 4,
+        compression=4,
+    )
     stream = zeros(1 << 32)
     data.id.write_direct_chunk((0, 0, 0, 0), stream)
 
@@ -86,7 +107,9 @@ def consistent_bomb(file):
         width = 2 * file.attrs["shift_range"] / bins
         file[name] = -file.attrs["shift_range"] + (np.arange(bins) + 0.5) * width
     del file["histogram"]
-    data = file.create_dataset("histogram", (2, 1, bins, bins), "f8", chunks=(1, 1, bins, bins), compression=9)
+    data = file.create_dataset(
+        "histogram", (2, 1, bins, bins), "f8", chunks=(1, 1, bins, bins), compression=9
+    )
     for incidence in range(2):
         data.id.write_direct_chunk((incidence, 0, 0, 0), zeros(8 * bins * bins))
 
@@ -124,14 +147,24 @@ def fixed_text(file):
 
 
 table("10^12 bins", "claims 8000000000000 bytes", claims("shift_u", (10**12,), (1 << 20,)))
-table("2^40 directions", "claims 8796093022208 bytes", claims("incidence_deg", (1 << 40,), (1 << 20,)))
-table("a huge histogram", "dataset histogram claims", claims("histogram", (2, 1, 10**6, 10**6), (1, 1, 64, 64)))
+table(
+    "2^40 directions", "claims 8796093022208 bytes", claims("incidence_deg", (1 << 40,), (1 << 20,))
+)
+table(
+    "a huge histogram",
+    "dataset histogram claims",
+    claims("histogram", (2, 1, 10**6, 10**6), (1, 1, 64, 64)),
+)
 table("a chunk that inflates without end", "", bomb_in_a_chunk)
 table("zeros in agreement", "as a decompression bomb does", consistent_bomb)
 table("data in another file", "stored in another file", elsewhere)
 table("a view of another file", "as a view of other datasets", view)
 table("an unknown filter", "through a filter other than", other_filter)
-table("a link out of the file", "dataset rays is missing", link("rays", h5py.ExternalLink("table.h5", "/rays")))
+table(
+    "a link out of the file",
+    "dataset rays is missing",
+    link("rays", h5py.ExternalLink("table.h5", "/rays")),
+)
 table("a link to itself", "dataset rays is missing", link("rays", h5py.SoftLink("/rays")))
 table("a group in itself", "dataset exact/", group_in_itself)
 table("version in words", "attribute version is", attribute("version", "one"))
@@ -139,7 +172,11 @@ table("a million versions", "attribute version is", attribute("version", np.ones
 table("range NaN", "shift_range is NaN", attribute("shift_range", float("nan")))
 table("edge length infinite", "edge_length is inf", attribute("edge_length", float("inf")))
 table("a long fixed text", "attribute design is", fixed_text)
-table("twenty thousand attributes", "attribute content_hash", lambda file: (many_attributes(file), attribute("seed", np.uint64(99))(file)))
+table(
+    "twenty thousand attributes",
+    "attribute content_hash",
+    lambda file: (many_attributes(file), attribute("seed", np.uint64(99))(file)),
+)
 
 
 def bins_nan(file):
@@ -150,6 +187,7 @@ table("bins NaN", "dataset shift_u is NaN", bins_nan)
 
 
 # ---- Meshes
+
 
 def obj(name, text, says):
     path = written(name.replace(" ", "_") + ".obj", text.encode())
@@ -166,32 +204,83 @@ MESH = '"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]'
 
 
 def accessor(count, uri, length=36, more=""):
-    return ('{' + HEAD + ',"nodes":[{"mesh":0}],' + MESH + more + ',"buffers":[{"byteLength":%d,"uri":"%s"}],'
-            '"bufferViews":[{"buffer":0,"byteLength":%d}],"accessors":[{"bufferView":0,"componentType":5126,'
-            '"count":%d,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}]}' % (length, uri, length, count))
+    return (
+        "{"
+        + HEAD
+        + ',"nodes":[{"mesh":0}],'
+        + MESH
+        + more
+        + ',"buffers":[{"byteLength":%d,"uri":"%s"}],'
+        '"bufferViews":[{"buffer":0,"byteLength":%d}],"accessors":[{"bufferView":0,"componentType":5126,'
+        '"count":%d,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}]}' % (length, uri, length, count)
+    )
 
 
 INLINE = "data:application/octet-stream;base64," + "A" * 48
 obj("a face to vertex 10^12", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000000\n", "line 4")
 obj("vertices NaN and infinite", "v nan 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n", "not finite")
-obj("a face of a million corners", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + " 1 2 3" * 333333 + "\n", "corners of one polygon")
+obj(
+    "a face of a million corners",
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + " 1 2 3" * 333333 + "\n",
+    "corners of one polygon",
+)
 obj("nine million vertices", "v 0 0 0\n" * 9000000 + "f 1 2 3\n", "9000000 vertices")
 gltf("10^12 vertices", accessor(10**12, INLINE), "")
 gltf("10^9 vertices", accessor(10**9, INLINE), "1000000000 vertices")
 gltf("a buffer of 10^15 bytes", accessor(3, INLINE, 10**15), "where 1000000000000000 are declared")
-for name, uri in [("above its folder", "../table.h5"), ("by an absolute path", "/etc/passwd"), ("from the network", "http://localhost/a.bin"),
-                  ("above by escapes", "%2e%2e/table.h5"), ("by a file URI", "file:///etc/passwd")]:
+for name, uri in [
+    ("above its folder", "../table.h5"),
+    ("by an absolute path", "/etc/passwd"),
+    ("from the network", "http://localhost/a.bin"),
+    ("above by escapes", "%2e%2e/table.h5"),
+    ("by a file URI", "file:///etc/passwd"),
+]:
     gltf("a buffer " + name, accessor(3, uri), "cannot be resolved")
-gltf("data that is not base64", accessor(3, "data:application/octet-stream;base64," + "!" * 48), "cannot be resolved")
-gltf("a data URI of 200 MB", accessor(3, "data:application/octet-stream;base64," + "A" * 200_000_000), "bytes of JSON")
-gltf("a million nodes deep", '{' + HEAD + ',"nodes":[' + ",".join('{"children":[%d]}' % (k + 1) for k in range(100000)) + ',{}]}', "no triangles")
-gltf("ten million empty nodes", '{' + HEAD + ',"nodes":[' + ",".join(["{}"] * 5000000) + ']}', "JSON objects")
-gltf("nodes in a circle", '{' + HEAD + ',"nodes":[{"children":[1]},{"children":[0]}]}', "twice")
-gltf("JSON nested a million deep", '{' + HEAD + ',"extras":' + "[" * 1000000 + "]" * 1000000 + '}', "not valid glTF")
-case("a GLB that claims 4 GB", ["bake", "trace", written("claims.glb", b"glTF" + struct.pack("<III", 2, 0xffffffff, 0xfffffff0) + b"JSON{}"), "-o", "out.h5"], "shorter than its header says")
+gltf(
+    "data that is not base64",
+    accessor(3, "data:application/octet-stream;base64," + "!" * 48),
+    "cannot be resolved",
+)
+gltf(
+    "a data URI of 200 MB",
+    accessor(3, "data:application/octet-stream;base64," + "A" * 200_000_000),
+    "bytes of JSON",
+)
+gltf(
+    "a million nodes deep",
+    "{"
+    + HEAD
+    + ',"nodes":['
+    + ",".join('{"children":[%d]}' % (k + 1) for k in range(100000))
+    + ",{}]}",
+    "no triangles",
+)
+gltf(
+    "ten million empty nodes",
+    "{" + HEAD + ',"nodes":[' + ",".join(["{}"] * 5000000) + "]}",
+    "JSON objects",
+)
+gltf("nodes in a circle", "{" + HEAD + ',"nodes":[{"children":[1]},{"children":[0]}]}', "twice")
+gltf(
+    "JSON nested a million deep",
+    "{" + HEAD + ',"extras":' + "[" * 1000000 + "]" * 1000000 + "}",
+    "not valid glTF",
+)
+case(
+    "a GLB that claims 4 GB",
+    [
+        "bake",
+        "trace",
+        written("claims.glb", b"glTF" + struct.pack("<III", 2, 0xFFFFFFFF, 0xFFFFFFF0) + b"JSON{}"),
+        "-o",
+        "out.h5",
+    ],
+    "shorter than its header says",
+)
 
 
 # ---- Photographs
+
 
 def photograph(name, ending, content, says):
     path = written(name.replace(" ", "_") + ending, content)
@@ -200,44 +289,98 @@ def photograph(name, ending, content, says):
 
 def png(width, height, bits, colour, rows):
     def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, 0))
-            + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
+
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, colour, 0, 0, 0))
+        + chunk(b"IDAT", rows)
+        + chunk(b"IEND", b"")
+    )
 
 
 def tiff(width, height, bits, compression, data):
-    entries = [(256, 4, width), (257, 4, height), (258, 3, bits), (259, 3, compression), (262, 3, 1), (273, 4, 8 + 2 + 12 * 9 + 4),
-               (277, 3, 1), (278, 4, height), (279, 4, len(data))]
-    return (b"II*\0" + struct.pack("<IH", 8, len(entries)) + b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in entries)
-            + bytes(4) + data)
+    entries = [
+        (256, 4, width),
+        (257, 4, height),
+        (258, 3, bits),
+        (259, 3, compression),
+        (262, 3, 1),
+        (273, 4, 8 + 2 + 12 * 9 + 4),
+        (277, 3, 1),
+        (278, 4, height),
+        (279, 4, len(data)),
+    ]
+    return (
+        b"II*\0"
+        + struct.pack("<IH", 8, len(entries))
+        + b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in entries)
+        + bytes(4)
+        + data
+    )
 
 
 def exr(width, height, tile=None):
     def attribute(name, kind, data):
         return name + b"\0" + kind + b"\0" + struct.pack("<I", len(data)) + data
+
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     channels = b"Y\0" + struct.pack("<iIii", 2, 0, 1, 1) + b"\0"
     tiles = attribute(b"tiles", b"tiledesc", struct.pack("<IIB", tile, tile, 0)) if tile else b""
-    return (struct.pack("<II", 20000630, 2 | (0x200 if tile else 0)) + attribute(b"channels", b"chlist", channels) + attribute(b"compression", b"compression", b"\3")
-            + attribute(b"dataWindow", b"box2i", window) + attribute(b"displayWindow", b"box2i", window)
-            + attribute(b"lineOrder", b"lineOrder", b"\0") + attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
-            + attribute(b"screenWindowCenter", b"v2f", bytes(8)) + attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + tiles + b"\0")
+    return (
+        struct.pack("<II", 20000630, 2 | (0x200 if tile else 0))
+        + attribute(b"channels", b"chlist", channels)
+        + attribute(b"compression", b"compression", b"\3")
+        + attribute(b"dataWindow", b"box2i", window)
+        + attribute(b"displayWindow", b"box2i", window)
+        + attribute(b"lineOrder", b"lineOrder", b"\0")
+        + attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+        + attribute(b"screenWindowCenter", b"v2f", bytes(8))
+        + attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1))
+        + tiles
+        + b"\0"
+    )
 
 
-photograph("PNG of 10^6 x 10^6", ".png", png(10**6, 10**6, 16, 0, zlib.compress(b"")), "1000000 x 1000000 pixels")
-photograph("TIFF of 10^6 x 10^6", ".tif", tiff(10**6, 10**6, 16, 1, b""), "1000000 x 1000000 pixels")
+photograph(
+    "PNG of 10^6 x 10^6",
+    ".png",
+    png(10**6, 10**6, 16, 0, zlib.compress(b"")),
+    "1000000 x 1000000 pixels",
+)
+photograph(
+    "TIFF of 10^6 x 10^6", ".tif", tiff(10**6, 10**6, 16, 1, b""), "1000000 x 1000000 pixels"
+)
 photograph("EXR of 10^6 x 10^6", ".exr", exr(10**6, 10**6), "EXR")
 photograph("EXR of 10^6 x 10^6 in tiles of one pixel", ".exr", exr(10**6, 10**6, 1), "")
 photograph("EXR of 14000 x 14000 in tiles of one pixel", ".exr", exr(14000, 14000, 1), "")
-photograph("JPEG of 65535 x 65535", ".jpg", b"\xff\xd8\xff\xc0\0\x0b\x08\xff\xff\xff\xff\x01\x01\x11\0\xff\xda\0\x08\x01\x01\0\0\x3f\0", "")
-photograph("PNG of 190 megapixels of nothing", ".png", png(19000, 10000, 16, 2, zeros((19000 * 6 + 1) * 10000)), "as a decompression bomb does")
-photograph("TIFF of 190 megapixels of nothing", ".tif", tiff(19000, 10000, 16, 8, zeros(19000 * 2 * 10000)), "as a decompression bomb does")
+photograph(
+    "JPEG of 65535 x 65535",
+    ".jpg",
+    b"\xff\xd8\xff\xc0\0\x0b\x08\xff\xff\xff\xff\x01\x01\x11\0\xff\xda\0\x08\x01\x01\0\0\x3f\0",
+    "",
+)
+photograph(
+    "PNG of 190 megapixels of nothing",
+    ".png",
+    png(19000, 10000, 16, 2, zeros((19000 * 6 + 1) * 10000)),
+    "as a decompression bomb does",
+)
+photograph(
+    "TIFF of 190 megapixels of nothing",
+    ".tif",
+    tiff(19000, 10000, 16, 8, zeros(19000 * 2 * 10000)),
+    "as a decompression bomb does",
+)
 photograph("EXR of 190 megapixels of nothing", ".exr", exr(19000, 10000), "")
 photograph("a small PNG that inflates without end", ".png", png(8, 8, 16, 0, zeros(1 << 32)), "")
 photograph("a small TIFF that inflates without end", ".tif", tiff(8, 8, 16, 8, zeros(1 << 32)), "")
 
 
 # ---- Texts
+
 
 def text(name, content, command, says):
     path = written(name.replace(" ", "_") + ".txt", content)
@@ -248,7 +391,12 @@ ESTIMATE = ["fit", "estimate", "FILE", "--table", TABLE, "-o", "result.json"]
 PREDICT = ["fit", "predict", "FILE", "--table", TABLE, "--distance", "100", "--incidence", "0"]
 text("TOML of 100 MB", b"a = 1\n" * 17_000_000, ESTIMATE, "longer than")
 text("TOML nested deep", b"a = " + b"[" * 100000 + b"]" * 100000, ESTIMATE, "not valid TOML")
-text("TOML tables nested deep", b"a = " + b"{a=" * 100000 + b"1" + b"}" * 100000, ESTIMATE, "not valid TOML")
+text(
+    "TOML tables nested deep",
+    b"a = " + b"{a=" * 100000 + b"1" + b"}" * 100000,
+    ESTIMATE,
+    "not valid TOML",
+)
 text("a TOML key of many dots", b".".join([b"a"] * 400000) + b" = 1", ESTIMATE, "")
 text("a TOML heading of many dots", b"[" + b".".join([b"a"] * 400000) + b"]", ESTIMATE, "")
 text("many TOML headings", b"[[capture]]\n" * 80000, ESTIMATE, "")

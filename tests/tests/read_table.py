@@ -2,6 +2,7 @@
 
 The retroreflected fraction has a closed form: 2/3 (1 - 2 tan^2 theta) up to 19.47 deg, theta the angle inside.
 Only the packages' own calls are used: what a user types in a notebook must be enough."""
+
 import math
 import sys
 
@@ -27,22 +28,44 @@ def check_direction(incidence_deg, histogram, retroreflected, standard_error, fa
     # Rays: 4.5 standard errors, never less than one ray in the million launched. Exact: rounding.
     assert (standard_error == 0) == (method == "exact"), standard_error
     within = 1e-12 if method == "exact" else 4.5 * max(standard_error, 1e-6)
-    assert expected is None or abs(retroreflected - expected) < within, (incidence_deg, retroreflected, expected)
+    assert expected is None or abs(retroreflected - expected) < within, (
+        incidence_deg,
+        retroreflected,
+        expected,
+    )
     directions += 1
 
 
 with h5py.File(path) as file:
-    assert [dimension.label or dimension[0].name.strip("/") for dimension in file["histogram"].dims] == [
-        "incidence_deg", "azimuth_deg", "shift_v", "shift_u"]
+    assert [
+        dimension.label or dimension[0].name.strip("/") for dimension in file["histogram"].dims
+    ] == ["incidence_deg", "azimuth_deg", "shift_v", "shift_u"]
     assert list(file["incidence_deg"]) == [0, 10, 35] and list(file["azimuth_deg"]) == [0, 30]
     for i, incidence in enumerate(file["incidence_deg"]):
         for j in range(2):
-            check_direction(incidence, *(file[name][i, j] for name in (
-                "histogram", "retroreflected", "standard_error", "fate")))
+            check_direction(
+                incidence,
+                *(
+                    file[name][i, j]
+                    for name in ("histogram", "retroreflected", "standard_error", "fate")
+                ),
+            )
     for name in ("incidence_deg", "azimuth_deg", "shift_u", "shift_v"):
         assert file[name].attrs["units"] and file[name].attrs["long_name"], name
-    for name in ("format", "version", "generator", "design", "mesh_hash", "edge_length", "refractive_index", "back",
-                 "method", "sampler", "seed", "content_hash"):
+    for name in (
+        "format",
+        "version",
+        "generator",
+        "design",
+        "mesh_hash",
+        "edge_length",
+        "refractive_index",
+        "back",
+        "method",
+        "sampler",
+        "seed",
+        "content_hash",
+    ):
         assert name in file.attrs, name
     assert file.attrs["method"] == method and ("counts" in file) == (method == "rays")
     plain = file["histogram"][1, 1]
@@ -53,10 +76,16 @@ with xarray.open_dataset(path, engine="h5netcdf") as table:
     for incidence in (0, 10, 35):
         for azimuth in (0, 30):
             at = table.sel(incidence_deg=incidence, azimuth_deg=azimuth)
-            check_direction(incidence, at.histogram.values, float(at.retroreflected), float(at.standard_error),
-                            at.fate.values)
+            check_direction(
+                incidence,
+                at.histogram.values,
+                float(at.retroreflected),
+                float(at.standard_error),
+                at.fate.values,
+            )
     assert np.array_equal(table.histogram.sel(incidence_deg=10, azimuth_deg=30).values, plain)
-    # The shift of an ideal cube at normal incidence is 2(q - p): its mean is zero by the point symmetry of the hexagon.
+    # The shift of an ideal cube at normal incidence is 2(q - p): its mean is zero by the point
+    # symmetry of the hexagon.
     upright = table.histogram.sel(incidence_deg=0, azimuth_deg=0)
     mean = [float((upright * upright[axis]).sum()) for axis in ("shift_u", "shift_v")]
     assert max(map(abs, mean)) < 3e-3, mean

@@ -28,7 +28,8 @@ pub(crate) fn design(shape: Shape) -> Cell {
     cell(&Design::new(shape).mesh().expect("a design"))
 }
 
-/// 2,048 cubes: 32 x 32 pairs side by side. All coordinates are whole file units, so that neighbours share vertices.
+/// 2,048 cubes: 32 x 32 pairs side by side. All coordinates are whole file units, so that
+/// neighbours share vertices.
 pub(crate) fn sheet() -> Cell {
     let pair = Design::new(Shape::TriangularPair).mesh().expect("a design");
     let [_, a, b, c, ..] = pair.positions[..] else {

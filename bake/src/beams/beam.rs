@@ -1,8 +1,10 @@
-//! Follows beams: which part of a beam meets which facet, what becomes of it, and by which map it leaves.
+//! Follows beams: which part of a beam meets which facet, what becomes of it, and by which map it
+//! leaves.
 //!
-//! A beam is a convex polygon of entry points whose light has met the same facets in the same order. At each step it is
-//! cut into the parts that see each facet first; what sees none leaves. Areas are those of entry points, so reflection
-//! changes no area and the parts of a beam sum to it.
+//! A beam is a convex polygon of entry points whose light has met the same facets in the same
+//! order. At each step it is cut into the parts that see each facet first; what sees none leaves.
+//! Areas are those of entry points, so reflection changes no area and the parts of a beam sum to
+//! it.
 
 use glam::{DMat2, DVec2, DVec3};
 use tables::Fate;
@@ -14,14 +16,15 @@ use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
 use crate::optics::{BOUNCE_LIMIT, Light, Rules, element, fate_of_leaving};
 
-/// How far a beam looks for lattice copies at first, edge lengths; four times further each time that is not enough.
+/// How far a beam looks for lattice copies at first, edge lengths; four times further each time
+/// that is not enough.
 const FIRST_LOOK: f64 = 4.0;
-/// Light still under way after this distance runs along a valley of the lattice, within 0.005 deg of the sheet: it
-/// counts as `bounce_limit`.
+/// Light still under way after this distance runs along a valley of the lattice, within 0.005 deg
+/// of the sheet: it counts as `bounce_limit`.
 const LAST_LOOK: f64 = 16384.0;
 
-/// Light that leaves within this angle of straight back has no deviation but rounding, rad: some 1e-15 over the cosine of the
-/// incidence, and far below any dihedral error that a mesh can mean.
+/// Light that leaves within this angle of straight back has no deviation but rounding, rad: some
+/// 1e-15 over the cosine of the incidence, and far below any dihedral error that a mesh can mean.
 const STRAIGHT: f64 = 1e-12;
 
 /// Retroreflected light of one facet sequence.
@@ -41,7 +44,8 @@ pub(crate) struct LitPiece {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Followed {
     pub pieces: Vec<LitPiece>,
-    /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns is in `pieces` alone.
+    /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns
+    /// is in `pieces` alone.
     pub area: [f64; Fate::ALL.len()],
     /// Net area of the slivers given up as rounding, square edge lengths.
     pub dropped: f64,
@@ -114,8 +118,9 @@ struct Follower<'a> {
 }
 
 impl Follower<'_> {
-    /// First facets. A periodic cell is lit facet by facet, not parallelogram by parallelogram: the entry points of one
-    /// facet of the base period, wherever they are, so that no beam is cut at the parallelogram's sides.
+    /// First facets. A periodic cell is lit facet by facet, not parallelogram by parallelogram: the
+    /// entry points of one facet of the base period, wherever they are, so that no beam is cut at
+    /// the parallelogram's sides.
     fn enter(&mut self) {
         let view = self.view;
         let index = self.rules.refractive_index;
@@ -285,8 +290,9 @@ impl Follower<'_> {
         candidates
     }
 
-    /// Sends the light of one part of a beam to what it meets of its own `candidates`: a facet that two parts see is a
-    /// candidate of each, and must not hide itself. Gives what has to look further.
+    /// Sends the light of one part of a beam to what it meets of its own `candidates`: a facet that
+    /// two parts see is a candidate of each, and must not hide itself. Gives what has to look
+    /// further.
     fn cut(
         &mut self,
         ahead: &Ahead,
@@ -394,7 +400,8 @@ impl Follower<'_> {
         });
     }
 
-    /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to `rest` within rounding.
+    /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to
+    /// `rest` within rounding.
     fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
         let rules = self.rules;
         let BeamCourse {
@@ -428,8 +435,8 @@ impl Follower<'_> {
         } = *self.view;
         let kind = self.rules.element;
         let plane = element::plane(kind, height, floor);
-        // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along `toward` to the
-        // plane of the shift, as the entry point is along `direction`.
+        // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along
+        // `toward` to the plane of the shift, as the entry point is along `direction`.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
         let (u, v) = (carry(isometry.linear.x_axis), carry(isometry.linear.y_axis));
         let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * plane;

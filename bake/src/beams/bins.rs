@@ -1,12 +1,14 @@
 //! Exact probability of each bin of the shift histogram.
 //!
-//! A piece spreads its light evenly over the image of its polygon under the shift map. The image's area in each bin is
-//! found by Green's theorem, edge by edge: each edge adds, in each bin that it crosses, the area between it and the
-//! bin's right side, and its height to every bin further right, which a running sum along the row carries there. The
-//! cost is edges x bins crossed, plus one pass over the rows that the image touches.
+//! A piece spreads its light evenly over the image of its polygon under the shift map. The image's
+//! area in each bin is found by Green's theorem, edge by edge: each edge adds, in each bin that it
+//! crosses, the area between it and the bin's right side, and its height to every bin further
+//! right, which a running sum along the row carries there. The cost is edges x bins crossed, plus
+//! one pass over the rows that the image touches.
 //!
-//! Where the map nearly loses a dimension (a shift that all light of the piece shares, or a segment) the image has no
-//! area to speak of: there the bins' lines are pulled back to the entrance plane and cut the polygon itself.
+//! Where the map nearly loses a dimension (a shift that all light of the piece shares, or a
+//! segment) the image has no area to speak of: there the bins' lines are pulled back to the
+//! entrance plane and cut the polygon itself.
 
 use glam::{DMat2, DVec2};
 
@@ -39,8 +41,8 @@ impl Histogram {
         }
     }
 
-    /// Adds the shifts matrix p + offset of the entry points p of a polygon, each square edge length of it weighing
-    /// `density`.
+    /// Adds the shifts matrix p + offset of the entry points p of a polygon, each square edge
+    /// length of it weighing `density`.
     pub(crate) fn add(&mut self, polygon: &[DVec2], matrix: DMat2, offset: DVec2, density: f64) {
         let mass = density * polygon::area(polygon);
         if mass <= 0.0 {
@@ -103,8 +105,8 @@ impl Histogram {
         }
     }
 
-    /// Adds an edge within one row: heights upwards are negative, so that a counter-clockwise polygon, whose left side
-    /// runs down, gets a positive area.
+    /// Adds an edge within one row: heights upwards are negative, so that a counter-clockwise
+    /// polygon, whose left side runs down, gets a positive area.
     fn add_edge(&mut self, x0: f64, y0: f64, x1: f64, y1: f64) {
         // From left to right; the sign keeps the sense.
         let (left, right, height) = if x0 <= x1 {
@@ -125,14 +127,16 @@ impl Histogram {
         }
     }
 
-    /// A piece of edge of the given height with mean abscissa `x` in `column`: its area there, the rest to the right.
+    /// A piece of edge of the given height with mean abscissa `x` in `column`: its area there, the
+    /// rest to the right.
     fn add_part(&mut self, column: usize, x: f64, height: f64) {
         let inside = height * (column as f64 + 1.0 - x);
         self.row_sums[column] += inside;
         self.row_sums[column + 1] += height - inside;
     }
 
-    /// The same by cutting the polygon of entry points along the bins' lines: slower, right for any map.
+    /// The same by cutting the polygon of entry points along the bins' lines: slower, right for any
+    /// map.
     fn add_strips(&mut self, polygon: &[DVec2], matrix: DMat2, offset: DVec2, density: f64) {
         let rows = strips(polygon.to_vec(), matrix.row(1), offset.y, self.bins);
         for (row, part) in rows {
@@ -162,7 +166,8 @@ fn x_at(a: DVec2, b: DVec2, y: f64) -> f64 {
     }
 }
 
-/// Cuts a polygon where gradient.p + constant is an integer in [0, bins]; `None` is what lies outside.
+/// Cuts a polygon where gradient.p + constant is an integer in [0, bins]; `None` is what lies
+/// outside.
 fn strips(
     polygon: Polygon,
     gradient: DVec2,
@@ -244,7 +249,8 @@ mod tests {
 
     #[test]
     fn scanline_strips_and_boxes_agree() {
-        // Areas of bins are below 1, got by sums of at most 40 terms: 1e-14 bounds each, and one row's running sum.
+        // Areas of bins are below 1, got by sums of at most 40 terms: 1e-14 bounds each, and one
+        // row's running sum.
         let cases = [
             (
                 DMat2::from_diagonal(DVec2::splat(-2.0)),

@@ -52,7 +52,8 @@ impl Candidate {
         self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
     }
 
-    /// Where the facet lies before one at `depth` + `tie`: a positive tie hides a facet that coincides.
+    /// Where the facet lies before one at `depth` + `tie`: a positive tie hides a facet that
+    /// coincides.
     pub(crate) fn hiding(&self, depth: &Depth, start: Option<&Depth>, tie: f64) -> Vec<HalfPlane> {
         polygon::edges(&self.shadow.outline)
             .chain([self.shadow.depth.at_most(depth, tie)])

@@ -1,16 +1,19 @@
 //! The exact bake: beam tracing instead of samples.
 //!
-//! After Heckbert and Hanrahan, "Beam Tracing Polygonal Objects", SIGGRAPH 1984. On planar facets a collimated beam is
-//! piecewise affine: every sequence of facets maps one polygon of the entrance plane by one affine map, so the whole
-//! distribution of ray shifts is a finite set of polygons, and the probability of a bin is an area. Where this differs
-//! from the article: all light of a direction is parallel and stays so, so that facets are unfolded into the entrance
-//! plane and the whole problem is two-dimensional; cells may be periodic; of many equal cubes one is followed.
+//! After Heckbert and Hanrahan, "Beam Tracing Polygonal Objects", SIGGRAPH 1984. On planar facets a
+//! collimated beam is piecewise affine: every sequence of facets maps one polygon of the entrance
+//! plane by one affine map, so the whole distribution of ray shifts is a finite set of polygons,
+//! and the probability of a bin is an area. Where this differs from the article: all light of a
+//! direction is parallel and stays so, so that facets are unfolded into the entrance plane and the
+//! whole problem is two-dimensional; cells may be periodic; of many equal cubes one is followed.
 //!
-//! Losses are a weight: all light of a facet sequence meets each facet at one angle, so one polarised path (`light`) says what
-//! part of its power comes back, and the rest goes to the fates that took it.
+//! Losses are a weight: all light of a facet sequence meets each facet at one angle, so one
+//! polarised path (`light`) says what part of its power comes back, and the rest goes to the fates
+//! that took it.
 //!
-//! Accuracy: areas and shifts to a few ulp of the longest path in the cell, 1e-15 / cos(incidence) edge lengths.
-//! Facets mirror on the side that is wound counter-clockwise; light ends at their backs, which only a lattice with gaps shows.
+//! Accuracy: areas and shifts to a few ulp of the longest path in the cell, 1e-15 / cos(incidence)
+//! edge lengths. Facets mirror on the side that is wound counter-clockwise; light ends at their
+//! backs, which only a lattice with gaps shows.
 
 use crate::beams::beam;
 use crate::beams::bins;
@@ -28,8 +31,8 @@ use crate::geometry::polygon;
 use crate::optics::{Incidence, Rules};
 
 impl ExactCell {
-    /// Traces one direction: angles in degrees, outside the front face, cell frame; `bins` x `bins` over
-    /// [-range, range] edge lengths.
+    /// Traces one direction: angles in degrees, outside the front face, cell frame; `bins` x `bins`
+    /// over [-range, range] edge lengths.
     pub(crate) fn direction(
         &self,
         incidence_deg: f64,
@@ -78,7 +81,8 @@ impl ExactCell {
     }
 }
 
-/// Probability per launched ray that `paths` give each bin, `[v][u]` row-major, and that beyond the histogram.
+/// Probability per launched ray that `paths` give each bin, `[v][u]` row-major, and that beyond the
+/// histogram.
 pub(crate) fn spread(
     paths: &[Path],
     entrance_area: f64,
@@ -143,9 +147,10 @@ pub(crate) fn prepare<'a>(
     prepared.exact().map_err(ExactError::clone)
 }
 
-/// Bakes every direction of `axes`, in parallel; the result does not depend on the number of threads. `done` is called
-/// once per finished direction, from any thread, and says whether to go on; where it once said no there is no result. An azimuth of NaN is the mean over all, within [`crate::cell::MEAN_ERROR`], and has no
-/// paths.
+/// Bakes every direction of `axes`, in parallel; the result does not depend on the number of
+/// threads. `done` is called once per finished direction, from any thread, and says whether to go
+/// on; where it once said no there is no result. An azimuth of NaN is the mean over all, within
+/// [`crate::cell::MEAN_ERROR`], and has no paths.
 pub(crate) fn bake(
     exact: &ExactCell,
     axes: &Axes,

@@ -1,9 +1,10 @@
 //! The mean over azimuths of what the exact method finds.
 //!
-//! Of a direction, eta x histogram and the shares of the fates are piecewise smooth in the azimuth: the edges of polygons
-//! pass corners of bins, and fates begin and end. So each of [`PARTS`] equal parts of a turn is halved until the trapezoids of
-//! two halves agree with that of the whole. At a kink or a jump the halves are off by no more than this change, where the
-//! light is smooth by a third of it: the error of the mean is below [`MEAN_ERROR`], unless light comes and goes between
+//! Of a direction, eta x histogram and the shares of the fates are piecewise smooth in the azimuth:
+//! the edges of polygons pass corners of bins, and fates begin and end. So each of [`PARTS`] equal
+//! parts of a turn is halved until the trapezoids of two halves agree with that of the whole. At a
+//! kink or a jump the halves are off by no more than this change, where the light is smooth by a
+//! third of it: the error of the mean is below [`MEAN_ERROR`], unless light comes and goes between
 //! two azimuths half a part from each other.
 
 use rayon::prelude::*;
@@ -14,7 +15,8 @@ use crate::cell::MEAN_ERROR;
 /// Parts of a turn that are halved at least once: of one degree.
 const PARTS: usize = 360;
 
-/// Parts under way at a time, added in order: the sum does not depend on the threads, and memory not on the parts.
+/// Parts under way at a time, added in order: the sum does not depend on the threads, and memory
+/// not on the parts.
 const TOGETHER: usize = 24;
 
 /// Most halvings of a part: a jump then costs less than 2^-20 of the light of its part.
@@ -60,7 +62,8 @@ fn over(
     mixture(&[(0.5, &left), (0.5, &right)])
 }
 
-/// What the trapezoids of two halves differ by from that of the whole, L1: (2 middle - first - last) / 4.
+/// What the trapezoids of two halves differ by from that of the whole, L1: (2 middle - first -
+/// last) / 4.
 fn change(first: &Share, middle: &Share, last: &Share) -> f64 {
     let bins = first
         .histogram

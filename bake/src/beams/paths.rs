@@ -1,8 +1,10 @@
 //! Pieces that share a map and a weight become one polygon.
 //!
-//! Light that meets the same cube's faces in another order is shifted alike: the six facet sequences of an ideal cube
-//! are one polygon with one map. Where there are losses, orders differ in what they do to the polarisation, and stay apart. In a lattice the pieces of one cube may have been lit through different copies; each
-//! is brought to the period that holds its map's fixed point (the cube's own centre), where they meet.
+//! Light that meets the same cube's faces in another order is shifted alike: the six facet
+//! sequences of an ideal cube are one polygon with one map. Where there are losses, orders differ
+//! in what they do to the polarisation, and stay apart. In a lattice the pieces of one cube may
+//! have been lit through different copies; each is brought to the period that holds its map's fixed
+//! point (the cube's own centre), where they meet.
 
 use glam::DVec2;
 use tables::Path;
@@ -11,7 +13,8 @@ use crate::beams::beam::LitPiece;
 use crate::beams::view::View;
 use crate::geometry::{Polygon, polygon};
 
-/// Maps closer than this are the same one, relative to the offset's size: rounding of a few reflections is 1e-15.
+/// Maps closer than this are the same one, relative to the offset's size: rounding of a few
+/// reflections is 1e-15.
 const SAME_MAP: f64 = 1e-13;
 
 /// Weights closer than this are the same one: rounding of a few reflections, as above.
@@ -53,7 +56,8 @@ fn bring_home(piece: &mut LitPiece, [a, b]: [DVec2; 2]) {
         return;
     }
     let fixed = -(piece.matrix.inverse() * piece.offset);
-    // The 1e-9 keeps pieces whose fixed points differ by rounding from landing in different periods.
+    // The 1e-9 keeps pieces whose fixed points differ by rounding from landing in different
+    // periods.
     let i = (fixed.perp_dot(b) / a.perp_dot(b) + 1e-9).floor();
     let j = (a.perp_dot(fixed) / a.perp_dot(b) + 1e-9).floor();
     if i != 0.0 || j != 0.0 {
@@ -73,7 +77,8 @@ fn same_map(a: &LitPiece, b: &LitPiece) -> bool {
             <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
 }
 
-/// Unites convex polygons that do not overlap as far as the unions are convex: a hull with no more area than its parts.
+/// Unites convex polygons that do not overlap as far as the unions are convex: a hull with no more
+/// area than its parts.
 fn unite(mut polygons: Vec<Polygon>, slack: f64) -> Vec<Polygon> {
     let union = |parts: &[&Polygon]| {
         let points: Vec<DVec2> = parts.iter().flat_map(|p| p.iter().copied()).collect();

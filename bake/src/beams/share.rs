@@ -11,7 +11,8 @@ pub(crate) struct Share {
     pub fate: [f64; Fate::ALL.len()],
     /// Retroreflected fraction: `retroreflected` and `out_of_range` together.
     pub eta: f64,
-    /// Probability per launched ray of each bin, `[v][u]` row-major: sums to the share of `retroreflected`.
+    /// Probability per launched ray of each bin, `[v][u]` row-major: sums to the share of
+    /// `retroreflected`.
     pub histogram: Vec<f64>,
     /// Net share of the slivers given up as rounding: the shares of all fates sum to 1 less this.
     pub dropped: f64,

@@ -1,9 +1,10 @@
 //! A cell seen along one direction: everything that the beams of that direction share.
 //!
-//! Frame: the cell frame turned about n so that the light travels in +x: x = u, y = v, z = n. Beams are followed in
-//! **unfolded** space: instead of the beam, the facets are reflected, so the beam runs straight along `direction` for
-//! ever and a point of it is named by where it entered, p = (u, v) on the entrance plane, and by its `depth`, the
-//! distance travelled since. Facets then become shadows on the entrance plane, and all clipping happens there.
+//! Frame: the cell frame turned about n so that the light travels in +x: x = u, y = v, z = n. Beams
+//! are followed in **unfolded** space: instead of the beam, the facets are reflected, so the beam
+//! runs straight along `direction` for ever and a point of it is named by where it entered, p = (u,
+//! v) on the entrance plane, and by its `depth`, the distance travelled since. Facets then become
+//! shadows on the entrance plane, and all clipping happens there.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -11,7 +12,8 @@ use crate::cell::{Body, Facet};
 use crate::geometry::{HalfPlane, Polygon, polygon};
 use crate::optics::{EDGE_ON, Incidence};
 
-/// Light that has left a facet's front by less than this is not behind it, edge lengths: far above rounding.
+/// Light that has left a facet's front by less than this is not behind it, edge lengths: far above
+/// rounding.
 const OFF: f64 = 1e-12;
 
 /// The distance that light has travelled, an affine function of its entry point.
@@ -73,8 +75,8 @@ pub(crate) struct Shadow {
     pub high: DVec2,
     /// Distance travelled to it, by entry point.
     pub depth: Depth,
-    /// How far behind its start a beam may seem to meet it: less than 0 for the back of a facet, which light that leaves the
-    /// facet's front does not meet.
+    /// How far behind its start a beam may seem to meet it: less than 0 for the back of a facet,
+    /// which light that leaves the facet's front does not meet.
     pub slack: f64,
 }
 
@@ -126,7 +128,8 @@ pub(crate) struct Flight<'a> {
 type Span = (DVec2, f64, f64);
 
 impl Flight<'_> {
-    /// Where the translations lie that bring `facet` into the way of the light, along its way and across.
+    /// Where the translations lie that bring `facet` into the way of the light, along its way and
+    /// across.
     fn strip(&self, facet: &[DVec3]) -> [Span; 2] {
         let horizontal = self.toward.truncate();
         let along = horizontal.try_normalize().unwrap_or(DVec2::X);
@@ -138,7 +141,8 @@ impl Flight<'_> {
                 .map(|x| x.truncate().dot(axis))
                 .fold(start, widened)
         };
-        // Copies that touch the strip's rim by rounding must not be lost: the strip is widened by far more than that.
+        // Copies that touch the strip's rim by rounding must not be lost: the strip is widened by
+        // far more than that.
         let widen = 1e-9;
         // A translation r is wanted where along.r and across.r lie in these ranges.
         [along, along.perp()].map(|axis| {
@@ -216,7 +220,8 @@ impl View {
             .flat_map(|f| &f.corners)
             .map(|x| x.z)
             .fold(height, f64::min);
-        // Entry points are known to an ulp of the longest path's extent along u, (height - floor) tan(incidence).
+        // Entry points are known to an ulp of the longest path's extent along u, (height - floor)
+        // tan(incidence).
         let extent = 1.0 + (height - floor) * sin / cos;
         View {
             direction: DVec3::new(sin, 0.0, -cos),
@@ -314,7 +319,8 @@ impl View {
         vectors_between(lattice, flight.strip(facet), |vector| visit(&step(vector)));
     }
 
-    /// How far light can travel from the points `from` along `toward` before it leaves the layer of facets.
+    /// How far light can travel from the points `from` along `toward` before it leaves the layer of
+    /// facets.
     pub(crate) fn travel_to_leave(&self, from: &[DVec3], toward: DVec3) -> f64 {
         let far = if toward.z > 0.0 {
             self.height

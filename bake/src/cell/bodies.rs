@@ -1,26 +1,33 @@
-//! A sheet of many small cells, taken apart: bodies that light cannot pass between, and which of them are alike.
+//! A sheet of many small cells, taken apart: bodies that light cannot pass between, and which of
+//! them are alike.
 //!
-//! A **body** is a piece of the mesh whose own rim, its aperture, lies in the entrance plane. Where the apertures are
-//! convex and side by side, and each body lies under its own aperture, a ray stays in the body that it enters: it can
-//! leave only through the aperture, upward. Bodies that are copies of each other (a **kind**) shift it alike, so one of
-//! each kind is traced, as often as the kind's share of the entrance.
+//! A **body** is a piece of the mesh whose own rim, its aperture, lies in the entrance plane. Where
+//! the apertures are convex and side by side, and each body lies under its own aperture, a ray
+//! stays in the body that it enters: it can leave only through the aperture, upward. Bodies that
+//! are copies of each other (a **kind**) shift it alike, so one of each kind is traced, as often as
+//! the kind's share of the entrance.
 //!
-//! Every condition is checked; where one fails, [`apart`] says so and the mesh is traced as a whole:
+//! Every condition is checked; where one fails, [`apart`] says so and the mesh is traced as a
+//! whole:
 //!
-//! - every edge of a body has a facet on either side, or lies in the entrance plane with the body on its left;
-//! - the latter form one convex loop, the aperture, and no vertex of the body is above or beside it;
-//! - an edge of an aperture is shared with a neighbour's, or lies on the entrance polygon. Then the number of apertures
-//!   over a point is the same everywhere in the entrance, and it is 1 because the areas add up.
+//! - every edge of a body has a facet on either side, or lies in the entrance plane with the body
+//!   on its left;
+//! - the latter form one convex loop, the aperture, and no vertex of the body is above or beside
+//!   it;
+//! - an edge of an aperture is shared with a neighbour's, or lies on the entrance polygon. Then the
+//!   number of apertures over a point is the same everywhere in the entrance, and it is 1 because
+//!   the areas add up.
 //!
-//! Vertices are shared where their coordinates are equal to the last bit, as they are in a file that gives them the same
-//! digits.
+//! Vertices are shared where their coordinates are equal to the last bit, as they are in a file
+//! that gives them the same digits.
 
 use crate::cell::limits::PROGRAM_FACETS;
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 use std::collections::HashMap;
 
-/// Kinds at most: each costs a program per direction, as much time as some hundred rays and about 3 kB.
+/// Kinds at most: each costs a program per direction, as much time as some hundred rays and about 3
+/// kB.
 const KINDS: usize = 4096;
 
 /// The same where a body is too large for a program: every ray then looks at each kind.
@@ -32,7 +39,8 @@ const MOST_OF_BODY: usize = 256;
 /// Comparisons of rim edges with the entrance's sides at most.
 const COMPARISONS: usize = 1 << 24;
 
-/// Rounding of coordinates, as a part of the mesh's extent: bodies are alike, and points are in the plane, to this.
+/// Rounding of coordinates, as a part of the mesh's extent: bodies are alike, and points are in the
+/// plane, to this.
 const COORDINATE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The areas of the apertures add up to that of the entrance to this part of it.
@@ -41,7 +49,8 @@ const COVERED: f64 = 1e-9;
 /// Bodies that are copies of each other.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Kind {
-    /// Facets of one of them, moved so that the middle of its aperture's corners is over the origin.
+    /// Facets of one of them, moved so that the middle of its aperture's corners is over the
+    /// origin.
     pub facets: Vec<[DVec3; 3]>,
     /// Its aperture.
     pub entrance: Entrance,
@@ -66,13 +75,15 @@ pub(crate) enum Whole {
     Periodic,
     /// It is no set of separate bodies.
     #[error(
-        "its facets do not fall into cubes side by side whose rims lie in one plane and share their vertices, to the \
+        "its facets do not fall into cubes side by side whose rims lie in one plane and share \
+        their vertices, to the \
          last digit"
     )]
     Connected,
     /// Too many bodies differ.
     #[error(
-        "more than {KINDS} of its cubes ({LARGE_KINDS} of more than {facets} facets) differ by more than the rounding of \
+        "more than {KINDS} of its cubes ({LARGE_KINDS} of more than {facets} facets) differ by \
+        more than the rounding of \
          their coordinates",
         facets = PROGRAM_FACETS
     )]
@@ -96,7 +107,8 @@ pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.entrance.lattice.is_some() {
         return Err(Whole::Periodic);
     }
-    // Each body has two facets on its rim at least: where there are too few, one is too large, and nothing is to be looked up.
+    // Each body has two facets on its rim at least: where there are too few, one is too large, and
+    // nothing is to be looked up.
     let height = cell.entrance.height;
     let extent = cell.facets.iter().flatten().map(|p| p.length());
     let tolerance = COORDINATE_ROUNDING * extent.fold(1.0, f64::max);
@@ -121,7 +133,8 @@ pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
         let place = corners.iter().sum::<DVec2>() / corners.len() as f64;
         let local = |p: DVec3| p - place.extend(0.0);
         let facets: Vec<[DVec3; 3]> = body.iter().map(|&f| cell.facets[f].map(local)).collect();
-        // Coordinates of copies add up alike, so that only kinds of nearly the same sum are compared.
+        // Coordinates of copies add up alike, so that only kinds of nearly the same sum are
+        // compared.
         let sum: DVec3 = facets.iter().flatten().sum();
         let terms = 9.0 * facets.len() as f64;
         let slot = (sum.element_sum() / (2.0 * terms * surface.tolerance)).floor() as i64;
@@ -204,8 +217,8 @@ impl NumberedMesh {
         self.is_in_plane(from) && self.is_in_plane(to)
     }
 
-    /// The facets of each body, in the order of their first facets. `None` where an edge below the entrance plane
-    /// has no facet on one side, or more than one.
+    /// The facets of each body, in the order of their first facets. `None` where an edge below the
+    /// entrance plane has no facet on one side, or more than one.
     fn bodies(&self) -> Option<Vec<Vec<usize>>> {
         let mut facet_left_of: HashMap<(Vertex, Vertex), usize> = HashMap::new();
         for (facet, triangle) in self.triangles.iter().enumerate() {
@@ -244,7 +257,8 @@ impl NumberedMesh {
         Some(bodies)
     }
 
-    /// The corners of the aperture of `body`, counter-clockwise from the light, if it is convex and over the body.
+    /// The corners of the aperture of `body`, counter-clockwise from the light, if it is convex and
+    /// over the body.
     fn aperture(&self, body: &[usize]) -> Option<Vec<Vertex>> {
         let mut next: HashMap<Vertex, Vertex> = HashMap::new();
         for &facet in body {
@@ -335,7 +349,8 @@ fn without_straight_corners(polygon: Vec<DVec2>) -> Vec<DVec2> {
     (0..n).filter(is_corner).map(|i| polygon[i]).collect()
 }
 
-/// Whether two lists hold the same facets, in any order and from any corner on, to `tolerance` in each coordinate.
+/// Whether two lists hold the same facets, in any order and from any corner on, to `tolerance` in
+/// each coordinate.
 fn same_facets(one: &[[DVec3; 3]], other: &[[DVec3; 3]], tolerance: f64) -> bool {
     let near = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= tolerance;
     let same = |a: &[DVec3; 3], b: &[DVec3; 3]| {

@@ -7,7 +7,8 @@ use crate::cell::planes::Facet;
 use crate::cell::rim;
 use crate::geometry::{Polygon, polygon};
 
-/// Facets that leave more than this part of a period open show their backs to the light that comes through.
+/// Facets that leave more than this part of a period open show their backs to the light that comes
+/// through.
 const OPEN: f64 = 1e-9;
 
 /// Planar facets and the openings that light enters by.

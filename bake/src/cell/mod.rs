@@ -1,7 +1,9 @@
-//! What a mesh is to light, found once: the bodies that it falls into, its planar facets and their openings, its symmetry.
+//! What a mesh is to light, found once: the bodies that it falls into, its planar facets and their
+//! openings, its symmetry.
 //!
-//! A [`meshes::Cell`] enters; a [`prepared::Prepared`] leaves, which everything above asks instead of the mesh. This room may touch
-//! `geometry` and `optics`. No direction of incidence is known here.
+//! A [`meshes::Cell`] enters; a [`prepared::Prepared`] leaves, which everything above asks instead
+//! of the mesh. This room may touch `geometry` and `optics`. No direction of incidence is known
+//! here.
 
 mod bodies;
 mod body;

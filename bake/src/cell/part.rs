@@ -1,4 +1,5 @@
-//! What light meets of a cell, its triangles joined to planar facets: one body of each kind, or the cell as it is.
+//! What light meets of a cell, its triangles joined to planar facets: one body of each kind, or the
+//! cell as it is.
 
 use crate::cell::bodies::Kind;
 use crate::cell::planes;

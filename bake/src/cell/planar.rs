@@ -1,4 +1,5 @@
-//! A cell as the exact method takes it: the planar facets and the openings of its bodies, or why it does not.
+//! A cell as the exact method takes it: the planar facets and the openings of its bodies, or why it
+//! does not.
 
 use crate::cell::body::Body;
 use crate::cell::limits::{MEAN_ERROR, MOST_FACETS};
@@ -13,7 +14,8 @@ pub enum ExactError {
     MeanAzimuth,
     /// A mean has no paths to say where their light goes.
     #[error(
-        "the cell sends light off straight back, and an exact mean over azimuths would not say where; rays do (or leave it out: \
+        "the cell sends light off straight back, and an exact mean over azimuths would not say \
+        where; rays do (or leave it out: \
          --deviations off)"
     )]
     MeanDeviates,
@@ -25,7 +27,8 @@ pub enum ExactError {
     },
     /// Joining triangles to planes would take minutes.
     #[error(
-        "the cell has {triangles} triangles in one piece and the exact method takes at most {limit}; give --method rays"
+        "the cell has {triangles} triangles in one piece and the exact method takes at most \
+        {limit}; give --method rays"
     )]
     TooFine {
         /// Triangles.
@@ -35,7 +38,8 @@ pub enum ExactError {
     },
     /// The work grows faster than the number of facets.
     #[error(
-        "the cell has {facets} planar facets and the exact method takes at most {limit}; give --method rays"
+        "the cell has {facets} planar facets and the exact method takes at most {limit}; give \
+        --method rays"
     )]
     TooManyFacets {
         /// Facets after joining coplanar triangles.
@@ -83,7 +87,8 @@ impl ExactCell {
         Ok(exact)
     }
 
-    /// Area of the entrance, square edge lengths; of a sheet of many cells as [`tables::Exact::entrance_area`] says.
+    /// Area of the entrance, square edge lengths; of a sheet of many cells as
+    /// [`tables::Exact::entrance_area`] says.
     pub(crate) fn entrance_area(&self) -> f64 {
         self.entrance_area
     }

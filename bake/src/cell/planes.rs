@@ -1,7 +1,7 @@
 //! Convex planar facets, made of the mesh's triangles.
 //!
-//! Triangles that share an edge and a plane are joined where the result is convex: a square face is one facet, not two,
-//! and a beam that it reflects stays in one piece.
+//! Triangles that share an edge and a plane are joined where the result is convex: a square face is
+//! one facet, not two, and a beam that it reflects stays in one piece.
 
 use std::collections::HashMap;
 
@@ -10,8 +10,9 @@ use glam::{DVec2, DVec3};
 use crate::geometry::polygon;
 use crate::optics::{Incidence, triangle};
 
-/// Corners further from a facet's plane than this do not join it, edge lengths. Far above the rounding of a placed
-/// mesh (1e-16), far below a dihedral error that anyone could ask for (1e-9 rad).
+/// Corners further from a facet's plane than this do not join it, edge lengths. Far above the
+/// rounding of a placed mesh (1e-16), far below a dihedral error that anyone could ask for (1e-9
+/// rad).
 const COPLANAR: f64 = 1e-13;
 
 /// A convex planar mirror, cell frame, edge lengths.

@@ -1,4 +1,5 @@
-//! A cell, dissected once for everything that asks: which bodies it falls into, its planar facets, its symmetry.
+//! A cell, dissected once for everything that asks: which bodies it falls into, its planar facets,
+//! its symmetry.
 
 use crate::cell::bodies;
 use crate::cell::bodies::{Kind, Whole};
@@ -10,7 +11,8 @@ use meshes::Cell;
 use std::sync::OnceLock;
 use tables::Symmetry;
 
-/// A cell and what its mesh says of it. Each answer is found at most once, and what nobody asks for is not found at all.
+/// A cell and what its mesh says of it. Each answer is found at most once, and what nobody asks for
+/// is not found at all.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     cell: Cell,
@@ -71,8 +73,8 @@ impl Prepared {
         exact.as_ref()
     }
 
-    /// The symmetry of the cell about the sheet's normal; [`Symmetry::NONE`] where there is none, where the cell has too many
-    /// facets to look, and where they stand for curved faces.
+    /// The symmetry of the cell about the sheet's normal; [`Symmetry::NONE`] where there is none,
+    /// where the cell has too many facets to look, and where they stand for curved faces.
     pub fn symmetry(&self) -> Symmetry {
         *self.symmetry.get_or_init(|| {
             if self.cell.normals.is_some() || !self.cell.glass.is_empty() {
@@ -145,7 +147,8 @@ mod tests {
             (Shape::TriangularPair, unequal, false, 2, false),
             (Shape::Triangular, unequal, false, 1, false),
             (Shape::Canted, canted, false, 2, true),
-            // Where single precision rounds, the rims are no longer in one plane, so that the pair is one body with its own rim.
+            // Where single precision rounds, the rims are no longer in one plane, so that the pair
+            // is one body with its own rim.
             (Shape::Triangular, |_| (), true, 3, true),
             (Shape::TriangularPair, |_| (), true, 6, true),
             (Shape::TriangularPair, equal, true, 2, true),

@@ -1,7 +1,8 @@
 //! Pits: a surface whose whole rim lies in the entrance plane.
 //!
-//! Light that enters such a pit leaves it through the same opening, whatever the lattice around it, so a periodic cell
-//! of pits needs no neighbours. This saves the long search for them along grazing light.
+//! Light that enters such a pit leaves it through the same opening, whatever the lattice around it,
+//! so a periodic cell of pits needs no neighbours. This saves the long search for them along
+//! grazing light.
 
 use std::collections::HashMap;
 
@@ -10,13 +11,14 @@ use glam::DVec2;
 use crate::cell::planes::{Facet, Key, edge_keys};
 use crate::geometry::{Polygon, polygon};
 
-/// How far a rim corner may lie from the entrance plane, edge lengths: rounding of a placed mesh, no more.
+/// How far a rim corner may lie from the entrance plane, edge lengths: rounding of a placed mesh,
+/// no more.
 const IN_PLANE: f64 = 1e-12;
 /// Largest difference between the openings' area and the entrance's that counts as none, relative.
 const SAME_AREA: f64 = 1e-9;
 
-/// The openings of the pits in the plane z = `height`; `None` where the rim leaves that plane, or the openings are not
-/// the whole entrance.
+/// The openings of the pits in the plane z = `height`; `None` where the rim leaves that plane, or
+/// the openings are not the whole entrance.
 pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Option<Vec<Polygon>> {
     let mut edges: HashMap<[Key; 2], (DVec2, DVec2)> = HashMap::new();
     let mut order = Vec::new();
@@ -65,7 +67,8 @@ fn follow(
         let [.., before, here] = corners[..] else {
             break;
         };
-        // Where openings touch at a corner, the sharpest turn to the left stays with its own opening.
+        // Where openings touch at a corner, the sharpest turn to the left stays with its own
+        // opening.
         let turn = |to: DVec2| (here - before).angle_to(to - here);
         let leaving = edges.iter().filter(|(edge, _)| edge[0] == at);
         let Some((&edge, &(_, to))) = leaving.max_by(|a, b| turn(a.1.1).total_cmp(&turn(b.1.1)))
@@ -90,7 +93,8 @@ mod tests {
     #[test]
     fn a_corner_is_a_pit_and_one_with_a_lifted_rim_is_not() {
         let ends = [DVec3::X, DVec3::Y, DVec3::Z];
-        // In a frame where the apex is below: z grows along (1, 1, 1), only the rim's height matters here.
+        // In a frame where the apex is below: z grows along (1, 1, 1), only the rim's height
+        // matters here.
         let frame = |x: DVec3| {
             DVec3::new(
                 (x.x - x.y) / 2_f64.sqrt(),

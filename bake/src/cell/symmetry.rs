@@ -1,16 +1,19 @@
-//! The symmetry of a cell about the sheet's normal, found from its facets, so that only a sector of azimuths is baked.
+//! The symmetry of a cell about the sheet's normal, found from its facets, so that only a sector of
+//! azimuths is baked.
 //!
-//! What light meets decides: a cell that falls into bodies ([`crate::cell::bodies`]) has every symmetry that carries its bodies
-//! onto copies of each other wherever they lie, so a pair of cubes has the six rotations of its tiling; a periodic cell is
-//! compared modulo its lattice; any other one as it is, with its rim.
+//! What light meets decides: a cell that falls into bodies ([`crate::cell::bodies`]) has every
+//! symmetry that carries its bodies onto copies of each other wherever they lie, so a pair of cubes
+//! has the six rotations of its tiling; a periodic cell is compared modulo its lattice; any other
+//! one as it is, with its rim.
 
 use crate::cell::part::Part;
 use crate::cell::planes::Facet;
 use glam::{DMat2, DVec2, DVec3};
 use tables::Symmetry;
 
-/// Corners closer than this coincide, as a part of the cell's extent: files of six digits and of single precision round
-/// to less. What moves by it has that part of its light in the wrong place, below all but the exact method's errors.
+/// Corners closer than this coincide, as a part of the cell's extent: files of six digits and of
+/// single precision round to less. What moves by it has that part of its light in the wrong place,
+/// below all but the exact method's errors.
 const SAME: f64 = 1e-6;
 
 /// Rotations looked for; no lattice has more than 6.
@@ -19,11 +22,12 @@ const MOST_ROTATIONS: u32 = 12;
 /// Facets in all bodies at most: comparisons grow with their square.
 const MOST_COMPARED: usize = 512;
 
-/// Mirrors are planes of round angles in nearly all designs: within this of a quarter degree they are there, degrees.
+/// Mirrors are planes of round angles in nearly all designs: within this of a quarter degree they
+/// are there, degrees.
 const ROUND_DEG: f64 = 1e-4;
 
-/// The symmetry of a cell, which light meets as `parts`; [`Symmetry::NONE`] where there is none, and where the parts have too
-/// many facets to look.
+/// The symmetry of a cell, which light meets as `parts`; [`Symmetry::NONE`] where there is none,
+/// and where the parts have too many facets to look.
 pub(crate) fn of(parts: &[Part]) -> Symmetry {
     let forms: Vec<Form> = parts.iter().map(Form::of).collect();
     let facets: usize = forms.iter().map(|form| form.facets.len()).sum();

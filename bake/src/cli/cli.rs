@@ -1,4 +1,5 @@
-//! The command line: what a user types, turned into calls, and every error into one sentence and an exit code.
+//! The command line: what a user types, turned into calls, and every error into one sentence and an
+//! exit code.
 
 use crate::cli::compare;
 use crate::cli::design;
@@ -30,32 +31,43 @@ struct Cli {
 enum Verb {
     /// Writes the mesh of a parametric corner-cube cell
     #[command(
-        after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad too wide; one whose faces bulge by 1e-4 of \
-        an edge; one with rounded edges and land between the cubes; a plate of slit mirrors; glass beads on a mirror\n  \
+        after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad \
+        too wide; one whose faces bulge by 1e-4 of \
+        an edge; one with rounded edges and land between the cubes; a plate of slit mirrors; \
+        glass beads on a mirror\n  \
         bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
-        bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0\n  \
+        bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad \
+        0.1,0,0\n  \
         bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20\n  \
-        bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002 --gap 0.004\n  \
+        bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002 --gap \
+        0.004\n  \
         bake design plate -o plate.obj --edge-length 0.5 --depth 3\n  \
         bake design bead -o bead.obj --edge-length 0.06 --segments 24"
     )]
     Design(design::DesignArgs),
     /// Traces a mesh into a ray-shift table
     #[command(after_help = "\
-Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; with aluminium backs and all losses, a table a colour; \
-with rough facets; curved faces by the file's normals; the exit directions of a cell that is not ideal, within 1 mrad; \
+Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; \
+with aluminium backs and all losses, a table a colour; \
+with rough facets; curved faces by the file's normals; the exit directions of a cell that is not \
+ideal, within 1 mrad; \
 a plate of slit mirrors; glass beads
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10
-  bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full --direction-tolerance 0.005
-  bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
-  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 --roughness 0.001
+  bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full \
+  --direction-tolerance 0.005
+  bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma --wavelength-nm 450,550,650 \
+  --losses fresnel --metal aluminium
+  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 \
+  --roughness 0.001
   bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
   bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 --deviations 1
   bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45
-  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file --angular-tolerance 2 --incidence 0,30 --rays 65536")]
+  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file --angular-tolerance 2 \
+  --incidence 0,30 --rays 65536")]
     Trace(Box<trace::TraceArgs>),
-    /// Speed against error: every method, sampler and number of rays on a mesh, against the exact table
+    /// Speed against error: every method, sampler and number of rays on a mesh, against the exact
+    /// table
     #[command(
         after_help = "Example: up to a million rays per direction, and the curves as a picture\n  \
         bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 1048576 --plot study.svg"
@@ -63,23 +75,27 @@ a plate of slit mirrors; glass beads
     Study(Box<study::StudyArgs>),
     /// Says what is in a table
     #[command(
-        after_help = "Examples: a text report, and the histograms as a picture; the spots of a cell that is not ideal\n  \
+        after_help = "Examples: a text report, and the histograms as a picture; the spots of a \
+        cell that is not ideal\n  \
         bake inspect pair.h5 --plot pair.svg\n  \
         bake inspect wide.h5 --plot-deviations spots.svg"
     )]
     Inspect(inspect::InspectArgs),
-    /// Compares two tables direction by direction: eta and shifts, not where light goes that is off straight back
+    /// Compares two tables direction by direction: eta and shifts, not where light goes that is off
+    /// straight back
     #[command(after_help = "Example: do two seeds agree within their errors?\n  \
         bake compare seed1.h5 seed2.h5")]
     Compare(compare::CompareArgs),
-    /// Checks a table: seal, checksums, schema, sums; with the mesh, rays at a random part of its directions
+    /// Checks a table: seal, checksums, schema, sums; with the mesh, rays at a random part of its
+    /// directions
     #[command(
         after_help = "Examples:\n  bake verify pair.h5\n  bake verify pair.h5 --mesh pair.obj"
     )]
     Verify(verify::VerifyArgs),
     /// Puts tables of one cell together: shards of a bake, other directions, more rays
     #[command(after_help = "\
-Shards of one bake, in any order, give the table of the whole bake bit for bit; so do tables of its directions. Rays are \
+Shards of one bake, in any order, give the table of the whole bake bit for bit; so do tables of \
+its directions. Rays are \
 added by a bake with the seed that follows (the error names it).
 
 Example: a bake in two halves, as two machines would make them
@@ -104,7 +120,8 @@ fn parsed(
     Cli::from_arg_matches(&command.try_get_matches_from(arguments)?)
 }
 
-/// Runs the program on its arguments (the program's name first): results to stdout, the rest to stderr.
+/// Runs the program on its arguments (the program's name first): results to stdout, the rest to
+/// stderr.
 ///
 /// Of the ranks of an MPI run all trace, and rank 0 alone does the rest.
 ///
@@ -117,7 +134,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>)
         Ok(cli) => cli,
         Err(_) if !ranks.leads() => return ExitCode::SUCCESS,
         Err(error) => {
-            // Help is printed to stdout with code 0, wrong usage to stderr with code 2; a closed pipe is no failure.
+            // Help is printed to stdout with code 0, wrong usage to stderr with code 2; a closed
+            // pipe is no failure.
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }

@@ -37,7 +37,8 @@ pub(crate) struct DesignArgs {
     /// Angle between the sheet's normal and the cube's axis, degrees (design canted)
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub(crate) cant_deg: Option<f64>,
-    /// How far the middle of each face bulges towards the light, edge lengths; its normals are written too
+    /// How far the middle of each face bulges towards the light, edge lengths; its normals are
+    /// written too
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(crate) sag: Option<f64>,
     /// Facets along each edge of a face [default: 1; with --sag 40]
@@ -52,7 +53,8 @@ pub(crate) struct DesignArgs {
     /// Part of each edge that a flat facet at the apex cuts off
     #[arg(long, value_name = "PART", allow_negative_numbers = true)]
     pub(crate) apex_flat: Option<f64>,
-    /// Width of the flat land between neighbouring cubes, file units (between full cubes the gap is open)
+    /// Width of the flat land between neighbouring cubes, file units (between full cubes the gap is
+    /// open)
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     pub(crate) gap: Option<f64>,
     #[command(flatten)]

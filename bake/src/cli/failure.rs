@@ -37,7 +37,8 @@ pub(crate) enum Failure {
     Table(#[from] tables::Error),
     #[error(transparent)]
     Plot(#[from] PlotError),
-    #[error("{} and {}: {reason}; bake both with the same --incidence, --azimuth, --bins and --range",
+    #[error("{} and {}: {reason}; bake both with the same --incidence, --azimuth, --bins and \
+    --range",
         first.display(), second.display())]
     Axes {
         first: PathBuf,
@@ -50,13 +51,16 @@ pub(crate) enum Failure {
     Terminal(#[from] tables::cli::Error),
     #[error("the tables differ by more than their errors allow")]
     Differ,
-    #[error("{} does not hold what rays find in {}: the differences are larger than both errors; bake it again",
+    #[error("{} does not hold what rays find in {}: the differences are larger than both errors; \
+    bake it again",
         table.display(), mesh.display())]
     Retraced { table: PathBuf, mesh: PathBuf },
-    #[error("{} claims a symmetry that {} does not have, so that it is wrong at other azimuths; bake it again",
+    #[error("{} claims a symmetry that {} does not have, so that it is wrong at other azimuths; \
+    bake it again",
         table.display(), mesh.display())]
     Symmetry { table: PathBuf, mesh: PathBuf },
-    #[error("{}: its back \"{back}\", losses \"{losses}\" or options \"{options}\" are not known to this program; update it, or leave out --mesh",
+    #[error("{}: its back \"{back}\", losses \"{losses}\" or options \"{options}\" are not known \
+    to this program; update it, or leave out --mesh",
         file.display())]
     Unknown {
         file: PathBuf,
@@ -65,13 +69,16 @@ pub(crate) enum Failure {
         options: String,
     },
     #[error(
-        "this is one of {count} processes of mpirun, which this program cannot join (built without the feature mpi, or for \
-        another MPI), so that each would do the whole bake; build it with `cargo install --path bake --features mpi`, or \
+        "this is one of {count} processes of mpirun, which this program cannot join (built \
+        without the feature mpi, or for \
+        another MPI), so that each would do the whole bake; build it with `cargo install --path \
+        bake --features mpi`, or \
         give each process its own --shard"
     )]
     NotJoined { count: usize },
     #[error(
-        "rank {rank} reads another mesh, other options or is another version of bake than rank 0; give all of them the same"
+        "rank {rank} reads another mesh, other options or is another version of bake than rank 0; \
+        give all of them the same"
     )]
     OtherBake { rank: usize },
     /// Another rank failed, and says so.
@@ -92,7 +99,8 @@ impl Failure {
         let _ = writeln!(std::io::stderr(), "error: {self}");
     }
 
-    /// 2 for wrong usage, 1 for work that failed; 0 where another process tells, whose code then is that of all.
+    /// 2 for wrong usage, 1 for work that failed; 0 where another process tells, whose code then is
+    /// that of all.
     pub(crate) fn code(&self) -> u8 {
         match self {
             Failure::Elsewhere => 0,

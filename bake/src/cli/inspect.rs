@@ -144,7 +144,8 @@ fn deviations(lines: &mut Lines, table: &Table) {
         lines.add(
             "deviation",
             format!(
-                "up to {:.4} mrad from straight back, rms up to {:.4}: {bins} x {bins} bins of {:.4} mrad, with the shift in \
+                "up to {:.4} mrad from straight back, rms up to {:.4}: {bins} x {bins} bins of \
+                {:.4} mrad, with the shift in \
                  {cells} x {cells} cells",
                 1e3 * largest,
                 1e3 * rms,

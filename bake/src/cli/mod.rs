@@ -1,7 +1,9 @@
-//! The program `bake`: one file a verb, what they share, and every error as one sentence and an exit code.
+//! The program `bake`: one file a verb, what they share, and every error as one sentence and an
+//! exit code.
 //!
-//! Words that a user typed enter; text on stdout, warnings and a progress bar on stderr, tables, meshes and pictures on the disk
-//! leave. This room alone prints, reads a command line and chooses exit codes. It may touch every other room.
+//! Words that a user typed enter; text on stdout, warnings and a progress bar on stderr, tables,
+//! meshes and pictures on the disk leave. This room alone prints, reads a command line and chooses
+//! exit codes. It may touch every other room.
 
 mod cell;
 #[allow(clippy::module_inception, reason = "the command line itself")]

@@ -9,7 +9,8 @@ use tables::{Fate, Table};
 /// Part of the light in the outermost bins of deviations that is worth a word.
 const OUTERMOST: f64 = 1e-4;
 
-/// Bins of deviations that the spread of light must reach for them to tell it, and bins that are fine for any: 10 um at 1 m.
+/// Bins of deviations that the spread of light must reach for them to tell it, and bins that are
+/// fine for any: 10 um at 1 m.
 const FEW_BINS: f64 = 2.0;
 const FINE_MRAD: f64 = 0.01;
 
@@ -55,7 +56,8 @@ impl Trace<'_> {
         let mut warnings = Vec::new();
         if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
             warnings.push(
-                "nothing comes back in any direction: the fates say where the light goes (--element plate is for what images through \
+                "nothing comes back in any direction: the fates say where the light goes \
+                (--element plate is for what images through \
                  itself, --glass-index for bodies of glass)"
                     .into(),
             );
@@ -71,7 +73,8 @@ impl Trace<'_> {
         let (width, range) = (1e3 * found.grid.bin_width(), 1e3 * found.grid.range);
         if outermost > OUTERMOST {
             warnings.push(format!(
-                "up to {:.2} % of the light of a direction goes to the outermost bins of deviations, or beyond them; give a \
+                "up to {:.2} % of the light of a direction goes to the outermost bins of \
+                deviations, or beyond them; give a \
                  --deviations above {range:.4} mrad",
                 100.0 * outermost
             ));
@@ -79,7 +82,8 @@ impl Trace<'_> {
         let returns = found.entries.iter().any(|entries| !entries.is_empty());
         if returns && 1e3 * rms < FEW_BINS * width && width > FINE_MRAD {
             warnings.push(format!(
-                "exit directions are counted in bins of {width:.4} mrad, which is coarse for what is there (rms {:.4} mrad); give \
+                "exit directions are counted in bins of {width:.4} mrad, which is coarse for what \
+                is there (rms {:.4} mrad); give \
                  --deviations {:.4}",
                 1e3 * rms,
                 (range / 20.0).max(8e3 * rms)

@@ -27,16 +27,17 @@ pub(crate) struct TraceArgs {
     /// Incidence angles outside the sheet, degrees: a list or start:stop:step
     #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
     incidence: String,
-    /// Azimuths, degrees: a list, start:stop:step, full for all (steps of 5, full:STEP for others; of a symmetric cell only a
-    /// sector is baked), or mean for the average over all
+    /// Azimuths, degrees: a list, start:stop:step, full for all (steps of 5, full:STEP for others;
+    /// of a symmetric cell only a sector is baked), or mean for the average over all
     #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
     azimuth: String,
-    /// Chooses the directions between the ends of --incidence and of --azimuth (steps and what else is listed are left aside), so
-    /// that the polygons of an exact table give every other one within this total variation of eta x histogram
+    /// Chooses the directions between the ends of --incidence and of --azimuth (steps and what else
+    /// is listed are left aside), so that the polygons of an exact table give every other one
+    /// within this total variation of eta x histogram
     #[arg(long, value_name = "TV", allow_negative_numbers = true)]
     direction_tolerance: Option<f64>,
-    /// Refractive index behind a flat front face: a number, pmma, polycarbonate, bk7, or pairs nm:index [default: the file's,
-    /// else 1]
+    /// Refractive index behind a flat front face: a number, pmma, polycarbonate, bk7, or pairs
+    /// nm:index [default: the file's, else 1]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     refractive_index: Option<String>,
     /// Wavelengths in vacuum, nm: each has a table of its own
@@ -233,7 +234,8 @@ struct Job<'a> {
     before: Option<Table>,
 }
 
-/// Says what the user should know and reserves the outputs; `leads`: this process prints, writes and reads what was saved.
+/// Says what the user should know and reserves the outputs; `leads`: this process prints, writes
+/// and reads what was saved.
 fn jobs<'a>(
     args: &TraceArgs,
     prepared: &'a Prepared,
@@ -270,8 +272,8 @@ fn jobs<'a>(
 }
 
 impl Job<'_> {
-    /// Bakes and writes the table and says what is in it: at once for a person, as an object for a script. Nothing in
-    /// the ranks that do not write.
+    /// Bakes and writes the table and says what is in it: at once for a person, as an object for a
+    /// script. Nothing in the ranks that do not write.
     fn run(
         self,
         args: &TraceArgs,
@@ -320,7 +322,8 @@ impl Job<'_> {
     }
 }
 
-/// What this rank has got ready, if all have; the failure of the first that has not is for that rank to tell.
+/// What this rank has got ready, if all have; the failure of the first that has not is for that
+/// rank to tell.
 fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure> {
     match ranks.first_of(ready.is_err()) {
         Some(first) if first != ranks.number() => Err(Failure::Elsewhere),
@@ -328,7 +331,8 @@ fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure>
     }
 }
 
-/// Whether this rank bakes what rank 0 bakes: machines may hold another mesh under the same name, or another program.
+/// Whether this rank bakes what rank 0 bakes: machines may hold another mesh under the same name,
+/// or another program.
 fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Failure> {
     let plan = Plan {
         threads: None,
@@ -365,7 +369,8 @@ fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failur
     Ok(None)
 }
 
-/// What `--method auto` decided, where that is not what the other options suggest; the report names the method anyway.
+/// What `--method auto` decided, where that is not what the other options suggest; the report names
+/// the method anyway.
 fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<String> {
     let refusal = plan.exact_cell(prepared).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
@@ -375,12 +380,14 @@ fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<Str
             if plan.scene.deviations != Record::Auto && !plan.is_azimuth_mean() =>
         {
             vec![
-                "the exact method says where each path goes: --deviations has no effect; give --method rays to use it"
+                "the exact method says where each path goes: --deviations has no effect; give \
+                --method rays to use it"
                     .into(),
             ]
         }
         (Method::Auto | Method::Exact, None) if asks_for_rays => vec![
-            "the exact method traces no rays: --rays and --tolerance have no effect; give --method rays to use them"
+            "the exact method traces no rays: --rays and --tolerance have no effect; give \
+            --method rays to use them"
                 .into(),
         ],
         _ => Vec::new(),

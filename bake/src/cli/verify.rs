@@ -15,8 +15,8 @@ use tables::cli::{print, warn};
 pub(crate) struct VerifyArgs {
     /// Table to check
     table: PathBuf,
-    /// Traces rays through this mesh at some of the table's directions, and compares eta and shifts (exit directions are not
-    /// compared)
+    /// Traces rays through this mesh at some of the table's directions, and compares eta and shifts
+    /// (exit directions are not compared)
     #[arg(long)]
     mesh: Option<PathBuf>,
     #[command(flatten)]
@@ -72,7 +72,8 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
 }
 
-/// The comparison with rays through `mesh`, placed as the table says unless the options say otherwise.
+/// The comparison with rays through `mesh`, placed as the table says unless the options say
+/// otherwise.
 fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Comparison, Failure> {
     let from = &table.provenance;
     let unknown = || Failure::Unknown {
@@ -95,7 +96,8 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Comparison, F
     warn(&cell.warnings);
     if cell.mesh_hash != from.mesh_hash {
         warn(&[format!(
-            "{} is not the file that the table was baked from (its hash differs); the rays judge it all the same",
+            "{} is not the file that the table was baked from (its hash differs); the rays judge \
+            it all the same",
             mesh.display()
         )]);
     }

@@ -1,9 +1,10 @@
 //! Convex polygons of the plane: area, clipping, splitting, subtraction, union.
 //!
-//! A polygon is a list of corners, counter-clockwise, any length unit. Every cut shares its new corners between both
-//! sides, so the parts of a polygon cover it without gap or overlap and their areas sum to its area within rounding.
-//! A corner that lies closer to a cutting line than the rounding error of its distance counts as on the line: this is
-//! what keeps slivers of no meaning from being born at shared edges.
+//! A polygon is a list of corners, counter-clockwise, any length unit. Every cut shares its new
+//! corners between both sides, so the parts of a polygon cover it without gap or overlap and their
+//! areas sum to its area within rounding. A corner that lies closer to a cutting line than the
+//! rounding error of its distance counts as on the line: this is what keeps slivers of no meaning
+//! from being born at shared edges.
 
 use glam::DVec2;
 use tables::polygon::{Met, walk};
@@ -23,7 +24,8 @@ pub(crate) struct HalfPlane {
 }
 
 impl HalfPlane {
-    /// What lies to the left of the directed line from `a` to `b`: the inside of a counter-clockwise polygon's edge.
+    /// What lies to the left of the directed line from `a` to `b`: the inside of a
+    /// counter-clockwise polygon's edge.
     pub(crate) fn left_of(a: DVec2, b: DVec2) -> Self {
         let edge = b - a;
         HalfPlane {
@@ -37,7 +39,8 @@ impl HalfPlane {
     pub(crate) fn value(&self, p: DVec2) -> f64 {
         let offset = p - self.anchor;
         let value = self.gradient.dot(offset) + self.constant;
-        // Three roundings of the products and sums and one of each coordinate: 4 ulp of the terms' sizes bound it.
+        // Three roundings of the products and sums and one of each coordinate: 4 ulp of the terms'
+        // sizes bound it.
         let size = self.gradient.abs().dot(p.abs() + self.anchor.abs()) + self.constant.abs();
         if value.abs() <= 4.0 * f64::EPSILON * size {
             0.0
@@ -86,14 +89,16 @@ pub(crate) fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
     })
 }
 
-/// Cuts a convex polygon into the part inside and the part outside a half-plane; a part of no extent is empty.
+/// Cuts a convex polygon into the part inside and the part outside a half-plane; a part of no
+/// extent is empty.
 pub(crate) fn split(polygon: &[DVec2], plane: &HalfPlane) -> (Polygon, Polygon) {
     let (mut inside, mut outside) = (Polygon::new(), Polygon::new());
     cut(polygon, plane, &mut inside, Some(&mut outside));
     (inside, outside)
 }
 
-/// Writes the part of `polygon` inside the half-plane to `inside`, and the rest to `outside` where asked for.
+/// Writes the part of `polygon` inside the half-plane to `inside`, and the rest to `outside` where
+/// asked for.
 fn cut(
     polygon: &[DVec2],
     plane: &HalfPlane,
@@ -110,7 +115,8 @@ fn cut(
         |p| plane.value(p),
         |met| match met {
             Met::Crossing([before, here]) => {
-                // Always from the inside corner outwards, so that both neighbours of an edge get the same bits.
+                // Always from the inside corner outwards, so that both neighbours of an edge get
+                // the same bits.
                 let ((from, at), (to, far)) = if here.1 < 0.0 {
                     (here, before)
                 } else {
@@ -158,8 +164,8 @@ pub(crate) fn clip(polygon: &[DVec2], planes: impl IntoIterator<Item = HalfPlane
     kept
 }
 
-/// A convex polygon less the intersection of half-planes, as convex parts; `None` where less than `least` area is cut
-/// off, so that an untouched polygon stays in one piece.
+/// A convex polygon less the intersection of half-planes, as convex parts; `None` where less than
+/// `least` area is cut off, so that an untouched polygon stays in one piece.
 pub(crate) fn subtract(
     polygon: &[DVec2],
     planes: &[HalfPlane],
@@ -180,8 +186,8 @@ pub(crate) fn subtract(
     Some(parts)
 }
 
-/// Convex hull, counter-clockwise, without corners that lie within `slack` (same unit as the points) of the line
-/// between their neighbours.
+/// Convex hull, counter-clockwise, without corners that lie within `slack` (same unit as the
+/// points) of the line between their neighbours.
 pub(crate) fn hull(points: &[DVec2], slack: f64) -> Polygon {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
@@ -231,7 +237,8 @@ pub(crate) fn is_convex(polygon: &[DVec2]) -> bool {
     })
 }
 
-/// A simple counter-clockwise polygon as convex parts: itself where it is convex, otherwise triangles, by ear clipping.
+/// A simple counter-clockwise polygon as convex parts: itself where it is convex, otherwise
+/// triangles, by ear clipping.
 pub(crate) fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
     if is_convex(polygon) {
         return vec![polygon.to_vec()];
@@ -247,7 +254,8 @@ pub(crate) fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
                     .iter()
                     .any(|p| !triangle.contains(p) && holds(&triangle, *p))
         });
-        // A simple polygon always has an ear; one that crosses itself loses a corner here instead of looping for ever.
+        // A simple polygon always has an ear; one that crosses itself loses a corner here instead
+        // of looping for ever.
         let i = ear.unwrap_or(0);
         let triangle = vec![rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
         if area(&triangle) > 0.0 {
@@ -324,8 +332,8 @@ mod tests {
     }
 
     proptest! {
-        // Each part is computed from corners good to 1 ulp of the coordinates (here below 4): the areas' errors stay
-        // below corners x extent x ulp = 16 x 4 x 4.4e-16 = 3e-14.
+        // Each part is computed from corners good to 1 ulp of the coordinates (here below 4): the
+        // areas' errors stay below corners x extent x ulp = 16 x 4 x 4.4e-16 = 3e-14.
         #[test]
         fn parts_sum_to_the_whole(
             angles in proptest::collection::vec(0.0..std::f64::consts::TAU, 3..12),

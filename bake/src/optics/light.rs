@@ -1,14 +1,16 @@
-//! What surfaces do to the power of unpolarised light: Fresnel's amplitudes, carried along a path in three dimensions.
+//! What surfaces do to the power of unpolarised light: Fresnel's amplitudes, carried along a path
+//! in three dimensions.
 //!
-//! Unpolarised light is an even mixture of any two orthogonal polarisations, so its power after a path is the mean of what
-//! two orthogonal unit fields have become; both are followed as complex vectors (polarisation ray tracing: Yun, Crabtree
-//! and Chipman, Applied Optics 50, 2855, 2011). The mean of s and p at every single surface would forget that a facet
-//! polarises what the next one receives. Fields are scaled so that |E|^2 is the power through an area that travels along:
-//! a transmitted amplitude contains sqrt(n2 cos2 / n1 cos1).
+//! Unpolarised light is an even mixture of any two orthogonal polarisations, so its power after a
+//! path is the mean of what two orthogonal unit fields have become; both are followed as complex
+//! vectors (polarisation ray tracing: Yun, Crabtree and Chipman, Applied Optics 50, 2855, 2011).
+//! The mean of s and p at every single surface would forget that a facet polarises what the next
+//! one receives. Fields are scaled so that |E|^2 is the power through an area that travels along: a
+//! transmitted amplitude contains sqrt(n2 cos2 / n1 cos1).
 //!
-//! Time is exp(-i omega t) and an index n + ik with k >= 0; s = d x N for the direction d and the facet's normal N,
-//! p = d x s for each direction, so that at normal incidence r_p = -r_s. Only square roots are taken, so that all
-//! processors give the same bits.
+//! Time is exp(-i omega t) and an index n + ik with k >= 0; s = d x N for the direction d and the
+//! facet's normal N, p = d x s for each direction, so that at normal incidence r_p = -r_s. Only
+//! square roots are taken, so that all processors give the same bits.
 
 use crate::optics::mirror::reflect;
 use glam::DVec3;
@@ -18,7 +20,8 @@ use tables::Fate;
 /// What is behind a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Backing {
-    /// A mirror that reflects this part of the power at every angle and keeps the polarisation of an ideal one.
+    /// A mirror that reflects this part of the power at every angle and keeps the polarisation of
+    /// an ideal one.
     Mirror {
         /// The part, above 0 and at most 1.
         reflectance: f64,
@@ -38,8 +41,8 @@ impl Backing {
         }
     }
 
-    /// Amplitudes [r_s, r_p] of the reflection inside a medium of refractive index `index`, at an angle of cosine `cosine`
-    /// from the normal. The power is never more than 1 but for rounding.
+    /// Amplitudes [r_s, r_p] of the reflection inside a medium of refractive index `index`, at an
+    /// angle of cosine `cosine` from the normal. The power is never more than 1 but for rounding.
     pub(crate) fn reflection(&self, index: f64, cosine: f64) -> [Complex64; 2] {
         match *self {
             Backing::Mirror { reflectance } => {
@@ -55,14 +58,16 @@ impl Backing {
 /// Fresnel's [r_s, r_p] between a medium of real index `from` and one of complex index `to`.
 fn reflection(from: f64, cosine: f64, to: Complex64) -> [Complex64; 2] {
     let squared = to * to;
-    // n2 cos2; behind a totally reflecting facet the field decays, which is the root with the positive imaginary part.
+    // n2 cos2; behind a totally reflecting facet the field decays, which is the root with the
+    // positive imaginary part.
     let onward = root(squared - from * from * (1.0 - cosine * cosine));
     let s = (from * cosine - onward) / (from * cosine + onward);
     let p = (squared * cosine - onward * from) / (squared * cosine + onward * from);
     [s, p]
 }
 
-/// Amplitudes [t_s, t_p] between two transparent media, given n cos of either side and the indices; scaled to power.
+/// Amplitudes [t_s, t_p] between two transparent media, given n cos of either side and the indices;
+/// scaled to power.
 fn transmission(from: (f64, f64), to: (f64, f64)) -> [f64; 2] {
     let ((n1, cos1), (n2, cos2)) = (from, to);
     let both = 2.0 * (n1 * cos1 * n2 * cos2).sqrt();
@@ -129,8 +134,8 @@ impl Field {
 pub(crate) struct Light([Field; 2]);
 
 impl Light {
-    /// Light that has passed the flat front face, normal +z, of a sheet of refractive index `index` and now travels along
-    /// `travel`, unit length.
+    /// Light that has passed the flat front face, normal +z, of a sheet of refractive index `index`
+    /// and now travels along `travel`, unit length.
     pub(crate) fn entered(travel: DVec3, index: f64) -> Self {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
@@ -143,7 +148,8 @@ impl Light {
         f64::midpoint(self.0[0].power(), self.0[1].power()).min(1.0)
     }
 
-    /// After the reflection at a facet: `travel` is the direction before it, `index` that of the medium.
+    /// After the reflection at a facet: `travel` is the direction before it, `index` that of the
+    /// medium.
     pub(crate) fn reflected(
         &self,
         travel: DVec3,
@@ -163,7 +169,8 @@ impl Light {
         }))
     }
 
-    /// Power that leaves through the front face along `travel` inside: none beyond the critical angle.
+    /// Power that leaves through the front face along `travel` inside: none beyond the critical
+    /// angle.
     pub(crate) fn power_outside(&self, travel: DVec3, index: f64) -> f64 {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
@@ -187,8 +194,9 @@ mod tests {
     /// Roundings of a dozen operations.
     const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-    /// Fresnel's closed forms: ((m - 1)/(m + 1))^2 at normal incidence, ((n - m)^2 + k^2)/((n + m)^2 + k^2) of a metal, no p
-    /// at Brewster's angle, the energy of both sides of a dielectric, 1 beyond the critical angle.
+    /// Fresnel's closed forms: ((m - 1)/(m + 1))^2 at normal incidence, ((n - m)^2 + k^2)/((n +
+    /// m)^2 + k^2) of a metal, no p at Brewster's angle, the energy of both sides of a dielectric,
+    /// 1 beyond the critical angle.
     #[test]
     fn closed_forms() {
         let mut cases = 0;
@@ -214,7 +222,8 @@ mod tests {
                 if sine < 1.0 {
                     let t = transmission((index, cosine), (1.0, (1.0 - sine * sine).sqrt()));
                     for (r, t) in r.iter().zip(t) {
-                        // Near the critical angle the outer cosine loses half its digits, and t^2 as many.
+                        // Near the critical angle the outer cosine loses half its digits, and t^2
+                        // as many.
                         let slack = ROUNDING / (1.0 - sine * sine).sqrt();
                         assert!((r.norm_sqr() + t * t - 1.0).abs() < slack, "{degrees}");
                     }
@@ -229,8 +238,8 @@ mod tests {
         assert_eq!(cases, 360);
     }
 
-    /// The phases of total reflection: tan(d_s/2) = sqrt(sin^2 - 1/m^2)/cos and tan(d_p/2) = m^2 times that (Born and Wolf,
-    /// 1.5.4), here in a frame where r_p has the other sign.
+    /// The phases of total reflection: tan(d_s/2) = sqrt(sin^2 - 1/m^2)/cos and tan(d_p/2) = m^2
+    /// times that (Born and Wolf, 1.5.4), here in a frame where r_p has the other sign.
     #[test]
     fn total_reflection_turns_the_phase() {
         let index = 1.49;

@@ -1,10 +1,11 @@
 //! Refractive indices by wavelength, of published materials and of what a user types.
 //!
-//! Wavelengths are those in vacuum, nm. Transparent: PMMA and polycarbonate by Sultanova, Kasarova and Nikolov (Acta
-//! Physica Polonica A 116, 585, 2009), N-BK7 by Schott's data sheet, each as a Sellmeier formula. Metals: the
-//! Lorentz-Drude models of Rakic, Djurisic, Elazar and Majewski (Applied Optics 37, 5271, 1998), fits to measured films.
-//! Silver as Johnson and Christy measured it (Physical Review B 6, 4370, 1972) absorbs less, 2 % against the model's 3 to
-//! 8 % from 450 nm on; mirrors of the trade are nearer to the model. Whoever knows better gives N,K.
+//! Wavelengths are those in vacuum, nm. Transparent: PMMA and polycarbonate by Sultanova, Kasarova
+//! and Nikolov (Acta Physica Polonica A 116, 585, 2009), N-BK7 by Schott's data sheet, each as a
+//! Sellmeier formula. Metals: the Lorentz-Drude models of Rakic, Djurisic, Elazar and Majewski
+//! (Applied Optics 37, 5271, 1998), fits to measured films. Silver as Johnson and Christy measured
+//! it (Physical Review B 6, 4370, 1972) absorbs less, 2 % against the model's 3 to 8 % from 450 nm
+//! on; mirrors of the trade are nearer to the model. Whoever knows better gives N,K.
 
 use num_complex::Complex64;
 use thiserror::Error;
@@ -20,7 +21,8 @@ const EV_NM: f64 = 1_239.841_984;
 pub enum MaterialError {
     /// Neither a number nor a name.
     #[error(
-        "--refractive-index {text}: give a number from 1 to 10, {} or nm:index pairs such as 450:1.50,650:1.49",
+        "--refractive-index {text}: give a number from 1 to 10, {} or nm:index pairs such as \
+        450:1.50,650:1.49",
         names(GLASSES.iter().map(|glass| glass.name))
     )]
     Glass {
@@ -46,7 +48,8 @@ pub enum MaterialError {
     },
     /// A wavelength at which nothing is known.
     #[error(
-        "{option} {text} is known from {from} to {to} nm, not at --wavelength-nm {wavelength_nm}; give a number instead"
+        "{option} {text} is known from {from} to {to} nm, not at --wavelength-nm {wavelength_nm}; \
+        give a number instead"
     )]
     Unknown {
         /// The option.
@@ -242,7 +245,8 @@ mod tests {
         refractive_index(text, Some(nm)).unwrap()
     }
 
-    /// N-BK7: the data sheet's n_d, n_F and n_C; the polymers: what the article's formulas give at their d line.
+    /// N-BK7: the data sheet's n_d, n_F and n_C; the polymers: what the article's formulas give at
+    /// their d line.
     #[test]
     fn glasses_are_those_of_the_sheets() {
         let cases = [
@@ -259,7 +263,8 @@ mod tests {
         }
     }
 
-    /// Five digits of the model's tables in the database refractiveindex.info, whose wavelengths have five digits too.
+    /// Five digits of the model's tables in the database refractiveindex.info, whose wavelengths
+    /// have five digits too.
     #[test]
     fn metals_are_those_of_the_article() {
         let cases = [
@@ -271,7 +276,8 @@ mod tests {
         let mut compared = 0;
         for (name, nm, (n, k)) in cases {
             let found = metal(name, Some(nm)).unwrap();
-            // A wavelength rounded to 1e-5 moves n and k by their slopes, at most 7 a micrometre and 15: half of 1e-5 of it.
+            // A wavelength rounded to 1e-5 moves n and k by their slopes, at most 7 a micrometre
+            // and 15: half of 1e-5 of it.
             assert!((found.re - n).abs() < 5e-5, "{name} {nm}: {found}");
             assert!((found.im - k).abs() < 15e-5, "{name} {nm}: {found}");
             compared += 1;

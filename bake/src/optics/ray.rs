@@ -11,11 +11,11 @@ pub(crate) struct Ray {
     pub origin: DVec3,
     /// Incidence of travel, unit length.
     pub direction: DVec3,
-    /// Bound on the error of `origin`, edge lengths: how far behind a facet it may seem to lie although it is in
-    /// front. It takes the place of the usual self-hit epsilon.
+    /// Bound on the error of `origin`, edge lengths: how far behind a facet it may seem to lie
+    /// although it is in front. It takes the place of the usual self-hit epsilon.
     pub slack: f64,
-    /// Bound on the rounding error of a triple product of vectors from `origin` to a facet's corners, cubed edge
-    /// lengths per unit direction (an area).
+    /// Bound on the rounding error of a triple product of vectors from `origin` to a facet's
+    /// corners, cubed edge lengths per unit direction (an area).
     pub grain: f64,
 }
 
@@ -33,8 +33,9 @@ impl Ray {
 
 /// A direction of incidence and its frame.
 ///
-/// The **incidence frame** of the entrance plane is u = the in-plane direction of travel at the azimuth (at normal
-/// incidence too), v = n x u; the angle is taken outside the sheet, the travel direction inside it.
+/// The **incidence frame** of the entrance plane is u = the in-plane direction of travel at the
+/// azimuth (at normal incidence too), v = n x u; the angle is taken outside the sheet, the travel
+/// direction inside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Incidence {
     /// Incidence of travel inside the cell, unit length, cell frame.
@@ -44,9 +45,11 @@ pub(crate) struct Incidence {
 }
 
 impl Incidence {
-    /// The direction at `incidence_rad` from n outside a sheet of refractive index `index`, at `azimuth_rad` about n.
+    /// The direction at `incidence_rad` from n outside a sheet of refractive index `index`, at
+    /// `azimuth_rad` about n.
     ///
-    /// Sines come from `libm`, not from the system: the system's depend on the processor, and a table may not.
+    /// Sines come from `libm`, not from the system: the system's depend on the processor, and a
+    /// table may not.
     pub(crate) fn new(incidence_rad: f64, azimuth_rad: f64, index: f64) -> Self {
         let (sine, cosine) = if index == 1.0 {
             libm::sincos(incidence_rad)
@@ -71,8 +74,8 @@ impl Incidence {
         DVec2::new(vector.dot(self.u), vector.dot(self.v()))
     }
 
-    /// The deviation, as [`tables::Path::deviation`] has it, of light that leaves along `travel` inside a sheet of refractive
-    /// index `index`.
+    /// The deviation, as [`tables::Path::deviation`] has it, of light that leaves along `travel`
+    /// inside a sheet of refractive index `index`.
     pub(crate) fn deviation(&self, travel: DVec3, index: f64) -> DVec2 {
         let turned = |x: DVec3| self.to_frame(x.truncate()).extend(x.z);
         optics::deviation(turned(self.travel), turned(travel), index)

@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3};
 use tables::Fate;
 use tables::options::{Element, Roughness};
 
-/// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones take up to about
-/// ten.
+/// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones
+/// take up to about ten.
 pub(crate) const BOUNCE_LIMIT: u32 = 64;
 
 /// What facets do to light, and what counts as retroreflected.
@@ -20,20 +20,21 @@ pub(crate) struct Rules {
     pub mirror_back: bool,
     /// What is behind the facets, where Fresnel's losses count; then `mirror_back` says nothing.
     pub losses: Option<Backing>,
-    /// Largest angle of the rotation between a path's linear map and that of [`Rules::element`] which counts as
-    /// retroreflected, rad.
+    /// Largest angle of the rotation between a path's linear map and that of [`Rules::element`]
+    /// which counts as retroreflected, rad.
     pub angular_tolerance_rad: f64,
     /// How rough facets are; `None` where they are smooth.
     pub roughness: Option<Roughness>,
     /// What counts as retroreflected.
     pub element: Element,
-    /// Refractive index of bodies of glass; `None` where all facets are mirrors. A path through glass has no linear map: its
-    /// direction alone counts.
+    /// Refractive index of bodies of glass; `None` where all facets are mirrors. A path through
+    /// glass has no linear map: its direction alone counts.
     pub glass_index: Option<f64>,
 }
 
 impl Rules {
-    /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the normal.
+    /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the
+    /// normal.
     pub(crate) fn lets_through(&self, cosine: f64) -> bool {
         self.losses.is_none()
             && !self.mirror_back
@@ -43,7 +44,8 @@ impl Rules {
 
 /// Whether the linear maps `map` and `ideal` are one within the rotation angle `tolerance_rad`.
 ///
-/// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map is never near.
+/// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map
+/// is never near.
 fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
     let defect = map - ideal;
     let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
@@ -51,9 +53,11 @@ fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
     squared <= 8.0 * sine * sine
 }
 
-/// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched along `travel`.
+/// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched
+/// along `travel`.
 ///
-/// All angles are those inside the cell. Light that a front face would reflect back inside counts as leaving.
+/// All angles are those inside the cell. Light that a front face would reflect back inside counts
+/// as leaving.
 pub(crate) fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
     if bounces == 0 {
         return element::unmet(rules.element);

@@ -1,19 +1,22 @@
-//! A mirror facet and its ray test: in f64, edges and corners included, with an error bound instead of an epsilon.
+//! A mirror facet and its ray test: in f64, edges and corners included, with an error bound instead
+//! of an epsilon.
 //!
-//! The test asks on which side of the three edges the *line* of the ray passes (triple products of direction, edge and
-//! the way from a corner to the ray's origin), so it stays sharp at grazing incidence, where a test of the hit point in
-//! the plane loses digits as 1/cos. A ray is on an edge when it is within its own error bound of it, so that a ray
-//! through a shared edge or corner meets at least one of the facets there, and one that lies, by rounding, a hair
-//! behind the next facet still meets that one.
+//! The test asks on which side of the three edges the *line* of the ray passes (triple products of
+//! direction, edge and the way from a corner to the ray's origin), so it stays sharp at grazing
+//! incidence, where a test of the hit point in the plane loses digits as 1/cos. A ray is on an edge
+//! when it is within its own error bound of it, so that a ray through a shared edge or corner meets
+//! at least one of the facets there, and one that lies, by rounding, a hair behind the next facet
+//! still meets that one.
 
 use crate::optics::ray::Ray;
 use glam::DVec3;
 
-/// Facets closer to parallel with the ray than this (cosine) are seen edge-on and not met: their cross-section is
-/// below the rounding error of the ray.
+/// Facets closer to parallel with the ray than this (cosine) are seen edge-on and not met: their
+/// cross-section is below the rounding error of the ray.
 pub(crate) const EDGE_ON: f64 = 1e-14;
 
-/// A triangular facet in the cell frame: a mirror from the front, where its corners run counter-clockwise.
+/// A triangular facet in the cell frame: a mirror from the front, where its corners run
+/// counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Triangle {
     /// Corners, edge lengths.
@@ -35,12 +38,14 @@ pub(crate) struct Contact {
     pub front: bool,
 }
 
-/// A facet as all rays of one direction see it: what of its test does not depend on where a ray starts.
+/// A facet as all rays of one direction see it: what of its test does not depend on where a ray
+/// starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Aspect {
     /// A corner on each edge.
     pub corners: [DVec3; 3],
-    /// For each edge the gradient of the triple product by the ray's origin: it points to the inner side.
+    /// For each edge the gradient of the triple product by the ray's origin: it points to the inner
+    /// side.
     pub inward: [DVec3; 3],
     /// Lengths of the edges.
     pub lengths: [f64; 3],
@@ -62,8 +67,9 @@ impl Aspect {
         if self.side * height < -(self.side * ray.slack) {
             return None;
         }
-        // A ray within its error of an edge meets the facet from the front and passes it from the back: one that
-        // grazes a ridge or a rim goes on, it is not caught by the back of the facet beyond. Within glass none may pass.
+        // A ray within its error of an edge meets the facet from the front and passes it from the
+        // back: one that grazes a ridge or a rim goes on, it is not caught by the back of the facet
+        // beyond. Within glass none may pass.
         let on = |edge: usize| {
             (ray.origin - self.corners[edge]).dot(self.inward[edge])
                 >= -(self.edge * (ray.slack * self.lengths[edge] + ray.grain))
@@ -128,8 +134,8 @@ impl Triangle {
 
     /// Where `ray` meets the facet, or `None`.
     ///
-    /// A facet that the ray starts on, leaving to its front, is not met; one that it starts on (within the ray's
-    /// error bound) heading into is met at distance 0.
+    /// A facet that the ray starts on, leaving to its front, is not met; one that it starts on
+    /// (within the ray's error bound) heading into is met at distance 0.
     #[inline]
     pub(crate) fn meet(&self, ray: &Ray) -> Option<Contact> {
         let aspect = self.along(ray.direction)?;
@@ -139,8 +145,8 @@ impl Triangle {
         })
     }
 
-    /// Weights of the corners at `point` of the facet: not negative, adding up to 1. `point` is brought back to the facet where
-    /// rounding has it beside.
+    /// Weights of the corners at `point` of the facet: not negative, adding up to 1. `point` is
+    /// brought back to the facet where rounding has it beside.
     pub(crate) fn weights(&self, point: DVec3) -> [f64; 3] {
         let [a, b, c] = self.corners;
         let (along, beside, way) = (b - a, c - a, point - a);
@@ -150,18 +156,21 @@ impl Triangle {
         [1.0 - second - third, second, third]
     }
 
-    /// Error bound of the point `distance` along a ray in `direction` as a point of this facet's plane, edge lengths:
-    /// rounding of the height over the plane, divided by the cosine, shifts the point along the ray.
+    /// Error bound of the point `distance` along a ray in `direction` as a point of this facet's
+    /// plane, edge lengths: rounding of the height over the plane, divided by the cosine, shifts
+    /// the point along the ray.
     pub(crate) fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {
         16.0 * f64::EPSILON * (reach + distance) / direction.dot(self.normal).abs()
     }
 }
 
-/// Unit normal of a planar polygon, on the side from which its corners run counter-clockwise; `None` without area.
+/// Unit normal of a planar polygon, on the side from which its corners run counter-clockwise;
+/// `None` without area.
 ///
-/// It is square to the longest side within rounding, whatever the height over that side: rounding of a cross product
-/// tilts a sliver by 1e-16 / height about any axis, which lifts its ends off its plane by as much. About the longest side
-/// it stays tilted so, which lifts no corner by more than rounding.
+/// It is square to the longest side within rounding, whatever the height over that side: rounding
+/// of a cross product tilts a sliver by 1e-16 / height about any axis, which lifts its ends off its
+/// plane by as much. About the longest side it stays tilted so, which lifts no corner by more than
+/// rounding.
 pub(crate) fn normal(corners: &[DVec3]) -> Option<DVec3> {
     let first = *corners.first()?;
     let sum: DVec3 = corners

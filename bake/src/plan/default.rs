@@ -16,9 +16,10 @@ pub(crate) const RANGE: f64 = 2.0;
 pub(crate) const ANGULAR_TOLERANCE_DEG: f64 = 0.5;
 /// `--seed`
 pub(crate) const SEED: u64 = 1;
-/// Independent randomisations of a low-discrepancy sequence: enough for a standard error good to 18 %.
+/// Independent randomisations of a low-discrepancy sequence: enough for a standard error good to 18
+/// %.
 pub(crate) const RANDOMISATIONS: u64 = 16;
-/// The same for `--tolerance`, which asks for the error of a histogram, a sum over thousands of bins. The error
-/// of N rays in all grows as R^(1/4): 1.6 times fewer rays reach it than with 16, at the price of a standard error
-/// of each eta that is good to 41 %.
+/// The same for `--tolerance`, which asks for the error of a histogram, a sum over thousands of
+/// bins. The error of N rays in all grows as R^(1/4): 1.6 times fewer rays reach it than with 16,
+/// at the price of a standard error of each eta that is good to 41 %.
 pub(crate) const RANDOMISATIONS_TO_TOLERANCE: u64 = 4;

@@ -1,7 +1,7 @@
 //! Whether a table of rays says where the light goes, and how finely.
 //!
-//! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh and the options alone, never
-//! by rays, so that shards and ranks agree.
+//! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh
+//! and the options alone, never by rays, so that shards and ranks agree.
 
 use crate::cell::Prepared;
 use crate::optics::reach_rad;
@@ -11,17 +11,18 @@ use glam::DVec3;
 use tables::deviation::Grid;
 use tables::options::{Element, Record, SceneOptions};
 
-/// Facets nearer than this to a right angle are at one, rad: coordinates of six digits are no better. The light of such a
-/// cube is within 2e-5 rad of straight back, 5 um at a distance of 300 mm.
+/// Facets nearer than this to a right angle are at one, rad: coordinates of six digits are no
+/// better. The light of such a cube is within 2e-5 rad of straight back, 5 um at a distance of 300
+/// mm.
 const RIGHT: f64 = 5e-6;
 
-/// Planes of one body above which it stands for a curved one; and so it does with that many pairs that are nearly, not quite, at
-/// right angles.
+/// Planes of one body above which it stands for a curved one; and so it does with that many pairs
+/// that are nearly, not quite, at right angles.
 const MOST_PLANES: usize = 2048;
 const MOST_PAIRS: usize = 1024;
 
-/// Bins along each axis where light goes in a few directions: only those are stored, so that they may be fine. Odd, so that
-/// straight back is in the middle of one.
+/// Bins along each axis where light goes in a few directions: only those are stored, so that they
+/// may be fine. Odd, so that straight back is in the middle of one.
 const BINS_OF_SPOTS: usize = 4095;
 
 /// The same where it goes everywhere, and cells of shifts at most.
@@ -48,7 +49,8 @@ impl Plan {
             (_, ExitPattern::Straight) => self.angular_tolerance_deg.to_radians(),
             (_, ExitPattern::Spots(turn) | ExitPattern::Lobe(turn)) => turn,
         };
-        // Snell's law widens a small angle by the index, and within the plane of incidence by up to twice that to 60 degrees.
+        // Snell's law widens a small angle by the index, and within the plane of incidence by up to
+        // twice that to 60 degrees.
         let range = match self.scene.deviations {
             Record::Within(mrad) => 1e-3 * mrad,
             _ => 2.0 * self.index_of(prepared.cell()) * turn,
@@ -83,7 +85,8 @@ impl Plan {
             }
             Err(_) => angle_error(&prepared.cell().facets),
         };
-        // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most, first order.
+        // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most,
+        // first order.
         let turn = |error: f64| 2.0 * 3_f64.sqrt() * error;
         match (error, self.scene.roughness) {
             (None, _) => ExitPattern::Lobe(tolerance),
@@ -96,8 +99,9 @@ impl Plan {
     }
 }
 
-/// The largest error of the right angles of a body, rad: how far two planes that could be faces of a corner, within the
-/// tolerance, are from one; `upright` is the normal of one plane more. `None` of a body that stands for a curved one.
+/// The largest error of the right angles of a body, rad: how far two planes that could be faces of
+/// a corner, within the tolerance, are from one; `upright` is the normal of one plane more. `None`
+/// of a body that stands for a curved one.
 fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) -> Option<f64> {
     let mut normals = Vec::from_iter(upright);
     for [a, b, c] in facets {

@@ -55,7 +55,8 @@ pub(crate) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
 /// Even azimuths, at most `step` apart, that stand for all.
 pub(crate) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
     let (first, width) = symmetry.sector_deg();
-    // Half a thousandth of a step forgives the rounding of steps such as 0.1; between two azimuths lie all the others.
+    // Half a thousandth of a step forgives the rounding of steps such as 0.1; between two azimuths
+    // lie all the others.
     let steps = (width / step - 5e-4).ceil().max(2.0) as u32;
     let last = match symmetry.mirror_deg {
         Some(_) => steps,

@@ -10,7 +10,8 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlanError {
     /// A list of angles that cannot be read.
-    #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), start:stop:step (0:45:5){}",
+    #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), \
+    start:stop:step (0:45:5){}",
         if *.option == "--azimuth" { ", full or mean" } else { "" })]
     Angle {
         /// The option.
@@ -22,7 +23,8 @@ pub enum PlanError {
     },
     /// A range of angles that is empty or too long.
     #[error(
-        "{option} {text}: the step does not lead from start to stop in 1 to {LONGEST_LIST} angles; give start:stop:step with start <= stop and step > 0"
+        "{option} {text}: the step does not lead from start to stop in 1 to {LONGEST_LIST} \
+        angles; give start:stop:step with start <= stop and step > 0"
     )]
     Steps {
         /// The option.
@@ -93,7 +95,8 @@ pub enum PlanError {
     },
     /// Tables of several wavelengths that would be one file.
     #[error(
-        "--wavelength-nm names {wavelengths} wavelengths, each with a table of its own, and -o {output} is one file; write \
+        "--wavelength-nm names {wavelengths} wavelengths, each with a table of its own, and -o \
+        {output} is one file; write \
          {{nm}} where the wavelength belongs, such as sheet-{{nm}}.h5"
     )]
     OneFile {
@@ -104,7 +107,8 @@ pub enum PlanError {
     },
     /// An error estimate without independent randomisations.
     #[error(
-        "--tolerance needs --sampler sobol, whose error is estimated from independent randomisations; leave out --sampler random, or give --rays"
+        "--tolerance needs --sampler sobol, whose error is estimated from independent \
+        randomisations; leave out --sampler random, or give --rays"
     )]
     ToleranceSampler,
     /// A share that cannot be read.
@@ -115,7 +119,8 @@ pub enum PlanError {
     },
     /// Too many directions.
     #[error(
-        "--incidence and --azimuth make {directions} directions; a table holds at most {DIRECTIONS_LIMIT}: give fewer angles"
+        "--incidence and --azimuth make {directions} directions; a table holds at most \
+        {DIRECTIONS_LIMIT}: give fewer angles"
     )]
     Directions {
         /// Number of directions.

@@ -1,6 +1,7 @@
 //! The most that may be asked for.
 
-/// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct points.
+/// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct
+/// points.
 pub(crate) const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
 
 /// Bins along an axis at most.

@@ -21,9 +21,11 @@ use tables::{Axes, Symmetry};
 pub struct Plan {
     /// Directions and bins; an azimuth of NaN stands for the mean over all.
     pub(crate) axes: Axes,
-    /// The widest step between all azimuths, degrees, where all are asked for; see [`Plan::folded`].
+    /// The widest step between all azimuths, degrees, where all are asked for; see
+    /// [`Plan::folded`].
     pub(crate) full_step_deg: Option<f64>,
-    /// Between the directions that are chosen for it, total variation; chosen when the plan meets its cell.
+    /// Between the directions that are chosen for it, total variation; chosen when the plan meets
+    /// its cell.
     pub(crate) direction_tolerance: Option<f64>,
     /// Refractive index asked for; the cell's own where `None`.
     pub(crate) refractive_index: Option<f64>,
@@ -86,8 +88,8 @@ impl Plan {
         })
     }
 
-    /// Directions and bins on a cell, and what the azimuths stand for besides themselves: where all azimuths are asked for, only
-    /// those of a sector that stands for all by its symmetry.
+    /// Directions and bins on a cell, and what the azimuths stand for besides themselves: where all
+    /// azimuths are asked for, only those of a sector that stands for all by its symmetry.
     pub(crate) fn folded(&self, prepared: &Prepared) -> (Axes, Symmetry) {
         let axes = self.axes.clone();
         let Some(step) = self.full_step_deg else {
@@ -126,7 +128,8 @@ impl Plan {
             .is_some_and(|azimuth| azimuth.is_nan())
     }
 
-    /// The refractive index behind the front face of `cell`: the one asked for, else the file's, else none.
+    /// The refractive index behind the front face of `cell`: the one asked for, else the file's,
+    /// else none.
     pub(crate) fn index_of(&self, cell: &meshes::Cell) -> f64 {
         self.refractive_index
             .or(cell.refractive_index_at(self.wavelength_nm))
@@ -146,7 +149,8 @@ impl Plan {
         }
     }
 
-    /// What contradicts itself without being wrong, and what makes a bake slow that need not be, for the user.
+    /// What contradicts itself without being wrong, and what makes a bake slow that need not be,
+    /// for the user.
     pub fn warnings(&self, prepared: &Prepared) -> Vec<String> {
         let cell = prepared.cell();
         let mut warnings = Vec::new();
@@ -161,7 +165,8 @@ impl Plan {
         }
         if self.back == Back::Tir && self.index_of(cell) <= 1.0 {
             warnings.push(
-                "--back tir without a refractive index above 1: nothing is totally reflected, so that nothing returns; give \
+                "--back tir without a refractive index above 1: nothing is totally reflected, so \
+                that nothing returns; give \
                  --refractive-index"
                     .into(),
             );
@@ -172,14 +177,16 @@ impl Plan {
         });
         if beyond > 0.01 {
             warnings.push(format!(
-                "--roughness turns about {:.0} % of what three facets send back by more than --angular-tolerance {tolerance_deg} \
+                "--roughness turns about {:.0} % of what three facets send back by more than \
+                --angular-tolerance {tolerance_deg} \
                  deg: it does not count as retroreflected",
                 100.0 * beyond
             ));
         }
         if let Err(reason @ (Whole::Connected | Whole::Unlike)) = prepared.kinds() {
             warnings.push(format!(
-                "the mesh is traced as a whole, not one cube of each kind: {reason}; if it is a sheet of equal cubes, \
+                "the mesh is traced as a whole, not one cube of each kind: {reason}; if it is a \
+                sheet of equal cubes, \
                  give one period of it"
             ));
         }

@@ -9,8 +9,9 @@ use tables::Table;
 /// Cells of a panel along each axis; odd, so that straight back is in the middle of one.
 const CELLS: usize = 41;
 
-/// The exit directions of `table` as the bytes of a PNG or SVG file: one panel per direction, mrad from straight back, across
-/// it in the plane of incidence to the right and along v upward, probability per launched ray.
+/// The exit directions of `table` as the bytes of a PNG or SVG file: one panel per direction, mrad
+/// from straight back, across it in the plane of incidence to the right and along v upward,
+/// probability per launched ray.
 ///
 /// # Errors
 /// [`PlotError`], as where the table has none.

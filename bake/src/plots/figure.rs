@@ -22,7 +22,8 @@ pub(crate) enum PlotError {
     Format(#[from] tables::cli::Error),
     /// No light to draw that goes elsewhere than straight back.
     #[error(
-        "--plot-deviations: the table says of no light that it goes elsewhere than straight back; its cells are ideal, or their rays \
+        "--plot-deviations: the table says of no light that it goes elsewhere than straight back; \
+        its cells are ideal, or their rays \
          were traced with --deviations off"
     )]
     Straight,

@@ -6,11 +6,13 @@ use kuva::render::plots::Plot;
 use std::path::Path;
 use tables::Table;
 
-/// Cells of a panel along each axis at most: bins are pooled above that, or an SVG of ten panels has 6 MB.
+/// Cells of a panel along each axis at most: bins are pooled above that, or an SVG of ten panels
+/// has 6 MB.
 const MOST_CELLS: usize = 32;
 
-/// The histograms of `table` as the bytes of a PNG or SVG file, by the extension of `file`: one panel per direction
-/// with its retroreflected fraction, u to the right, v upward, density per launched ray and square edge length.
+/// The histograms of `table` as the bytes of a PNG or SVG file, by the extension of `file`: one
+/// panel per direction with its retroreflected fraction, u to the right, v upward, density per
+/// launched ray and square edge length.
 ///
 /// # Errors
 /// [`PlotError`].

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-/// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its upper.
+/// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its
+/// upper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bins {
     /// Bins along each axis.

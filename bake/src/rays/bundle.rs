@@ -1,6 +1,6 @@
-//! Up to 64 parallel rays that go down the hierarchy together, by bounds on all of them, and are tested against each
-//! candidate side by side. The test is [`Aspect::meet`], operation by operation, so every ray meets what it meets
-//! alone, bit for bit.
+//! Up to 64 parallel rays that go down the hierarchy together, by bounds on all of them, and are
+//! tested against each candidate side by side. The test is [`Aspect::meet`], operation by
+//! operation, so every ray meets what it meets alone, bit for bit.
 
 #![allow(
     clippy::needless_range_loop,
@@ -45,8 +45,8 @@ pub(crate) struct Bounds {
     inverse: [f64; 3],
 }
 
-/// Incidence components smaller than this count as 0 with their sign: over the whole extent of the facets the way
-/// along that axis stays far below the padding of their boxes.
+/// Incidence components smaller than this count as 0 with their sign: over the whole extent of the
+/// facets the way along that axis stays far below the padding of their boxes.
 const LEVEL: f64 = 1e-9;
 
 /// In place of 1 over 0.
@@ -69,8 +69,8 @@ impl Bundle {
         }
     }
 
-    /// Takes the rays that start at `origin` (by axis) with `slack`, at most [`LANES`] and at least one; lanes that
-    /// are left repeat the last.
+    /// Takes the rays that start at `origin` (by axis) with `slack`, at most [`LANES`] and at least
+    /// one; lanes that are left repeat the last.
     #[inline(always)]
     pub(crate) fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
         let count = slack.len();
@@ -114,12 +114,12 @@ impl Bundle {
         fold(&self.distance, greater)
     }
 
-    /// The edge that most rays are likely to miss the facet by; `None` where no ray can meet it: all pass beyond one of
-    /// its edges, or start behind it.
+    /// The edge that most rays are likely to miss the facet by; `None` where no ray can meet it:
+    /// all pass beyond one of its edges, or start behind it.
     #[inline(always)]
     fn likeliest_miss(&self, aspect: &Aspect) -> Option<usize> {
-        // The greatest value over the box, of a function that is linear in the origin. Twice the margin of the test
-        // holds the rounding of both.
+        // The greatest value over the box, of a function that is linear in the origin. Twice the
+        // margin of the test holds the rounding of both.
         let most = |corner: DVec3, gradient: DVec3| {
             (self.centre - corner).dot(gradient) + self.half.dot(gradient.abs())
         };
@@ -176,13 +176,15 @@ impl Bundle {
     }
 }
 
-/// Lanes of so many vectors, in a form that tells the compiler that they are lanes and whole vectors.
+/// Lanes of so many vectors, in a form that tells the compiler that they are lanes and whole
+/// vectors.
 #[inline(always)]
 fn whole(vectors: usize) -> usize {
     vectors.min(LANES / 8) * 8
 }
 
-/// How far the origins are beyond the plane through `corner` with `gradient`, in the order of glam's dot product.
+/// How far the origins are beyond the plane through `corner` with `gradient`, in the order of
+/// glam's dot product.
 #[inline(always)]
 fn over(origin: &[Reals; 3], vectors: usize, corner: DVec3, gradient: DVec3) -> Reals {
     let [x, y, z] = origin;
@@ -258,8 +260,8 @@ impl Bounds {
         axis(0) + axis(1) + axis(2)
     }
 
-    /// For each of eight boxes a lower bound on the distance at which a ray of the bundle is in it; infinite where none
-    /// can be within `limit`.
+    /// For each of eight boxes a lower bound on the distance at which a ray of the bundle is in it;
+    /// infinite where none can be within `limit`.
     #[inline(always)]
     pub(crate) fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
         let (mut from, mut to) = ([0.0_f64; 8], [limit; 8]);

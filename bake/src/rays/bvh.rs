@@ -1,9 +1,10 @@
-//! Nearest hit among many facets: a bounding volume hierarchy with eight boxes to a node. The only file that names the BVH
-//! crate.
+//! Nearest hit among many facets: a bounding volume hierarchy with eight boxes to a node. The only
+//! file that names the BVH crate.
 //!
-//! The crate builds the tree, in f32. The tree only chooses the candidates: its boxes are padded by more than the error of an f32
-//! ray, and every candidate is tested in f64 by [`Triangle::meet`], so the hit is the one that a loop over all facets
-//! finds, bit for bit (tested). The crate's own wide variant has an absolute epsilon near surfaces and is not used.
+//! The crate builds the tree, in f32. The tree only chooses the candidates: its boxes are padded by
+//! more than the error of an f32 ray, and every candidate is tested in f64 by [`Triangle::meet`],
+//! so the hit is the one that a loop over all facets finds, bit for bit (tested). The crate's own
+//! wide variant has an absolute epsilon near surfaces and is not used.
 
 use crate::optics::{Ray, Triangle};
 use crate::rays::bundle::{Boxes, Bundle, inverse};
@@ -36,8 +37,9 @@ impl Hierarchy {
         let radius = corners()
             .map(|corner| corner.distance(centre))
             .fold(0.0, f64::max);
-        // An f32 position within 2 radii of the centre is off by at most 2^-23 radii, its ray at the far side by
-        // 2^-23 x 2 radii more, and the box test rounds thrice: 2^-19 radii hold all of it four times over.
+        // An f32 position within 2 radii of the centre is off by at most 2^-23 radii, its ray at
+        // the far side by 2^-23 x 2 radii more, and the box test rounds thrice: 2^-19 radii hold
+        // all of it four times over.
         let padding = radius * (-19_f64).exp2();
         let boxes: Vec<Aabb> = facets
             .iter()
@@ -78,7 +80,8 @@ impl Hierarchy {
         }
     }
 
-    /// As [`Hierarchy::nearest`]; `waiting` has room for the nodes that wait: how far they are at least, and which.
+    /// As [`Hierarchy::nearest`]; `waiting` has room for the nodes that wait: how far they are at
+    /// least, and which.
     fn descend(
         &self,
         facets: &[Triangle],
@@ -86,7 +89,8 @@ impl Hierarchy {
         limit: f64,
         waiting: &mut [(f32, u32)],
     ) -> Nearest {
-        // A ray from afar starts, for the f32 boxes, where it comes near: f32 digits are for the cell, not for the way.
+        // A ray from afar starts, for the f32 boxes, where it comes near: f32 digits are for the
+        // cell, not for the way.
         let origin = ray.origin - self.centre;
         let skipped = (-origin.dot(ray.direction) - 2.0 * self.radius).max(0.0);
         let slabs = Slabs::new(origin + ray.direction * skipped, ray.direction);
@@ -129,8 +133,9 @@ impl Hierarchy {
         nearest
     }
 
-    /// Finds for all rays of `bundle`, which travel along `direction`, what [`Hierarchy::nearest`] finds for one. They start
-    /// where facets are, so no digits are lost on the way; the facet that they have `left` is not looked at.
+    /// Finds for all rays of `bundle`, which travel along `direction`, what [`Hierarchy::nearest`]
+    /// finds for one. They start where facets are, so no digits are lost on the way; the facet that
+    /// they have `left` is not looked at.
     #[inline(always)]
     pub(crate) fn nearest_of(
         &self,
@@ -186,7 +191,8 @@ struct Node {
     children: [u32; 8],
 }
 
-/// Nodes that wait on the way of a single ray, of all but the deepest trees; a million facets take some 80.
+/// Nodes that wait on the way of a single ray, of all but the deepest trees; a million facets take
+/// some 80.
 const FEW: usize = 128;
 
 /// A ray as boxes see it: its origin and 1 over its direction.
@@ -204,7 +210,8 @@ impl Slabs {
         }
     }
 
-    /// For each of eight boxes the distance at which the ray enters it, and in bits which it does within `to`.
+    /// For each of eight boxes the distance at which the ray enters it, and in bits which it does
+    /// within `to`.
     #[inline(always)]
     fn reach(&self, boxes: &Boxes, to: f32) -> ([f32; 8], u32) {
         let (mut entered, mut met) = ([0.0; 8], 0);
@@ -232,7 +239,8 @@ impl Slabs {
 /// Marks a child that is a facet.
 const LEAF: u32 = 1 << 31;
 
-/// `tree`, whose leaves hold one facet each, with eight children to a node, and how many wait at most on the way down.
+/// `tree`, whose leaves hold one facet each, with eight children to a node, and how many wait at
+/// most on the way down.
 fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
     let mut nodes = Vec::new();
     let mut deepest = 0;

@@ -23,16 +23,19 @@ use tables::Fate;
 use tables::deviation::Grid;
 use tables::options::Element;
 
-/// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over threads.
+/// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over
+/// threads.
 const RUN: u64 = 1 << 18;
 
-/// The same where they are sorted by what they meet, which is the better the more rays meet the same.
+/// The same where they are sorted by what they meet, which is the better the more rays meet the
+/// same.
 const RUN_OF_SORTED: u64 = 1 << 20;
 
 /// Rays that are sorted into packets at a time: 80 bytes each.
 const NEIGHBOURS: usize = 1 << 18;
 
-/// Rays to a facet from which on packets are worth while in a large scene: a packet is what met the same facets.
+/// Rays to a facet from which on packets are worth while in a large scene: a packet is what met the
+/// same facets.
 const RAYS_OF_PACKETS: u64 = 8;
 
 /// How the rays of a direction are traced; tests hold both to the same fates, ray for ray.
@@ -54,7 +57,8 @@ pub(crate) struct Kernel {
     incidence_rad: f64,
     /// `None` where every ray has its own azimuth.
     direction: Option<Incidence>,
-    /// The same in a form that many rays run at once, one per scene; none where a scene does not allow it.
+    /// The same in a form that many rays run at once, one per scene; none where a scene does not
+    /// allow it.
     programs: Vec<Program>,
     instructions: InstructionSet,
     /// Whether scenes with a hierarchy are traced in packets.
@@ -64,7 +68,8 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// The tracer for the direction given by its angles in degrees; an azimuth of NaN stands for all azimuths.
+    /// The tracer for the direction given by its angles in degrees; an azimuth of NaN stands for
+    /// all azimuths.
     #[cfg(test)]
     pub(crate) fn new(
         scene: &Arc<Scene>,
@@ -98,8 +103,8 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
-        // Photons end where their own chance says, rough facets turn each its own way, and on curved faces rays part: each goes
-        // alone. Programs and packets end on the entrance plane.
+        // Photons end where their own chance says, rough facets turn each its own way, and on
+        // curved faces rays part: each goes alone. Programs and packets end on the entrance plane.
         let alone = rules.losses.is_some()
             || rules.roughness.is_some()
             || rules.element != Element::Retroreflector
@@ -146,8 +151,8 @@ impl Kernel {
         }
     }
 
-    /// The same tracer, which also records exit directions where there is a grid for them: without programs, which know shifts
-    /// only.
+    /// The same tracer, which also records exit directions where there is a grid for them: without
+    /// programs, which know shifts only.
     pub(crate) fn recording(self, exits: Option<Grid>) -> Self {
         match exits {
             None => self,
@@ -201,7 +206,8 @@ impl Kernel {
         }
     }
 
-    /// The same facet by facet: in packets where every scene has a hierarchy for them, else by [`trace`].
+    /// The same facet by facet: in packets where every scene has a hierarchy for them, else by
+    /// [`trace`].
     fn trace_paths(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         let hierarchies = self.scenes.iter().map(|scene| scene.for_packets());
         let hierarchies: Option<Vec<&Hierarchy>> = hierarchies.collect();
@@ -289,7 +295,8 @@ impl Kernel {
     }
 }
 
-/// Rays in the order of the tiles of the entrance that their points lie in, each with about as many as a bundle takes.
+/// Rays in the order of the tiles of the entrance that their points lie in, each with about as many
+/// as a bundle takes.
 fn side_by_side<T: Copy>(launch: &Launch, rays: &[T], point: impl Fn(&T) -> DVec2) -> Vec<T> {
     let [low, high] = launch.box_of_entrance();
     let size = high - low;

@@ -1,7 +1,8 @@
 //! Lanes: how many rays go side by side, and what is kept for each of them.
 
-/// Rays of a bundle. Enough that the compiler keeps the loops over lanes and turns them into vectors: with 16 or 32
-/// it unrolls them first and shuffles (2.5 times slower); 128 is 20 % slower again.
+/// Rays of a bundle. Enough that the compiler keeps the loops over lanes and turns them into
+/// vectors: with 16 or 32 it unrolls them first and shuffles (2.5 times slower); 128 is 20 % slower
+/// again.
 pub(crate) const LANES: usize = 64;
 
 /// A number for each lane.

@@ -1,10 +1,12 @@
-//! A [`Program`] run by 64 rays at a time, in plain Rust over arrays that the compiler turns into vectors.
+//! A [`Program`] run by 64 rays at a time, in plain Rust over arrays that the compiler turns into
+//! vectors.
 //!
-//! Everything here is inlined into one function per instruction set (see `simd`). Additions and multiplications are
-//! rounded one by one, nothing is fused or reordered, so every instruction set gives the same bits.
+//! Everything here is inlined into one function per instruction set (see `simd`). Additions and
+//! multiplications are rounded one by one, nothing is fused or reordered, so every instruction set
+//! gives the same bits.
 //!
-//! A set of rays is a mask per lane of which the top bit counts: the sign bit of a test's value is then the mask of
-//! the rays that fail it, and taking and leaving rays are bit operations.
+//! A set of rays is a mask per lane of which the top bit counts: the sign bit of a test's value is
+//! then the mask of the rays that fail it, and taking and leaving rays are bit operations.
 
 #![allow(
     clippy::needless_range_loop,
@@ -24,7 +26,8 @@ use tables::options::Sampler;
 /// The square is cut into 2^4 x 2^4 cells where a block is traced cell by cell.
 const CELL_BITS: u32 = 4;
 
-/// Pieces of the entrance from which on samples are sorted by piece instead, lest each bundle look at all of them.
+/// Pieces of the entrance from which on samples are sorted by piece instead, lest each bundle look
+/// at all of them.
 const SORTED_PIECES: usize = 12;
 
 /// Samples of the smallest block that is worth it: two bundles per cell.
@@ -147,8 +150,9 @@ fn by_pieces(
         drawn.extend((0..LANES).map(|lane| [a[lane], b[lane]]));
     }
     drawn.truncate((samples.end - samples.start) as usize);
-    // Slots of the first coordinate, 8 to 16 of them for a piece of the mean size: fine enough that few samples of a
-    // piece's slots choose its neighbours. Which do is decided as ever, by `points`.
+    // Slots of the first coordinate, 8 to 16 of them for a piece of the mean size: fine enough that
+    // few samples of a piece's slots choose its neighbours. Which do is decided as ever, by
+    // `points`.
     let bits = launch.pieces().len().ilog2() + 4;
     let slot = |of: &[u32; 2]| of[0] >> (32 - bits);
     let drawn = order(&drawn, 1 << bits, |sample| slot(sample) as usize);
@@ -169,12 +173,13 @@ fn by_pieces(
     }
 }
 
-/// Traces an aligned block of 2^k Sobol samples cell by cell of the square: rays of a cell need few of the
-/// program's steps and tests, and their shifts fall in few bins.
+/// Traces an aligned block of 2^k Sobol samples cell by cell of the square: rays of a cell need few
+/// of the program's steps and tests, and their shifts fall in few bins.
 ///
-/// In a cell the first four digits of both coordinates are given. Before scrambling, which maps cells onto cells,
-/// those of the first are the lowest four bits of the index, and those of the second a function (the Pascal matrix
-/// of four digits) of the exclusive or of all its groups of four bits.
+/// In a cell the first four digits of both coordinates are given. Before scrambling, which maps
+/// cells onto cells, those of the first are the lowest four bits of the index, and those of the
+/// second a function (the Pascal matrix of four digits) of the exclusive or of all its groups of
+/// four bits.
 #[inline(always)]
 fn by_cells(
     programs: &[Program],
@@ -210,7 +215,8 @@ fn by_cells(
             corners.clear();
             corners.extend([(from, low), (to, low), (from, high), (to, high)]);
             if piece.folded {
-                // The part beyond the diagonal lies on the other side of it: where it crosses the sides is a corner too.
+                // The part beyond the diagonal lies on the other side of it: where it crosses the
+                // sides is a corner too.
                 let crossings = [(from, -from), (to, -to), (-low, low), (-high, high)];
                 let on_side =
                     |&(c0, c1): &(f64, f64)| from <= c0 && c0 <= to && low <= c1 && c1 <= high;
@@ -321,7 +327,8 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
                     let [along, across] = &maps[map];
                     let (mu, mv) = (affine(along, x, y), affine(across, x, y));
                     for lane in 0..LANES {
-                        // Bits, not a choice: a branch for every lane costs half the rays per second.
+                        // Bits, not a choice: a branch for every lane costs half the rays per
+                        // second.
                         let chosen = ((taken[lane] as i64) >> 63) as u64;
                         u[lane] = f64::from_bits(
                             (mu[lane].to_bits() & chosen) | (u[lane].to_bits() & !chosen),
@@ -347,8 +354,8 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
 /// 2^52: adding it to a number of 0 to 2^51 leaves the nearest integer in the low bits.
 const UNITS: f64 = 4_503_599_627_370_496.0;
 
-/// The greatest integer up to `value`, exact from 0 to 2^51. (A cast saturates, for which the compiler leaves the
-/// vector: 3 times slower over all.)
+/// The greatest integer up to `value`, exact from 0 to 2^51. (A cast saturates, for which the
+/// compiler leaves the vector: 3 times slower over all.)
 #[inline(always)]
 fn floor(value: f64) -> f64 {
     let nearest = (value + UNITS) - UNITS;
@@ -373,7 +380,8 @@ fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
     let mut at = [0_u64; LANES];
     for lane in 0..LANES {
         let bin = floor(v[lane]) * end + floor(u[lane]);
-        // The other rays count in slots beyond the histogram, one per lane: no branch, and no queue at one slot.
+        // The other rays count in slots beyond the histogram, one per lane: no branch, and no queue
+        // at one slot.
         let slot = if within[lane] >> 63 == 1 {
             bin
         } else {
@@ -440,7 +448,8 @@ fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]
     (a, b)
 }
 
-/// Entry points in `piece`, and the rays that choose it: the operations of [`Launch::entry`] lane by lane.
+/// Entry points in `piece`, and the rays that choose it: the operations of [`Launch::entry`] lane
+/// by lane.
 #[inline(always)]
 fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
     let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);

@@ -1,8 +1,10 @@
 //! Sampled light: rays of one direction from the entrance to their counts.
 //!
-//! A prepared cell, the rules and one direction enter; integer counts by bin and by fate leave. The same rays are traced in four ways
-//! with the same result, bit for bit: one by one, in bundles down a hierarchy, in packets, and as a program of 64 rays side by side.
-//! This room may touch `cell`, `optics` and `samples`. It knows no thread and no table; its file `simd` holds the only unsafe code.
+//! A prepared cell, the rules and one direction enter; integer counts by bin and by fate leave. The
+//! same rays are traced in four ways with the same result, bit for bit: one by one, in bundles down
+//! a hierarchy, in packets, and as a program of 64 rays side by side. This room may touch `cell`,
+//! `optics` and `samples`. It knows no thread and no table; its file `simd` holds the only unsafe
+//! code.
 
 mod bins;
 mod bundle;

@@ -23,8 +23,8 @@ impl Nearest {
         }
     }
 
-    /// Takes `facet` if `ray` meets it nearer than what is known. Ties go to the lower index, so the answer does not
-    /// depend on the order of the offers.
+    /// Takes `facet` if `ray` meets it nearer than what is known. Ties go to the lower index, so
+    /// the answer does not depend on the order of the offers.
     #[inline]
     pub(crate) fn offer(&mut self, index: usize, facet: &Triangle, ray: &Ray) {
         if let Some(contact) = facet.meet(ray) {

@@ -1,8 +1,10 @@
-//! Many rays through a hierarchy at once, for meshes that no program fits (curved, or of many different cells).
+//! Many rays through a hierarchy at once, for meshes that no program fits (curved, or of many
+//! different cells).
 //!
-//! All rays of a direction travel alike, and those that then meet the same facet go on alike. A **packet** is the rays
-//! of one [`Course`]: the same facets in the same order. It is cut into bundles of neighbours, each of which goes down
-//! the hierarchy together; then the packet is grouped by the facets met, and each group goes on as a packet.
+//! All rays of a direction travel alike, and those that then meet the same facet go on alike. A
+//! **packet** is the rays of one [`Course`]: the same facets in the same order. It is cut into
+//! bundles of neighbours, each of which goes down the hierarchy together; then the packet is
+//! grouped by the facets met, and each group goes on as a packet.
 
 use crate::optics::Triangle;
 use crate::rays::bundle::{Bundle, NONE};
@@ -36,7 +38,8 @@ pub(crate) struct Way<'a> {
     pub direction: DVec3,
     /// As [`crate::optics::Ray::grain`].
     pub grain: f64,
-    /// The facet that they come from: it is plane and they leave to its front, so they do not meet it.
+    /// The facet that they come from: it is plane and they leave to its front, so they do not meet
+    /// it.
     pub from: Option<usize>,
 }
 

@@ -1,4 +1,5 @@
-//! Packets from the entrance to their end: each is advanced, grouped by what its rays have met, and followed on.
+//! Packets from the entrance to their end: each is advanced, grouped by what its rays have met, and
+//! followed on.
 
 use crate::optics::{Incidence, Rules};
 use crate::rays::bins::Bins;
@@ -57,7 +58,8 @@ impl Packets<'_> {
         &mut self.stages[number]
     }
 
-    /// Traces the packet of stage `number`, whose rays come `from` a facet or from the entrance, to the end.
+    /// Traces the packet of stage `number`, whose rays come `from` a facet or from the entrance, to
+    /// the end.
     fn follow(&mut self, number: usize, from: Option<usize>, course: &Course, tally: &mut Tally) {
         let mut packet = std::mem::take(self.stage(number));
         let way = Way {

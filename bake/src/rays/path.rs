@@ -10,8 +10,8 @@ use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 use tables::options::Sampler;
 
-/// How far from a surface of glass light goes on, in errors of its position: a facet may reach over so many prisms of a
-/// lattice.
+/// How far from a surface of glass light goes on, in errors of its position: a facet may reach over
+/// so many prisms of a lattice.
 const CLEAR: f64 = 64.0;
 
 /// What became of one ray.
@@ -19,7 +19,8 @@ const CLEAR: f64 = 64.0;
 pub(crate) struct Outcome {
     /// Its fate; a table calls it out_of_range instead where the shift lies outside the histogram.
     pub fate: Fate,
-    /// Shift p' - p on the plane of [`element::plane`] in the incidence frame (u, v), edge lengths; zero unless retroreflected.
+    /// Shift p' - p on the plane of [`element::plane`] in the incidence frame (u, v), edge lengths;
+    /// zero unless retroreflected.
     pub shift: DVec2,
     /// Reflections.
     pub bounces: u32,
@@ -73,7 +74,8 @@ impl Course {
         })
     }
 
-    /// What follows a facet of a sheet with bodies of glass of index `glass`, or a mirror there, which reflects on both sides.
+    /// What follows a facet of a sheet with bodies of glass of index `glass`, or a mirror there,
+    /// which reflects on both sides.
     ///
     /// # Errors
     /// [`Fate::BounceLimit`].
@@ -125,7 +127,8 @@ impl Course {
         fate_of_leaving(self.map, direction.travel, self.bounces, rules)
     }
 
-    /// Where rays that are at `origin` cross the plane at `height`: where they have been or come to.
+    /// Where rays that are at `origin` cross the plane at `height`: where they have been or come
+    /// to.
     #[inline]
     pub(crate) fn at_height(&self, height: f64, origin: DVec3) -> DVec2 {
         let along = self.direction;
@@ -136,8 +139,8 @@ impl Course {
 /// What chance decides on the way of one ray.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Luck {
-    /// In (0, 1): how far it comes where the rules have losses. Of evenly spread chances as many come back as power does, so
-    /// that a tally of photons has whole numbers.
+    /// In (0, 1): how far it comes where the rules have losses. Of evenly spread chances as many
+    /// come back as power does, so that a tally of photons has whole numbers.
     pub chance: f64,
     /// Stream and index of the sample, which draw the normals of rough facets.
     pub sample: (Stream, u64),
@@ -152,7 +155,8 @@ impl From<f64> for Luck {
     }
 }
 
-/// A photon of unpolarised light: it goes on as long as the power that a beam would have left exceeds its `chance`.
+/// A photon of unpolarised light: it goes on as long as the power that a beam would have left
+/// exceeds its `chance`.
 struct Photon {
     light: Light,
     surface: Backing,
@@ -215,8 +219,8 @@ impl RayPath {
                     if crosses != (side * before.dot(front_normal) > 0.0) {
                         return Err(Fate::Absorbed);
                     }
-                    // Behind a facet, within its error, it would meet it again, in the next prism too, where the error counts
-                    // for more: it goes on from beyond that.
+                    // Behind a facet, within its error, it would meet it again, in the next prism
+                    // too, where the error counts for more: it goes on from beyond that.
                     let clear = front_normal * (CLEAR * arrival.slack).copysign(side);
                     self.course = onward;
                     self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
@@ -237,7 +241,8 @@ impl RayPath {
                     _ => normal,
                 };
                 self.course = self.course.past(normal, front, rules)?;
-                // Off rough facets, and off those that stand for a curved face, light may be sent behind its facet.
+                // Off rough facets, and off those that stand for a curved face, light may be sent
+                // behind its facet.
                 if self.course.direction.dot(front_normal) <= 0.0 {
                     return Err(Fate::Absorbed);
                 }
@@ -266,8 +271,8 @@ impl RayPath {
     }
 }
 
-/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths) along `direction`. `luck`
-/// says nothing where the rules have neither losses nor roughness.
+/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths)
+/// along `direction`. `luck` says nothing where the rules have neither losses nor roughness.
 pub(crate) fn trace(
     scene: &Scene,
     rules: &Rules,

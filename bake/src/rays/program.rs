@@ -1,17 +1,19 @@
 //! One direction of a small planar cell as a short program that every ray runs.
 //!
-//! All rays of a direction share their direction of travel, also after any given sequence of facets. Unfolded at the
-//! facets, the line of a ray is then an affine function of its entry point, and "does it pass this edge on the
-//! inner side" is the sign of one. A [`Program`] is the tree of all sequences that can happen, flattened: at each
-//! node the facets ahead, front to back, each with the edges that a ray there can still miss, and at each end a fate.
-//! Every ray is decided by its own tests; only tests that no entry point of a node can fail are left out, and what
-//! can be known for a whole direction (normals, lines, maps) is computed once.
+//! All rays of a direction share their direction of travel, also after any given sequence of
+//! facets. Unfolded at the facets, the line of a ray is then an affine function of its entry point,
+//! and "does it pass this edge on the inner side" is the sign of one. A [`Program`] is the tree of
+//! all sequences that can happen, flattened: at each node the facets ahead, front to back, each
+//! with the edges that a ray there can still miss, and at each end a fate. Every ray is decided by
+//! its own tests; only tests that no entry point of a node can fail are left out, and what can be
+//! known for a whole direction (normals, lines, maps) is computed once.
 //!
-//! Which tests can fail is found by cutting the entrance along the tests. A facet that takes all that is left of a
-//! node gets no test at all, so a ray through a shared edge or an apex goes to one facet or the other, never between.
+//! Which tests can fail is found by cutting the entrance along the tests. A facet that takes all
+//! that is left of a node gets no test at all, so a ray through a shared edge or an apex goes to
+//! one facet or the other, never between.
 //!
-//! Cells that do not fit (periodic, many facets, facets that pierce each other or hide each other in a circle) have
-//! no program and are traced facet by facet: `Program::new` returns `None`.
+//! Cells that do not fit (periodic, many facets, facets that pierce each other or hide each other
+//! in a circle) have no program and are traced facet by facet: `Program::new` returns `None`.
 
 use crate::cell::PROGRAM_FACETS;
 use crate::optics::{
@@ -93,7 +95,8 @@ pub(crate) enum End {
     Shift(usize),
 }
 
-/// Takes, of the rays left at `from`, those that pass all its tests; they are left at `from + 1` where they go on.
+/// Takes, of the rays left at `from`, those that pass all its tests; they are left at `from + 1`
+/// where they go on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Step {
     /// Depth in the tree.
@@ -116,8 +119,8 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// The program for rays along `direction` that enter in the convex parts `entry`, or `None` where the cell does
-    /// not fit.
+    /// The program for rays along `direction` that enter in the convex parts `entry`, or `None`
+    /// where the cell does not fit.
     pub(crate) fn new(
         scene: &Scene,
         entry: Vec<Vec<DVec2>>,
@@ -206,7 +209,8 @@ impl Excerpt {
     }
 }
 
-/// The line of a ray, unfolded: position = `map` (p.x, p.y, height) + `offset` + distance x `direction`.
+/// The line of a ray, unfolded: position = `map` (p.x, p.y, height) + `offset` + distance x
+/// `direction`.
 struct UnfoldedRay {
     direction: DVec3,
     /// Linear map of the reflections so far.
@@ -228,9 +232,9 @@ impl UnfoldedRay {
         }
     }
 
-    /// How far the line passes the edge from `a` to `b`, seen along the ray, edge lengths: positive on the left,
-    /// where the inside of a facet is whose corners run counter-clockwise as the ray sees them. Exactly opposite for
-    /// the edge from `b` to `a`. `None` for an edge seen end-on.
+    /// How far the line passes the edge from `a` to `b`, seen along the ray, edge lengths: positive
+    /// on the left, where the inside of a facet is whose corners run counter-clockwise as the ray
+    /// sees them. Exactly opposite for the edge from `b` to `a`. `None` for an edge seen end-on.
     fn beside(&self, a: DVec3, b: DVec3, height: f64) -> Option<Affine> {
         let swapped = a.to_array() > b.to_array();
         let (low, high) = if swapped { (b, a) } else { (a, b) };
@@ -277,7 +281,8 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds the steps of the rays that enter in `region` and are now on `line` after `bounces` reflections.
+    /// Adds the steps of the rays that enter in `region` and are now on `line` after `bounces`
+    /// reflections.
     fn node(&mut self, line: &UnfoldedRay, bounces: usize, region: Region) -> Option<()> {
         let mut ahead = self.ahead(line, &region)?;
         let mut left = region;
@@ -292,7 +297,8 @@ impl Builder<'_> {
             } else {
                 needed(&left, &next.tests)
             };
-            // A step without a test takes all rays: what is outside then is a strip no wider than rounding.
+            // A step without a test takes all rays: what is outside then is a strip no wider than
+            // rounding.
             left = if tests.is_empty() {
                 Vec::new()
             } else {
@@ -400,7 +406,8 @@ impl Builder<'_> {
     fn map(&mut self, line: &UnfoldedRay) -> usize {
         let height = self.scene.height();
         let d = line.direction;
-        // At distance t = (height - z) / d.z the ray is back on the entrance plane: p' = xy + t d.xy.
+        // At distance t = (height - z) / d.z the ray is back on the entrance plane: p' = xy + t
+        // d.xy.
         let exit = |axis: DVec2| {
             let inward = axis.extend(-axis.dot(d.truncate()) / d.z);
             let position = line.along(inward, height);
@@ -429,7 +436,8 @@ impl Builder<'_> {
     }
 }
 
-/// The facet that no other one hides anywhere. `None` where two pierce each other or all hide each other in a circle.
+/// The facet that no other one hides anywhere. `None` where two pierce each other or all hide each
+/// other in a circle.
 fn foremost(ahead: &[FacetAhead]) -> Option<usize> {
     let mut candidate = None;
     for (i, front) in ahead.iter().enumerate() {
@@ -484,7 +492,8 @@ fn needed(region: &Region, tests: &[Affine]) -> Vec<Affine> {
     kept
 }
 
-/// Least and greatest value of `function` over the corners of `region`; (inf, -inf) for an empty one.
+/// Least and greatest value of `function` over the corners of `region`; (inf, -inf) for an empty
+/// one.
 fn extent(region: &Region, function: &Affine) -> (f64, f64) {
     region
         .iter()

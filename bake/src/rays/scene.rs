@@ -1,8 +1,10 @@
-//! All facets of a cell, ready to be hit: the nearest facet of a ray, across cell walls where the cell is periodic.
+//! All facets of a cell, ready to be hit: the nearest facet of a ray, across cell walls where the
+//! cell is periodic.
 //!
-//! A periodic cell is walked prism by prism. The list of facets holds every copy that overlaps the prism over the
-//! lattice parallelogram, so a ray needs that one list, seen from the prism that it is in. A prism is an exact pair
-//! of integers: no ray is pushed over a wall by an epsilon, and none is lost at one.
+//! A periodic cell is walked prism by prism. The list of facets holds every copy that overlaps the
+//! prism over the lattice parallelogram, so a ray needs that one list, seen from the prism that it
+//! is in. A prism is an exact pair of integers: no ray is pushed over a wall by an epsilon, and
+//! none is lost at one.
 
 use crate::cell::SMALL;
 use crate::optics::{Ray, Triangle, triangle};
@@ -11,12 +13,12 @@ use crate::rays::nearest::Nearest;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};
 
-/// From this number of facets on they do not fit in the caches near a processor (2 MB), so that neighbours are traced after each
-/// other.
+/// From this number of facets on they do not fit in the caches near a processor (2 MB), so that
+/// neighbours are traced after each other.
 const LARGE: usize = 1 << 14;
 
-/// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray along a groove
-/// would never stop.
+/// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray
+/// along a groove would never stop.
 const PRISM_LIMIT: u32 = 1_000_000;
 
 /// The facets of a cell, indexed for speed.
@@ -33,7 +35,8 @@ pub(crate) struct Scene {
     height: f64,
     /// Height of the lowest corner.
     bottom: f64,
-    /// Greatest distance of an origin in the cell from any corner, edge lengths: the scale of rounding errors.
+    /// Greatest distance of an origin in the cell from any corner, edge lengths: the scale of
+    /// rounding errors.
     reach: f64,
 }
 
@@ -68,7 +71,8 @@ pub(crate) enum Event {
     Hit {
         /// Distance from the ray's origin, edge lengths.
         distance: f64,
-        /// The hit in the prism of the first cell, with the error bound of its position; direction as before.
+        /// The hit in the prism of the first cell, with the error bound of its position; direction
+        /// as before.
         arrival: Ray,
         /// Unit normal about which light is reflected, within 90 degrees of `front_normal`.
         normal: DVec3,
@@ -94,7 +98,8 @@ impl Scene {
         Scene::with(&cell.facets, normals, &cell.glass, &cell.entrance, index)
     }
 
-    /// The scene of planar `facets` under `entrance`. Facets of zero area are left out: no ray can meet them.
+    /// The scene of planar `facets` under `entrance`. Facets of zero area are left out: no ray can
+    /// meet them.
     pub(crate) fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
         Scene::with(facets, None, &[], entrance, index)
     }
@@ -276,8 +281,8 @@ impl Scene {
                 }
             };
             let axis = usize::from(exit(1) < exit(0));
-            // A facet that overlaps the wall is in both lists, so a hit at the wall, give or take rounding, is found
-            // from one prism or the other.
+            // A facet that overlaps the wall is in both lists, so a hit at the wall, give or take
+            // rounding, is found from one prism or the other.
             let limit = exit(axis).max(0.0) * (1.0 + 1e-12) + 1e-12;
             let local = Ray {
                 origin: ray.origin - walls.displacement(prism).extend(0.0),
@@ -346,7 +351,8 @@ impl Walls {
         self.lattice[0] * f64::from(prism[0]) + self.lattice[1] * f64::from(prism[1])
     }
 
-    /// Every copy of `own` that overlaps the prism of the parallelogram, walls included, and of which it is one.
+    /// Every copy of `own` that overlaps the prism of the parallelogram, walls included, and of
+    /// which it is one.
     fn copies(&self, own: &[Triangle]) -> Vec<(Triangle, usize)> {
         let mut copies = Vec::new();
         for (number, facet) in own.iter().enumerate() {
@@ -376,8 +382,8 @@ impl Walls {
 /// How near to a wall a facet must come to be in both lists, lattice coordinates.
 const WALL: f64 = 1e-9;
 
-/// Whether a triangle in lattice coordinates overlaps [0, 1]^2: no edge of it separates the two (its bounding box
-/// does not, where this is called).
+/// Whether a triangle in lattice coordinates overlaps [0, 1]^2: no edge of it separates the two
+/// (its bounding box does not, where this is called).
 fn overlaps_unit_square(corners: [DVec2; 3]) -> bool {
     let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
     (0..3).all(|i| {

@@ -1,8 +1,8 @@
-//! The fence: the one file with unsafe code. It compiles [`crate::rays::lanes`] and [`crate::rays::packet`] once per instruction set
-//! and calls the best that the processor has.
+//! The fence: the one file with unsafe code. It compiles [`crate::rays::lanes`] and
+//! [`crate::rays::packet`] once per instruction set and calls the best that the processor has.
 //!
-//! The only unsafe act is calling a function that was compiled for an instruction set; an [`InstructionSet`] is only
-//! made after the processor was asked for it.
+//! The only unsafe act is calling a function that was compiled for an instruction set; an
+//! [`InstructionSet`] is only made after the processor was asked for it.
 #![allow(
     unsafe_code,
     reason = "a function compiled for an instruction set may be called only where it is present"

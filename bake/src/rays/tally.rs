@@ -11,7 +11,8 @@ use tables::{Fate, Table};
 /// Counts of one run of rays of one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Tally {
-    /// Rays by bin, v slow, u fast, and then [`LANES`] slots for the fast kernel's rays that fall in no bin.
+    /// Rays by bin, v slow, u fast, and then [`LANES`] slots for the fast kernel's rays that fall
+    /// in no bin.
     pub histogram: Vec<u32>,
     /// Rays by fate, in the order of [`Fate::ALL`].
     pub fates: [u64; Fate::ALL.len()],
@@ -149,12 +150,14 @@ impl Sums {
         self.fates.iter().map(|fates| fates[fate as usize]).sum()
     }
 
-    /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a normal variable with
-    /// the bin's standard error, sqrt(2/pi) sigma. With one randomisation sigma is binomial; with R of them it is
-    /// their standard deviation s over sqrt R. (R - 1) s^2 / sigma^2 is chi-squared with R - 1 degrees of freedom, so
-    /// the mean of s is c4 sigma (`mean_deviation`), and every s is divided by c4.
+    /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a
+    /// normal variable with the bin's standard error, sqrt(2/pi) sigma. With one randomisation
+    /// sigma is binomial; with R of them it is their standard deviation s over sqrt R. (R - 1) s^2
+    /// / sigma^2 is chi-squared with R - 1 degrees of freedom, so the mean of s is c4 sigma
+    /// (`mean_deviation`), and every s is divided by c4.
     ///
-    /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less than one ray.
+    /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less
+    /// than one ray.
     pub(crate) fn l1_error(&self) -> f64 {
         let runs = self.launched.len();
         let size = self.counts.len() / runs.max(1);
@@ -181,8 +184,8 @@ impl Sums {
     }
 }
 
-/// c4: the mean of the standard deviation of `samples` normal values (n - 1 in its denominator), as a part of the true
-/// one; 1 for a single sample, which has none. 0.921 for 4, 0.983 for 16.
+/// c4: the mean of the standard deviation of `samples` normal values (n - 1 in its denominator), as
+/// a part of the true one; 1 for a single sample, which has none. 0.921 for 4, 0.983 for 16.
 fn mean_deviation(samples: usize) -> f64 {
     if samples < 2 {
         return 1.0;

@@ -11,7 +11,8 @@ use tables::options::{Method, Record, SceneOptions};
 use tables::{Provenance, Table};
 
 impl Bake<'_> {
-    /// The table by the exact method. Whatever is asked of rays (number, tolerance, sampler, seed) has no part in the table.
+    /// The table by the exact method. Whatever is asked of rays (number, tolerance, sampler, seed)
+    /// has no part in the table.
     ///
     /// # Errors
     /// [`RunError::Threads`], [`RunError::Stopped`].

@@ -1,4 +1,5 @@
-//! Two tables, direction by direction: by how much they differ, and whether their errors explain it.
+//! Two tables, direction by direction: by how much they differ, and whether their errors explain
+//! it.
 
 use tables::Table;
 
@@ -55,11 +56,12 @@ impl Comparison {
             let (pa, pb) = (a.probability(i, j), b.probability(i, j));
             let difference = (&pa - &pb).mapv(f64::abs);
             let gap = (eta - b.retroreflected[[i, j]]).abs();
-            // Random counts: a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on average. A
-            // low-discrepancy sequence stays below.
+            // Random counts: a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on
+            // average. A low-discrepancy sequence stays below.
             let share = |rays: u64| if rays == 0 { 0.0 } else { 1.0 / rays as f64 };
             let per_ray = share(a.rays[[i, j]]) + share(b.rays[[i, j]]);
-            // Where all rays or none came back the standard error is 0, but the fraction is known to one ray only.
+            // Where all rays or none came back the standard error is 0, but the fraction is known
+            // to one ray only.
             let error = a.standard_error[[i, j]]
                 .hypot(b.standard_error[[i, j]])
                 .max(per_ray);
@@ -79,15 +81,16 @@ impl Comparison {
         }
     }
 
-    /// Whether every direction agrees: the fractions within 4 standard errors, the histograms within 1.5 times the
-    /// mean counting noise (or to 1e-9, where there is none).
+    /// Whether every direction agrees: the fractions within 4 standard errors, the histograms
+    /// within 1.5 times the mean counting noise (or to 1e-9, where there is none).
     pub fn agrees(&self) -> bool {
         self.rows.iter().all(Row::agrees)
     }
 }
 
 impl Row {
-    /// Whether the fractions are within 4 standard errors and the histograms within 1.5 times the mean counting noise.
+    /// Whether the fractions are within 4 standard errors and the histograms within 1.5 times the
+    /// mean counting noise.
     pub fn agrees(&self) -> bool {
         self.sigmas <= SIGMAS && self.l1 <= 1.5 * self.noise + 1e-9
     }

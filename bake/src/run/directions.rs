@@ -1,9 +1,10 @@
 //! Directions chosen so that a table says what lies between them to a tolerance.
 //!
-//! The distance of two distributions is the total variation of eta x histogram. Beginning with the ends of the angles asked
-//! for, the gaps between incidences and between azimuths are halved where the table, asked for the middle, is further than
-//! the tolerance from what the exact method finds there; at last at random directions too. So the directions lie close
-//! where paths end or lose a corner, and far apart elsewhere.
+//! The distance of two distributions is the total variation of eta x histogram. Beginning with the
+//! ends of the angles asked for, the gaps between incidences and between azimuths are halved where
+//! the table, asked for the middle, is further than the tolerance from what the exact method finds
+//! there; at last at random directions too. So the directions lie close where paths end or lose a
+//! corner, and far apart elsewhere.
 
 use crate::beams::exact;
 use crate::cell::ExactCell;
@@ -23,8 +24,8 @@ const AIM: f64 = 0.8;
 /// Random directions that are tried at last.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Directions at most. A distribution that jumps, as where total reflection ends, asks for any number of them; a pair of ideal
-/// cubes takes 6 for a tolerance of 0.005.
+/// Directions at most. A distribution that jumps, as where total reflection ends, asks for any
+/// number of them; a pair of ideal cubes takes 6 for a tolerance of 0.005.
 const MOST_DIRECTIONS: usize = 1000;
 
 /// The axes of `bake` with directions chosen for `tolerance`, by what the exact method finds.
@@ -199,7 +200,8 @@ impl Search<'_> {
         0.5 * (bins.sum::<f64>() + (outside - truth.fate[Fate::OutOfRange as usize]).abs())
     }
 
-    /// Halves the gaps with errors above the tolerance, the worst half of them at a time, so that one may do for many.
+    /// Halves the gaps with errors above the tolerance, the worst half of them at a time, so that
+    /// one may do for many.
     fn halve(&mut self, found: &[(f64, Probe)]) -> Result<(), RunError> {
         let azimuths = self.azimuth_ends();
         let mut errors = [
@@ -216,7 +218,8 @@ impl Search<'_> {
                 _ => {}
             }
         }
-        // Of two gaps the one is to blame that is worse by itself; without a difference, the wider one.
+        // Of two gaps the one is to blame that is worse by itself; without a difference, the wider
+        // one.
         let sides = errors.clone();
         for (error, probe) in found.iter().filter(|(error, _)| *error > self.aim) {
             let (Some(along), Some(across)) = (probe.along, probe.across) else {

@@ -15,25 +15,30 @@ pub enum RunError {
     Exact(#[from] ExactError),
     /// Something else was saved.
     #[error(
-        "the bake that was saved is another one (its mesh, directions or options differ); repeat the options that it began with, or leave out --resume"
+        "the bake that was saved is another one (its mesh, directions or options differ); repeat \
+        the options that it began with, or leave out --resume"
     )]
     Saved,
     /// A share of what has no samples.
     #[error(
-        "--shard: the exact method takes this cell and traces no rays to share out; leave out --shard, or give --method \
+        "--shard: the exact method takes this cell and traces no rays to share out; leave out \
+        --shard, or give --method \
          rays"
     )]
     ShardOfExact,
     /// Directions are chosen by what the exact method finds.
     #[error(
-        "--direction-tolerance: {0}, and only exact tables are interpolated to a tolerance; give --incidence and --azimuth \
+        "--direction-tolerance: {0}, and only exact tables are interpolated to a tolerance; give \
+        --incidence and --azimuth \
          as lists instead"
     )]
     DirectionsOfRays(#[source] ExactError),
     /// The distribution jumps.
     #[error(
-        "--direction-tolerance: with {directions} directions the table is still {reached:.2e} off at incidence {incidence_deg} deg, \
-         azimuth {azimuth_deg} deg, as where total reflection ends or slits of a plate change places; leave such angles out, or give a tolerance above that"
+        "--direction-tolerance: with {directions} directions the table is still {reached:.2e} off \
+        at incidence {incidence_deg} deg, \
+         azimuth {azimuth_deg} deg, as where total reflection ends or slits of a plate change \
+         places; leave such angles out, or give a tolerance above that"
     )]
     DirectionTolerance {
         /// Incidence of the worst direction, degrees.
@@ -47,7 +52,8 @@ pub enum RunError {
     },
     /// Exit directions of too many rays.
     #[error(
-        "the exit directions of {directions} directions of incidence take more than 1 GiB; give fewer --incidence, --azimuth or \
+        "the exit directions of {directions} directions of incidence take more than 1 GiB; give \
+        fewer --incidence, --azimuth or \
          --rays, a wider --deviations MRAD for coarser bins, or --deviations off"
     )]
     Exits {
@@ -56,7 +62,8 @@ pub enum RunError {
     },
     /// The tolerance is out of reach.
     #[error(
-        "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is still {reached:.2e} \
+        "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is \
+        still {reached:.2e} \
          after {rays} rays; give a --tolerance above that, or fewer --bins"
     )]
     Tolerance {

@@ -71,7 +71,8 @@ pub(crate) struct Stated {
     pub scene: SceneOptions,
 }
 
-/// The options of a table; `None` where it names a back, losses or options that this program does not know.
+/// The options of a table; `None` where it names a back, losses or options that this program does
+/// not know.
 pub(crate) fn stated(from: &Provenance) -> Option<Stated> {
     let back = from.back.known()?;
     let reflectance = from.reflectance;

@@ -1,10 +1,12 @@
 //! The processes that share one bake: this one alone, or the ranks of MPI (feature `mpi`).
 //!
-//! Every rank makes the same steps: it traces its part of the samples, and now and then the integer counts of all are
-//! added up in rank 0, which alone reads what was saved, prints and writes. What depends on time or on sums (when to save,
-//! which directions are still open) rank 0 decides for all.
+//! Every rank makes the same steps: it traces its part of the samples, and now and then the integer
+//! counts of all are added up in rank 0, which alone reads what was saved, prints and writes. What
+//! depends on time or on sums (when to save, which directions are still open) rank 0 decides for
+//! all.
 
-/// The processes of one bake, seen from one of them. What is called here all must call, in the same order.
+/// The processes of one bake, seen from one of them. What is called here all must call, in the same
+/// order.
 pub(crate) trait Ranks {
     /// Number of this process, from 0.
     fn number(&self) -> usize;

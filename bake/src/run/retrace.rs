@@ -29,8 +29,9 @@ pub enum RetraceError {
     Run(#[from] RunError),
 }
 
-/// Traces `rays` rays at some directions of `table` through the cell, chosen by `seed`, and compares them with it. Whatever
-/// the table was baked by, these rays are independent random points, whose counting error is known.
+/// Traces `rays` rays at some directions of `table` through the cell, chosen by `seed`, and
+/// compares them with it. Whatever the table was baked by, these rays are independent random
+/// points, whose counting error is known.
 ///
 /// # Errors
 /// [`RetraceError`].

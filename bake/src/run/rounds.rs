@@ -1,4 +1,5 @@
-//! The steps of a bake by rays, which all ranks make together: steps between two saves, rounds towards a tolerance.
+//! The steps of a bake by rays, which all ranks make together: steps between two saves, rounds
+//! towards a tolerance.
 
 use crate::plan::{RAYS_PER_RANDOMISATION, Shard};
 use crate::rays::{Kernel, Sums, lanes};
@@ -18,7 +19,8 @@ const FIRST_ROUND: u64 = 1 << 12;
 /// The same of the first step of a bake that is saved, where samples are sorted by piece.
 const LONG_STEP: u64 = 1 << 18;
 
-/// Programs in memory at a time, about 3 kB each: the directions of a sheet of many kinds are traced in turn.
+/// Programs in memory at a time, about 3 kB each: the directions of a sheet of many kinds are
+/// traced in turn.
 const PROGRAMS: usize = 1 << 14;
 
 /// The only share of a bake that is not split.
@@ -34,7 +36,8 @@ fn gather(all: &[DirectionSums], named: &[usize], ranks: &dyn Ranks) {
     }
 }
 
-/// Adds up in rank 0 what the ranks have traced, which are lists of different lengths; elsewhere they are empty afterwards.
+/// Adds up in rank 0 what the ranks have traced, which are lists of different lengths; elsewhere
+/// they are empty afterwards.
 fn gather_exits(entries: &mut Vec<Entry>, ranks: &dyn Ranks) {
     if ranks.count() == 1 {
         return;
@@ -108,7 +111,8 @@ impl Pace {
     }
 }
 
-/// The runs that come next, with up to `step` samples of each randomisation, cut to what is best traced in one piece.
+/// The runs that come next, with up to `step` samples of each randomisation, cut to what is best
+/// traced in one piece.
 fn next<'a>(
     kernels: &'a [(&DirectionSums, Kernel)],
     share: &dyn Fn(usize) -> Range<u64>,
@@ -216,7 +220,8 @@ impl Rounds<'_, '_> {
                 });
             }
             self.run(&open, &|_| 0..samples)?;
-            // A direction of a bake that goes on may be past this round, which then did not close it.
+            // A direction of a bake that goes on may be past this round, which then did not close
+            // it.
             let Work {
                 directions, pool, ..
             } = &self.work;
@@ -237,12 +242,13 @@ impl Rounds<'_, '_> {
         Ok(())
     }
 
-    /// Traces the samples `share(randomisation)` of every randomisation of the directions named, less those that are
-    /// done: the sums of a randomisation always hold the first samples of its share.
+    /// Traces the samples `share(randomisation)` of every randomisation of the directions named,
+    /// less those that are done: the sums of a randomisation always hold the first samples of its
+    /// share.
     ///
-    /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short enough to be saved in
-    /// time. Through a large scene rays are the faster the more of them go side by side: there whole runs are traced, some at
-    /// a time, one direction after the other.
+    /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short
+    /// enough to be saved in time. Through a large scene rays are the faster the more of them go
+    /// side by side: there whole runs are traced, some at a time, one direction after the other.
     fn run(
         &mut self,
         directions: &[usize],

@@ -14,8 +14,8 @@ pub(crate) struct Launched {
 }
 
 impl Launched {
-    /// Names of the variables for the rank and the number of ranks: those of Open MPI, then those of MPICH, Intel MPI and
-    /// Slurm's own launcher.
+    /// Names of the variables for the rank and the number of ranks: those of Open MPI, then those
+    /// of MPICH, Intel MPI and Slurm's own launcher.
     const VARIABLES: [(&str, &str); 2] = [
         ("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
         ("PMI_RANK", "PMI_SIZE"),
@@ -31,8 +31,8 @@ impl Launched {
     }
 }
 
-/// The ranks that this process was started among; itself alone where it was started by hand, or without the feature
-/// `mpi`.
+/// The ranks that this process was started among; itself alone where it was started by hand, or
+/// without the feature `mpi`.
 pub(crate) fn start(launched: Option<Launched>) -> Box<dyn Ranks> {
     #[cfg(feature = "mpi")]
     if let Some(world) = launched.and_then(|_| World::start()) {

@@ -14,8 +14,8 @@ use crate::run::work::Work;
 use tables::Table;
 use tables::options::Method;
 
-/// Bakes a cell as planned, by the method that the plan names; `auto` is the exact method where it takes the cell, else
-/// rays. The table is the same, byte for byte, whatever the number of threads.
+/// Bakes a cell as planned, by the method that the plan names; `auto` is the exact method where it
+/// takes the cell, else rays. The table is the same, byte for byte, whatever the number of threads.
 ///
 /// # Errors
 /// [`RunError`]: the method does not take the cell, no threads, a tolerance out of reach, or `watch` stopped it.
@@ -27,8 +27,9 @@ impl<'a> Bake<'a> {
     /// Decides on method and directions; to choose these for a tolerance may take minutes.
     ///
     /// # Errors
-    /// [`RunError::Exact`] where the plan insists on the exact method and it does not take the cell;
-    /// [`RunError::ShardOfExact`], [`RunError::DirectionsOfRays`], [`RunError::DirectionTolerance`].
+    /// [`RunError::Exact`] where the plan insists on the exact method and it does not take the
+    /// cell; [`RunError::ShardOfExact`], [`RunError::DirectionsOfRays`],
+    /// [`RunError::DirectionTolerance`].
     pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, RunError> {
         let (axes, symmetry) = plan.folded(prepared);
         let exact = plan.exact_cell(prepared);
@@ -65,12 +66,14 @@ impl<'a> Bake<'a> {
         }
     }
 
-    /// The table, its work shared by `ranks`, from where an interrupted bake was saved, and saved in its turn. Rank 0 gets the
-    /// table, the same as that of one process; the exact method is too short to be shared, and its alone.
+    /// The table, its work shared by `ranks`, from where an interrupted bake was saved, and saved
+    /// in its turn. Rank 0 gets the table, the same as that of one process; the exact method is too
+    /// short to be shared, and its alone.
     ///
     /// # Errors
-    /// As [`Bake::table`], and [`RunError::Saved`] where what was saved is of another bake: all in rank 0, but
-    /// [`RunError::Threads`] where it happens. The other ranks then wait for it, so that who fails must end them.
+    /// As [`Bake::table`], and [`RunError::Saved`] where what was saved is of another bake: all in
+    /// rank 0, but [`RunError::Threads`] where it happens. The other ranks then wait for it, so
+    /// that who fails must end them.
     pub(crate) fn table_from(
         &self,
         watch: Watch<'_>,

@@ -17,12 +17,14 @@ impl Watch<'static> {
 }
 
 impl<'a> Watch<'a> {
-    /// `told` is called, from any thread, with the number of rays that were done since its last call.
+    /// `told` is called, from any thread, with the number of rays that were done since its last
+    /// call.
     pub fn new(told: &'a (dyn Fn(u64) + Sync)) -> Self {
         Watch { told, stop: None }
     }
 
-    /// Ends the bake with [`crate::run::error::RunError::Stopped`] soon after `stop` was set, from any thread.
+    /// Ends the bake with [`crate::run::error::RunError::Stopped`] soon after `stop` was set, from
+    /// any thread.
     pub fn stopped_by(self, stop: &'a AtomicBool) -> Self {
         let stop = Some(stop);
         Watch { stop, ..self }

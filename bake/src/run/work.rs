@@ -1,5 +1,5 @@
-//! Rays under way: runs over all threads, and their sums. These are of integers, so that neither threads nor ranks show in
-//! them.
+//! Rays under way: runs over all threads, and their sums. These are of integers, so that neither
+//! threads nor ranks show in them.
 
 use crate::rays::{Bins, Index, Kernel, Sheet, Sums, Tally};
 use crate::run::bake::Bake;
@@ -45,8 +45,8 @@ pub(crate) struct DirectionSums {
     pub azimuth_deg: f64,
     /// Samples of each randomisation.
     pub streams: Vec<Stream>,
-    /// Rays launched are those of all ranks; counts and fates are their sums in rank 0 after they were gathered, and
-    /// until then what each traced since.
+    /// Rays launched are those of all ranks; counts and fates are their sums in rank 0 after they
+    /// were gathered, and until then what each traced since.
     sums: Mutex<Sums>,
 }
 

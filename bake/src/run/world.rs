@@ -16,7 +16,8 @@ pub struct World {
 }
 
 impl World {
-    /// Joins them; `None` if this process has joined before. MPI is spoken by the thread that calls this, and no other.
+    /// Joins them; `None` if this process has joined before. MPI is spoken by the thread that calls
+    /// this, and no other.
     pub fn start() -> Option<Self> {
         let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
         Some(World {

@@ -6,10 +6,11 @@ use meshes::Entrance;
 
 /// The entrance, cut so that a point of the square maps onto it uniformly.
 ///
-/// Coordinates of the square are centred: (c0, c1) in (-1/2, 1/2)^2. A triangle is half of a parallelogram, and the
-/// other half is folded onto it along the diagonal: unlike the usual square-root map this is affine piece by piece,
-/// which the fast kernel needs, and it is continuous, which keeps the gain of a low-discrepancy sequence (turning the
-/// other half about the centre instead: 15 times the error of a mean at 65,536 points).
+/// Coordinates of the square are centred: (c0, c1) in (-1/2, 1/2)^2. A triangle is half of a
+/// parallelogram, and the other half is folded onto it along the diagonal: unlike the usual
+/// square-root map this is affine piece by piece, which the fast kernel needs, and it is
+/// continuous, which keeps the gain of a low-discrepancy sequence (turning the other half about the
+/// centre instead: 15 times the error of a mean at 65,536 points).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Launch {
     /// Pieces of the entrance.
@@ -133,7 +134,8 @@ impl Launch {
 
     /// The scene that the ray of sample `index` of `stream` enters, and where.
     ///
-    /// The first coordinate chooses the piece by area, and what is left of it is stretched over the piece.
+    /// The first coordinate chooses the piece by area, and what is left of it is stretched over the
+    /// piece.
     #[inline]
     pub(crate) fn entry(&self, stream: &Stream, index: u64) -> (usize, DVec2) {
         let [x, y] = stream.pair(index);
@@ -147,7 +149,8 @@ impl Launch {
         (piece.scene, piece.point(piece.stretched(c0), c1))
     }
 
-    /// Where an azimuth between 0 and 2 pi lies that is the third coordinate of sample `index`, rad.
+    /// Where an azimuth between 0 and 2 pi lies that is the third coordinate of sample `index`,
+    /// rad.
     #[inline]
     pub(crate) fn azimuth_rad(&self, stream: &Stream, index: u64) -> f64 {
         (centred(stream.third(index)) + 0.5) * std::f64::consts::TAU
@@ -186,7 +189,8 @@ const WHOLE: Piece = Piece {
 };
 
 fn folded([a, b, c]: [DVec2; 3]) -> Piece {
-    // The half c0 + c1 <= 0 of the parallelogram a, b, ., c about the middle of b and c is the triangle.
+    // The half c0 + c1 <= 0 of the parallelogram a, b, ., c about the middle of b and c is the
+    // triangle.
     Piece {
         centre: (b + c) / 2.0,
         sides: [b - a, c - a],
@@ -229,9 +233,9 @@ mod tests {
     use super::*;
     use tables::options::Sampler;
 
-    /// Mean and second moments of 2^16 points against those of the polygon. Scrambled Sobol points: the error of a mean
-    /// falls as N^-1 or faster for the continuous map of one piece (2^-16 = 1.5e-5), as N^-3/4 (2.4e-4) where it jumps
-    /// between pieces.
+    /// Mean and second moments of 2^16 points against those of the polygon. Scrambled Sobol points:
+    /// the error of a mean falls as N^-1 or faster for the continuous map of one piece (2^-16 =
+    /// 1.5e-5), as N^-3/4 (2.4e-4) where it jumps between pieces.
     fn moments(polygon: Vec<DVec2>, mean: DVec2, xx: f64, tolerance: f64) {
         let launch = Launch::new(&Entrance {
             height: 0.5,

@@ -1,12 +1,15 @@
-//! Points of the unit square as pure functions of (stream, index): plain random and low-discrepancy.
+//! Points of the unit square as pure functions of (stream, index): plain random and
+//! low-discrepancy.
 //!
-//! A **stream** is one independent randomisation for one direction. Coordinates are 32-bit integers, read as the
-//! centres of 2^32 equal cells, so that no sample falls on the end of the interval and means have no bias.
+//! A **stream** is one independent randomisation for one direction. Coordinates are 32-bit
+//! integers, read as the centres of 2^32 equal cells, so that no sample falls on the end of the
+//! interval and means have no bias.
 //!
-//! - random: Philox2x32-10 (Salmon et al. 2011), a counter-based generator: any index costs the same;
-//! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008), Owen-scrambled by the hash of Laine
-//!   and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points from a multiple of 2^k on are a
-//!   (0, k, 2)-net in the first two dimensions.
+//! - random: Philox2x32-10 (Salmon et al. 2011), a counter-based generator: any index costs the
+//!   same;
+//! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008), Owen-scrambled by
+//!   the hash of Laine and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points
+//!   from a multiple of 2^k on are a (0, k, 2)-net in the first two dimensions.
 
 use tables::options::Sampler;
 /// One independent randomisation of the samples of one direction.
@@ -21,8 +24,8 @@ pub(crate) struct Stream {
 impl Stream {
     /// Stream number `randomisation` of the direction given by its angles in degrees, for `seed`.
     ///
-    /// It depends on the angles themselves, not on their place in a list: a direction has the same samples in
-    /// every table that names it.
+    /// It depends on the angles themselves, not on their place in a list: a direction has the same
+    /// samples in every table that names it.
     pub(crate) fn new(
         sampler: Sampler,
         seed: u64,
@@ -91,14 +94,15 @@ impl Stream {
         }
     }
 
-    /// Two random numbers for reflection number `bounce`, below 64, of ray `index`, below 2^48, whatever the sampler: its counter
-    /// has their own bits for the number.
+    /// Two random numbers for reflection number `bounce`, below 64, of ray `index`, below 2^48,
+    /// whatever the sampler: its counter has their own bits for the number.
     pub(crate) fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 2] {
         let [low, high] = self.counter(index);
         philox_one([low, high ^ ((bounce + 1) << 24)], self.keys[0])
     }
 
-    /// Two more random numbers for point `index`: the top bit of the counter is free (an index stays below 2^62).
+    /// Two more random numbers for point `index`: the top bit of the counter is free (an index
+    /// stays below 2^62).
     #[inline]
     fn second_block(&self, index: u64) -> [u32; 2] {
         let [low, high] = self.counter(index);
@@ -152,8 +156,8 @@ pub(crate) fn scramble(reversed: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Second dimension of the Sobol sequence, lowest bit first: the Pascal matrix modulo 2, which is a Kronecker power,
-/// so five steps stand for 32 columns.
+/// Second dimension of the Sobol sequence, lowest bit first: the Pascal matrix modulo 2, which is a
+/// Kronecker power, so five steps stand for 32 columns.
 #[inline(always)]
 pub(crate) fn pascal(index: u32) -> u32 {
     let mut x = index;
@@ -241,8 +245,8 @@ mod tests {
         }
     }
 
-    /// Every elementary box of area 2^-10 holds exactly one of 1024 consecutive points: a (0, 10, 2)-net, which
-    /// Owen scrambling must keep.
+    /// Every elementary box of area 2^-10 holds exactly one of 1024 consecutive points: a (0, 10,
+    /// 2)-net, which Owen scrambling must keep.
     #[test]
     fn scrambled_sobol_is_a_net() {
         let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);

@@ -8,7 +8,8 @@ pub(crate) fn estimates(table: &Table) -> Vec<f64> {
     Sums::of_table(table).iter().map(Sums::l1_error).collect()
 }
 
-/// Returned rays per bin met, in one randomisation; the least over directions, infinite where nothing returns.
+/// Returned rays per bin met, in one randomisation; the least over directions, infinite where
+/// nothing returns.
 pub(crate) fn density(table: &Table) -> f64 {
     let of = |sums: &Sums| {
         let randomisations = sums.launched.len().max(1);

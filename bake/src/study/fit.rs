@@ -20,7 +20,8 @@ impl Slope {
     }
 }
 
-/// Least squares of log y on log x; `None` for fewer than two different x. All numbers must be positive.
+/// Least squares of log y on log x; `None` for fewer than two different x. All numbers must be
+/// positive.
 pub(crate) fn slope(points: &[[f64; 2]]) -> Option<Slope> {
     let n = points.len() as f64;
     let logs = || points.iter().map(|point| point.map(f64::ln));
@@ -66,7 +67,8 @@ impl Reached {
     }
 }
 
-/// Where the points (seconds, error) first fall to `target`, linear between neighbours on logarithmic axes.
+/// Where the points (seconds, error) first fall to `target`, linear between neighbours on
+/// logarithmic axes.
 pub(crate) fn reached(points: &[[f64; 2]], target: f64) -> Reached {
     let Some(below) = points.iter().position(|&[_, error]| error <= target) else {
         return Reached::Never;
@@ -84,7 +86,8 @@ pub(crate) fn reached(points: &[[f64; 2]], target: f64) -> Reached {
     Reached::At(before * (seconds / before).powf(part))
 }
 
-/// The median; the mean of the two in the middle for an even number. Reorders; not a number for none.
+/// The median; the mean of the two in the middle for an even number. Reorders; not a number for
+/// none.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();
@@ -115,8 +118,8 @@ mod tests {
         assert_eq!(slope(&[]), None);
     }
 
-    /// Scatter s about the line: the standard error is s / sqrt(sum (x - mean)^2). Here the residuals are +-0.1 in a
-    /// pattern orthogonal to 1 and x, so that the exponent stays.
+    /// Scatter s about the line: the standard error is s / sqrt(sum (x - mean)^2). Here the
+    /// residuals are +-0.1 in a pattern orthogonal to 1 and x, so that the exponent stays.
     #[test]
     fn scatter_makes_the_standard_error() {
         let points = [(0.0, 0.1), (1.0, -0.1), (2.0, -0.1), (3.0, 0.1)];

@@ -1,7 +1,8 @@
-//! Speed against error: every method, sampler and number of rays on one cell, against the exact table.
+//! Speed against error: every method, sampler and number of rays on one cell, against the exact
+//! table.
 //!
-//! A request and a cell enter; measured points and fitted slopes leave, and their report as text, CSV, JSON or a picture. This room
-//! may touch `run`, `plots` and all below, and writes no file.
+//! A request and a cell enter; measured points and fitted slopes leave, and their report as text,
+//! CSV, JSON or a picture. This room may touch `run`, `plots` and all below, and writes no file.
 
 mod counted;
 mod fit;

@@ -51,7 +51,8 @@ const fn colour(series: &Series) -> &'static str {
     }
 }
 
-/// Dots joined by a line; dashed for the tracer that is drawn second, whose errors are those of the first.
+/// Dots joined by a line; dashed for the tracer that is drawn second, whose errors are those of the
+/// first.
 fn curve(series: &Series, legend: String, coordinates: impl Fn(&Point) -> (f64, f64)) -> Vec<Plot> {
     // Zero has no place on a logarithmic axis.
     let points: Vec<(f64, f64)> = series

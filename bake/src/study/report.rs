@@ -8,9 +8,10 @@ use tables::options::Sampler;
 
 /// The exponent that theory expects of L1 against rays, by sampler.
 ///
-/// Random counts: -1/2. Of a scrambled net of N points in d dimensions only the N^(1 - 1/d) elementary boxes that the
-/// outline of a bin crosses contribute, each with an independent error of order 1/N: together N^(-1/2 - 1/(2 d)). The
-/// entrance has two dimensions; the azimuth of a mean over azimuths is a third.
+/// Random counts: -1/2. Of a scrambled net of N points in d dimensions only the N^(1 - 1/d)
+/// elementary boxes that the outline of a bin crosses contribute, each with an independent error of
+/// order 1/N: together N^(-1/2 - 1/(2 d)). The entrance has two dimensions; the azimuth of a mean
+/// over azimuths is a third.
 pub(crate) fn expected_exponent(sampler: Sampler, azimuth_mean: bool) -> f64 {
     match (sampler, azimuth_mean) {
         (Sampler::Random, _) => -1.0 / 2.0,
@@ -28,7 +29,8 @@ pub(crate) fn text(study: &Study) -> String {
     // Writing to a String cannot fail.
     let _ = writeln!(
         text,
-        "{}: {} directions ({} as programs), {} x {} bins, {threads}; {} repeats: median seconds, mean errors",
+        "{}: {} directions ({} as programs), {} x {} bins, {threads}; {} repeats: median seconds, \
+        mean errors",
         study.design, study.directions, study.programs, study.bins, study.bins, study.repeats
     );
     let _ = writeln!(
@@ -132,7 +134,8 @@ pub(crate) fn against(reference: &Reference) -> String {
             estimated_l1,
             refusal,
         } => format!(
-            "a Sobol table of {rays} rays per direction, itself in error by about {estimated_l1:.1e} ({refusal})"
+            "a Sobol table of {rays} rays per direction, itself in error by about \
+            {estimated_l1:.1e} ({refusal})"
         ),
     }
 }

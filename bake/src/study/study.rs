@@ -1,8 +1,10 @@
-//! Speed against error: every method, sampler and number of rays on one cell, against the exact table.
+//! Speed against error: every method, sampler and number of rays on one cell, against the exact
+//! table.
 //!
-//! The error is L1 on eta x histogram, probability per launched ray ([`tables::l1`]), of every direction; seconds are
-//! those of a whole bake from the loaded cell to the table in memory, all directions, start of the threads included.
-//! Every repeat has its own seed, so that errors are averaged over independent samples and seconds are medians.
+//! The error is L1 on eta x histogram, probability per launched ray ([`tables::l1`]), of every
+//! direction; seconds are those of a whole bake from the loaded cell to the table in memory, all
+//! directions, start of the threads included. Every repeat has its own seed, so that errors are
+//! averaged over independent samples and seconds are medians.
 
 use crate::study::counted::density;
 pub(crate) use crate::study::counted::estimates;
@@ -24,19 +26,20 @@ use thiserror::Error;
 /// The smallest number of rays per direction; the next ones are its products with powers of 4.
 pub(crate) const FEWEST_RAYS: u64 = 1 << 10;
 
-/// Rays of the reference over the largest number studied, where a cell has no exact table: at the slope of -3/4 its
-/// error is then a third of the smallest one measured.
+/// Rays of the reference over the largest number studied, where a cell has no exact table: at the
+/// slope of -3/4 its error is then a third of the smallest one measured.
 const REFERENCE_RAYS: u64 = 4;
 
 /// Repeats at most.
 const MOST_REPEATS: usize = 1000;
 
-/// Rays per histogram bin that is met, in each randomisation, from which on a slope is fitted: below, a bin is met or
-/// not, and the error falls slower (the mean absolute error of 4 random rays is 2 % below its limit).
+/// Rays per histogram bin that is met, in each randomisation, from which on a slope is fitted:
+/// below, a bin is met or not, and the error falls slower (the mean absolute error of 4 random rays
+/// is 2 % below its limit).
 const RAYS_PER_BIN: f64 = 4.0;
 
-/// Errors below this many times the reference's own are left out of a slope: independent errors add in squares, so
-/// that the greatest one left in is 5 % too large.
+/// Errors below this many times the reference's own are left out of a slope: independent errors add
+/// in squares, so that the greatest one left in is 5 % too large.
 const ABOVE_REFERENCE: f64 = 3.0;
 
 /// Defaults of `bake study` that are not those of `bake trace`.
@@ -52,8 +55,8 @@ pub(crate) mod default {
 /// What to study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyRequest {
-    /// Directions, bins, rules, threads and first seed; its `rays` is the greatest number per direction, its method,
-    /// sampler and tolerance have no effect.
+    /// Directions, bins, rules, threads and first seed; its `rays` is the greatest number per
+    /// direction, its method, sampler and tolerance have no effect.
     pub trace: request::Request,
     /// Bakes of each kind.
     pub repeats: usize,
@@ -71,7 +74,8 @@ pub enum StudyError {
     Plan(#[from] PlanError),
     /// Too few rays to begin.
     #[error(
-        "--rays {rays}: a study begins with {FEWEST_RAYS} rays per direction; give at least that many"
+        "--rays {rays}: a study begins with {FEWEST_RAYS} rays per direction; give at least that \
+        many"
     )]
     FewRays {
         /// The number given.
@@ -112,7 +116,8 @@ pub enum Reference {
     Sobol {
         /// Its rays per direction.
         rays: u64,
-        /// Its own estimated L1 error in the worst direction: errors below some times this are not measured.
+        /// Its own estimated L1 error in the worst direction: errors below some times this are not
+        /// measured.
         estimated_l1: f64,
         /// Why there is no exact table.
         refusal: ExactError,
@@ -132,10 +137,11 @@ pub struct Point {
     pub worst_l1: f64,
     /// Estimate of `l1` from the tables alone, as `--tolerance` makes it.
     pub estimated_l1: f64,
-    /// Estimate of the L1 error of the direction with the largest estimate, mean over repeats: what `--tolerance`
-    /// compares.
+    /// Estimate of the L1 error of the direction with the largest estimate, mean over repeats: what
+    /// `--tolerance` compares.
     pub worst_estimated_l1: f64,
-    /// Returned rays per bin that any ray met, in one randomisation; the least over directions that return light.
+    /// Returned rays per bin that any ray met, in one randomisation; the least over directions that
+    /// return light.
     pub rays_per_bin: f64,
 }
 
@@ -155,8 +161,8 @@ pub struct Series {
     pub sampler: Sampler,
     /// In ascending numbers of rays.
     pub points: Vec<Point>,
-    /// Exponent of `l1` against rays, over the points with enough rays per bin and well above the error of the
-    /// reference; `None` for fewer than two of them.
+    /// Exponent of `l1` against rays, over the points with enough rays per bin and well above the
+    /// error of the reference; `None` for fewer than two of them.
     pub slope: Option<Slope>,
     /// When the worst direction's error falls to the target.
     pub reached: Reached,
@@ -169,7 +175,8 @@ pub struct Study {
     pub design: String,
     /// Directions of each table.
     pub directions: usize,
-    /// Directions of these that run as programs: [`Tracer::Fastest`] differs from [`Tracer::OneByOne`] in them.
+    /// Directions of these that run as programs: [`Tracer::Fastest`] differs from
+    /// [`Tracer::OneByOne`] in them.
     pub programs: usize,
     /// Whether each is a mean over all azimuths.
     pub azimuth_mean: bool,

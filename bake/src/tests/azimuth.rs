@@ -28,7 +28,8 @@ fn apart(a: &ndarray::Array2<f64>, b: &ndarray::Array2<f64>) -> f64 {
     0.5 * (a - b).iter().map(|x| x.abs()).sum::<f64>()
 }
 
-/// Every azimuth that the symmetry gives, baked by itself, is what the table of the sector says of it.
+/// Every azimuth that the symmetry gives, baked by itself, is what the table of the sector says of
+/// it.
 #[test]
 fn a_sector_says_what_all_azimuths_are() {
     let mut turned = cells::triangular();
@@ -132,8 +133,8 @@ fn anywhere(k: u32, steepest_deg: f64) -> (f64, f64) {
     )
 }
 
-/// Tables whose directions were chosen for a tolerance, at 500 directions each that the choice did not try, against the
-/// exact method.
+/// Tables whose directions were chosen for a tolerance, at 500 directions each that the choice did
+/// not try, against the exact method.
 #[test]
 fn between_chosen_directions_polygons_keep_the_tolerance() {
     let tolerance = 0.005;
@@ -194,13 +195,15 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
         }
         let (incidences, azimuths) = table.axes.shape();
         println!(
-            "{} m {index}: {incidences} x {azimuths} directions, polygons within {by_polygons:.5}, eta within {by_eta:.5}, \
-             deviations within {astray:.1e} rad; mixed bins of the same table within {by_mixing:.3}",
+            "{} m {index}: {incidences} x {azimuths} directions, polygons within \
+            {by_polygons:.5}, eta within {by_eta:.5}, \
+             deviations within {astray:.1e} rad; mixed bins of the same table within \
+             {by_mixing:.3}",
             cell.design
         );
         assert!(by_polygons <= tolerance, "{}: {by_polygons}", cell.design);
-        // 5 um at a distance of 1 m, a twentieth of the smallest corners: affine functions are exact, but a path that only two
-        // directions around have is known along one line.
+        // 5 um at a distance of 1 m, a twentieth of the smallest corners: affine functions are
+        // exact, but a path that only two directions around have is known along one line.
         assert!(astray <= 5e-6, "{}: {astray}", cell.design);
         // |difference of eta| is at most twice the total variation.
         assert!(by_eta <= 2.0 * tolerance, "{}: {by_eta}", cell.design);
@@ -214,7 +217,8 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
     assert_eq!(tried, 6 * 500);
 }
 
-/// Where total reflection ends the distribution jumps, and no grid reaches a tolerance: the error says where.
+/// Where total reflection ends the distribution jumps, and no grid reaches a tolerance: the error
+/// says where.
 #[test]
 fn a_jump_is_said() {
     let cell = cells::pair();
@@ -245,7 +249,8 @@ fn a_jump_is_said() {
     assert!(baked.axes().shape().0 <= 3, "{:?}", baked.axes());
 }
 
-/// What mixed bins would take for the same tolerance; run by hand, for the figures in BENCHMARKS.md.
+/// What mixed bins would take for the same tolerance; run by hand, for the figures in
+/// BENCHMARKS.md.
 #[test]
 #[ignore = "figures for BENCHMARKS.md, a minute"]
 fn directions_that_mixing_takes() {

@@ -48,8 +48,8 @@ pub(crate) fn symmetry(cell: &Cell) -> Symmetry {
 }
 
 impl Rules {
-    /// Mirrors that take nothing, behind a flat front face of that refractive index, and the usual tolerance: what rules name
-    /// beyond that is an option.
+    /// Mirrors that take nothing, behind a flat front face of that refractive index, and the usual
+    /// tolerance: what rules name beyond that is an option.
     pub(crate) const fn mirrors(refractive_index: f64) -> Self {
         Rules {
             refractive_index,

@@ -148,11 +148,13 @@ pub(super) fn clip(polygon: &[DVec2], normal: DVec2, offset: f64) -> Vec<DVec2> 
     kept
 }
 
-/// The closed form for an ideal hollow cube seen at the *inside* direction `travel` (cell frame): the polygon of
-/// shifts in the cell frame, and the retroreflected fraction. K = T intersected with 2q - T; shift = 2 (q - p).
+/// The closed form for an ideal hollow cube seen at the *inside* direction `travel` (cell frame):
+/// the polygon of shifts in the cell frame, and the retroreflected fraction. K = T intersected with
+/// 2q - T; shift = 2 (q - p).
 pub(super) fn closed_form(travel: DVec3, turn_deg: f64) -> (f64, Vec<DVec2>) {
     let triangle = edges(turn_deg).map(|end| end.truncate());
-    // The apex seen along the ray: the point of the plane z = HEIGHT on the line through the origin.
+    // The apex seen along the ray: the point of the plane z = HEIGHT on the line through the
+    // origin.
     let q = (travel * (HEIGHT / travel.z)).truncate();
     let mut k: Vec<DVec2> = triangle.to_vec();
     for i in 0..3 {
@@ -164,7 +166,8 @@ pub(super) fn closed_form(travel: DVec3, turn_deg: f64) -> (f64, Vec<DVec2>) {
     (fraction, k.iter().map(|&p| 2.0 * (q - p)).collect())
 }
 
-/// The area of the intersection of a convex polygon with each bin of [-range, range]^2, v slow, u fast.
+/// The area of the intersection of a convex polygon with each bin of [-range, range]^2, v slow, u
+/// fast.
 pub(super) fn bin_areas(polygon: &[DVec2], bins: usize, range: f64) -> Vec<f64> {
     let width = 2.0 * range / bins as f64;
     let edge = |i: usize| i as f64 * width - range;

@@ -40,8 +40,8 @@ fn check_sums(table: &Table) {
     }
 }
 
-/// The retroreflected fraction at every direction that the model lists, within 4 standard errors of plain random
-/// sampling, and exactly 0 where it is 0.
+/// The retroreflected fraction at every direction that the model lists, within 4 standard errors of
+/// plain random sampling, and exactly 0 where it is 0.
 #[test]
 fn retroreflected_fraction_of_the_hollow_cube() {
     let listed: [(f64, f64, f64); 12] = [
@@ -138,8 +138,8 @@ fn every_bin_within_counting_error() {
         }
     }
     assert_eq!(tested, 10 * 2 * 64 * 64);
-    // Wilson-Hilferty: (chi2/k)^(1/3) is normal with mean 1 - 2/(9k) and variance 2/(9k); |z| < 3.09 is
-    // 1e-3 < p < 1 - 1e-3.
+    // Wilson-Hilferty: (chi2/k)^(1/3) is normal with mean 1 - 2/(9k) and variance 2/(9k); |z| <
+    // 3.09 is 1e-3 < p < 1 - 1e-3.
     let variance: f64 = 2.0 / (9.0 * freedom);
     let z = ((chi2 / freedom).cbrt() - (1.0 - variance)) / variance.sqrt();
     println!("chi2 = {chi2:.1} over {freedom} degrees of freedom, z = {z:.2}");
@@ -188,7 +188,8 @@ fn pair_behind_a_flat_face() {
     assert_eq!(tested, 12);
 }
 
-/// The periodic full cube: eta as the effective area per cell says, and every ray back at normal incidence.
+/// The periodic full cube: eta as the effective area per cell says, and every ray back at normal
+/// incidence.
 #[test]
 fn full_cube_array() {
     let listed: [(f64, f64, f64); 6] = [

@@ -68,8 +68,8 @@ fn tolerance_is_reached() {
             .zip(exact)
             .map(|(p, exact)| (p - exact).abs())
             .sum();
-        // The estimate sums some 300 bins, each with 15 degrees of freedom: good to a few percent. Rounds double the
-        // rays, so the error may lie well below the tolerance.
+        // The estimate sums some 300 bins, each with 15 degrees of freedom: good to a few percent.
+        // Rounds double the rays, so the error may lie well below the tolerance.
         assert!(
             l1 < 0.011 && l1 > 0.001,
             "L1 error at {incidence} deg is {l1}"

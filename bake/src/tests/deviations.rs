@@ -1,4 +1,5 @@
-//! Exit directions of rays, against the exact method's and the closed form of cubes with errors of their right angles.
+//! Exit directions of rays, against the exact method's and the closed form of cubes with errors of
+//! their right angles.
 
 use crate::tests::bakes;
 use crate::tests::cells;
@@ -28,7 +29,8 @@ fn of(record: Record) -> SceneOptions {
     }
 }
 
-/// Of one direction of a table of rays: deviation, rays and mean shift of every bin of deviations that has rays.
+/// Of one direction of a table of rays: deviation, rays and mean shift of every bin of deviations
+/// that has rays.
 fn spots(table: &Table, direction: usize) -> Vec<(DVec2, u64, DVec2)> {
     let found = table.deviations.as_ref().expect("recorded");
     let axes = &table.axes;
@@ -60,7 +62,8 @@ fn centroid(polygon: &[[f64; 2]]) -> (f64, DVec2) {
     (area, moment / area)
 }
 
-/// Every spot of beams has its share of the rays, with the mean shift of its own polygons, and no ray goes elsewhere.
+/// Every spot of beams has its share of the rays, with the mean shift of its own polygons, and no
+/// ray goes elsewhere.
 #[test]
 fn rays_go_where_beams_go() {
     let cell = cells::uneven_pair([5e-4, 0.0, -3e-4]);
@@ -83,7 +86,8 @@ fn rays_go_where_beams_go() {
                 .iter()
                 .map(|entry| entry.rays)
                 .sum();
-            // The two cubes' spots differ in second order, 2.5e-7 rad: less than a bin apart they are one.
+            // The two cubes' spots differ in second order, 2.5e-7 rad: less than a bin apart they
+            // are one.
             let near = |a: DVec2, b: DVec2| (a - b).abs().max_element() < 4.0 * grid.bin_width();
             let mut seen: Vec<DVec2> = Vec::new();
             for path in paths {
@@ -115,7 +119,8 @@ fn rays_go_where_beams_go() {
                     }
                 }
                 left -= rays;
-                // Five standard deviations of independent rays, which Sobol's stay below; one ray at least.
+                // Five standard deviations of independent rays, which Sobol's stay below; one ray
+                // at least.
                 let sigma = (power * (1.0 - power) / launched)
                     .sqrt()
                     .max(1.0 / launched);
@@ -137,8 +142,8 @@ fn rays_go_where_beams_go() {
     assert!(compared > 60, "{compared}");
 }
 
-/// Model: three equal errors send light into six spots at 4 sqrt(2/3) eps (1 - eps/2), one error into two at 1.633 eps; times
-/// the index.
+/// Model: three equal errors send light into six spots at 4 sqrt(2/3) eps (1 - eps/2), one error
+/// into two at 1.633 eps; times the index.
 #[test]
 fn spots_of_equal_errors() {
     let eps = 1e-3;
@@ -246,7 +251,8 @@ fn shards_add_up() {
     assert!(entries.iter().all(|entries| entries.len() > 100));
 }
 
-/// Rough facets send light everywhere: the mean square of both components is what three reflections make of the slopes.
+/// Rough facets send light everywhere: the mean square of both components is what three reflections
+/// make of the slopes.
 #[test]
 fn rough_facets_spread_light() {
     let roughness = "0.0005".parse().expect("a roughness");
@@ -263,11 +269,13 @@ fn rough_facets_spread_light() {
     let found = table.deviations.as_ref().expect("recorded");
     let spread = found.spread(0);
     println!("{spread:?}, {} entries", found.entries[0].len());
-    // A facet whose normal is off by the slope s, across and along the plane of reflection, turns light by 2 s along and by
-    // 2 s cos across it, cos = 1/sqrt 3; three of them, with slopes of mean square alpha^2 / 2 each.
+    // A facet whose normal is off by the slope s, across and along the plane of reflection, turns
+    // light by 2 s along and by 2 s cos across it, cos = 1/sqrt 3; three of them, with slopes of
+    // mean square alpha^2 / 2 each.
     let rms = (3.0_f64 * 4.0 * 0.5 * (1.0 + 1.0 / 3.0)).sqrt() * 5e-4;
-    // Counting: 1/sqrt(2 n) for n = 3 components; bins add w^2/12 twice, 1e-3 of the square. Slopes seen from aside and light that leaves
-    // the path at facets' rims change squares by parts of alpha.
+    // Counting: 1/sqrt(2 n) for n = 3 components; bins add w^2/12 twice, 1e-3 of the square. Slopes
+    // seen from aside and light that leaves the path at facets' rims change squares by parts of
+    // alpha.
     assert!(
         (spread.rms_rad / rms - 1.0).abs() < 5e-3,
         "{spread:?} {rms}"
@@ -289,7 +297,8 @@ fn ideal_cells_record_nothing() {
         let mesh = design.mesh().expect("a design");
         normalise(&mesh, std::path::Path::new("pair"), &CellOptions::default()).expect("a cell")
     };
-    // Rounded edges send light far away or not at all; coordinates of single precision are no errors of angles.
+    // Rounded edges send light far away or not at all; coordinates of single precision are no
+    // errors of angles.
     let worn = design(0.03, 1);
     let mut single = design(0.0, 20);
     for corner in single.facets.iter_mut().flatten() {
@@ -325,7 +334,8 @@ fn ideal_cells_record_nothing() {
     assert_eq!((asked.range, asked.cells), (2e-3, 128));
 }
 
-/// An exact mean over azimuths would forget where the light goes: rays are traced, or the exact method says why not.
+/// An exact mean over azimuths would forget where the light goes: rays are traced, or the exact
+/// method says why not.
 #[test]
 fn means_of_cells_that_are_not_ideal_are_of_rays() {
     let mean = |method, record, cell: &Cell| {

@@ -1,4 +1,5 @@
-//! The fast kernel against the plain tracer, ray for ray, and against itself on every instruction set.
+//! The fast kernel against the plain tracer, ray for ray, and against itself on every instruction
+//! set.
 
 use crate::tests::bakes;
 use crate::tests::cells;
@@ -30,7 +31,8 @@ fn bent() -> Cell {
     cell
 }
 
-/// Fates and bins of the program are those of the tracer, for every cell, direction, sampler and back.
+/// Fates and bins of the program are those of the tracer, for every cell, direction, sampler and
+/// back.
 #[test]
 fn program_equals_tracer_ray_for_ray() {
     let bins = Bins::new(32, 1.0);
@@ -121,8 +123,8 @@ fn instruction_sets_agree_bit_for_bit() {
     );
 }
 
-/// Every node of a program ends with a step that takes all that is left, and has no other such step: so every ray
-/// is counted once, wherever it enters.
+/// Every node of a program ends with a step that takes all that is left, and has no other such
+/// step: so every ray is counted once, wherever it enters.
 fn counts_every_ray_once(program: &Program) -> bool {
     // Whether the node open at each depth has had its last step.
     let mut ended = vec![false];
@@ -137,8 +139,8 @@ fn counts_every_ray_once(program: &Program) -> bool {
     }) && ended.iter().all(|&ended| ended)
 }
 
-/// Entrances that reach over a side of the cube's rim by about the width that counts as rounding: a strip beside the
-/// last facet that no test sees must not be a second end for all rays.
+/// Entrances that reach over a side of the cube's rim by about the width that counts as rounding: a
+/// strip beside the last facet that no test sees must not be a second end for all rays.
 #[test]
 fn a_strip_of_rounding_counts_no_ray_twice() {
     let bins = Bins::new(32, 1.5);
@@ -240,9 +242,9 @@ fn patch(columns: usize, rows: usize) -> Cell {
     }
 }
 
-/// A patch of 120 pairs falls into two kinds of cubes, and tracing one of each gives, ray for ray, what the whole mesh
-/// gives by hierarchy and, for fewer rays, by the loop over all its facets. Which body of its kind a ray of the
-/// whole enters is chosen at random.
+/// A patch of 120 pairs falls into two kinds of cubes, and tracing one of each gives, ray for ray,
+/// what the whole mesh gives by hierarchy and, for fewer rays, by the loop over all its facets.
+/// Which body of its kind a ray of the whole enters is chosen at random.
 #[test]
 fn bodies_equal_the_whole_mesh_ray_for_ray() {
     let cell = patch(12, 10);
@@ -374,8 +376,9 @@ fn split(cell: Cell) -> Cell {
     }
 }
 
-/// Sheets of 8, 60 and 240 cubes that all differ are traced cube by cube, whatever the order of the samples, on every
-/// instruction set, with the fates and bins that each ray has in the whole mesh, by hierarchy.
+/// Sheets of 8, 60 and 240 cubes that all differ are traced cube by cube, whatever the order of the
+/// samples, on every instruction set, with the fates and bins that each ray has in the whole mesh,
+/// by hierarchy.
 #[test]
 fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
     let bins = Bins::new(32, 1.5);
@@ -416,7 +419,8 @@ fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
     assert_eq!(compared, 3 * 4 * 2 * sets * 40_000);
 }
 
-/// A patch whose cubes all differ, each a kind of its own: every vertex below the entrance plane is moved.
+/// A patch whose cubes all differ, each a kind of its own: every vertex below the entrance plane is
+/// moved.
 fn uneven(columns: usize, rows: usize) -> Cell {
     let mut cell = patch(columns, rows);
     for corner in cell.facets.iter_mut().flatten() {
@@ -428,8 +432,9 @@ fn uneven(columns: usize, rows: usize) -> Cell {
     cell
 }
 
-/// Rays in packets have, on every instruction set, the outcomes that they have one by one, and by a loop over all facets, bit for bit: of meshes
-/// of like and of unlike cubes and of one whose rays stay in it for long.
+/// Rays in packets have, on every instruction set, the outcomes that they have one by one, and by a
+/// loop over all facets, bit for bit: of meshes of like and of unlike cubes and of one whose rays
+/// stay in it for long.
 #[test]
 fn packets_equal_single_rays_bit_for_bit() {
     let bins = Bins::new(64, 1.5);

@@ -1,4 +1,5 @@
-//! Rays aimed exactly at shared edges and at the apex, and rays relaunched from where they hit: none may be lost.
+//! Rays aimed exactly at shared edges and at the apex, and rays relaunched from where they hit:
+//! none may be lost.
 
 use crate::tests::cells;
 
@@ -31,7 +32,8 @@ fn has_leaked(fate: Fate, travel: DVec3) -> bool {
     matches!(fate, Fate::Missed | Fate::Absorbed | Fate::BounceLimit) || travel.z <= 0.0
 }
 
-/// Rays through points of the edges that facets share, and through the apex, of a cell; (rays, leaks).
+/// Rays through points of the edges that facets share, and through the apex, of a cell; (rays,
+/// leaks).
 fn aimed(cell: &Cell, index: Index, targets: &[(DVec3, DVec3)], rays: u64) -> (u64, u64) {
     let scene = Scene::new(cell, index);
     let (mut launched, mut leaks) = (0, 0);
@@ -47,7 +49,8 @@ fn aimed(cell: &Cell, index: Index, targets: &[(DVec3, DVec3)], rays: u64) -> (u
             _ => c,
         };
         let target = from + (to - from) * along;
-        // Up to 89.9 deg, often at multiples of 15 deg in azimuth, where rays run in planes of symmetry.
+        // Up to 89.9 deg, often at multiples of 15 deg in azimuth, where rays run in planes of
+        // symmetry.
         let azimuth = if sample % 3 == 0 {
             (b * 24.0).floor() * 15.0
         } else {
@@ -87,7 +90,8 @@ fn a_million_rays_at_edges_and_apices() {
     assert_eq!(all.map(|(_, leaks)| leaks), [0; 5]);
 }
 
-/// Aimed rays do not only survive: their fate and shift are those of the closed form, away from its boundary.
+/// Aimed rays do not only survive: their fate and shift are those of the closed form, away from its
+/// boundary.
 #[test]
 fn aimed_rays_have_the_right_shift() {
     let cell = cells::triangular();
@@ -126,7 +130,8 @@ fn aimed_rays_have_the_right_shift() {
     );
 }
 
-/// A ray relaunched from its hit never meets the facet that it leaves, and always meets or passes the others.
+/// A ray relaunched from its hit never meets the facet that it leaves, and always meets or passes
+/// the others.
 #[test]
 fn a_million_relaunched_rays() {
     let cell = cells::triangular();

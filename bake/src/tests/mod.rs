@@ -1,4 +1,5 @@
-//! Tests of what is inside: every fast path against a slow one that is plain, and all against closed forms.
+//! Tests of what is inside: every fast path against a slow one that is plain, and all against
+//! closed forms.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

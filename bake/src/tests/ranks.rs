@@ -1,5 +1,5 @@
-//! A bake that is shared by ranks is the bake of one process, byte for byte. Here threads stand in for processes; `mpi.rs`
-//! starts the processes.
+//! A bake that is shared by ranks is the bake of one process, byte for byte. Here threads stand in
+//! for processes; `mpi.rs` starts the processes.
 
 use crate::tests::cells;
 
@@ -89,7 +89,8 @@ fn plan(request: &Request) -> Plan {
     .expect("a valid request")
 }
 
-/// The table that `count` ranks bake, from where `start` was saved, and the first that was saved on the way.
+/// The table that `count` ranks bake, from where `start` was saved, and the first that was saved on
+/// the way.
 fn shared(count: usize, cell: &Cell, plan: &Plan, start: Option<Table>) -> (Table, Option<Table>) {
     let team = Team {
         meeting: Barrier::new(count),
@@ -170,7 +171,8 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
         let whole = bytes(&rays(&cell, &plan).expect("bakes"));
         let mut saved = None;
         for count in [1, 2, 3, 4] {
-            // Each goes on from where a bake by another number of ranks was saved; the first from nothing.
+            // Each goes on from where a bake by another number of ranks was saved; the first from
+            // nothing.
             let (table, first) = shared(count, &cell, &plan, saved.take());
             assert!(bytes(&table) == whole, "{count} ranks");
             saved = first;

@@ -1,4 +1,5 @@
-//! Rough facets: normals against the density of visible ones, exit directions against first order, tables against smooth ones.
+//! Rough facets: normals against the density of visible ones, exit directions against first order,
+//! tables against smooth ones.
 
 use crate::tests::cells;
 
@@ -32,7 +33,8 @@ fn density(slopes: Slopes, slope: DVec2) -> f64 {
     }
 }
 
-/// The visible area of all small mirrors per area of the facet (Walter et al. 2007; Heitz 2014): cosine (1 + Lambda).
+/// The visible area of all small mirrors per area of the facet (Walter et al. 2007; Heitz 2014):
+/// cosine (1 + Lambda).
 fn projected(slopes: Slopes, sine: f64, cosine: f64) -> f64 {
     match slopes {
         Slopes::Beckmann => {
@@ -43,7 +45,8 @@ fn projected(slopes: Slopes, sine: f64, cosine: f64) -> f64 {
     }
 }
 
-/// Chi-square of the drawn slopes, in 24 x 24 bins over [-3, 3] alpha and one beyond, against the visible density.
+/// Chi-square of the drawn slopes, in 24 x 24 bins over [-3, 3] alpha and one beyond, against the
+/// visible density.
 #[test]
 fn normals_have_the_density_of_visible_ones() {
     const BINS: usize = 24;
@@ -81,8 +84,8 @@ fn normals_have_the_density_of_visible_ones() {
                     };
                     counts[bin] += 1;
                 }
-                // In stretched space; the integral of a bin by 16 x 16 midpoints is good to some 1e-4 of it, a kink included,
-                // which adds DRAWS x 1e-8 to chi-square.
+                // In stretched space; the integral of a bin by 16 x 16 midpoints is good to some
+                // 1e-4 of it, a kink included, which adds DRAWS x 1e-8 to chi-square.
                 let stretched = DVec2::new(alpha * sine, cosine).normalize();
                 let whole = projected(slopes, stretched.x, stretched.y);
                 let seen = |slope: DVec2| {
@@ -119,7 +122,8 @@ fn normals_have_the_density_of_visible_ones() {
                 let sigmas = ((chi2 / freedom).cbrt() - (1.0 - spread)) / spread.sqrt();
                 assert!(
                     freedom > 100.0 && sigmas.abs() < 4.0,
-                    "{slopes:?} {alpha} {incidence_deg}: chi-square {chi2:.0} of {freedom}, {sigmas:.1} sigma"
+                    "{slopes:?} {alpha} {incidence_deg}: chi-square {chi2:.0} of {freedom}, \
+                    {sigmas:.1} sigma"
                 );
                 cases += 1;
             }
@@ -129,7 +133,8 @@ fn normals_have_the_density_of_visible_ones() {
     assert_eq!(cases, 30);
 }
 
-/// Sequences of the ideal cube's facets, the unit normals along its edges, for light along `travel`: what each does to the direction.
+/// Sequences of the ideal cube's facets, the unit normals along its edges, for light along
+/// `travel`: what each does to the direction.
 fn first_order(order: [usize; 3], travel: DVec3, alpha: f64) -> DMat3 {
     let axes = cells::edges(0.0);
     let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
@@ -147,8 +152,8 @@ fn first_order(order: [usize; 3], travel: DVec3, alpha: f64) -> DMat3 {
     covariance
 }
 
-/// Which facets a ray from `point` of the aperture of the ideal cube meets, and by what least part of its way it misses the other
-/// orders: facet k is where the coordinate along edge k vanishes.
+/// Which facets a ray from `point` of the aperture of the ideal cube meets, and by what least part
+/// of its way it misses the other orders: facet k is where the coordinate along edge k vanishes.
 fn order_of(point: DVec3, travel: DVec3) -> ([usize; 3], f64) {
     let axes = cells::edges(0.0);
     let mut way: Vec<(f64, usize)> = (0..3)
@@ -159,8 +164,8 @@ fn order_of(point: DVec3, travel: DVec3) -> ([usize; 3], f64) {
     ([0, 1, 2].map(|k| way[k].1), apart)
 }
 
-/// The exit direction's covariance outside, of rays that all meet the facets in one order: all six orders, hollow and solid,
-/// normally and obliquely.
+/// The exit direction's covariance outside, of rays that all meet the facets in one order: all six
+/// orders, hollow and solid, normally and obliquely.
 #[test]
 fn exit_directions_spread_as_three_facets_do() {
     const RAYS: u64 = 1 << 15;
@@ -175,7 +180,8 @@ fn exit_directions_spread_as_three_facets_do() {
                 roughness: rough(Slopes::Beckmann, alpha),
                 ..Rules::mirrors(index)
             };
-            // A point for each order, far from the edges between orders as slopes of 6 alpha could carry the light.
+            // A point for each order, far from the edges between orders as slopes of 6 alpha could
+            // carry the light.
             let mut points: Vec<([usize; 3], DVec2)> = Vec::new();
             for step in 0..100 {
                 let flat = DVec2::new(f64::from(step / 10) - 4.5, f64::from(step % 10) - 4.5) / 9.0;
@@ -215,8 +221,8 @@ fn exit_directions_spread_as_three_facets_do() {
                     let products = spots.iter().map(|s| (s[i] - mean[i]) * (s[k] - mean[k]));
                     products.sum::<f64>() / RAYS as f64
                 };
-                // Along the incidence frame, then outside: sines grow by the index, and in the plane of incidence angles by
-                // 1 / cosine more.
+                // Along the incidence frame, then outside: sines grow by the index, and in the
+                // plane of incidence angles by 1 / cosine more.
                 let cosine = incidence.to_radians().cos();
                 let covariance = first_order(order, light.travel, alpha);
                 let frame = [light.u.extend(0.0), light.v().extend(0.0)];
@@ -228,8 +234,8 @@ fn exit_directions_spread_as_three_facets_do() {
                     let sigma = ((spread + expected(i, k).powi(2)) / RAYS as f64).sqrt();
                     let off = (moment(i, k) - expected(i, k)) / sigma;
                     worst = worst.max(off.abs());
-                    // First order leaves alpha^2 tan^2 of it, 1e-5 against the 8e-3 of one sigma. 100 numbers stay within 4.5 sigma
-                    // but for once in 1,500 seeds.
+                    // First order leaves alpha^2 tan^2 of it, 1e-5 against the 8e-3 of one sigma.
+                    // 100 numbers stay within 4.5 sigma but for once in 1,500 seeds.
                     assert!(
                         off.abs() < 4.5,
                         "{index} {incidence} {order:?} {i}{k}: {off:.1} sigma"
@@ -413,15 +419,17 @@ fn one_slope_turns_light_by_twice_itself() {
         sum += DMat2::from_cols(left * left.x, left * left.y);
     }
     let found = sum * (1.0 / draws as f64);
-    // Twice the slope: variance 4 alpha^2 / 2, of 65,536 draws within 4.5 x sqrt(2 / 65,536) = 2.5 % and 4 alpha^2.
+    // Twice the slope: variance 4 alpha^2 / 2, of 65,536 draws within 4.5 x sqrt(2 / 65,536) = 2.5
+    // % and 4 alpha^2.
     for k in 0..2 {
         let ratio = found.col(k)[k] / (2.0 * alpha * alpha);
         assert!((ratio - 1.0).abs() < 0.025 + 4.0 * alpha * alpha, "{ratio}");
     }
 }
 
-/// Three perpendicular facets turn light about each axis by 2 alpha rms: a table's exit directions have that spread along and across the
-/// plane of incidence, times the index, and in the plane times cos inside over cos outside.
+/// Three perpendicular facets turn light about each axis by 2 alpha rms: a table's exit directions
+/// have that spread along and across the plane of incidence, times the index, and in the plane
+/// times cos inside over cos outside.
 #[test]
 fn a_table_has_the_spread_of_its_roughness() {
     let alpha = 5e-4;
@@ -451,7 +459,8 @@ fn a_table_has_the_spread_of_its_roughness() {
             for axis in 0..2 {
                 let off = (variance[axis] / rms[axis].powi(2) - 1.0).abs();
                 worst = worst.max(off);
-                // Light near edges meets other facets, a part of some alpha; four numbers a case within 4.5 sigma of counting.
+                // Light near edges meets other facets, a part of some alpha; four numbers a case
+                // within 4.5 sigma of counting.
                 let allowed = 4.5 * (2.0 / rays).sqrt() + 4.0 * alpha;
                 assert!(
                     off < allowed,

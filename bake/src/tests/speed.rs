@@ -1,4 +1,5 @@
-//! Rays per second of each way to trace and of each instruction set, and where the hierarchy overtakes the loop.
+//! Rays per second of each way to trace and of each instruction set, and where the hierarchy
+//! overtakes the loop.
 //!
 //! `cargo test --release -p bake --lib speed -- --ignored --nocapture`
 
@@ -65,7 +66,8 @@ fn speed() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Time that this thread has had a processor, s: on a shared machine the clock on the wall also counts the others.
+/// Time that this thread has had a processor, s: on a shared machine the clock on the wall also
+/// counts the others.
 fn busy_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds: Option<f64> = text

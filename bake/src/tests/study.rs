@@ -27,12 +27,13 @@ fn study(trace: plan::request::Request, repeats: usize, target: f64) -> Study {
 
 /// Two directions, 16 x 16 bins of which some 100 are met in each, 4 repeats.
 ///
-/// The error of a bin is half normal: standard deviation 0.756 of its mean. The mean L1 of 2 directions x 4 repeats is
-/// a sum of 800 of them, some larger than others (half as many count): good to 0.756 / sqrt 400 = 3.8 %. The six
-/// points from 1,024 rays on (4 rays per bin) lie ln 4 apart, so the slope of random rays is good to 3.8 % /
-/// (ln 4 sqrt 17.5) = 0.0065. Sobol errors of neighbouring bins are one elementary box lost by one and found by the
-/// other: a third as many independent ones, 6.5 %; four points from 16,384 on (4 rays per bin and randomisation):
-/// 6.5 % / (ln 4 sqrt 5) = 0.021. Four standard deviations each.
+/// The error of a bin is half normal: standard deviation 0.756 of its mean. The mean L1 of 2
+/// directions x 4 repeats is a sum of 800 of them, some larger than others (half as many count):
+/// good to 0.756 / sqrt 400 = 3.8 %. The six points from 1,024 rays on (4 rays per bin) lie ln 4
+/// apart, so the slope of random rays is good to 3.8 % / (ln 4 sqrt 17.5) = 0.0065. Sobol errors of
+/// neighbouring bins are one elementary box lost by one and found by the other: a third as many
+/// independent ones, 6.5 %; four points from 16,384 on (4 rays per bin and randomisation): 6.5 % /
+/// (ln 4 sqrt 5) = 0.021. Four standard deviations each.
 #[test]
 fn errors_fall_as_theory_says() {
     let target = 0.02;
@@ -79,8 +80,9 @@ fn errors_fall_as_theory_says() {
                     point.rays,
                     point.ratio()
                 );
-                // The scatter of the error itself, four times; the estimate knows its sigmas 15 times better (random)
-                // or to 18 % each (16 randomisations), which the sum over bins averages out.
+                // The scatter of the error itself, four times; the estimate knows its sigmas 15
+                // times better (random) or to 18 % each (16 randomisations), which the sum over
+                // bins averages out.
                 let scatter = if series.sampler == Sampler::Random {
                     0.031
                 } else {
@@ -130,7 +132,8 @@ fn errors_fall_as_theory_says() {
     }
 }
 
-/// No exact table of a mean over azimuths: more Sobol rays are the reference, and every report says so.
+/// No exact table of a mean over azimuths: more Sobol rays are the reference, and every report says
+/// so.
 #[test]
 fn without_an_exact_table() {
     let found = study(

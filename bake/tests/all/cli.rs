@@ -221,7 +221,8 @@ fn prisms_with_losses_at_several_wavelengths() {
             "{judged}"
         );
     }
-    // Silver reflects red better than blue; either keeps less than two thirds by the front face and three reflections.
+    // Silver reflects red better than blue; either keeps less than two thirds by the front face and
+    // three reflections.
     assert!(
         0.4 < etas[0] && etas[0] < etas[1] && etas[1] < 0.6,
         "{etas:?}"
@@ -257,7 +258,8 @@ fn prisms_with_losses_at_several_wavelengths() {
     assert!(!here.join("x.h5").exists());
 }
 
-/// A sheet of many cubes is taken apart without a word; where the digits of the file do not allow it, a line says why.
+/// A sheet of many cubes is taken apart without a word; where the digits of the file do not allow
+/// it, a line says why.
 #[test]
 fn a_sheet_that_is_traced_as_a_whole() {
     let folder = tempfile::tempdir().expect("a temporary folder");

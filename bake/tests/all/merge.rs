@@ -1,4 +1,5 @@
-//! A bake in parts: shards, directions and more rays, through the program; and a table judged by its mesh.
+//! A bake in parts: shards, directions and more rays, through the program; and a table judged by
+//! its mesh.
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,4 +1,5 @@
-//! A bake that is stopped, by a signal or a full disk, leaves the old table whole and goes on to the same bytes.
+//! A bake that is stopped, by a signal or a full disk, leaves the old table whole and goes on to
+//! the same bytes.
 
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -145,7 +146,8 @@ fn a_full_disk_leaves_the_old_table() {
     let here = folder.path();
     design(here);
     std::fs::write(here.join("table.h5"), "old").expect("writes");
-    // Files of 1 kB at most, which a shell can say without root; the signal that goes with it is ignored.
+    // Files of 1 kB at most, which a shell can say without root; the signal that goes with it is
+    // ignored.
     let output = Command::new("sh")
         .current_dir(here)
         .args(["-c", "trap '' XFSZ; ulimit -f 2; exec \"$@\"", "sh"])

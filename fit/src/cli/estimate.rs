@@ -41,21 +41,28 @@ use crate::simulate::Truth;
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-What is minimised: edge, by default, comes within a few percent of the Cramer-Rao bound; mtf, the published loss, has \
-standard errors 1.7 times (c) and 2.4 times (a) the bound (`fit study`, fit/BENCHMARKS.md), its differences weighed by \
-their noise; mse weighs all frequencies alike, as published (terms and bounds are then those of mtf), with errors of up to twice those of mtf.
-What is left open (auto) is decided by Bayes' criterion on the residuals in units of their noise; a further term must \
-lower it by more than 4. Standard errors carry pixel noise, the lens fit, the reference's step and the table's rays.
+What is minimised: edge, by default, comes within a few percent of the Cramer-Rao bound; mtf, the \
+published loss, has \
+standard errors 1.7 times (c) and 2.4 times (a) the bound (`fit study`, fit/BENCHMARKS.md), its \
+differences weighed by \
+their noise; mse weighs all frequencies alike, as published (terms and bounds are then those of \
+mtf), with errors of up to twice those of mtf.
+What is left open (auto) is decided by Bayes' criterion on the residuals in units of their noise; \
+a further term must \
+lower it by more than 4. Standard errors carry pixel noise, the lens fit, the reference's step \
+and the table's rays.
 
 Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
   fit estimate captures.toml --table pair.h5 -o result.json
-  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot mtf.svg -o result.json
+  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot \
+  mtf.svg -o result.json
   fit estimate captures.toml --table pair.h5 -o result.json --report report.html
   fit estimate captures.toml --table pair.h5 --model saito -o saito.json
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full --direction-tolerance 0.005
   fit estimate captures.toml --table all.h5 --fit-azimuth
-  fit estimate captures.toml --table pair.h5 --forward render --loss mse --samples 16 -o result.json")]
+  fit estimate captures.toml --table pair.h5 --forward render --loss mse --samples 16 -o \
+  result.json")]
 pub(crate) struct Arguments {
     /// The campaign's manifest
     pub captures: PathBuf,
@@ -68,8 +75,8 @@ pub(crate) struct Arguments {
     /// What the photographs may need.
     #[command(flatten)]
     pub terms: Terms,
-    /// Wavelengths of the source and their weights, nm: 550, or 450:0.2,550:0.5,620:0.3; instead of wavelength_nm in
-    /// the manifest
+    /// Wavelengths of the source and their weights, nm: 550, or 450:0.2,550:0.5,620:0.3; instead of
+    /// wavelength_nm in the manifest
     #[arg(long, value_name = "NM[:WEIGHT],...", value_parser = Spectrum::parse)]
     pub wavelength_nm: Option<Spectrum>,
     /// How the model is evaluated
@@ -81,8 +88,8 @@ pub(crate) struct Arguments {
     /// What is minimised; edge if left out; mtf with --forward render, which compares MTFs
     #[arg(long, value_enum)]
     pub loss: Option<Kind>,
-    /// Finds the sheet's azimuth too: one angle, added to azimuth_deg of all captures (0 where left out); needs a table of all
-    /// azimuths
+    /// Finds the sheet's azimuth too: one angle, added to azimuth_deg of all captures (0 where left
+    /// out); needs a table of all azimuths
     #[arg(long, conflicts_with_all = ["forward", "model"])]
     pub fit_azimuth: bool,
     /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
@@ -92,12 +99,14 @@ pub(crate) struct Arguments {
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// A page for a person, in one file: estimates with intervals, curves, the choice of terms, warnings with pictures
+    /// A page for a person, in one file: estimates with intervals, curves, the choice of terms,
+    /// warnings with pictures
     #[cfg(feature = "report")]
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<PathBuf>,
-    /// Colour channel of all photographs, whatever the manifest says: luminance, red, green, blue, a channel's name, or each:
-    /// red, green and blue are fitted one by one, and the result is an object with one result per channel
+    /// Colour channel of all photographs, whatever the manifest says: luminance, red, green, blue,
+    /// a channel's name, or each: red, green and blue are fitted one by one, and the result is an
+    /// object with one result per channel
     #[arg(long, value_name = "NAME", value_parser = channels)]
     pub channel: Option<Channels>,
     /// Threads; one per core if left out
@@ -119,7 +128,8 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     }))
 }
 
-/// The options of the estimate as the command line has them. Ends the program with a usage error where they exclude each other.
+/// The options of the estimate as the command line has them. Ends the program with a usage error
+/// where they exclude each other.
 fn options(arguments: &Arguments) -> Options {
     let mut options = Options::new(arguments.terms.candidates("fit estimate"));
     if arguments.forward == Forward::Render {
@@ -348,7 +358,8 @@ fn head(result: &ResultFile) -> String {
         format!(", {} samples a pixel", own.sampling.samples)
     });
     format!(
-        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, {:.2} s\n",
+        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, \
+        {:.2} s\n",
         result.kernel.name(),
         result.loss.name(),
         result.captures.len(),
@@ -453,7 +464,8 @@ pub(crate) fn check_model(
 /// Reads a RESULT.json of one fit, or, by its name, one channel of a file of several.
 ///
 /// # Errors
-/// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named, or another.
+/// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named,
+/// or another.
 pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
     let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);

@@ -19,8 +19,10 @@ use crate::photographs::photo::transfer::Transfer;
 /// Says how alike two pictures look: PSNR, SSIM, FLIP, and LPIPS with weights that you bring.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Both pictures must show the same thing at the same size and place, in the same units; they are compared as a display shows \
-them (sRGB values of light clipped to 0..1, after --exposure). PSNR in dB and SSIM (Gaussian window, mean of the colours) are \
+Both pictures must show the same thing at the same size and place, in the same units; they are \
+compared as a display shows \
+them (sRGB values of light clipped to 0..1, after --exposure). PSNR in dB and SSIM (Gaussian \
+window, mean of the colours) are \
 higher, FLIP (mean) and LPIPS (AlexNet, v0.1) lower for pictures that are more alike.
 
 Examples:

@@ -13,8 +13,10 @@ use crate::predict::{Form, LOST, nearest};
 /// Writes the nearest lobe of a fitted sheet as a material for renderers.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The lobe is that of the minimal retroreflective microfacet model with GGX, which the three forms share; its roughness has the \
-least squared MTF difference from the sheet at the distance and incidence given. Ray shift is not carried.
+The lobe is that of the minimal retroreflective microfacet model with GGX, which the three forms \
+share; its roughness has the \
+least squared MTF difference from the sheet at the distance and incidence given. Ray shift is not \
+carried.
 
 Examples:
   fit export result.json --table pair.h5 --to materialx --distance 150 -o sheet.mtlx

@@ -35,7 +35,8 @@ pub(crate) enum Failure {
     #[error(transparent)]
     Estimate(Box<estimate::Error>),
     /// The result is of another model than the one that was named.
-    #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table table.h5 --model {} -o result.json",
+    #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table \
+    table.h5 --model {} -o result.json",
         path.display(), asked.name())]
     Model {
         /// The result.
@@ -73,7 +74,8 @@ pub(crate) enum Failure {
         fault: edge::fault::Fault,
     },
     /// A region outside of the photograph.
-    #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}); give x,y,width,height in pixels",
+    #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}); give \
+    x,y,width,height in pixels",
         image.display(), roi.x, roi.y, roi.width, roi.height)]
     Roi {
         /// The photograph.
@@ -104,7 +106,8 @@ pub(crate) enum Failure {
         held: String,
     },
     /// A table of another cell than the ranges name.
-    #[error("{}: is not the table of the ideal cell that is simulated; bake it: bake design {design} -o cell.obj, then \
+    #[error("{}: is not the table of the ideal cell that is simulated; bake it: bake design \
+    {design} -o cell.obj, then \
              bake trace cell.obj --refractive-index {ior} --incidence 0:45:15 --azimuth 30", table.display())]
     OtherCell {
         /// The table.
@@ -115,7 +118,8 @@ pub(crate) enum Failure {
         design: &'static str,
     },
     /// The azimuth cannot be told by such a table.
-    #[error("--fit-azimuth: {} says nothing of other azimuths ({held}); bake them all: bake trace --azimuth full \
+    #[error("--fit-azimuth: {} says nothing of other azimuths ({held}); bake them all: bake trace \
+    --azimuth full \
              --direction-tolerance 0.005", table.display())]
     OneAzimuth {
         /// The table.

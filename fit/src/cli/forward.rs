@@ -58,7 +58,8 @@ fn percent(value: Option<f64>) -> String {
 /// The study as a table for a person.
 pub(crate) fn table(speed: &Speed) -> String {
     let mut text = format!(
-        "{} photographs, loss mtf; closed form: {:.4} s for the estimate ({} evaluations), {:.5} s for one evaluation\n\
+        "{} photographs, loss mtf; closed form: {:.4} s for the estimate ({} evaluations), {:.5} \
+        s for one evaluation\n\
          standard errors by the pixels' noise: c {} %, a {} %, mu {} %\n",
         speed.photographs,
         speed.spectral_seconds,

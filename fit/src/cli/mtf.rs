@@ -27,15 +27,18 @@ const POINTS: usize = 512;
 /// Measures the slanted-edge MTF of one photograph (ISO 12233 style) and writes it as CSV or JSON.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Conventions: fourfold oversampling along the edge normal; the edge is located by least squares over all pixels; bin \
-averaging and the difference are divided out (at half the sampling frequency: +5 %); Tukey window, flat over 70 %; \
+Conventions: fourfold oversampling along the edge normal; the edge is located by least squares \
+over all pixels; bin \
+averaging and the difference are divided out (at half the sampling frequency: +5 %); Tukey \
+window, flat over 70 %; \
 frequencies are along the edge normal, not along the rows.
 
 Examples:
   fit mtf edge.exr --pixel-pitch 0.05
   fit mtf photo.png --roi 200,150,320,256 --accept doubled --json -o mtf.json")]
 pub(crate) struct Arguments {
-    /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB); camera raw with the feature raw
+    /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB); camera raw with
+    /// the feature raw
     pub image: PathBuf,
     /// Region that holds one edge, pixels; if left out, the picture's only slanted edge is found
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]

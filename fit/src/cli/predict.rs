@@ -23,21 +23,27 @@ use crate::report::plot::{self};
 /// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The MTF is that of the mid-air image itself, without camera: tangential (contrast along the plane of incidence) and \
-sagittal. Luminance is relative to the source, half mirror included. Parameters fitted per angle are interpolated \
+The MTF is that of the mid-air image itself, without camera: tangential (contrast along the plane \
+of incidence) and \
+sagittal. Luminance is relative to the source, half mirror included. Parameters fitted per angle \
+are interpolated \
 linearly between the fitted angles and held constant beyond them.
 
 Examples:
   fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 --azimuth 30
-  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot mtf.svg --json
-  fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 --frequency 0.5,1,2 --against incidence \
+  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot \
+  mtf.svg --json
+  fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 --frequency 0.5,1,2 \
+  --against incidence \
     --plot against.svg -o against.csv
-  fit predict result.json --table pair.h5 --distance 150 --incidence 20 --frequency 0.5,1,2 --against direction \
+  fit predict result.json --table pair.h5 --distance 150 --incidence 20 --frequency 0.5,1,2 \
+  --against direction \
     --plot polar.svg --json -o polar.json")]
 pub(crate) struct Arguments {
     /// What `fit estimate -o` wrote
     pub result: PathBuf,
-    /// A table of the fitted cell: the fit's own, or one of the same mesh and index with more directions
+    /// A table of the fitted cell: the fit's own, or one of the same mesh and index with more
+    /// directions
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
     /// Floating distances, mm
@@ -61,8 +67,8 @@ pub(crate) struct Arguments {
     /// One JSON object instead of CSV
     #[arg(long)]
     pub json: bool,
-    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves; direction draws a polar picture for
-    /// every place, and adds its curves to the JSON ("around")
+    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves;
+    /// direction draws a polar picture for every place, and adds its curves to the JSON ("around")
     #[cfg(feature = "report")]
     #[arg(long, value_enum, requires = "plot")]
     pub against: Option<Variable>,
@@ -99,7 +105,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         clap::Command::new("fit predict")
             .error(
                 clap::error::ErrorKind::ArgumentConflict,
-                format!("--against draws a curve for every frequency; name at most {MOST_CURVES} with --frequency"),
+                format!(
+                    "--against draws a curve for every frequency; name at most {MOST_CURVES} \
+                with --frequency"
+                ),
             )
             .exit();
     }
@@ -145,7 +154,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     between.dedup();
     if !between.is_empty() {
         terminal::warn([format!(
-            "interpolated between directions of the table, which costs accuracy: incidence {} deg; bake them",
+            "interpolated between directions of the table, which costs accuracy: incidence {} \
+            deg; bake them",
             between.join(", ")
         )]);
     }
@@ -172,7 +182,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::deliver(&text, output)?)
 }
 
-/// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF empty.
+/// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF
+/// empty.
 fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
     let mut text = String::from(
         "distance_mm,incidence_deg,azimuth_deg,axis,eta,luminance,frequency_per_mm,mtf\n",

@@ -30,20 +30,27 @@ use crate::predict::Fitted;
 /// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The source is any EXR, PNG, TIFF or JPEG, grey or in colour, as it appears in the mid-air image (upright). Its pixels are \
-squares of even light; a pixel of the result is the mean of the mid-air image over its square, in the source's units, as dim \
+The source is any EXR, PNG, TIFF or JPEG, grey or in colour, as it appears in the mid-air image \
+(upright). Its pixels are \
+squares of even light; a pixel of the result is the mean of the mid-air image over its square, in \
+the source's units, as dim \
 as it is: --exposure brightens it as a camera would. What lies outside of the source is black.
 
 Examples:
-  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence 20 --azimuth 30 \
+  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence \
+  20 --azimuth 30 \
 -o aerial.exr
-  fit render --source content.png --params result.json --table pair.h5 --distance 150 --incidence 0 --azimuth 30 \
+  fit render --source content.png --params result.json --table pair.h5 --distance 150 --incidence \
+  0 --azimuth 30 \
 --exposure 10 --ambient 0.002 -o aerial.png --json
-  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence 20 --azimuth 30 \
+  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence \
+  20 --azimuth 30 \
 --forward render --samples 64 -o sampled.exr --json
 
-With --view, a camera sees the sheet: every pixel has its own incidence, azimuth and distance, and with them its own blur and \
-brightness, so the table must hold directions all around (bake trace --azimuth 0:345:15). All as the camera sees it, the half \
+With --view, a camera sees the sheet: every pixel has its own incidence, azimuth and distance, \
+and with them its own blur and \
+brightness, so the table must hold directions all around (bake trace --azimuth 0:345:15). All as \
+the camera sees it, the half \
 mirror taken away, in mm:
     [camera]
     position_mm = [0, 0, 600]
@@ -104,7 +111,8 @@ pub(crate) struct Arguments {
     /// Factor on the result, as of a camera's exposure
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::positive)]
     pub exposure: f64,
-    /// What integers in the source mean, linear or srgb, and in a PNG that is written; sRGB for 8 bits if left out
+    /// What integers in the source mean, linear or srgb, and in a PNG that is written; sRGB for 8
+    /// bits if left out
     #[arg(long, value_name = "NAME", value_parser = parse::transfer)]
     pub transfer: Option<Transfer>,
     /// spectral: by transforms; render: by samples, for a check
@@ -143,11 +151,14 @@ struct Report {
     energy: Option<Range>,
     /// Largest error of the transfer by what was left out.
     transfer_error: f64,
-    /// Tiles along columns and rows, and the largest error between their corners; null without a view.
+    /// Tiles along columns and rows, and the largest error between their corners; null without a
+    /// view.
     tiles: Option<TileReport>,
-    /// Root mean square over the image of the standard error by the samples, before exposure; null without samples.
+    /// Root mean square over the image of the standard error by the samples, before exposure; null
+    /// without samples.
     sampling_error: Option<f64>,
-    /// Mean and greatest luminance of the mid-air image over the ambient one; null without ambient light.
+    /// Mean and greatest luminance of the mid-air image over the ambient one; null without ambient
+    /// light.
     contrast: Option<Contrast>,
     seconds: Seconds,
     warnings: Vec<String>,
@@ -253,7 +264,8 @@ fn clipped(image: &Picture, writing: Writing) -> Option<String> {
     let clipped = image.above_white();
     (writing == Writing::Png && clipped > 0).then(|| {
         format!(
-            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller --exposure"
+            "{clipped} values are above 1 and were clipped; write .exr, or give a smaller \
+            --exposure"
         )
     })
 }
@@ -400,12 +412,14 @@ fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
     }
     if low == high && spots.iter().any(|spot| spot.interpolated) {
         warnings.push(format!(
-            "interpolated between directions of the table, which costs accuracy: incidence {at}; bake it"
+            "interpolated between directions of the table, which costs accuracy: incidence {at}; \
+            bake it"
         ));
     }
     if seen.transfer_error > 1e-3 {
         warnings.push(format!(
-            "the blur is much finer than a pixel: the contrast of single pixels errs by up to {:.1} %",
+            "the blur is much finer than a pixel: the contrast of single pixels errs by up to \
+            {:.1} %",
             100.0 * seen.transfer_error
         ));
     }

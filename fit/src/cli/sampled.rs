@@ -30,8 +30,8 @@ impl Samples {
     }
 }
 
-/// Leaves the candidates that have samples. Ends the program with a usage error where none is left, or another loss was asked
-/// for than those of MTFs.
+/// Leaves the candidates that have samples. Ends the program with a usage error where none is left,
+/// or another loss was asked for than those of MTFs.
 pub(crate) fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
     match candidates.clone().with_samples(loss) {
         Ok(left) => *candidates = left,

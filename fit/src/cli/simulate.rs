@@ -11,7 +11,8 @@ use crate::simulate::write;
 /// Writes a synthetic campaign: photographs with noise, captures.toml and truth.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The photographs are made in the spatial domain, from the closed form of the ideal cube: independent of the \
+The photographs are made in the spatial domain, from the closed form of the ideal cube: \
+independent of the \
 estimator's transforms and of any table.
 
 Example (PARAMS.toml):
@@ -31,9 +32,11 @@ Example (PARAMS.toml):
   edge_normal_deg = 5.0
   exposure = 6.0
 
-With kernel = \"wave\" [truth] takes wavelength_nm (550, or \"450:0.2,550:0.5,620:0.3\") instead of lobe and a.
+With kernel = \"wave\" [truth] takes wavelength_nm (550, or \"450:0.2,550:0.5,620:0.3\") instead \
+of lobe and a.
 
-With --table the sheet is the one that an exact table describes, with the spots of cubes that are not ideal: polygons and deviations come from there, all else is as above.
+With --table the sheet is the one that an exact table describes, with the spots of cubes that are \
+not ideal: polygons and deviations come from there, all else is as above.
 
   fit simulate params.toml -o campaign
   fit simulate params.toml --table pair.h5 -o of-the-table

@@ -32,15 +32,18 @@ use crate::study::{Speed, speed};
 use crate::study::{Study, photographs};
 use crate::study::{choice, trial};
 
-/// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, by samples against the closed form,
-/// or over simulated campaigns.
+/// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, by
+/// samples against the closed form, or over simulated campaigns.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The Cramer-Rao bound is the smallest standard deviation that any unbiased estimate from the same pixels can have, with \
+The Cramer-Rao bound is the smallest standard deviation that any unbiased estimate from the same \
+pixels can have, with \
 place, angle, plateaus and light gradient of every photograph unknown.
 
-With --ranges, campaigns are drawn, photographed in memory, fitted by both losses and compared with their truth; those \
-whose bound on c is below 10 % are counted. The table must be of the ideal cell that the ranges name. All keys of \
+With --ranges, campaigns are drawn, photographed in memory, fitted by both losses and compared \
+with their truth; those \
+whose bound on c is below 10 % are counted. The table must be of the ideal cell that the ranges \
+name. All keys of \
 RANGES.toml may be left out; these are the defaults:
   ior = 1.49
   pair = true                                  # triangular-pair, else triangular
@@ -52,10 +55,12 @@ RANGES.toml may be left out; these are the defaults:
   electrons = { from = 500, to = 40000 }       # at full scale
   distance_mm = { from = 100, to = 400 }
   light = { from = 0.001, to = 0.03 }          # uneven light, middle to border; even if left out
-  [camera]                                     # as for `fit simulate`; 192 x 128 pixels of 0.08 mm if left out
+  [camera]                                     # as for `fit simulate`; 192 x 128 pixels of 0.08 \
+  mm if left out
 With --choice the terms are drawn too and left open, and the shares of right choices are reported:
   kernels = [\"eq1\", \"angular\", \"shift\", \"lobe\"]   # with wavelength_nm also \"wave\"
-  a_fall = { from = 0.005, to = 1.5 }          # in half of the campaigns ln of a falls so much from 0 to 45 degrees
+  a_fall = { from = 0.005, to = 1.5 }          # in half of the campaigns ln of a falls so much \
+  from 0 to 45 degrees
   mu_fall = { from = 0.0005, to = 0.5 }        # likewise ln of mu
 
 Examples:
@@ -63,7 +68,8 @@ Examples:
   fit study captures.toml --table pair.h5 --kernel eq1 --plot speed.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv --plot study.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --choice
-  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 --plot forward.svg")]
+  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 \
+  --plot forward.svg")]
 pub(crate) struct Arguments {
     /// The manifest of the photographs to study
     #[arg(required_unless_present = "ranges", conflicts_with = "ranges")]
@@ -83,7 +89,8 @@ pub(crate) struct Arguments {
     /// Seed of all draws and samples
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Draw kernels and sharings too, leave them open (auto), and say how often what was planted is chosen
+    /// Draw kernels and sharings too, leave them open (auto), and say how often what was planted is
+    /// chosen
     #[arg(long, requires = "ranges")]
     pub choice: bool,
     /// Write every campaign there (CSV)
@@ -94,7 +101,8 @@ pub(crate) struct Arguments {
         conflicts_with = "choice"
     )]
     pub csv: Option<PathBuf>,
-    /// Errors and coverage, or of given photographs and renders seconds against error, as a picture, .svg or .png
+    /// Errors and coverage, or of given photographs and renders seconds against error, as a
+    /// picture, .svg or .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE", conflicts_with = "choice")]
     pub plot: Option<PathBuf>,

@@ -10,14 +10,17 @@ pub(crate) struct Terms {
     /// Whose model of the sheet: the proposed one, or a baseline for comparison
     #[arg(long, value_enum, default_value_t = Family::Proposed)]
     pub model: Family,
-    /// Blur terms of the proposed model: auto, eq1 (a independent of distance), angular (a = A/R), shift (no lobe), lobe (no shift), wave (wave
-    /// optics: c alone, the wavelength given; in auto where one is named)
+    /// Blur terms of the proposed model: auto, eq1 (a independent of distance), angular (a = A/R),
+    /// shift (no lobe), lobe (no shift), wave (wave optics: c alone, the wavelength given; in auto
+    /// where one is named)
     #[arg(long, default_value = "auto", value_parser = kernels)]
     pub kernel: Kernels,
-    /// Shape of the lobe: radial (the default), separable or auto; of a baseline beckmann, ggx or auto (the default)
+    /// Shape of the lobe: radial (the default), separable or auto; of a baseline beckmann, ggx or
+    /// auto (the default)
     #[arg(long, value_parser = lobes)]
     pub lobe: Option<Lobes>,
-    /// Parameters fitted for every incidence angle: a (a baseline's roughness), mu, or auto (what is named in neither list is decided)
+    /// Parameters fitted for every incidence angle: a (a baseline's roughness), mu, or auto (what
+    /// is named in neither list is decided)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub per_angle: Vec<PerAngle>,
     /// Parameters that all angles share: a, c, mu (c always is)
@@ -89,8 +92,8 @@ fn conflict(verb: &'static str, message: &str) -> ! {
 }
 
 impl Terms {
-    /// The candidates that are left. Ends the program with a usage error where a parameter is both shared and per angle, or
-    /// terms of one model are named for another.
+    /// The candidates that are left. Ends the program with a usage error where a parameter is both
+    /// shared and per angle, or terms of one model are named for another.
     pub(crate) fn candidates(&self, verb: &'static str) -> Candidates {
         let sharing = |per_angle: PerAngle, shared: SharedName| {
             let named = (
@@ -103,7 +106,8 @@ impl Terms {
                 (false, false) => None,
                 (true, true) => conflict(
                     verb,
-                    "a parameter is named both in --per-angle and in --shared; name it in one of them",
+                    "a parameter is named both in --per-angle and in --shared; name it in one of \
+                    them",
                 ),
             }
         };

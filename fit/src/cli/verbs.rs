@@ -11,8 +11,8 @@ use crate::cli::{estimate, export, mtf, predict, simulate, study};
 #[cfg(feature = "images")]
 use crate::cli::{evaluate, render};
 
-/// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from photographs of
-/// mid-air images, and predicts what the sheet shows elsewhere.
+/// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from
+/// photographs of mid-air images, and predicts what the sheet shows elsewhere.
 #[derive(Debug, Parser)]
 #[command(name = "fit", version, arg_required_else_help = true)]
 struct Arguments {

@@ -1,16 +1,18 @@
 //! The likelihood of one photograph's pixels under an edge profile.
 //!
-//! Expected light of a pixel at distance d from the edge and t along it: dark + step (1 + g_d d + g_t t) E(d).
+//! Expected light of a pixel at distance d from the edge and t along it: dark + step (1 + g_d d +
+//! g_t t) E(d).
 //!
-//! E is the unit edge through blur and camera. The gradient (g_d, g_t) is of the illumination: it multiplies the light of
-//! the edge, not the camera's offset. Noise is normal with variance read^2 + gain x light, and where the camera cuts it
-//! off at 0, mean and variance are those of what is left. Both noise numbers are the most likely ones for the scatter of
-//! the pixels about a smooth model; the weights that follow from that model stay fixed while the likelihood is climbed,
-//! for weights that follow the data, or the parameters, bias the estimate.
+//! E is the unit edge through blur and camera. The gradient (g_d, g_t) is of the illumination: it
+//! multiplies the light of the edge, not the camera's offset. Noise is normal with variance read^2
+//! + gain x light, and where the camera cuts it off at 0, mean and variance are those of what is
+//! left. Both noise numbers are the most likely ones for the scatter of the pixels about a smooth
+//! model; the weights that follow from that model stay fixed while the likelihood is climbed, for
+//! weights that follow the data, or the parameters, bias the estimate.
 //!
-//! Position and angle of the edge, both plateaus and the gradient are nuisances of every photograph: for every trial blur
-//! they are put at their optimum and projected out (variable projection), so that what remains is a function of blur and
-//! lens alone.
+//! Position and angle of the edge, both plateaus and the gradient are nuisances of every
+//! photograph: for every trial blur they are put at their optimum and projected out (variable
+//! projection), so that what remains is a function of blur and lens alone.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -47,7 +49,8 @@ pub(crate) const NUISANCES: usize = 6;
 /// Column of ln(step).
 pub(crate) const STEP: usize = NUISANCES - 1;
 
-/// The edge profile of a trial model and its derivatives by what is fitted: ln spread, ln c, then the lens.
+/// The edge profile of a trial model and its derivatives by what is fitted: ln spread, ln c, then
+/// the lens.
 pub(crate) struct Curves {
     value: Even,
     by: Vec<Even>,
@@ -55,7 +58,8 @@ pub(crate) struct Curves {
 
 /// A photograph at the optimum of its nuisances.
 pub(crate) struct Fitted {
-    /// Upper triangular R with R^T R = the weighted normal matrix of (nuisances, derivatives, residual).
+    /// Upper triangular R with R^T R = the weighted normal matrix of (nuisances, derivatives,
+    /// residual).
     pub factor: DMatrix<f64>,
     /// Where the nuisances ended.
     pub nuisances: Nuisances,
@@ -102,14 +106,15 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// Independent numbers in it: a mean and, where a bin is spread along the edge, a slope for every bin.
+    /// Independent numbers in it: a mean and, where a bin is spread along the edge, a slope for
+    /// every bin.
     pub(crate) fn observations(&self) -> usize {
         let known = |w: &Weight| w.root.iter().filter(|&&root| root > 0.0).count();
         self.weights.iter().map(known).sum()
     }
 
-    /// The edge profile through `camera`, of the source edge itself where there is no `model`; with derivatives by the
-    /// first `lens` of the lens's parameters (ln blur, exponent).
+    /// The edge profile through `camera`, of the source edge itself where there is no `model`; with
+    /// derivatives by the first `lens` of the lens's parameters (ln blur, exponent).
     pub(crate) fn curves(
         &self,
         model: Option<(&Model, Blur)>,
@@ -164,8 +169,9 @@ impl<'a> Photograph<'a> {
 
     /// Finds noise, weights and nuisances under a model that is near the truth.
     ///
-    /// Noise and light hang on one another little, so that the second round is the last, but where noise is cut off: there
-    /// the dark plateau moves with the noise, and every round leaves about a tenth of what was off.
+    /// Noise and light hang on one another little, so that the second round is the last, but where
+    /// noise is cut off: there the dark plateau moves with the noise, and every round leaves about
+    /// a tenth of what was off.
     pub(crate) fn settle(&mut self, curves: &Curves) {
         let rounds = if self.pixels.cut_off { 5 } else { 2 };
         self.start = self.first_guess(curves);
@@ -184,7 +190,8 @@ impl<'a> Photograph<'a> {
     }
 
     fn first_guess(&self, curves: &Curves) -> Nuisances {
-        // The line lies at the half level of the photograph; the model's half level may lie beside its own zero.
+        // The line lies at the half level of the photograph; the model's half level may lie beside
+        // its own zero.
         let reach = self.pixels.reach() as i64;
         let half = (-reach..reach)
             .find(|&j| curves.value.around(j)[0] <= 0.5 && curves.value.around(j + 1)[0] > 0.5)
@@ -213,7 +220,8 @@ impl<'a> Photograph<'a> {
         guess
     }
 
-    /// Expected light of every bin and its slope per pixel across the edge, at the nuisances of the start.
+    /// Expected light of every bin and its slope per pixel across the edge, at the nuisances of the
+    /// start.
     fn light(&self, curves: &Curves) -> Vec<[f64; 2]> {
         let start = &self.start;
         let bins = self.pixels.bins.iter().enumerate();
@@ -281,8 +289,8 @@ impl<'a> Photograph<'a> {
             .collect();
     }
 
-    /// Puts the nuisances at their optimum under a model: Gauss-Newton from the start, which lies so near that the problem
-    /// is all but linear.
+    /// Puts the nuisances at their optimum under a model: Gauss-Newton from the start, which lies
+    /// so near that the problem is all but linear.
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
         let mut nuisances = self.start;
@@ -313,8 +321,8 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// The weighted rows (derivatives by the nuisances, by the curves' parameters, residual = model - data) of all bins:
-    /// first of the mean, then of the slope along the edge.
+    /// The weighted rows (derivatives by the nuisances, by the curves' parameters, residual = model
+    /// - data) of all bins: first of the mean, then of the slope along the edge.
     pub(crate) fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
         let size = NUISANCES + curves.by.len() + 1;
         let (mut mean, mut slope) = (vec![0.0; size], vec![0.0; size]);
@@ -365,8 +373,8 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// The factor of a fitted photograph with the full information of pixels that were cut off at 0; the estimate uses
-    /// their mean alone, which has a little less.
+    /// The factor of a fitted photograph with the full information of pixels that were cut off at
+    /// 0; the estimate uses their mean alone, which has a little less.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
         let size = NUISANCES + curves.by.len() + 1;
         let mut normal = DMatrix::zeros(size, size);
@@ -407,7 +415,8 @@ impl Nuisances {
 
     fn moved(self, step: &DVector<f64>) -> Nuisances {
         Nuisances {
-            // A step from afar may be far too long: no edge lies more than a few pixels off its half level.
+            // A step from afar may be far too long: no edge lies more than a few pixels off its
+            // half level.
             place_px: self.place_px - step[0].clamp(-4.0, 4.0),
             turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
             dark: self.dark - step[2],

@@ -1,17 +1,20 @@
-//! The pixels of a window as a likelihood needs them: their sums over bins of the distance from the edge.
+//! The pixels of a window as a likelihood needs them: their sums over bins of the distance from the
+//! edge.
 //!
-//! Across a quarter of a pixel an edge is a short Taylor series in the distance d, and whatever else moves a pixel (angle,
-//! gradient of the light) is linear in its position t along the edge. So the pixels of a bin tell what they know by two
-//! numbers, their mean and their slope along the edge, if the moments of their positions are kept beside: the model is
-//! averaged over the pixels' own positions, and nothing is rounded to a bin. What is lost is how the pixels of one bin
-//! differ across it, (1/4 px)^2/12 over the variance of the blur: 1 % of the information on a lens of half a pixel, 0.1 %
-//! on an aerial image.
+//! Across a quarter of a pixel an edge is a short Taylor series in the distance d, and whatever
+//! else moves a pixel (angle, gradient of the light) is linear in its position t along the edge. So
+//! the pixels of a bin tell what they know by two numbers, their mean and their slope along the
+//! edge, if the moments of their positions are kept beside: the model is averaged over the pixels'
+//! own positions, and nothing is rounded to a bin. What is lost is how the pixels of one bin differ
+//! across it, (1/4 px)^2/12 over the variance of the blur: 1 % of the information on a lens of half
+//! a pixel, 0.1 % on an aerial image.
 
 use crate::photographs::BIN_PX;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::{Raster, Window};
 
-/// Pixels of one bin; u = distance from the bin's centre along the normal, t = position along the edge, both in pixels.
+/// Pixels of one bin; u = distance from the bin's centre along the normal, t = position along the
+/// edge, both in pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bin {
     /// Number of pixels.
@@ -28,7 +31,8 @@ pub struct Bin {
     pub mean: f64,
     /// Slope of the values along t (per pixel); 0 where `spread` is.
     pub slope: f64,
-    /// Sums of squares of the values about their mean, of their products with u, and of u about its mean.
+    /// Sums of squares of the values about their mean, of their products with u, and of u about its
+    /// mean.
     pub scatter: [f64; 3],
 }
 
@@ -120,7 +124,8 @@ impl Sums {
         }
         let across = self.u.map(|sum| sum / n);
         let (along, mean) = (self.t / n, self.y / n);
-        // Fewer than two distinct positions have no slope; what is left of the difference is rounding.
+        // Fewer than two distinct positions have no slope; what is left of the difference is
+        // rounding.
         let spread = self.tt - n * along * along;
         let spread = if spread > 1e-9 * self.tt { spread } else { 0.0 };
         Bin {

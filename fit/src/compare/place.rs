@@ -17,7 +17,8 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// The pixels of `bin`, number `index`, about an edge at `place` (pixels off the line) with `turn` (rad).
+    /// The pixels of `bin`, number `index`, about an edge at `place` (pixels off the line) with
+    /// `turn` (rad).
     pub(crate) fn new(bin: &Bin, index: i64, [place, turn]: [f64; 2]) -> Place {
         let whole = (place / BIN_PX).round();
         // u - place + turn t, the turn's own spread kept to second order.
@@ -49,8 +50,8 @@ impl Place {
         }
     }
 
-    /// A curve's mean over the pixels, its slope along the edge (per pixel), and its first two derivatives across it (per
-    /// pixel, and per pixel and bin).
+    /// A curve's mean over the pixels, its slope along the edge (per pixel), and its first two
+    /// derivatives across it (per pixel, and per pixel and bin).
     pub(crate) fn of(&self, curve: &Even) -> [f64; 4] {
         let [here, first, second, third] = curve.around(self.offset);
         let [m1, m2, m3] = self.moments;

@@ -1,7 +1,7 @@
 //! Luminance: the step of an edge, and mu from the ratio of two steps.
 //!
-//! The two plateaus are parameters of a straight-line fit of the measured profile to the modelled unit edge, not means of
-//! a corner: a lobe's tails reach beyond any window.
+//! The two plateaus are parameters of a straight-line fit of the measured profile to the modelled
+//! unit edge, not means of a corner: a lobe's tails reach beyond any window.
 
 use crate::photographs::Profile;
 
@@ -15,8 +15,8 @@ pub(crate) struct Contrast {
 }
 
 impl Contrast {
-    /// Weighted least squares of the bins to dark + step x unit; weights are the pixels in a bin, which keeps the result
-    /// independent of the noise estimate.
+    /// Weighted least squares of the bins to dark + step x unit; weights are the pixels in a bin,
+    /// which keeps the result independent of the noise estimate.
     pub(crate) fn fit(profile: &Profile, unit: &[f64]) -> Contrast {
         let total: f64 = profile.count.iter().sum();
         let weighted = |curve: &[f64]| {
@@ -54,7 +54,8 @@ impl Contrast {
             .sum()
     }
 
-    /// Relative derivative of `step` when the unit profile changes by `change` per unit of a parameter.
+    /// Relative derivative of `step` when the unit profile changes by `change` per unit of a
+    /// parameter.
     pub(crate) fn relative_change(&self, change: &[f64]) -> f64 {
         -self
             .by_bin

@@ -1,5 +1,5 @@
-//! One photograph made ready for comparison with models: its profile, its estimator, and everything of the model that
-//! the parameters do not change.
+//! One photograph made ready for comparison with models: its profile, its estimator, and everything
+//! of the model that the parameters do not change.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
@@ -14,7 +14,8 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::sfr;
 use crate::photographs::{Estimator, Mtf};
 
-/// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding and interpolation.
+/// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding
+/// and interpolation.
 pub(crate) const MODEL_ERROR: f64 = 2e-5;
 
 /// Most frequencies that one photograph is compared at.
@@ -51,10 +52,12 @@ pub struct View {
 }
 
 impl View {
-    /// Measures the edge at `line`. `tangential_rad` is the direction of the tangential axis in the photograph.
+    /// Measures the edge at `line`. `tangential_rad` is the direction of the tangential axis in the
+    /// photograph.
     ///
-    /// Frequencies: the spacing is about the reciprocal of the profile's length (closer ones tell nothing new); the last is
-    /// where the measured modulus sinks into three times its noise, at most half the sampling frequency.
+    /// Frequencies: the spacing is about the reciprocal of the profile's length (closer ones tell
+    /// nothing new); the last is where the measured modulus sinks into three times its noise, at
+    /// most half the sampling frequency.
     pub fn new(
         line: EdgeLine,
         profile: Profile,
@@ -153,8 +156,8 @@ impl View {
             .predict(bins, derivatives, &self.mtf.power_noise)
     }
 
-    /// Differences of two MTFs in units of their noise, correlations between frequencies taken out (zero frequency left
-    /// out). Linear.
+    /// Differences of two MTFs in units of their noise, correlations between frequencies taken out
+    /// (zero frequency left out). Linear.
     pub fn whiten(&self, difference: &[f64]) -> DVector<f64> {
         let mut v = DVector::from_column_slice(&difference[1..]);
         self.whitener.l_dirty().solve_lower_triangular_mut(&mut v);
@@ -184,7 +187,8 @@ impl View {
         m
     }
 
-    /// Frequency (1/mm) at which the measured MTF first falls to one half, from the frequencies of comparison.
+    /// Frequency (1/mm) at which the measured MTF first falls to one half, from the frequencies of
+    /// comparison.
     pub fn mtf50_per_mm(&self) -> Option<f64> {
         crate::photographs::crossing(&self.estimator.frequencies_per_mm, &self.mtf.modulus, 0.5)
     }

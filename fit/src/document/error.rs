@@ -11,7 +11,8 @@ use crate::names::SpectrumError;
 pub enum Error {
     /// The operating system does not give the file, or it is not text.
     #[error(
-        "{file}: cannot be read ({source}); check the path, its permissions and that it is UTF-8 text"
+        "{file}: cannot be read ({source}); check the path, its permissions and that it is UTF-8 \
+        text"
     )]
     Read {
         /// The manifest.

@@ -1,7 +1,9 @@
-//! The door of every TOML input: keys are looked up by name and type, and whatever is wrong is said with its line.
+//! The door of every TOML input: keys are looked up by name and type, and whatever is wrong is said
+//! with its line.
 //!
-//! serde's own messages stop at "unknown field"; walking the parsed document keeps the line of every key, so that an
-//! error can name the file, the line, the key and the nearest key that would have been right.
+//! serde's own messages stop at "unknown field"; walking the parsed document keeps the line of
+//! every key, so that an error can name the file, the line, the key and the nearest key that would
+//! have been right.
 
 use std::path::{Path, PathBuf};
 
@@ -285,7 +287,8 @@ impl<'d> Section<'d> {
     /// `N` whole numbers, 0 or greater.
     ///
     /// # Errors
-    /// [`Error::WrongType`] where it is not an array of that many whole numbers, [`Error::OutOfRange`].
+    /// [`Error::WrongType`] where it is not an array of that many whole numbers,
+    /// [`Error::OutOfRange`].
     pub(crate) fn whole_array<const N: usize>(
         &self,
         key: &str,
@@ -365,7 +368,8 @@ impl<'d> Section<'d> {
         Ok(Some(NumberOrTable::Table(entries)))
     }
 
-    /// The spectrum under the key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads it.
+    /// The spectrum under the key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads
+    /// it.
     ///
     /// # Errors
     /// [`Error::Spectrum`], or that the value is neither.

@@ -1,8 +1,9 @@
 //! The azimuth of the sheet, where the captures do not know it: one angle, added to all of theirs.
 //!
-//! Its profile, the least whitened sum of squares of the MTFs by every other parameter, has several minima: it is looked at
-//! all around the table's period, and its lowest minima are refined. The standard error is the profile's curvature. What the
-//! other parameters owe to it is added to their covariance afterwards, from fits at one standard error to either side.
+//! Its profile, the least whitened sum of squares of the MTFs by every other parameter, has several
+//! minima: it is looked at all around the table's period, and its lowest minima are refined. The
+//! standard error is the profile's curvature. What the other parameters owe to it is added to their
+//! covariance afterwards, from fits at one standard error to either side.
 
 use nalgebra::DMatrix;
 use tables::Table;
@@ -17,7 +18,8 @@ use crate::estimate::watch::{Step, Watch};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 
-/// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and more.
+/// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and
+/// more.
 const STEP_DEG: f64 = 5.0;
 
 /// Width to which a minimum is found, degrees: far below the error of any photographs.
@@ -26,15 +28,18 @@ const FOUND_DEG: f64 = 1e-3;
 /// Minima refined at most.
 const MINIMA: usize = 4;
 
-/// Minima whose sum of squares is that near the lowest, in units of the misfit, fit as well: two standard deviations.
+/// Minima whose sum of squares is that near the lowest, in units of the misfit, fit as well: two
+/// standard deviations.
 const AS_WELL: f64 = 4.0;
 
 /// What the photographs say of the azimuth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Azimuth {
-    /// What is to be added to the captures' azimuths, degrees, from 0 to below [`Azimuth::period_deg`].
+    /// What is to be added to the captures' azimuths, degrees, from 0 to below
+    /// [`Azimuth::period_deg`].
     pub deg: Value,
-    /// Azimuths that differ by this cannot be told apart: 360, or less by the symmetry that the table records.
+    /// Azimuths that differ by this cannot be told apart: 360, or less by the symmetry that the
+    /// table records.
     pub period_deg: f64,
     /// Others that fit as well.
     pub others_deg: Vec<f64>,
@@ -97,7 +102,8 @@ impl Profile<'_> {
     }
 }
 
-/// The model to look for it with: what may differ by angle does, so that the azimuth does not make up for it.
+/// The model to look for it with: what may differ by angle does, so that the azimuth does not make
+/// up for it.
 pub(crate) fn flexible(scene: &Scene) -> Choice {
     let several = scene.groups.len() > 1;
     Choice {
@@ -193,7 +199,8 @@ pub(crate) fn find(
     Ok((found, profile.turned(best)?))
 }
 
-/// What the error of the azimuth, at which the scene is, adds to the covariance of the logarithms of all parameters.
+/// What the error of the azimuth, at which the scene is, adds to the covariance of the logarithms
+/// of all parameters.
 ///
 /// # Errors
 /// As [`find`].

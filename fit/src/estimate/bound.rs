@@ -1,9 +1,10 @@
 //! One-sided bounds from the profile likelihood, for what the photographs cannot pin down.
 //!
-//! A term that was left out is bounded only where the criterion left it out, and that happens the more often the more noise
-//! has hidden of it: among such photographs a plain bound of 95 % holds less often. So the level of its bound is conditional
-//! on the choice (Fithian, Sun and Taylor, Optimal inference after model selection, arXiv 1410.2597): the estimate, in
-//! standard deviations, is a normal number below the threshold of the criterion, see `rise_below`.
+//! A term that was left out is bounded only where the criterion left it out, and that happens the
+//! more often the more noise has hidden of it: among such photographs a plain bound of 95 % holds
+//! less often. So the level of its bound is conditional on the choice (Fithian, Sun and Taylor,
+//! Optimal inference after model selection, arXiv 1410.2597): the estimate, in standard deviations,
+//! is a normal number below the threshold of the criterion, see `rise_below`.
 
 use std::collections::BTreeMap;
 
@@ -35,16 +36,17 @@ pub struct Bound {
 /// The bounds of an estimate, by parameter.
 pub(crate) type Bounds = BTreeMap<ParameterId, Bound>;
 
-/// Relative standard error beyond which an estimate is a number without meaning: two standard errors reach to nothing, so that the
-/// photographs do not tell the term from none.
+/// Relative standard error beyond which an estimate is a number without meaning: two standard
+/// errors reach to nothing, so that the photographs do not tell the term from none.
 const MEANINGLESS: f64 = 0.5;
 
-/// Confidence of the bounds, and the rise of the sum of squares that it stands for (one-sided, one parameter).
+/// Confidence of the bounds, and the rise of the sum of squares that it stands for (one-sided, one
+/// parameter).
 const CONFIDENCE: f64 = 0.95;
 const RISE: f64 = 2.706;
 
-/// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at most, a at least (each is the
-/// direction in which its blur fades away).
+/// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at
+/// most, a at least (each is the direction in which its blur fades away).
 pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
     let mut found = Bounds::new();
     for i in 0..fit.blur_parameters() {
@@ -57,9 +59,9 @@ pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
     found
 }
 
-/// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where the shift alone was,
-/// from the literal Eq. (1), which has both; likewise a baseline's rough front. `None` where all is there, or the fuller
-/// model was no candidate.
+/// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where
+/// the shift alone was, from the literal Eq. (1), which has both; likewise a baseline's rough
+/// front. `None` where all is there, or the fuller model was no candidate.
 pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterId, Bound)> {
     let choice = selection.best.choice;
     let (kind, with) = match choice.kernel {
@@ -72,7 +74,8 @@ pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterI
     rows.find(|row| row.choice.kernel == with)?;
     let both = Choice {
         kernel: with,
-        // A lobe keeps an a for every angle, or c would make up for what one a cannot; a shift has one bound.
+        // A lobe keeps an a for every angle, or c would make up for what one a cannot; a shift has
+        // one bound.
         per_angle_a: choice.kernel == Kernel::Lobe && choice.per_angle_a,
         ..choice
     };
@@ -87,9 +90,10 @@ pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterI
     Some((id, bound(scene, loss, &fit, i, rise)))
 }
 
-/// Rise of the sum of squares at the bound of a number that was found at `found` standard deviations from 0, where one beyond
-/// `threshold` would not be bounded: the r^2 at which a normal number about found + r, known to lie below the threshold, lies
-/// below `found` in 5 %. [`RISE`] where the threshold is far.
+/// Rise of the sum of squares at the bound of a number that was found at `found` standard
+/// deviations from 0, where one beyond `threshold` would not be bounded: the r^2 at which a normal
+/// number about found + r, known to lie below the threshold, lies below `found` in 5 %. [`RISE`]
+/// where the threshold is far.
 fn rise_below(found: f64, threshold: f64) -> f64 {
     // Nearer than that a bound would lie beyond 30 standard deviations, which says nothing.
     let room = (threshold - found).max(0.1);
@@ -111,8 +115,8 @@ fn rise_below(found: f64, threshold: f64) -> f64 {
 fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bound {
     let unit = fit.reduced_chi2().max(1.0);
     let is_a = fit.parameters[i].kind.fades_upwards();
-    // c and roughness vanish downwards, so their bound lies above; a vanishes upwards, so its bound lies below. Waves
-    // spread either way.
+    // c and roughness vanish downwards, so their bound lies above; a vanishes upwards, so its bound
+    // lies below. Waves spread either way.
     let wave = fit.choice.kernel == Kernel::Wave;
     let limit = |way| edge(scene, loss, fit, i, way, rise * unit);
     Bound {
@@ -122,7 +126,8 @@ fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bou
     }
 }
 
-/// Where the profile likelihood of parameter `i` has risen by `rise`, walking up or down; `None` where it never does.
+/// Where the profile likelihood of parameter `i` has risen by `rise`, walking up or down; `None`
+/// where it never does.
 fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f64) -> Option<f64> {
     let start = &fit.solution.parameters;
     // The sum of squares at the vanishing end, where the optimum may lie flat.
@@ -130,8 +135,8 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
         let (squares, at) = sum_of_squares_with(scene, loss, fit.choice, from, i, x);
         (squares - fit.chi2 > rise, at)
     };
-    // Where nothing depends on a parameter the solver may leave it anywhere: the walk begins within what a photograph
-    // could ever show, c = 0.1 um, a = 10^9 and a roughness of 10^-7.
+    // Where nothing depends on a parameter the solver may leave it anywhere: the walk begins within
+    // what a photograph could ever show, c = 0.1 um, a = 10^9 and a roughness of 10^-7.
     let faint: f64 = if fit.choice.kernel.is_baseline() {
         1e-7
     } else {
@@ -174,8 +179,9 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
 mod tests {
     use super::*;
 
-    /// Normal numbers about a truth, those beyond the threshold left out: the bound found + r holds the truth in 95 % of the
-    /// rest, wherever the truth lies. Of n the share scatters by sqrt(0.95 x 0.05 / n), and the limit is 4 of these.
+    /// Normal numbers about a truth, those beyond the threshold left out: the bound found + r holds
+    /// the truth in 95 % of the rest, wherever the truth lies. Of n the share scatters by sqrt(0.95
+    /// x 0.05 / n), and the limit is 4 of these.
     #[test]
     fn conditional_bounds_hold_wherever_the_truth_lies() {
         let threshold = 3.5;

@@ -1,4 +1,5 @@
-//! A whole estimate: from a campaign's photographs to c, a and mu with their errors, bounds and warnings.
+//! A whole estimate: from a campaign's photographs to c, a and mu with their errors, bounds and
+//! warnings.
 
 use nalgebra::DVector;
 use tables::Table;
@@ -32,7 +33,8 @@ pub struct Options {
     pub loss: Option<Kind>,
     /// Evaluates the model by samples, as published, instead of in closed form.
     pub samples: Option<Sampling>,
-    /// Finds the sheet's azimuth too: one angle, added to those of all captures (0 where they have none).
+    /// Finds the sheet's azimuth too: one angle, added to those of all captures (0 where they have
+    /// none).
     pub fit_azimuth: bool,
     /// Wavelengths of the source, in place of the campaign's.
     pub spectrum: Option<Spectrum>,
@@ -122,8 +124,9 @@ impl Estimated {
     }
 }
 
-/// Estimates a sheet from a campaign: measures its photographs, finds the azimuth if asked, chooses the terms, bounds what the
-/// photographs do not tell, and fits. `photo` hands out the photographs: from their files (`Shot::load`), or from memory.
+/// Estimates a sheet from a campaign: measures its photographs, finds the azimuth if asked, chooses
+/// the terms, bounds what the photographs do not tell, and fits. `photo` hands out the photographs:
+/// from their files (`Shot::load`), or from memory.
 ///
 /// # Errors
 /// [`Error`]: photographs or table, options that exclude each other, a fit that failed, or the watch's flag.
@@ -190,7 +193,8 @@ struct Fitted {
     sampled: Option<Scene>,
 }
 
-/// Chooses the terms, bounds what is not told, and fits by the loss and the forward model that were asked for.
+/// Chooses the terms, bounds what is not told, and fits by the loss and the forward model that were
+/// asked for.
 fn fitted(
     scene: &Scene,
     table: &Table,
@@ -199,7 +203,8 @@ fn fitted(
     watch: &Watch,
 ) -> Result<Fitted, Error> {
     let kind = options.kind();
-    // Terms, and what the photographs only bound, are decided in closed form and in units of the noise.
+    // Terms, and what the photographs only bound, are decided in closed form and in units of the
+    // noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
     let selection = select(scene, telling, candidates, watch)?;
     let mut bounds = bounds(scene, &selection.loss, &selection.best);

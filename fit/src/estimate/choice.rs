@@ -21,6 +21,7 @@ pub struct Choice {
 pub struct Value {
     /// The estimate.
     pub value: f64,
-    /// One standard deviation: pixel noise carried through the estimator, the camera and the plateaus.
+    /// One standard deviation: pixel noise carried through the estimator, the camera and the
+    /// plateaus.
     pub standard_error: f64,
 }

@@ -41,8 +41,8 @@ pub(crate) fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
     }
 }
 
-/// The model's edge profile on a photograph's bins, in closed form or by the photograph's samples; as `camera` would have it, else
-/// the scene's own.
+/// The model's edge profile on a photograph's bins, in closed form or by the photograph's samples;
+/// as `camera` would have it, else the scene's own.
 pub(crate) fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Curve {
     let (view, model) = (&shot.view, model(shot, choice));
     match (&shot.sampled, camera) {

@@ -46,18 +46,21 @@ pub(crate) struct Linear<'a> {
 
 /// What the blur's parameters follow.
 struct Followed {
-    /// The noise of each photograph's bins, scaled to unit variance, misfit included (parameters x bins).
+    /// The noise of each photograph's bins, scaled to unit variance, misfit included (parameters x
+    /// bins).
     bins: Vec<DMatrix<f64>>,
     /// The parameters of the lens, one after the other.
     lens: Vec<DVector<f64>>,
 }
 
 impl Linear<'_> {
-    /// Carries the noise of every bin, of the lens and of the reference's step through the estimate.
+    /// Carries the noise of every bin, of the lens and of the reference's step through the
+    /// estimate.
     ///
-    /// d(ln p) = -H^-1 J^T dr for the blur, the fit of the plateaus plus its dependence on the blur for mu. The bins' noise is carried
-    /// through the weights of the loss, so that the errors hold whether or not they are the best (a sandwich). The blur's covariance
-    /// is raised by the inflation.
+    /// d(ln p) = -H^-1 J^T dr for the blur, the fit of the plateaus plus its dependence on the blur
+    /// for mu. The bins' noise is carried through the weights of the loss, so that the errors hold
+    /// whether or not they are the best (a sandwich). The blur's covariance is raised by the
+    /// inflation.
     pub(crate) fn covariances(&self) -> Covariances {
         let p = self.layout.parameters();
         let answers = self.answers();
@@ -167,7 +170,8 @@ impl Linear<'_> {
         let groups = values.len();
         // ln mu by ln blur.
         let mut by_blur = DMatrix::zeros(groups, p);
-        // Shots of one incidence share one direction of the table, and with it the error of its eta.
+        // Shots of one incidence share one direction of the table, and with it the error of its
+        // eta.
         let mut eta_error = DMatrix::<f64>::zeros(groups, scene.groups.len());
         for (i, (shot, part)) in scene.shots.iter().zip(self.parts).enumerate() {
             let (g, share) = (layout.mu_group(shot.group), shares[i]);
@@ -214,8 +218,9 @@ pub(crate) fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
         .collect()
 }
 
-/// mu of every incidence group (or one): means over its photographs with the weights of their own noise; and by how much of
-/// itself it follows the ln(step) of each photograph. NaN without a reference.
+/// mu of every incidence group (or one): means over its photographs with the weights of their own
+/// noise; and by how much of itself it follows the ln(step) of each photograph. NaN without a
+/// reference.
 pub(crate) fn reflectances(
     scene: &Scene,
     layout: &Layout,

@@ -25,7 +25,8 @@ pub enum Error {
         fault: wave::Fault,
     },
     /// A baseline that hollow cubes cannot have.
-    #[error("{}: --model guo blurs by the roughness of the front, which hollow cubes lack (index 1 in the table); \
+    #[error("{}: --model guo blurs by the roughness of the front, which hollow cubes lack (index \
+    1 in the table); \
              name another model", manifest.display())]
     Hollow {
         /// The manifest.
@@ -33,7 +34,8 @@ pub enum Error {
     },
     /// The azimuth cannot be told by such a table.
     #[error(
-        "--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake trace --azimuth full \
+        "--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake \
+        trace --azimuth full \
              --direction-tolerance 0.005"
     )]
     OneAzimuth {
@@ -78,12 +80,14 @@ pub enum Conflict {
     PixelsBySamples,
     /// A model without samples.
     #[error(
-        "this model has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral"
+        "this model has no samples: --forward render does eq1, angular, shift and lobe; use \
+        --forward spectral"
     )]
     NoSamples,
     /// The azimuth of a model that knows none, or by samples.
     #[error(
-        "--fit-azimuth looks for the azimuth in closed form and with the proposed model; leave out --forward and --model"
+        "--fit-azimuth looks for the azimuth in closed form and with the proposed model; leave \
+        out --forward and --model"
     )]
     AzimuthOfAnother,
 }

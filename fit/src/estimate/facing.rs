@@ -79,7 +79,8 @@ impl Facing {
         }
     }
 
-    /// The same at an azimuth from which nothing comes back: its lines mean nothing there, and stay.
+    /// The same at an azimuth from which nothing comes back: its lines mean nothing there, and
+    /// stay.
     pub fn dark(&self, direction: &Direction, azimuth_deg: f64) -> Facing {
         Facing {
             azimuth_deg: Some(azimuth_deg),
@@ -91,7 +92,8 @@ impl Facing {
         }
     }
 
-    /// The share of the light that the sheet returns before mu, as a kernel has it: a baseline takes the front's reflections off.
+    /// The share of the light that the sheet returns before mu, as a kernel has it: a baseline
+    /// takes the front's reflections off.
     pub fn returned_as(&self, kernel: Kernel) -> Returned {
         let Returned {
             eta,

@@ -1,9 +1,10 @@
 //! The estimate: one candidate model fitted to all photographs of a scene.
 //!
-//! Sugawara and Koizumi minimise the squared difference of the MTFs of photographs and renders over a and c, then take
-//! mu from the luminance ratio. So does the loss `mse`, with two deviations: the render is replaced by its closed form, and
-//! the solver is Levenberg-Marquardt. The loss `mtf` weighs the differences by their noise covariance as well, which the estimator knows. The
-//! loss `edge` puts the likelihood of the pixels in place of the MTF (see `likelihood`).
+//! Sugawara and Koizumi minimise the squared difference of the MTFs of photographs and renders over
+//! a and c, then take mu from the luminance ratio. So does the loss `mse`, with two deviations: the
+//! render is replaced by its closed form, and the solver is Levenberg-Marquardt. The loss `mtf`
+//! weighs the differences by their noise covariance as well, which the estimator knows. The loss
+//! `edge` puts the likelihood of the pixels in place of the MTF (see `likelihood`).
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -29,7 +30,8 @@ pub struct Estimate {
     pub choice: Choice,
     /// Corner size, mm; `None` under `lobe`. Of a baseline the roughness of its front.
     pub c_mm: Option<Value>,
-    /// a (1/mm), A = a R under `angular`, or the roughness of a baseline: one, or one per incidence group; empty under `shift`.
+    /// a (1/mm), A = a R under `angular`, or the roughness of a baseline: one, or one per incidence
+    /// group; empty under `shift`.
     pub spread: Vec<Value>,
     /// Reflectance: one, or one per incidence group; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
@@ -37,8 +39,8 @@ pub struct Estimate {
     pub parameters: Vec<ParameterId>,
     /// Covariance of all of them.
     pub covariance: DMatrix<f64>,
-    /// Sum of squares of the residuals in units of their noise; under `mse` that of the MTFs, where their mean squared difference is
-    /// least.
+    /// Sum of squares of the residuals in units of their noise; under `mse` that of the MTFs, where
+    /// their mean squared difference is least.
     pub chi2: f64,
     /// Independent residuals.
     pub residuals: usize,
@@ -59,8 +61,8 @@ pub struct Estimate {
 pub struct SamplingError {
     /// The samples.
     pub sampling: Sampling,
-    /// Standard deviation of every parameter between independent randomisations, in the order of the names; the covariance
-    /// and the standard errors hold it already.
+    /// Standard deviation of every parameter between independent randomisations, in the order of
+    /// the names; the covariance and the standard errors hold it already.
     pub standard_error: Vec<f64>,
 }
 
@@ -70,7 +72,8 @@ impl Estimate {
         usize::from(self.c_mm.is_some()) + self.spread.len()
     }
 
-    /// Adds the scatter of the estimates by their samples, as [`Estimate::add_scatter`] does, and keeps what it is.
+    /// Adds the scatter of the estimates by their samples, as [`Estimate::add_scatter`] does, and
+    /// keeps what it is.
     pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {
         self.sampling = Some(SamplingError {
             sampling,
@@ -78,8 +81,8 @@ impl Estimate {
         });
     }
 
-    /// Adds a covariance of the logarithms of all parameters, in the order of the names, to covariance and standard errors;
-    /// gives the standard deviations that it alone makes.
+    /// Adds a covariance of the logarithms of all parameters, in the order of the names, to
+    /// covariance and standard errors; gives the standard deviations that it alone makes.
     pub fn add_scatter(&mut self, scatter: &DMatrix<f64>) -> Vec<f64> {
         let values = self.c_mm.iter_mut().chain(&mut self.spread);
         let mut values: Vec<&mut Value> = values.chain(self.mu.iter_mut().flatten()).collect();
@@ -205,7 +208,8 @@ fn compared(
     shots.collect()
 }
 
-/// The covariances of the logarithms, raised where the model fits worse than the photographs' noise.
+/// The covariances of the logarithms, raised where the model fits worse than the photographs'
+/// noise.
 fn covariances(
     scene: &Scene,
     loss: &Loss,

@@ -1,9 +1,11 @@
 //! The estimate by samples: the published loop in place of the closed form.
 //!
-//! As published: an edge is rendered for every photograph with so many samples per pixel, its MTF is taken as the
-//! photograph's was, the squared differences of the MTFs are minimised over a and c by their pathwise derivatives, and mu
-//! follows from the ratio of the light. Deviations: the solver is Levenberg-Marquardt, the samples are evenly spread unless
-//! independent ones are asked for, and the differences are weighed by their noise unless the plain ones are (`mse`). Which terms the model has, and where the search begins, is found in closed form.
+//! As published: an edge is rendered for every photograph with so many samples per pixel, its MTF
+//! is taken as the photograph's was, the squared differences of the MTFs are minimised over a and c
+//! by their pathwise derivatives, and mu follows from the ratio of the light. Deviations: the
+//! solver is Levenberg-Marquardt, the samples are evenly spread unless independent ones are asked
+//! for, and the differences are weighed by their noise unless the plain ones are (`mse`). Which
+//! terms the model has, and where the search begins, is found in closed form.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -35,11 +37,12 @@ pub enum Forward {
     Render,
 }
 
-/// Change of the parameters, and of the sum of squares relative to itself, below which the iteration ends: the sums of a render
-/// are good to a few 1e-7.
+/// Change of the parameters, and of the sum of squares relative to itself, below which the
+/// iteration ends: the sums of a render are good to a few 1e-7.
 const CONVERGED: f64 = 1e-6;
 
-/// Independent randomisations from whose scatter the sampling error is taken: known to 1/sqrt(2 x 7) = 27 % of itself.
+/// Independent randomisations from whose scatter the sampling error is taken: known to 1/sqrt(2 x
+/// 7) = 27 % of itself.
 pub(crate) const RANDOMISATIONS: u64 = 8;
 
 /// What the estimates by samples of one scene have in common.
@@ -56,8 +59,8 @@ pub(crate) struct Renders<'a> {
 }
 
 impl Renders<'_> {
-    /// The scene with samples of every photograph for the terms of `choice`, by which the models are evaluated there; another
-    /// randomisation is independent.
+    /// The scene with samples of every photograph for the terms of `choice`, by which the models
+    /// are evaluated there; another randomisation is independent.
     ///
     /// # Errors
     /// As [`Table::direction`]; not for the table that the scene was measured with.
@@ -99,8 +102,8 @@ impl Renders<'_> {
         ))
     }
 
-    /// The estimate of one candidate by one randomisation of the samples, from a start, beside the scene with these samples. Their
-    /// own error is not in its standard errors.
+    /// The estimate of one candidate by one randomisation of the samples, from a start, beside the
+    /// scene with these samples. Their own error is not in its standard errors.
     ///
     /// # Errors
     /// As [`Renders::drawn`].
@@ -115,9 +118,10 @@ impl Renders<'_> {
         Ok((estimate(&drawn, &loss, best), drawn))
     }
 
-    /// The estimate of one candidate by samples, beside the scene with the samples. Standard errors hold the sampling error: the
-    /// scatter of [`RANDOMISATIONS`] further estimates, each one Gauss-Newton step from the first (their differences are so small
-    /// that the problem is linear across them).
+    /// The estimate of one candidate by samples, beside the scene with the samples. Standard errors
+    /// hold the sampling error: the scatter of [`RANDOMISATIONS`] further estimates, each one
+    /// Gauss-Newton step from the first (their differences are so small that the problem is linear
+    /// across them).
     ///
     /// # Errors
     /// As [`Renders::drawn`]; [`Error::Cancelled`].
@@ -127,7 +131,8 @@ impl Renders<'_> {
         watch: &Watch,
     ) -> Result<(Estimate, Scene), Error> {
         let start = rough(self.scene, choice);
-        // The first samples are drawn again in the end: two drawings at a time would take twice the memory.
+        // The first samples are drawn again in the end: two drawings at a time would take twice the
+        // memory.
         let mut best = self.by_one_randomisation(start, 0)?.0;
         let layout = Layout::new(choice, self.scene.groups.len());
         let mut estimates = Vec::new();

@@ -1,4 +1,5 @@
-//! The likelihood of all photographs together: blur and lens shared, the reference's pixels beside the aerial ones.
+//! The likelihood of all photographs together: blur and lens shared, the reference's pixels beside
+//! the aerial ones.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -23,7 +24,8 @@ pub struct Joint<'a> {
     lens: DVector<f64>,
 }
 
-/// Whose information a covariance is the inverse of. The two differ only where pixels were cut off at 0.
+/// Whose information a covariance is the inverse of. The two differ only where pixels were cut off
+/// at 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Used {
     /// What the estimate uses: of cut-off pixels their mean.
@@ -33,8 +35,8 @@ pub enum Used {
 }
 
 impl<'a> Joint<'a> {
-    /// Noise and nuisances of every photograph, found under the model of `choice` at `parameters` (logarithms of c and of
-    /// the spreads), which should be near the truth.
+    /// Noise and nuisances of every photograph, found under the model of `choice` at `parameters`
+    /// (logarithms of c and of the spreads), which should be near the truth.
     pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
         let pitch_mm = scene.camera.pitch_mm;
         let layout = Layout::new(choice, scene.groups.len());
@@ -104,8 +106,8 @@ impl<'a> Joint<'a> {
         all.saturating_sub(self.lens.len())
     }
 
-    /// Sum of squares and its derivatives at a point, nuisances at their optimum: a few rows for every photograph, whose
-    /// products are those of all its pixels.
+    /// Sum of squares and its derivatives at a point, nuisances at their optimum: a few rows for
+    /// every photograph, whose products are those of all its pixels.
     pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
         let factors: Vec<DMatrix<f64>> = self
             .fitted(layout, at)
@@ -131,7 +133,8 @@ impl<'a> Joint<'a> {
         (residuals, jacobian)
     }
 
-    /// Every photograph at the optimum of its nuisances, the reference last, with the curves it was fitted to.
+    /// Every photograph at the optimum of its nuisances, the reference last, with the curves it was
+    /// fitted to.
     fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(Fitted, Curves)> {
         let camera = self.camera(layout, at);
         let lens = self.lens.len();
@@ -164,12 +167,14 @@ impl<'a> Joint<'a> {
         blur.into_iter().flatten().chain(lens).collect()
     }
 
-    /// Covariance of the estimates, and mu, at an optimum: the inverse Fisher information of the pixels.
+    /// Covariance of the estimates, and mu, at an optimum: the inverse Fisher information of the
+    /// pixels.
     ///
-    /// c and the spreads leave every photograph its own plateaus, so that a wrong exposure cannot bias them. mu is where
-    /// the steps of all photographs, tied to the reference's by exposure and retroreflected fraction, are most likely:
-    /// generalised least squares on the same pixels. Its covariance carries the table's rays, as one error for every
-    /// incidence. All is multiplied by `inflation`.
+    /// c and the spreads leave every photograph its own plateaus, so that a wrong exposure cannot
+    /// bias them. mu is where the steps of all photographs, tied to the reference's by exposure and
+    /// retroreflected fraction, are most likely: generalised least squares on the same pixels. Its
+    /// covariance carries the table's rays, as one error for every incidence. All is multiplied by
+    /// `inflation`.
     pub fn information(
         &self,
         layout: &Layout,
@@ -235,13 +240,15 @@ impl<'a> Joint<'a> {
             columns.push(width - 1);
             let shot = scene.shots.get(i);
             columns.extend(shot.map(|shot| first + if own { shot.group } else { 0 }));
-            // Blur and lens as they are; mu and the reference's step through the step of this photograph.
+            // Blur and lens as they are; mu and the reference's step through the step of this
+            // photograph.
             let blurs = self.columns(layout, i).len();
             let rows = DMatrix::from_fn(factor.nrows(), columns.len(), |r, k| {
                 factor[(r, if k < blurs { k + 1 } else { 0 })]
             });
             if let Some(shot) = shot {
-                // Starting from mu = 1: how far the step that this says lies from the photograph's own.
+                // Starting from mu = 1: how far the step that this says lies from the photograph's
+                // own.
                 let returned = shot.returned(layout.choice.kernel);
                 let known = (returned.eta * scene.half_mirror * shot.exposure / exposure).ln();
                 let off = known + reference_step - steps[i].ln();

@@ -47,7 +47,8 @@ impl Layout {
 
     /// The blur of a group at a point.
     pub fn blur(&self, parameters: &DVector<f64>, group: usize) -> Blur {
-        // Beyond e^+-14 of 1 mm or 1/mm nothing changes any more; the clamp keeps a runaway step finite.
+        // Beyond e^+-14 of 1 mm or 1/mm nothing changes any more; the clamp keeps a runaway step
+        // finite.
         let at = |i: Option<usize>| i.map_or(1.0, |i| parameters[i].clamp(-14.0, 14.0).exp());
         Blur {
             spread: at(self.spread(group)),
@@ -55,7 +56,8 @@ impl Layout {
         }
     }
 
-    /// Columns of the parameters that one shot depends on, in the order of its derivatives (spread, c).
+    /// Columns of the parameters that one shot depends on, in the order of its derivatives (spread,
+    /// c).
     pub fn columns(&self, group: usize) -> Vec<usize> {
         self.spread(group).into_iter().chain(self.c()).collect()
     }

@@ -39,8 +39,9 @@ impl Kind {
 pub enum Loss<'a> {
     /// Whitened differences of the MTFs.
     Mtf(&'a Scene),
-    /// Plain differences of the MTFs: the sum of squares is the sum over the photographs of their mean squared difference, which
-    /// is no chi-square, so that neither terms nor bounds can be told by it.
+    /// Plain differences of the MTFs: the sum of squares is the sum over the photographs of their
+    /// mean squared difference, which is no chi-square, so that neither terms nor bounds can be
+    /// told by it.
     Mse(&'a Scene),
     /// The likelihood of the pixels.
     Edge(Box<Joint<'a>>),
@@ -73,7 +74,8 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// The parameters of this loss from those of the blur: the lens beside them where the pixels tell it too.
+    /// The parameters of this loss from those of the blur: the lens beside them where the pixels
+    /// tell it too.
     pub fn start(&self, blur: &DVector<f64>) -> DVector<f64> {
         match self {
             Loss::Mtf(_) | Loss::Mse(_) => blur.clone(),
@@ -81,7 +83,8 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// Residuals in units of their noise (plain under `Mse`), and derivatives, at a point. Only their products have a meaning.
+    /// Residuals in units of their noise (plain under `Mse`), and derivatives, at a point. Only
+    /// their products have a meaning.
     pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
         match self {
             Loss::Mtf(scene) => differences(scene, layout, at, Weights::Noise),
@@ -90,8 +93,8 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// How many independent numbers are compared: whitened MTF differences, or means and slopes along the edge of all bins
-    /// of pixels less the nuisances. The n of Bayes' criterion.
+    /// How many independent numbers are compared: whitened MTF differences, or means and slopes
+    /// along the edge of all bins of pixels less the nuisances. The n of Bayes' criterion.
     pub fn observations(&self) -> usize {
         match self {
             Loss::Mtf(scene) | Loss::Mse(scene) => {

@@ -23,7 +23,8 @@ pub struct Optimum {
 }
 
 impl Optimum {
-    /// Bayes' criterion: chi^2 / `misfit` + k ln n, n the independent numbers compared (see [`Loss::observations`]).
+    /// Bayes' criterion: chi^2 / `misfit` + k ln n, n the independent numbers compared (see
+    /// [`Loss::observations`]).
     pub fn criterion(&self, misfit: f64) -> f64 {
         let n = self.observations as f64;
         self.solution.sum_of_squares() / misfit + self.solution.parameters.len() as f64 * n.ln()
@@ -106,7 +107,8 @@ pub(crate) fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     }
 }
 
-/// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of the profile likelihood.
+/// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of
+/// the profile likelihood.
 pub(crate) fn sum_of_squares_with(
     scene: &Scene,
     loss: &Loss,

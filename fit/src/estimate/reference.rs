@@ -25,11 +25,13 @@ pub struct Reference {
     pub step: f64,
     /// Relative standard error of `step`.
     pub step_relative_error: f64,
-    /// Whitened sum of squares per degree of freedom of the lens fit: 1 where the lens model describes the camera.
+    /// Whitened sum of squares per degree of freedom of the lens fit: 1 where the lens model
+    /// describes the camera.
     pub reduced_chi2: f64,
 }
 
-/// Improvement of the sum of squares for which a free exponent is kept (a superfluous one reaches it in 1 of 1000 cases).
+/// Improvement of the sum of squares for which a free exponent is kept (a superfluous one reaches
+/// it in 1 of 1000 cases).
 const KEEP_EXPONENT: f64 = 10.8;
 
 /// Steps of the parameters for derivatives of a camera.
@@ -73,7 +75,8 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
 }
 
 impl Reference {
-    /// The cameras one step of each lens parameter away, with the size of the step: for carrying the lens's error.
+    /// The cameras one step of each lens parameter away, with the size of the step: for carrying
+    /// the lens's error.
     pub fn neighbours(&self) -> Vec<(Camera, f64)> {
         let Some(lens) = self.camera.lens else {
             return Vec::new();
@@ -124,7 +127,8 @@ fn fit(view: &View, pitch_mm: f64, start: DVector<f64>) -> Solution {
     };
     least_squares(start, CONVERGED, |parameters| {
         let here = residuals(parameters);
-        // Central differences: the model is smooth and its rounding 1e-13, so a step of 1e-4 is good to 1e-8.
+        // Central differences: the model is smooth and its rounding 1e-13, so a step of 1e-4 is
+        // good to 1e-8.
         let columns: Vec<DVector<f64>> = (0..parameters.len())
             .map(|i| {
                 let (mut low, mut high) = (parameters.clone(), parameters.clone());

@@ -24,13 +24,16 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
     let spectrum = &campaign.setup.spectrum;
     if table.axes.is_mean() && campaign.captures.iter().any(|c| c.azimuth_deg.is_some()) {
         warnings.push(
-            "the table is a mean over azimuths: azimuth_deg of the captures has no effect; bake the azimuths to use it".into(),
+            "the table is a mean over azimuths: azimuth_deg of the captures has no effect; bake \
+            the azimuths to use it"
+                .into(),
         );
     }
     let losses = table.provenance.losses_text();
     if losses != "none" {
         warnings.push(format!(
-            "the table holds the losses of the surfaces ({losses}): mu carries what is left, not them"
+            "the table holds the losses of the surfaces ({losses}): mu carries what is left, not \
+            them"
         ));
     }
     if let (Some(baked), Some(source)) = (table.provenance.wavelength_nm, spectrum)
@@ -40,19 +43,23 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
             .all(|line| (line.wavelength_nm - baked).abs() > 1.0)
     {
         warnings.push(format!(
-            "the table is baked for {baked} nm, which is none of the source's wavelengths; bake one for them"
+            "the table is baked for {baked} nm, which is none of the source's wavelengths; bake \
+            one for them"
         ));
     }
     if table.provenance.element() == Element::Plate {
         warnings.push(
-            "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating distances count from its \
-             middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no half mirror"
+            "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating \
+            distances count from its \
+             middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no \
+             half mirror"
                 .into(),
         );
     }
     if table.provenance.has_glass() {
         warnings.push(
-            "the table is of bodies of glass, whose light returns in a cone as wide as its angular tolerance: c is the pitch, \
+            "the table is of bodies of glass, whose light returns in a cone as wide as its \
+            angular tolerance: c is the pitch, \
              and a is what blur the recorded directions leave over, not a cube's aperture"
                 .into(),
         );
@@ -63,7 +70,8 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
             None => "",
         };
         warnings.push(format!(
-            "the table's cubes send light up to {:.3} mrad from straight back: the model has it{held}",
+            "the table's cubes send light up to {:.3} mrad from straight back: the model has \
+            it{held}",
             1e3 * largest
         ));
     }

@@ -1,6 +1,7 @@
 //! A scene ready to be fitted: all photographs measured, each with its direction of the table.
 //!
-//! Nothing rewrites a scene. One that is turned, or evaluated by samples, is another scene, which shares the photographs.
+//! Nothing rewrites a scene. One that is turned, or evaluated by samples, is another scene, which
+//! shares the photographs.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -143,8 +144,8 @@ impl Scene {
     /// Reads and measures all photographs of a campaign, in parallel.
     ///
     /// # Errors
-    /// A photograph that cannot be read or holds no edge; a direction that the table neither has nor brackets; no capture
-    /// with any retroreflection.
+    /// A photograph that cannot be read or holds no edge; a direction that the table neither has
+    /// nor brackets; no capture with any retroreflection.
     pub fn load(campaign: &Campaign, table: &Table) -> Result<Scene, Error> {
         Scene::of(campaign, table, &captures::Shot::load)
     }
@@ -338,7 +339,8 @@ fn source_edge(
     let Some(shot) = &campaign.reference else {
         if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
             warnings.push(format!(
-                "{NO_REFERENCE} photograph: the camera is taken for its pixel box alone, and mu cannot be found"
+                "{NO_REFERENCE} photograph: the camera is taken for its pixel box alone, and mu \
+                cannot be found"
             ));
         }
         return Ok(None);
@@ -441,7 +443,8 @@ impl Measuring<'_> {
         let within = tolerance.is_some() && direction.paths.is_some();
         (direction.interpolated && !within).then(|| {
             format!(
-                "incidence {} deg is interpolated between directions of the table; bake it for full accuracy",
+                "incidence {} deg is interpolated between directions of the table; bake it for \
+                full accuracy",
                 capture.incidence_deg
             )
         })

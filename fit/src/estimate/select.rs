@@ -1,12 +1,13 @@
 //! Which terms the photographs need: candidates side by side, the simplest that none clearly beats.
 //!
-//! The criterion is Bayes' (BIC). Its n counts independent numbers: MTF differences after whitening with their noise
-//! covariance, so that neighbouring frequencies, which share pixels, are not counted twice; or under `edge` two numbers for
-//! every bin of pixels, not every pixel, for most pixels of a bin repeat one another. A further term must lower it by more
-//! than [`CLEAR`].
+//! The criterion is Bayes' (BIC). Its n counts independent numbers: MTF differences after whitening
+//! with their noise covariance, so that neighbouring frequencies, which share pixels, are not
+//! counted twice; or under `edge` two numbers for every bin of pixels, not every pixel, for most
+//! pixels of a bin repeat one another. A further term must lower it by more than [`CLEAR`].
 //!
-//! Where no candidate describes the photographs to their noise, all sums of squares are divided by the least chi-square per
-//! degree of freedom (Burnham and Anderson, Model Selection, 2002, 2.5): what is wrong with all of them would else buy terms.
+//! Where no candidate describes the photographs to their noise, all sums of squares are divided by
+//! the least chi-square per degree of freedom (Burnham and Anderson, Model Selection, 2002, 2.5):
+//! what is wrong with all of them would else buy terms.
 
 use std::path::Path;
 
@@ -28,15 +29,17 @@ use crate::samples::has_samples;
 
 /// Fall of the criterion below which the simpler candidate stays.
 ///
-/// The criterion is -2 ln of a candidate's probability by these photographs, so that a fall of 4 stands for odds of e^2 = 7 to 1:
-/// the middle of what Kass and Raftery (J. Am. Stat. Assoc. 90, 773, 1995) call positive evidence. That is a convention. What it
-/// costs: a parameter that the photographs do not need is taken where noise lowers the sum of squares by more than ln n + 4, in 3 of
-/// 1000 campaigns of n = 100 numbers and 1 of 1000 of n = 1000; and one that they need is left out where it lies within 2.9 and 3.3
-/// standard deviations of none.
+/// The criterion is -2 ln of a candidate's probability by these photographs, so that a fall of 4
+/// stands for odds of e^2 = 7 to 1: the middle of what Kass and Raftery (J. Am. Stat. Assoc. 90,
+/// 773, 1995) call positive evidence. That is a convention. What it costs: a parameter that the
+/// photographs do not need is taken where noise lowers the sum of squares by more than ln n + 4, in
+/// 3 of 1000 campaigns of n = 100 numbers and 1 of 1000 of n = 1000; and one that they need is left
+/// out where it lies within 2.9 and 3.3 standard deviations of none.
 pub(crate) const CLEAR: f64 = 4.0;
 
-/// Candidates whose criterion is so many times the best at first sight are not refined: theirs in the report is good to a
-/// thousandth. A convention that saves time; it costs a candidate that is so far behind by the MTFs and would win by the pixels.
+/// Candidates whose criterion is so many times the best at first sight are not refined: theirs in
+/// the report is good to a thousandth. A convention that saves time; it costs a candidate that is
+/// so far behind by the MTFs and would win by the pixels.
 const HOPELESS: f64 = 3.0;
 
 /// What the user leaves open: every combination is a candidate.
@@ -78,11 +81,13 @@ impl Candidates {
         Ok(self)
     }
 
-    /// Leaves the candidates that the photographs and the table allow: `wave` needs wavelengths and polygons, a rough front a
-    /// front. Beside them stands what to say of those that are left out, unless nobody asked for them.
+    /// Leaves the candidates that the photographs and the table allow: `wave` needs wavelengths and
+    /// polygons, a rough front a front. Beside them stands what to say of those that are left out,
+    /// unless nobody asked for them.
     ///
     /// # Errors
-    /// [`Error::Wave`] where `wave` alone was asked for; [`Error::Hollow`] where `guo` was for hollow cubes.
+    /// [`Error::Wave`] where `wave` alone was asked for; [`Error::Hollow`] where `guo` was for
+    /// hollow cubes.
     pub fn possible(
         &self,
         scene: &Scene,
@@ -150,22 +155,24 @@ pub struct Ranked {
 }
 
 impl Ranked {
-    /// Whether a candidate is simpler than a choice of so many parameters, or as simple and preferred: it wins where
-    /// neither is clearly better.
+    /// Whether a candidate is simpler than a choice of so many parameters, or as simple and
+    /// preferred: it wins where neither is clearly better.
     pub fn precedes(&self, choice: Choice, parameters: usize) -> bool {
         let rank = |kernel| Kernel::ALL.iter().position(|&other| other == kernel);
         (self.parameters, rank(self.choice.kernel)) < (parameters, rank(choice.kernel))
     }
 }
 
-/// By how much every sum of squares is too large: the least chi-square per degree of freedom, at least 1.
+/// By how much every sum of squares is too large: the least chi-square per degree of freedom, at
+/// least 1.
 fn misfit(fits: &[Optimum]) -> f64 {
     let all = fits.iter().map(Optimum::reduced_chi2);
     all.fold(f64::INFINITY, f64::min).max(1.0)
 }
 
-/// Fits all candidates and picks one. The MTFs come first whatever the loss: they find the neighbourhood of every candidate's
-/// optimum, and the pixels' noise is taken about the best of them.
+/// Fits all candidates and picks one. The MTFs come first whatever the loss: they find the
+/// neighbourhood of every candidate's optimum, and the pixels' noise is taken about the best of
+/// them.
 ///
 /// # Errors
 /// [`Error::NothingOpen`], [`Error::Cancelled`].
@@ -244,10 +251,11 @@ fn ranked(scene: &Scene, fits: &[Optimum], scale: f64) -> Vec<Ranked> {
     rows
 }
 
-/// Tries every candidate from the c of the best one, where its own c lies elsewhere: c is a length of the sheet whatever
-/// the other terms, and a far c may be a local optimum.
+/// Tries every candidate from the c of the best one, where its own c lies elsewhere: c is a length
+/// of the sheet whatever the other terms, and a far c may be a local optimum.
 fn share_c(scene: &Scene, fits: &mut [Optimum]) {
-    // Of ln c: a tenth, many of its errors in any photographs that tell c, and far less than what lies between two optima.
+    // Of ln c: a tenth, many of its errors in any photographs that tell c, and far less than what
+    // lies between two optima.
     const ELSEWHERE: f64 = 0.1;
     let scale = misfit(fits);
     let ln_c = |fit: &Optimum| {
@@ -322,8 +330,8 @@ fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
     scatter_of_mu(&values, &covariance).is_none_or(|squares| squares > limit)
 }
 
-/// Sum of squares of the differences of ln mu between the incidence groups, in units of their noise; `covariance` is that of
-/// ln mu. `None` where it is singular.
+/// Sum of squares of the differences of ln mu between the incidence groups, in units of their
+/// noise; `covariance` is that of ln mu. `None` where it is singular.
 pub(crate) fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
     let rest = mu.len() - 1;
     // Differences to the first: the errors that all share (reference, lens) fall out.
@@ -336,7 +344,8 @@ pub(crate) fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64
     Some(difference.dot(&factor.solve(&difference)))
 }
 
-/// The sum of squares from which so many groups have a mu each: ln(photographs) for each further parameter.
+/// The sum of squares from which so many groups have a mu each: ln(photographs) for each further
+/// parameter.
 pub(crate) fn own_mu_limit(groups: usize, photographs: usize) -> f64 {
     (groups - 1) as f64 * (photographs as f64).ln() + CLEAR
 }

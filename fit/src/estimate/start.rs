@@ -25,11 +25,13 @@ fn decades(first: f64, i: usize) -> f64 {
     first * (2.0 * LN_10 * i as f64 / (STEPS - 1) as f64).exp()
 }
 
-/// The best starting points, one for each third of the range of c: the MTF's first minimum can stem from either term, and
-/// where c is small the model does not depend on it, so that no path leads back from there.
+/// The best starting points, one for each third of the range of c: the MTF's first minimum can stem
+/// from either term, and where c is small the model does not depend on it, so that no path leads
+/// back from there.
 ///
-/// c from 0.01 to 1 mm, a from 0.3 to 30 /mm; roughnesses that blur as much (their gains lie about 3). The comparison leaves out what the estimator adds (its taper and window), a
-/// few percent, which the solver then accounts for.
+/// c from 0.01 to 1 mm, a from 0.3 to 30 /mm; roughnesses that blur as much (their gains lie about
+/// 3). The comparison leaves out what the estimator adds (its taper and window), a few percent,
+/// which the solver then accounts for.
 pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     let size = if choice.kernel.is_baseline() {
         1.0 / scene.mean_distance_mm()

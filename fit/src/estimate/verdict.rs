@@ -9,16 +9,20 @@ use crate::names::Kernel;
 
 /// Reduced chi-square above which the model is said not to describe the photographs.
 ///
-/// It is 1 + the mean square of the misfit in units of the noise, so that from 2 on the misfit is as large as the noise. That
-/// is a convention. Noise alone scatters it by sqrt(2 / degrees of freedom): it exceeds 2 in 5 of 1000 fits of 20 degrees of
-/// freedom, and in 4 of 100,000 of 50. What the convention costs: of the thousands of bins of a campaign a misfit far below
-/// the noise would be sure, and nothing is said of it. The standard errors are raised all the same, by up to sqrt 2.
+/// It is 1 + the mean square of the misfit in units of the noise, so that from 2 on the misfit is
+/// as large as the noise. That is a convention. Noise alone scatters it by sqrt(2 / degrees of
+/// freedom): it exceeds 2 in 5 of 1000 fits of 20 degrees of freedom, and in 4 of 100,000 of 50.
+/// What the convention costs: of the thousands of bins of a campaign a misfit far below the noise
+/// would be sure, and nothing is said of it. The standard errors are raised all the same, by up to
+/// sqrt 2.
 pub(crate) const POOR_FIT: f64 = 2.0;
 
-/// What to say of an estimate: what it cannot tell, what its model does not describe, and numbers that cannot be.
+/// What to say of an estimate: what it cannot tell, what its model does not describe, and numbers
+/// that cannot be.
 pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<String> {
     let mut warnings = Vec::new();
-    // Which way a scales with distance: told apart only by photographs at several distances, or named by the user.
+    // Which way a scales with distance: told apart only by photographs at several distances, or
+    // named by the user.
     let tried = |kernel| compared.iter().any(|row| row.choice.kernel == kernel);
     let open = best.choice.kernel.has_lobe() && tried(Kernel::Eq1) && tried(Kernel::Angular);
     let one_distance = scene
@@ -27,16 +31,20 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
         .all(|shot| (shot.r_mm / scene.shots[0].r_mm - 1.0).abs() < 1e-6);
     if open && one_distance {
         warnings.push(
-            "all photographs are at one floating distance: whether a (eq1) or a R (angular) is constant cannot be told, \
-             and predictions at other distances depend on it; photograph a second distance, or name --kernel"
+            "all photographs are at one floating distance: whether a (eq1) or a R (angular) is \
+            constant cannot be told, \
+             and predictions at other distances depend on it; photograph a second distance, or \
+             name --kernel"
                 .into(),
         );
     }
     let reduced = best.reduced_chi2();
     if reduced > POOR_FIT {
         warnings.push(format!(
-            "the model does not describe the photographs within their noise (chi-square {reduced:.1} per degree of \
-             freedom): the standard errors are raised accordingly; try another --kernel or --lobe, or check the manifest"
+            "the model does not describe the photographs within their noise (chi-square \
+            {reduced:.1} per degree of \
+             freedom): the standard errors are raised accordingly; try another --kernel or \
+             --lobe, or check the manifest"
         ));
     }
     warnings.extend(coarse(best));
@@ -45,7 +53,8 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
     if let Some(mu) = best.mu.iter().flatten().find(above_one) {
         warnings.push(format!(
-            "mu {:.3} is more light than falls on the sheet: check the exposures, the half mirror and the table's cell",
+            "mu {:.3} is more light than falls on the sheet: check the exposures, the half mirror \
+            and the table's cell",
             mu.value
         ));
     }
@@ -55,7 +64,8 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
         .filter(|r| r.reduced_chi2 > POOR_FIT)
     {
         warnings.push(format!(
-            "the lens model does not describe the reference photograph within its noise (chi-square {:.1} per degree \
+            "the lens model does not describe the reference photograph within its noise \
+            (chi-square {:.1} per degree \
              of freedom)",
             reference.reduced_chi2
         ));
@@ -63,15 +73,16 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     warnings
 }
 
-/// What to say where the covariance is not finite: there the photographs have no information on a parameter, or none that
-/// parts it from another.
+/// What to say where the covariance is not finite: there the photographs have no information on a
+/// parameter, or none that parts it from another.
 fn not_told(best: &Estimate) -> Option<String> {
     let rows = best.parameters.iter().zip(best.covariance.row_iter());
     let lost = rows.filter(|(_, row)| row.iter().any(|v| !v.is_finite()));
     let lost: Vec<String> = lost.map(|(id, _)| id.to_string()).collect();
     (!lost.is_empty()).then(|| {
         format!(
-            "the photographs do not tell {}, or not apart: covariances without a finite value are null in the result",
+            "the photographs do not tell {}, or not apart: covariances without a finite value are \
+            null in the result",
             lost.join(", ")
         )
     })
@@ -79,7 +90,8 @@ fn not_told(best: &Estimate) -> Option<String> {
 
 /// What to say where the samples of a render make a good part of the errors.
 fn coarse(best: &Estimate) -> Option<String> {
-    // Half of an error: the other half of its square root being sqrt(1 - 1/4), the error would be 0.87 of itself without samples.
+    // Half of an error: the other half of its square root being sqrt(1 - 1/4), the error would be
+    // 0.87 of itself without samples.
     const GOOD_PART: f64 = 0.5;
     let own = best.sampling.as_ref()?;
     let parts = own.standard_error.iter().enumerate();
@@ -88,7 +100,8 @@ fn coarse(best: &Estimate) -> Option<String> {
         .fold(0.0, f64::max);
     (worst > GOOD_PART).then(|| {
         format!(
-            "up to {:.0} % of a standard error is the render's own sampling error: give more than --samples {}",
+            "up to {:.0} % of a standard error is the render's own sampling error: give more than \
+            --samples {}",
             100.0 * worst,
             own.sampling.samples
         )
@@ -99,7 +112,10 @@ fn coarse(best: &Estimate) -> Option<String> {
 pub(crate) fn of_azimuth(found: &Azimuth) -> Vec<String> {
     let others = found.others_deg.iter();
     let said = others.map(|deg| {
-        format!("the photographs are as likely at azimuth {deg:.2} deg; an edge in another direction would tell")
+        format!(
+            "the photographs are as likely at azimuth {deg:.2} deg; an edge in another \
+        direction would tell"
+        )
     });
     said.collect()
 }

@@ -1,7 +1,7 @@
 //! How alike two pictures look: PSNR, SSIM, FLIP and, with weights that the user brings, LPIPS.
 //!
-//! All are of what a display shows: linear light, clipped to 0..1, as sRGB values. PSNR and SSIM are worked on in f32; FLIP
-//! and LPIPS are defined on 8-bit pictures and get them rounded.
+//! All are of what a display shows: linear light, clipped to 0..1, as sRGB values. PSNR and SSIM
+//! are worked on in f32; FLIP and LPIPS are defined on 8-bit pictures and get them rounded.
 
 pub(crate) mod error;
 pub(crate) mod lpips;
@@ -29,7 +29,8 @@ pub(crate) struct Shown {
 }
 
 impl Shown {
-    /// A picture on a display, its light times `exposure`; grey is shown as red, green and blue alike.
+    /// A picture on a display, its light times `exposure`; grey is shown as red, green and blue
+    /// alike.
     pub(crate) fn new(picture: &Picture, exposure: f64) -> Shown {
         let exposure = exposure as f32;
         let plane = |index: usize| -> Vec<f32> {
@@ -57,7 +58,8 @@ impl Shown {
     }
 }
 
-/// Peak signal-to-noise ratio, dB, over all three colours; `None` where the pictures are equal. Both have one size.
+/// Peak signal-to-noise ratio, dB, over all three colours; `None` where the pictures are equal.
+/// Both have one size.
 pub(crate) fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
     let pairs = a.planes.iter().flatten().zip(b.planes.iter().flatten());
     let squares = pairs.map(|(a, b)| f64::from(a - b).powi(2));
@@ -66,9 +68,9 @@ pub(crate) fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
     (mean > 0.0).then(|| -10.0 * mean.log10())
 }
 
-/// Structural similarity (Wang et al. 2004), mean over the colours and over all places whose window lies inside: what
-/// scikit-image calls `gaussian_weights=True, sigma=1.5, use_sample_covariance=False`. Both pictures have one size, at least
-/// [`SMALLEST`] on both sides.
+/// Structural similarity (Wang et al. 2004), mean over the colours and over all places whose window
+/// lies inside: what scikit-image calls `gaussian_weights=True, sigma=1.5,
+/// use_sample_covariance=False`. Both pictures have one size, at least [`SMALLEST`] on both sides.
 pub(crate) fn ssim(a: &Shown, b: &Shown) -> f64 {
     let size = a.size();
     let planes = a.planes.iter().zip(&b.planes);
@@ -118,8 +120,8 @@ fn windowed(values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
     (0..height - 2 * RADIUS).flat_map(down).collect()
 }
 
-/// FLIP (Andersson et al. 2020) for a viewer who sees `pixels_per_degree`: the mean over the picture, 0 for equal ones.
-/// NVIDIA's own code, on 8 bits. Both have one size.
+/// FLIP (Andersson et al. 2020) for a viewer who sees `pixels_per_degree`: the mean over the
+/// picture, 0 for equal ones. NVIDIA's own code, on 8 bits. Both have one size.
 pub(crate) fn flip(reference: &Shown, test: &Shown, pixels_per_degree: f32) -> f64 {
     let image = |shown: &Shown| {
         let [width, height] = shown.size().map(|n| n as u32);

@@ -1,7 +1,9 @@
-//! Ray shift in the aerial image, in two dimensions: the OTF S(c fx cos(theta), c fy) at any frequency.
+//! Ray shift in the aerial image, in two dimensions: the OTF S(c fx cos(theta), c fy) at any
+//! frequency.
 //!
-//! Polygons are transformed in closed form, every frequency for itself. Bins (a table of rays, or between directions) are
-//! tabulated once: on a lattice the transform is two products of small matrices, and between its points S is interpolated.
+//! Polygons are transformed in closed form, every frequency for itself. Bins (a table of rays, or
+//! between directions) are tabulated once: on a lattice the transform is two products of small
+//! matrices, and between its points S is interpolated.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,8 +14,9 @@ use crate::numerics::sinc::sinc;
 
 /// Points of the lattice per radian of the fastest phase, times 2 pi.
 ///
-/// With shifts up to rho along an axis S turns by at most TAU rho step = pi/10 a step. Lagrange's polynomial of six points errs by
-/// (pi/10)^6 x (0.5 x 1.5 x 2.5)^2/720 = 4.7e-6 in the middle, along each of two axes.
+/// With shifts up to rho along an axis S turns by at most TAU rho step = pi/10 a step. Lagrange's
+/// polynomial of six points errs by (pi/10)^6 x (0.5 x 1.5 x 2.5)^2/720 = 4.7e-6 in the middle,
+/// along each of two axes.
 const STEPS: f64 = 20.0;
 
 /// S over the plane of frequencies.
@@ -32,8 +35,8 @@ enum Source {
 }
 
 impl ShiftPlane {
-    /// Of a direction that returns light. `cosine` is that of the outside incidence. The lattice of bins ends at
-    /// `finest_per_mm`, beyond which S is taken for 0.
+    /// Of a direction that returns light. `cosine` is that of the outside incidence. The lattice of
+    /// bins ends at `finest_per_mm`, beyond which S is taken for 0.
     pub(crate) fn new(
         direction: &Direction,
         cosine: f64,
@@ -74,7 +77,8 @@ impl ShiftPlane {
     }
 }
 
-/// Shifts that no other goes beyond: corners of the polygons as they are shifted, or of the bins that hold something; edge lengths.
+/// Shifts that no other goes beyond: corners of the polygons as they are shifted, or of the bins
+/// that hold something; edge lengths.
 fn corners(direction: &Direction) -> Vec<[f64; 2]> {
     if let Some(paths) = &direction.paths {
         let shifted = paths
@@ -98,7 +102,8 @@ fn width(direction: &Direction) -> f64 {
     2.0 * direction.range / direction.probability.ncols() as f64
 }
 
-/// S of bins at the points of a lattice of kappa (cycles per edge length), row-major by kappa_v >= 0.
+/// S of bins at the points of a lattice of kappa (cycles per edge length), row-major by kappa_v >=
+/// 0.
 #[derive(Debug, Clone)]
 struct Lattice {
     step: [f64; 2],

@@ -1,6 +1,7 @@
 //! The mid-air image of a picture: blurred and dimmed as a sheet does it.
 //!
-//! The picture is the source as it appears in the mid-air image, upright, one luminance a pixel; pixels outside of it are black.
+//! The picture is the source as it appears in the mid-air image, upright, one luminance a pixel;
+//! pixels outside of it are black.
 
 pub(crate) mod psf;
 pub(crate) mod sampled;
@@ -48,7 +49,8 @@ pub(crate) enum Error {
     Unseen(#[from] view::Error),
     /// A model that is known by its transform alone.
     #[error(
-        "the model of this result has no samples: --forward render does eq1, angular, shift and lobe; use --forward spectral"
+        "the model of this result has no samples: --forward render does eq1, angular, shift and \
+        lobe; use --forward spectral"
     )]
     NoSamples,
     /// A pixel is seen at an angle that the table lacks.
@@ -92,9 +94,11 @@ pub(crate) fn uniform_psf(
     Psf::new(sheet, place, scale.pixels_from_mm())
 }
 
-/// A picture under one blur and dimming: the far field, where every pixel is seen at the same incidence and distance.
+/// A picture under one blur and dimming: the far field, where every pixel is seen at the same
+/// incidence and distance.
 ///
-/// Every plane's sum is the energy times that of the source, but for what is blurred past the frame.
+/// Every plane's sum is the energy times that of the source, but for what is blurred past the
+/// frame.
 pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
     let energy = psf.energy.unwrap_or(1.0) as f32;
     let size = [source.width, source.height];
@@ -120,8 +124,9 @@ pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
     }
 }
 
-/// The image as a camera sees it: blur and dimming of every pixel its own, to `tolerance` of the greatest energy ([`Tiles`]).
-/// With a coating, what the sheet's front face mirrors is added, `half_mirror` times Fresnel's share of it.
+/// The image as a camera sees it: blur and dimming of every pixel its own, to `tolerance` of the
+/// greatest energy ([`Tiles`]). With a coating, what the sheet's front face mirrors is added,
+/// `half_mirror` times Fresnel's share of it.
 ///
 /// # Errors
 /// [`Error::Unseen`], [`Error::Pixel`].

@@ -1,4 +1,5 @@
-//! The spots of a fitted sheet: what a result and a table of its cell make of a point of light at any place.
+//! The spots of a fitted sheet: what a result and a table of its cell make of a point of light at
+//! any place.
 
 use num_complex::Complex64;
 use tables::Direction;
@@ -94,7 +95,8 @@ impl FittedSpot<'_> {
         Baseline::new(self.sheet.result.kernel, incidence_rad, index, normal)
     }
 
-    /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x on both sides together.
+    /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x on both sides
+    /// together.
     fn reach(&self) -> Result<f64, Error> {
         use std::f64::consts::PI;
         if !self.returns {
@@ -122,7 +124,8 @@ impl FittedSpot<'_> {
             Some((LobeShape::Radial, a)) => CUT / a,
             // Lobes of rough facets: see above.
             Some((LobeShape::Beckmann | LobeShape::Ggx, _)) => 0.0,
-            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies beyond x.
+            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies
+            // beyond x.
             Some((LobeShape::Separable, a)) => 1.0 / (PI * a * TAIL),
         };
         Ok(shift + lobe)

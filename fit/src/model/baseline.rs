@@ -1,26 +1,31 @@
-//! Published models of retroreflective sheets, kept for comparison: rough facets spread the light by an angle, so that
-//! the blur grows with the distance; none knows of a ray shift.
+//! Published models of retroreflective sheets, kept for comparison: rough facets spread the light
+//! by an angle, so that the blur grows with the distance; none knows of a ray shift.
 //!
-//! Where there is a mid-air image at all the roughness is some thousandths, so every model is taken to first order in the
-//! slopes of its facets: a slope s turns the light by gain x s, which is a displacement of R x gain x s in the aerial
-//! image. The density of slopes (`microfacet`) becomes the blur; independent facets convolve, so their OTFs multiply. With
-//! theta outside, theta' inside, m the index and G = m cos theta' - cos theta, the gains (tangential, sagittal) are:
+//! Where there is a mid-air image at all the roughness is some thousandths, so every model is taken
+//! to first order in the slopes of its facets: a slope s turns the light by gain x s, which is a
+//! displacement of R x gain x s in the aerial image. The density of slopes (`microfacet`) becomes
+//! the blur; independent facets convolve, so their OTFs multiply. With theta outside, theta'
+//! inside, m the index and G = m cos theta' - cos theta, the gains (tangential, sagittal) are:
 //!
-//! - Saito, Yue, Koizumi 2024 (Optical Review 31, 395), five interfaces as in their public sampler. A tilted front changes
-//!   the wave vector along the front by G s: (G / cos theta, G), twice. A tilted facet turns the light by 2 k x s; over the
-//!   three facets the squares of that sum to 8 in every direction across k, whatever the azimuth, and refraction out of the
-//!   front makes m (cos theta' / cos theta, 1) of it. Every facet takes a third of the sum: exact for Beckmann; for GGX the
-//!   true shares depend on the azimuth, and the OTF differs by up to 0.046 (seen along a cube's axis: two facets of gain 2
-//!   against three of sqrt(8/3)).
-//! - Guo, Guo, Pan 2018 (Graphical Models 96, 38), eqs. 2, 3 and 12: one lobe about the way back, of roughness
-//!   alpha_o^2 = alpha^2 G^2 (1 / cos theta' + 1 / cos theta), the same along both axes.
-//! - Portsmouth, Raab, Belcour, Liu 2026 (JCGT 15(1), 60): f(reflect(v, n), l), a mirror's lobe turned back: (2, 2 cos theta).
+//! - Saito, Yue, Koizumi 2024 (Optical Review 31, 395), five interfaces as in their public sampler.
+//!   A tilted front changes the wave vector along the front by G s: (G / cos theta, G), twice. A
+//!   tilted facet turns the light by 2 k x s; over the three facets the squares of that sum to 8 in
+//!   every direction across k, whatever the azimuth, and refraction out of the front makes m (cos
+//!   theta' / cos theta, 1) of it. Every facet takes a third of the sum: exact for Beckmann; for
+//!   GGX the true shares depend on the azimuth, and the OTF differs by up to 0.046 (seen along a
+//!   cube's axis: two facets of gain 2 against three of sqrt(8/3)).
+//! - Guo, Guo, Pan 2018 (Graphical Models 96, 38), eqs. 2, 3 and 12: one lobe about the way back,
+//!   of roughness alpha_o^2 = alpha^2 G^2 (1 / cos theta' + 1 / cos theta), the same along both
+//!   axes.
+//! - Portsmouth, Raab, Belcour, Liu 2026 (JCGT 15(1), 60): f(reflect(v, n), l), a mirror's lobe
+//!   turned back: (2, 2 cos theta).
 //!
-//! Light: Saito's and Guo's effective area is the retroreflected fraction of the table, which is that area exactly, where
-//! the authors fit curves to it; each passage of the front takes Fresnel's share; what the facets reflect is mu (Saito's
-//! inner reflectance is mu^(1/3)). The minimal model has no area: its reflectance is mu at every angle (Schlick's rise at
-//! grazing incidence, 0.2 % of 1 - mu at 45 degrees, is left out). Masking is left out: Smith's 1 - G is below
-//! (alpha tan theta)^2 / 2.
+//! Light: Saito's and Guo's effective area is the retroreflected fraction of the table, which is
+//! that area exactly, where the authors fit curves to it; each passage of the front takes Fresnel's
+//! share; what the facets reflect is mu (Saito's inner reflectance is mu^(1/3)). The minimal model
+//! has no area: its reflectance is mu at every angle (Schlick's rise at grazing incidence, 0.2 % of
+//! 1 - mu at 45 degrees, is left out). Masking is left out: Smith's 1 - G is below (alpha tan
+//! theta)^2 / 2.
 
 use num_complex::Complex64;
 
@@ -46,8 +51,8 @@ pub struct Baseline {
 }
 
 impl Baseline {
-    /// The facets of a kernel at an outside incidence, for a sheet of this index, along the unit direction `normal`
-    /// (tangential, sagittal); `None` for kernels that are no baseline.
+    /// The facets of a kernel at an outside incidence, for a sheet of this index, along the unit
+    /// direction `normal` (tangential, sagittal); `None` for kernels that are no baseline.
     pub fn new(
         kernel: Kernel,
         incidence_rad: f64,
@@ -83,16 +88,16 @@ impl Baseline {
         Some(Baseline { own, front })
     }
 
-    /// OTF at `frequency` (1/mm) along the line and optical path `r_mm`, and its derivatives by the logarithms of the
-    /// roughness and of the front's.
+    /// OTF at `frequency` (1/mm) along the line and optical path `r_mm`, and its derivatives by the
+    /// logarithms of the roughness and of the front's.
     pub fn otf(&self, shape: LobeShape, blur: Blur, r_mm: f64, frequency: f64) -> [Complex64; 3] {
         let [own, by_own] = self.own_otf(shape, blur.spread * r_mm, frequency);
         let [front, by_front] = self.front_otf(shape, blur.c_mm * r_mm, frequency);
         [own * front, by_own * front, own * by_front].map(Complex64::from)
     }
 
-    /// The factor of the own facets, whose slopes have this scale (roughness times distance, mm), and its derivative by the
-    /// scale's logarithm.
+    /// The factor of the own facets, whose slopes have this scale (roughness times distance, mm),
+    /// and its derivative by the scale's logarithm.
     pub fn own_otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> [f64; 2] {
         self.own.otf(shape, scale_mm, frequency).into()
     }
@@ -102,13 +107,16 @@ impl Baseline {
         self.front.otf(shape, scale_mm, frequency).into()
     }
 
-    /// Distance along the line, mm, beyond which on both sides together lies the share `tail` of the light, well below 1.
+    /// Distance along the line, mm, beyond which on both sides together lies the share `tail` of
+    /// the light, well below 1.
     pub fn reach_mm(&self, shape: LobeShape, blur: Blur, r_mm: f64, tail: f64) -> f64 {
         let spread = self.own.spread(blur.spread * r_mm) + self.front.spread(blur.c_mm * r_mm);
         match shape {
-            // Along a line GGX is Student's t: 1 - x / sqrt(x^2 + w^2) = w^2 / 2 x^2 lies beyond x, and tails add.
+            // Along a line GGX is Student's t: 1 - x / sqrt(x^2 + w^2) = w^2 / 2 x^2 lies beyond x,
+            // and tails add.
             LobeShape::Ggx => (0.5 * spread / tail).sqrt(),
-            // A normal distribution of variance w^2 / 2: erfc(x / w) < exp(-(x / w)^2) lies beyond x.
+            // A normal distribution of variance w^2 / 2: erfc(x / w) < exp(-(x / w)^2) lies beyond
+            // x.
             _ => (-spread * tail.ln()).sqrt(),
         }
     }
@@ -120,7 +128,8 @@ impl Facets {
         f64::from(self.count) * (self.gain * scale_mm).powi(2)
     }
 
-    /// OTF of facets whose slopes have this scale (roughness times distance, mm), and its derivative by the scale's logarithm.
+    /// OTF of facets whose slopes have this scale (roughness times distance, mm), and its
+    /// derivative by the scale's logarithm.
     fn otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> (f64, f64) {
         let width = self.gain * scale_mm;
         if self.count == 0 || width == 0.0 {
@@ -133,7 +142,8 @@ impl Facets {
     }
 }
 
-/// The share of the light that a sheet returns before mu: `eta` of the table, and what the kernel makes of it.
+/// The share of the light that a sheet returns before mu: `eta` of the table, and what the kernel
+/// makes of it.
 pub(crate) fn returned(kernel: Kernel, eta: f64, incidence_rad: f64, refractive_index: f64) -> f64 {
     match kernel {
         Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe | Kernel::Wave => eta,

@@ -13,7 +13,8 @@ pub struct Camera {
     pub lens: Option<Lens>,
 }
 
-/// Isotropic lens blur, OTF exp(-(f / f0)^p): Gaussian at p = 2, near a diffraction-limited lens at p = 1.
+/// Isotropic lens blur, OTF exp(-(f / f0)^p): Gaussian at p = 2, near a diffraction-limited lens at
+/// p = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Blur length 1/f0, mm: the OTF is 1/e at the frequency 1/blur.
@@ -23,13 +24,14 @@ pub struct Lens {
 }
 
 impl Camera {
-    /// OTF at `frequency` (1/mm) along a normal at `normal_rad` in the photograph (from +x, right, towards +y, down):
-    /// real, 1 at zero frequency.
+    /// OTF at `frequency` (1/mm) along a normal at `normal_rad` in the photograph (from +x, right,
+    /// towards +y, down): real, 1 at zero frequency.
     pub fn otf(&self, frequency: f64, normal_rad: f64) -> f64 {
         self.pixel(frequency, normal_rad) * self.lens.map_or(1.0, |lens| lens.otf(frequency)[0])
     }
 
-    /// The same with its derivatives by ln(blur) and by the exponent of the lens; these are 0 without a lens.
+    /// The same with its derivatives by ln(blur) and by the exponent of the lens; these are 0
+    /// without a lens.
     pub fn otf_and_slopes(&self, frequency: f64, normal_rad: f64) -> [f64; 3] {
         let pixel = self.pixel(frequency, normal_rad);
         self.lens

@@ -1,4 +1,5 @@
-//! The model of an edge: the OTF of one direction's shift, waves or facets behind a lobe, and the curve that it makes of an edge.
+//! The model of an edge: the OTF of one direction's shift, waves or facets behind a lobe, and the
+//! curve that it makes of an edge.
 
 use num_complex::Complex64;
 
@@ -28,7 +29,8 @@ pub struct Model<'a> {
     pub shape: LobeShape,
     /// The direction's shift along the edge normal; `None` only for models without it.
     pub shift: Option<&'a ShiftLine>,
-    /// The direction's waves along the edge normal; `None` only for models without them (a `wave` model is NaN then).
+    /// The direction's waves along the edge normal; `None` only for models without them (a `wave`
+    /// model is NaN then).
     pub wave: Option<&'a WaveLine>,
     /// The facets along the edge normal; `None` but for baselines (which are NaN without).
     pub baseline: Option<Baseline>,
@@ -39,15 +41,16 @@ pub struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by ln(spread) and ln(c).
+    /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by
+    /// ln(spread) and ln(c).
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
         let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
         [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe]
     }
 
-    /// The factor that depends on c, of shift, waves or a rough front, and its derivative by ln(c); 1 and 0 where the kernel
-    /// has none.
+    /// The factor that depends on c, of shift, waves or a rough front, and its derivative by ln(c);
+    /// 1 and 0 where the kernel has none.
     pub fn sheet_otf(&self, c_mm: f64, frequency: f64) -> [Complex64; 2] {
         if let Some(facets) = self.baseline {
             return facets

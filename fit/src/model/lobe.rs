@@ -1,9 +1,11 @@
-//! Diffraction lobes: the OTF of Eq. (1) of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters), in its two shapes.
+//! Diffraction lobes: the OTF of Eq. (1) of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters), in
+//! its two shapes.
 //!
-//! Eq. (1) gives the lobe as sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), sinc t = sin t / t. The paper
-//! leaves two things open, and a scene names them: `radial` turns it about the principal ray and cuts it at
-//! a r = 2.4 pi (uncut, its energy diverges logarithmically; the authors' public code cuts there too); `separable` is
-//! the product over the two axes, uncut. Beside them stand the lobes of rough facets (`microfacet`) for the baselines.
+//! Eq. (1) gives the lobe as sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), sinc t
+//! = sin t / t. The paper leaves two things open, and a scene names them: `radial` turns it about
+//! the principal ray and cuts it at a r = 2.4 pi (uncut, its energy diverges logarithmically; the
+//! authors' public code cuts there too); `separable` is the product over the two axes, uncut.
+//! Beside them stand the lobes of rough facets (`microfacet`) for the baselines.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -17,9 +19,9 @@ use tables::Samples;
 pub(crate) const CUT: f64 = 2.4 * PI;
 
 impl LobeShape {
-    /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal` (tangential, sagittal), for
-    /// `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial, see `radial`), 3e-7 (ggx); rounding (separable,
-    /// beckmann).
+    /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal`
+    /// (tangential, sagittal), for `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial,
+    /// see `radial`), 3e-7 (ggx); rounding (separable, beckmann).
     pub fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
             LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => {
@@ -41,8 +43,9 @@ impl LobeShape {
         }
     }
 
-    /// Slope of the OTF at zero frequency, -d OTF/d|f| (mm), and its derivative by a: the kink that gives an edge its
-    /// 1/x tails. 0 for the others: the radial lobe's support is finite, and ggx falls off as 1/r^4.
+    /// Slope of the OTF at zero frequency, -d OTF/d|f| (mm), and its derivative by a: the kink that
+    /// gives an edge its 1/x tails. 0 for the others: the radial lobe's support is finite, and ggx
+    /// falls off as 1/r^4.
     pub fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
             LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => (0.0, 0.0),
@@ -61,10 +64,11 @@ const ASYMPTOTIC: f64 = 20.0;
 const TABLE_END: f64 = 120.0;
 const TABLE_STEP: f64 = 0.02;
 
-/// g(k) = int_0^{2.4 pi} (sin^2 t / t) J0(k t) dt, normalised to g(0) = 1, and dg/dk, for k = 2 pi f / a >= 0.
+/// g(k) = int_0^{2.4 pi} (sin^2 t / t) J0(k t) dt, normalised to g(0) = 1, and dg/dk, for k = 2 pi
+/// f / a >= 0.
 ///
-/// Cubic Hermite interpolation of quadrature values: g's fourth derivative is at most int (sin^2 t) t^3 dt / g(0) = 260,
-/// so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
+/// Cubic Hermite interpolation of quadrature values: g's fourth derivative is at most int (sin^2 t)
+/// t^3 dt / g(0) = 260, so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
 pub(crate) fn radial(k: f64) -> (f64, f64) {
     static TABLE: LazyLock<(Samples, f64)> = LazyLock::new(|| {
         let norm = quadrature(0.0).0;
@@ -88,8 +92,9 @@ pub(crate) fn radial(k: f64) -> (f64, f64) {
     }
 }
 
-/// The integral of g and its derivative by k, not normalised, by the midpoint-free Gauss-Legendre rule of 16 nodes on
-/// 8 panels: at k = 20 each panel spans 3 oscillations of the integrand, which the rule integrates to rounding.
+/// The integral of g and its derivative by k, not normalised, by the midpoint-free Gauss-Legendre
+/// rule of 16 nodes on 8 panels: at k = 20 each panel spans 3 oscillations of the integrand, which
+/// the rule integrates to rounding.
 fn quadrature(k: f64) -> (f64, f64) {
     const PANELS: usize = 8;
     let half = CUT / PANELS as f64 / 2.0;
@@ -107,8 +112,9 @@ fn quadrature(k: f64) -> (f64, f64) {
     sum
 }
 
-/// Large-k series from the cut: I[F] = T F J1(kT)/k + T F' J0(kT)/k^2 - I[lap F]/k^2 with F = sinc^2 and its Laplacian in
-/// two dimensions (twice integrated by parts; F is band-limited to k <= 2, so only the cut contributes beyond).
+/// Large-k series from the cut: I[F] = T F J1(kT)/k + T F' J0(kT)/k^2 - I[lap F]/k^2 with F =
+/// sinc^2 and its Laplacian in two dimensions (twice integrated by parts; F is band-limited to k <=
+/// 2, so only the cut contributes beyond).
 fn asymptotic(k: f64) -> (f64, f64) {
     let t = CUT;
     let (j0, j1) = (libm::j0(k * t), libm::j1(k * t));

@@ -16,13 +16,15 @@ pub(crate) struct Grid {
     /// Length of the transform: bins of one period.
     size: usize,
     bin_mm: f64,
-    /// By frequency, what makes the transform of a step of that of a blur: sinc(pi f bin) / (2 pi f period), behind -i.
+    /// By frequency, what makes the transform of a step of that of a blur: sinc(pi f bin) / (2 pi f
+    /// period), behind -i.
     step: Arc<[f64]>,
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
 
 impl Grid {
-    /// A grid whose period is at least three profiles long, so that a blur of up to a whole profile does not come round.
+    /// A grid whose period is at least three profiles long, so that a blur of up to a whole profile
+    /// does not come round.
     pub(crate) fn new(bins: usize, pitch_mm: f64) -> Grid {
         let size = (3 * bins).next_power_of_two().max(2048);
         // f bin = q / size and f period = q.
@@ -46,9 +48,10 @@ impl Grid {
 
     /// The edge profile averaged over evenly filled bins.
     ///
-    /// `otf` at the grid's frequencies; its first value scales the step (1 for a profile, 0 for a derivative). `kink` is
-    /// -d OTF/d|f| at 0 (mm): a kinked OTF has 1/s^2 tails, whose periodic images are taken out to second order. The
-    /// profile is the inverse transform, exact but for the images of a lobe wider than a profile.
+    /// `otf` at the grid's frequencies; its first value scales the step (1 for a profile, 0 for a
+    /// derivative). `kink` is -d OTF/d|f| at 0 (mm): a kinked OTF has 1/s^2 tails, whose periodic
+    /// images are taken out to second order. The profile is the inverse transform, exact but for
+    /// the images of a lobe wider than a profile.
     pub(crate) fn even(&self, otf: &[Complex64], kink: f64) -> Even {
         let period = self.size as f64 * self.bin_mm;
         let step = otf[0].re;
@@ -59,13 +62,15 @@ impl Grid {
             .collect();
         // The mean of the profile: where its centre of mass lies, which the OTF's slope at 0 tells.
         half[0] = Complex64::from(otf[1].im / TAU);
-        // The last coefficient is real; what is dropped lies at 2 per pixel, beyond every camera's reach.
+        // The last coefficient is real; what is dropped lies at 2 per pixel, beyond every camera's
+        // reach.
         half[self.size / 2].im = 0.0;
         let mut periodic = vec![0.0; self.size];
         self.inverse
             .process(&mut half, &mut periodic)
             .expect("lengths and reality are set above");
-        // C/s^2 is the tail of the line spread; its images sum to C pi^2/(3 P^2) + C pi^4 s^2/(15 P^4) + ...
+        // C/s^2 is the tail of the line spread; its images sum to C pi^2/(3 P^2) + C pi^4 s^2/(15
+        // P^4) + ...
         let tail = kink / (2.0 * PI * PI);
         let linear = step / period - tail * PI.powi(2) / (3.0 * period.powi(2));
         let cubic = tail * PI.powi(4) / (45.0 * period.powi(4));
@@ -78,10 +83,12 @@ impl Grid {
         Even { values: periodic }
     }
 
-    /// Mean of the edge profile over the pixels of every bin; `otf` and `kink` as in [`Grid::even`].
+    /// Mean of the edge profile over the pixels of every bin; `otf` and `kink` as in
+    /// [`Grid::even`].
     ///
-    /// A bin's excess moments (a few hundredths of a pixel) are put in with the profile's own differences, whose slope is
-    /// good to (pi/4)^4/30 = 1.3 % at half the sampling frequency and to 1e-5 at a tenth of it.
+    /// A bin's excess moments (a few hundredths of a pixel) are put in with the profile's own
+    /// differences, whose slope is good to (pi/4)^4/30 = 1.3 % at half the sampling frequency and
+    /// to 1e-5 at a tenth of it.
     pub(crate) fn profile(&self, otf: &[Complex64], kink: f64, profile: &Profile) -> Vec<f64> {
         let even = self.even(otf, kink);
         let reach = profile.reach as i64;
@@ -104,8 +111,8 @@ pub(crate) struct Even {
 }
 
 impl Even {
-    /// Value and first three derivatives per bin at `offset` (within half a period), by differences of fourth order (second for the
-    /// third).
+    /// Value and first three derivatives per bin at `offset` (within half a period), by differences
+    /// of fourth order (second for the third).
     pub(crate) fn around(&self, offset: i64) -> [f64; 4] {
         let middle = (self.values.len() / 2) as i64;
         let at = (middle + offset).clamp(2, 2 * middle - 3) as usize;

@@ -1,4 +1,5 @@
-//! The `wave` kernel of a photograph: the waves of a table's direction, for the spectrum of the source.
+//! The `wave` kernel of a photograph: the waves of a table's direction, for the spectrum of the
+//! source.
 
 use tables::{Direction, NoWaves, WaveLine};
 
@@ -10,7 +11,8 @@ use crate::names::Spectrum;
 pub enum Fault {
     /// No wavelength.
     #[error(
-        "the wave kernel needs the source's wavelength; give --wavelength-nm, or wavelength_nm in [setup]"
+        "the wave kernel needs the source's wavelength; give --wavelength-nm, or wavelength_nm in \
+        [setup]"
     )]
     NoWavelength,
     /// The table does not hold what they are made of.
@@ -21,7 +23,8 @@ pub enum Fault {
 /// The waves of a direction along the unit edge normal `normal`; otherwise as [`WaveLine::new`].
 ///
 /// # Errors
-/// [`Fault`] where no wavelength is named, or the table holds no polygons of corner cubes for the direction.
+/// [`Fault`] where no wavelength is named, or the table holds no polygons of corner cubes for the
+/// direction.
 pub(crate) fn line(
     direction: &Direction,
     incidence_rad: f64,

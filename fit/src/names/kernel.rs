@@ -8,9 +8,11 @@ use crate::names::lobe::LobeShape;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Kernel {
-    /// Ray shift and the lobe of Eq. (1), read literally: a (1/mm) does not depend on the floating distance.
+    /// Ray shift and the lobe of Eq. (1), read literally: a (1/mm) does not depend on the floating
+    /// distance.
     Eq1,
-    /// Ray shift and the lobe as an angle (Fraunhofer): a = A / R, the dimensionless A = a R is the parameter.
+    /// Ray shift and the lobe as an angle (Fraunhofer): a = A / R, the dimensionless A = a R is the
+    /// parameter.
     Angular,
     /// Ray shift alone.
     Shift,
@@ -124,8 +126,8 @@ impl Kernel {
         !matches!(self.family(), Family::Proposed)
     }
 
-    /// Whether a second size is part of the model, one for all angles: the corner size c, of a baseline the roughness of
-    /// the front.
+    /// Whether a second size is part of the model, one for all angles: the corner size c, of a
+    /// baseline the roughness of the front.
     pub const fn has_c(self) -> bool {
         !matches!(
             self,

@@ -69,7 +69,8 @@ impl ParameterKind {
         }
     }
 
-    /// Whether its blur fades away as it grows: of a and a R, which are reciprocal widths. The others fade as they fall.
+    /// Whether its blur fades away as it grows: of a and a R, which are reciprocal widths. The
+    /// others fade as they fall.
     pub const fn fades_upwards(self) -> bool {
         matches!(self, ParameterKind::APerMm | ParameterKind::ATimesR)
     }
@@ -126,7 +127,8 @@ impl fmt::Display for ParameterId {
 /// A text that names no parameter.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or mu, with _at_ and the incidence where there is one per angle"
+    "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or \
+    mu, with _at_ and the incidence where there is one per angle"
 )]
 pub struct NoParameter {
     /// The text.

@@ -26,7 +26,8 @@ pub struct Spectrum {
 pub enum SpectrumError {
     /// Not `wavelength` or `wavelength:weight`.
     #[error(
-        "has the entry \"{entry}\", which is not a wavelength such as 550 or a pair such as 550:0.5; correct it"
+        "has the entry \"{entry}\", which is not a wavelength such as 550 or a pair such as \
+        550:0.5; correct it"
     )]
     Entry {
         /// The entry.
@@ -40,7 +41,8 @@ pub enum SpectrumError {
     },
     /// A weight that takes light away.
     #[error(
-        "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than 0; correct it"
+        "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than 0; \
+        correct it"
     )]
     Weight {
         /// The wavelength.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Mean of max(0, x) for x normal about `mean` with standard deviation `sigma` > 0, its derivative by `mean`, and its
-/// variance.
+/// Mean of max(0, x) for x normal about `mean` with standard deviation `sigma` > 0, its derivative
+/// by `mean`, and its variance.
 pub(crate) fn clipped(mean: f64, sigma: f64) -> (f64, f64, f64) {
     let z = mean / sigma;
     // Beyond 8 sigma a pixel in 10^15 is cut off.
@@ -44,8 +44,8 @@ fn density(z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against sums over a fine grid of the normal density: 2e4 points over +-10 sigma, whose error for a smooth integrand
-    /// is below rounding and, at the kink, step^2 / 8 = 1.3e-7.
+    /// Against sums over a fine grid of the normal density: 2e4 points over +-10 sigma, whose error
+    /// for a smooth integrand is below rounding and, at the kink, step^2 / 8 = 1.3e-7.
     #[test]
     fn moments_meet_quadrature() {
         let mut cases = 0;

@@ -1,4 +1,5 @@
-//! Normal matrices and their triangular factors: sums of squares without the rows that they come from.
+//! Normal matrices and their triangular factors: sums of squares without the rows that they come
+//! from.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,8 +13,8 @@ pub(crate) fn add(normal: &mut DMatrix<f64>, row: &[f64]) {
     }
 }
 
-/// Upper triangular R with R^T R = `normal`, of which the upper triangle is read. A column that depends on those before it,
-/// to rounding, gets a row of zeros.
+/// Upper triangular R with R^T R = `normal`, of which the upper triangle is read. A column that
+/// depends on those before it, to rounding, gets a row of zeros.
 pub(crate) fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     let n = normal.nrows();
     for i in 0..n {

@@ -19,8 +19,8 @@ pub(crate) fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     planner.plan_fft_inverse(length)
 }
 
-/// The least length of at least `least` with no prime factor above 5: its transform is fast, and it is at most 11 % longer
-/// from 100 on (every length to 5,000 was looked at).
+/// The least length of at least `least` with no prime factor above 5: its transform is fast, and it
+/// is at most 11 % longer from 100 on (every length to 5,000 was looked at).
 pub(crate) fn fast_length(least: usize) -> usize {
     (least.max(1)..)
         .find(|&n| is_smooth(n, &[2, 3, 5]))

@@ -1,7 +1,8 @@
 //! Mathematics without a field: transforms, interpolation, quadrature, least squares.
 //!
-//! Arrays of numbers and closures enter; arrays of numbers leave, with the accuracy that each file states. Nothing here
-//! knows of light or photographs. This is the ground room: it may touch no other.
+//! Arrays of numbers and closures enter; arrays of numbers leave, with the accuracy that each file
+//! states. Nothing here knows of light or photographs. This is the ground room: it may touch no
+//! other.
 
 pub(crate) mod clip;
 pub(crate) mod factor;

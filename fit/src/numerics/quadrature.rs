@@ -1,6 +1,7 @@
 //! Nodes and weights of quadrature.
 
-/// Positive nodes and weights of the 16-point Gauss-Legendre rule on [-1, 1] (Abramowitz and Stegun, table 25.4).
+/// Positive nodes and weights of the 16-point Gauss-Legendre rule on [-1, 1] (Abramowitz and
+/// Stegun, table 25.4).
 pub(crate) const GAUSS_16: [(f64, f64); 8] = [
     (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
     (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),

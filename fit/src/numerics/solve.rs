@@ -87,15 +87,18 @@ impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for 
     }
 }
 
-/// Change of the parameters, and of the sum of squares relative to itself, below which an iteration has converged.
+/// Change of the parameters, and of the sum of squares relative to itself, below which an iteration
+/// has converged.
 pub(crate) const CONVERGED: f64 = 1e-10;
 
-/// Length of the first step, in units of the parameters' own scaled length (MINPACK's factor, 100 by default): a longer one
-/// from a rough start can leap to where a term has faded away and its derivative with it.
+/// Length of the first step, in units of the parameters' own scaled length (MINPACK's factor, 100
+/// by default): a longer one from a rough start can leap to where a term has faded away and its
+/// derivative with it.
 const STEP_BOUND: f64 = 0.3;
 
-/// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of scales); the iteration ends
-/// when they or the sum of squares change by less than `tolerance` of themselves.
+/// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of
+/// scales); the iteration ends when they or the sum of squares change by less than `tolerance` of
+/// themselves.
 pub(crate) fn least_squares(
     start: DVector<f64>,
     tolerance: f64,

@@ -1,8 +1,9 @@
 //! The manifest of a measured campaign, captures.toml: which photograph was taken how.
 //!
-//! Lengths are in mm, angles are kept in degrees as the manifest gives them and handed out in radians. In a photograph
-//! x runs along columns to the right and y along rows downward; angles in it run from +x towards +y. Every key is
-//! checked here, so that whatever comes out is finite and in range and every image exists.
+//! Lengths are in mm, angles are kept in degrees as the manifest gives them and handed out in
+//! radians. In a photograph x runs along columns to the right and y along rows downward; angles in
+//! it run from +x towards +y. Every key is checked here, so that whatever comes out is finite and
+//! in range and every image exists.
 
 pub(crate) mod error;
 
@@ -22,7 +23,8 @@ use crate::photographs::photo::settings::Settings;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
 
-/// Keys of [setup] that every capture may override, then those of a photograph, then those of a capture.
+/// Keys of [setup] that every capture may override, then those of a photograph, then those of a
+/// capture.
 const SHARED: [&str; 6] = [
     "path_mm",
     "roi",
@@ -51,9 +53,11 @@ const CAPTURE: [&str; 5] = [
 pub struct Setup {
     /// Side of one pixel in the aerial-image plane, mm, > 0.
     pub pixel_pitch_mm: f64,
-    /// Transmittance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a warning.
+    /// Transmittance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a
+    /// warning.
     pub half_mirror_transmittance: f64,
-    /// Reflectance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a warning.
+    /// Reflectance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a
+    /// warning.
     pub half_mirror_reflectance: f64,
     /// Wavelengths of the source, for the `wave` kernel.
     pub spectrum: Option<Spectrum>,
@@ -77,7 +81,8 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// A photograph that is in no manifest: whoever hands out the photographs knows it by this name.
+    /// A photograph that is in no manifest: whoever hands out the photographs knows it by this
+    /// name.
     pub fn named(name: impl Into<PathBuf>, exposure: f64) -> Shot {
         let name = name.into();
         Shot {
@@ -119,14 +124,15 @@ pub struct Capture {
     pub shot: Shot,
     /// Floating distance, mm, > 0.
     pub floating_distance_mm: f64,
-    /// Optical path from the sheet to the image along the principal ray, mm, > 0, where it differs from the floating
-    /// distance; see [`Capture::range_mm`].
+    /// Optical path from the sheet to the image along the principal ray, mm, > 0, where it differs
+    /// from the floating distance; see [`Capture::range_mm`].
     pub path_mm: Option<f64>,
     /// Incidence on the sheet, outside, degrees, 0 <= theta < 90.
     pub incidence_deg: f64,
     /// Azimuth about the sheet's normal, degrees; `None` for a table that is a mean over azimuths.
     pub azimuth_deg: Option<f64>,
-    /// Direction of the tangential axis (in the plane of incidence) in the photograph, degrees from +x towards +y.
+    /// Direction of the tangential axis (in the plane of incidence) in the photograph, degrees from
+    /// +x towards +y.
     pub tangential_axis_deg: f64,
 }
 
@@ -182,10 +188,12 @@ impl Campaign {
     }
 }
 
-/// Reads and checks a manifest. Photographs are not decoded here, only looked for: see [`Shot::load`].
+/// Reads and checks a manifest. Photographs are not decoded here, only looked for: see
+/// [`Shot::load`].
 ///
-/// `exposure` is 1 for the reference where left out. Where a capture leaves it out, it is that of the camera's settings
-/// (Exif) over those of the reference, because mu is a ratio of the two; without a reference it has no use and is 1.
+/// `exposure` is 1 for the reference where left out. Where a capture leaves it out, it is that of
+/// the camera's settings (Exif) over those of the reference, because mu is a ratio of the two;
+/// without a reference it has no use and is 1.
 ///
 /// # Errors
 /// The first thing that is wrong, as an `Error` that names the line.
@@ -210,7 +218,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
         }
         None => {
             warnings.push(format!(
-                "{} has no [reference]: the camera is taken for its pixel box alone, and mu cannot be found.",
+                "{} has no [reference]: the camera is taken for its pixel box alone, and mu \
+                cannot be found.",
                 file.display()
             ));
             None
@@ -239,7 +248,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
             .filter(|&path| path < capture.floating_distance_mm)
         {
             warnings.push(format!(
-                "{}: path_mm {path} is shorter than floating_distance_mm {}, which is a part of it; the fit takes path_mm.",
+                "{}: path_mm {path} is shorter than floating_distance_mm {}, which is a part of \
+                it; the fit takes path_mm.",
                 capture.shot.place, capture.floating_distance_mm
             ));
         }
@@ -263,7 +273,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
     })
 }
 
-/// The exposure of a capture relative to its reference from the settings of the camera, and what to say about it.
+/// The exposure of a capture relative to its reference from the settings of the camera, and what to
+/// say about it.
 fn exposure_by_camera(
     keys: &Section<'_>,
     reference: &Shot,
@@ -279,8 +290,10 @@ fn exposure_by_camera(
     let (own, source) = (settings(&shot.image)?, settings(&reference.image)?);
     let exposure = reference.exposure * own.exposure() / source.exposure();
     let warning = format!(
-        "{}: exposure {exposure:.5} was taken from the camera's Exif data ({own}; reference {source}): such settings are \
-         rounded, often by some percent, and mu is off by as much; give `exposure` if you know it better",
+        "{}: exposure {exposure:.5} was taken from the camera's Exif data ({own}; reference \
+        {source}): such settings are \
+         rounded, often by some percent, and mu is off by as much; give `exposure` if you know it \
+         better",
         shot.place
     );
     Ok((exposure, warning))
@@ -295,7 +308,8 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     let reflectance = keys.number("half_mirror_reflectance", Bounds::SHARE)?;
     if transmittance.is_none() || reflectance.is_none() {
         warnings.push(format!(
-            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it counts as 1, and mu includes it.",
+            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it counts as 1, \
+            and mu includes it.",
             file.display()
         ));
     }
@@ -303,7 +317,8 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
         && t + r > 1.0
     {
         warnings.push(format!(
-            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} are more than all light; measure them again",
+            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} are more than all \
+            light; measure them again",
             file.display()
         ));
     }

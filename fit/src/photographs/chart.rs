@@ -1,8 +1,9 @@
 //! Straight edges among other marks: a region of interest about each slanted edge of a photograph.
 //!
-//! The photograph is averaged down to about 600 x 400 blocks. Neighbouring blocks with a strong gradient of like direction
-//! are a piece (the idea of von Gioi et al., LSD, IPOL 2012); a piece that is long, thin and tilted by 1 to 44 degrees
-//! from rows and columns is an edge. Its region is the largest upright rectangle about its middle that holds no other mark.
+//! The photograph is averaged down to about 600 x 400 blocks. Neighbouring blocks with a strong
+//! gradient of like direction are a piece (the idea of von Gioi et al., LSD, IPOL 2012); a piece
+//! that is long, thin and tilted by 1 to 44 degrees from rows and columns is an edge. Its region is
+//! the largest upright rectangle about its middle that holds no other mark.
 
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::photo::plane::Photo;
@@ -15,13 +16,15 @@ const BLOCKS: f64 = 240_000.0;
 /// A gradient counts from this share of the strongest (the mean of the strongest 1 in 500).
 const STRONG: f64 = 0.15;
 
-/// And from this multiple of the median gradient: that of noise is 8 times its median once in 10^19 blocks.
+/// And from this multiple of the median gradient: that of noise is 8 times its median once in 10^19
+/// blocks.
 const ABOVE_NOISE: f32 = 8.0;
 
 /// Blocks of the least piece that counts as a mark: less is a hot pixel or dust.
 const LEAST_MARK: usize = 14;
 
-/// Cosine of the largest angle between a block's gradient and its piece's mean (22.5 degrees, as in LSD).
+/// Cosine of the largest angle between a block's gradient and its piece's mean (22.5 degrees, as in
+/// LSD).
 const LIKE: f32 = 0.924;
 
 /// Pieces that are looked at: the longest ones.
@@ -31,8 +34,8 @@ const MOST_PIECES: usize = 24;
 const LEAST_LENGTH: f64 = 12.0;
 const SLENDER: f64 = 2.5;
 
-/// A region about each straight piece of a photograph that has room for one, the longest piece first. Whether it holds an edge
-/// that can be measured is left to the measurement.
+/// A region about each straight piece of a photograph that has room for one, the longest piece
+/// first. Whether it holds an edge that can be measured is left to the measurement.
 pub(crate) fn regions(photo: &Photo) -> Vec<Roi> {
     let blocks = Blocks::of(photo);
     let pieces = blocks.pieces();
@@ -42,7 +45,8 @@ pub(crate) fn regions(photo: &Photo) -> Vec<Roi> {
     regions.take(MOST_PIECES).collect()
 }
 
-/// The middle of a region, at most 600 pixels long and wide: enough to see whether it holds an edge.
+/// The middle of a region, at most 600 pixels long and wide: enough to see whether it holds an
+/// edge.
 pub(crate) fn middle(roi: &Roi) -> Roi {
     let part = |at: usize, size: usize| (at + size.saturating_sub(600) / 2, size.min(600));
     let ((x, width), (y, height)) = (part(roi.x, roi.width), part(roi.y, roi.height));
@@ -54,7 +58,8 @@ pub(crate) fn middle(roi: &Roi) -> Roi {
     }
 }
 
-/// Whether two edges lie on one line: within 1 degree, and each in the other's direction within 1 % of their distance.
+/// Whether two edges lie on one line: within 1 degree, and each in the other's direction within 1 %
+/// of their distance.
 pub(crate) fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLine)) -> bool {
     let turn = (a.normal_rad - b.normal_rad).sin().abs();
     let centre = |roi: &Roi| {
@@ -154,7 +159,8 @@ impl Blocks {
             .filter(move |&other| other != index)
     }
 
-    /// Blocks that are joined to `start` through free blocks for which `joins` says yes; they are no longer free.
+    /// Blocks that are joined to `start` through free blocks for which `joins` says yes; they are
+    /// no longer free.
     fn flood(
         &self,
         start: usize,
@@ -215,7 +221,8 @@ impl Blocks {
         pieces
     }
 
-    /// A group as a straight piece, where it is long and thin: its axes from its second moments, those of a uniform bar.
+    /// A group as a straight piece, where it is long and thin: its axes from its second moments,
+    /// those of a uniform bar.
     fn piece(&self, group: &[usize]) -> Option<Piece> {
         let n = group.len() as f64;
         let place = |&index: &usize| ((index % self.width) as f64, (index / self.width) as f64);
@@ -248,12 +255,14 @@ impl Blocks {
             .map(|index| ((index % self.width) as f64, (index / self.width) as f64))
     }
 
-    /// The largest upright rectangle about the middle of a piece (in pixels) that ends before the piece does and holds no
-    /// other mark, at most twice as long across the edge as along it; `None` where there is no room.
+    /// The largest upright rectangle about the middle of a piece (in pixels) that ends before the
+    /// piece does and holds no other mark, at most twice as long across the edge as along it;
+    /// `None` where there is no room.
     fn region(&self, piece: &Piece, photo: &Photo) -> Option<Roi> {
         let steep = piece.along[1].abs() >= piece.along[0].abs();
         let cosine = piece.along[0].abs().max(piece.along[1].abs());
-        // Other marks, as (across, along) distances of their blocks from the middle: across is x for a steep edge.
+        // Other marks, as (across, along) distances of their blocks from the middle: across is x
+        // for a steep edge.
         let marks: Vec<(f64, f64)> = self
             .strong_places()
             .filter(|&(x, y)| {

@@ -4,16 +4,17 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::Window;
 
-/// Distance from the edge's own profile, in standard deviations of a pixel, from which a pixel is off: noise reaches it once
-/// in 10^15 pixels, shot noise of few electrons once in 10^6.
+/// Distance from the edge's own profile, in standard deviations of a pixel, from which a pixel is
+/// off: noise reaches it once in 10^15 pixels, shot noise of few electrons once in 10^6.
 const DEVIATIONS: f64 = 8.0;
 
-/// What the straight lines between bins may miss of the sharpest profile, and what is too little to matter, in steps: pixels
-/// nearer than that, 1 in 10^4, move the profile by 5e-6.
+/// What the straight lines between bins may miss of the sharpest profile, and what is too little to
+/// matter, in steps: pixels nearer than that, 1 in 10^4, move the profile by 5e-6.
 const LEAST_STEPS: f64 = 0.05;
 
-/// Takes out pixels farther from all others than these are from each other (an EXR's hot pixels can be thousands of times
-/// the picture); they would spoil the search for the edge. Returns their number.
+/// Takes out pixels farther from all others than these are from each other (an EXR's hot pixels can
+/// be thousands of times the picture); they would spoil the search for the edge. Returns their
+/// number.
 pub(crate) fn exclude_gross(window: &mut Window) -> usize {
     let (low, high) = window.bulk();
     let span = high - low;
@@ -23,10 +24,11 @@ pub(crate) fn exclude_gross(window: &mut Window) -> usize {
     window.keep(|pixel| (low - 2.0 * span..=high + 2.0 * span).contains(&pixel.value))
 }
 
-/// Takes out pixels that are off the profile by more than an edge with an arc of `arc_px`, or their place in a bin, explains.
-/// Returns their number.
+/// Takes out pixels that are off the profile by more than an edge with an arc of `arc_px`, or their
+/// place in a bin, explains. Returns their number.
 ///
-/// The profile is that of the medians, which a few wild pixels do not move; it is only formed where the means raise a doubt.
+/// The profile is that of the medians, which a few wild pixels do not move; it is only formed where
+/// the means raise a doubt.
 pub(crate) fn exclude(
     window: &mut Window,
     line: &EdgeLine,

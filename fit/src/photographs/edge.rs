@@ -15,8 +15,9 @@ const LARGE: usize = 400_000;
 
 /// Finds the edge of a window that holds one.
 ///
-/// The first direction is that of the first moment under a rotationally symmetric weight, which is exact for any straight
-/// edge; direction and place are then refined, see [`refine`]. Large windows are averaged down for that start.
+/// The first direction is that of the first moment under a rotationally symmetric weight, which is
+/// exact for any straight edge; direction and place are then refined, see [`refine`]. Large windows
+/// are averaged down for that start.
 pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
     let pixels = window.width() * window.height();
     if pixels > LARGE {
@@ -38,8 +39,9 @@ pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
     refine(window, start)
 }
 
-/// Refines an edge until the pixels scatter least about their common profile (Gauss-Newton on the angle; the place is the half
-/// level). Accuracy: noise-limited, see the standard error; noise-free below 2e-5 rad.
+/// Refines an edge until the pixels scatter least about their common profile (Gauss-Newton on the
+/// angle; the place is the half level). Accuracy: noise-limited, see the standard error; noise-free
+/// below 2e-5 rad.
 pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
     let mut profile = centre(window, &mut line)?;
     // 1e-4 px at the end of the edge moves no MTF.
@@ -81,7 +83,8 @@ fn first_direction(window: &Window) -> Result<f64, Fault> {
 
 /// Moves the line to the half level of its profile and returns the profile about the new place.
 fn centre(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
-    // The profile about a line far off the edge is short: each round re-centres, and the second is nearly exact.
+    // The profile about a line far off the edge is short: each round re-centres, and the second is
+    // nearly exact.
     for _ in 0..4 {
         let profile = Profile::new(window, line).ok_or(Fault::TooSmall)?;
         let shift = half_level(&profile)?;
@@ -93,7 +96,8 @@ fn centre(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
     Profile::new(window, line).ok_or(Fault::TooSmall)
 }
 
-/// Distance (px) from the central bin to the crossing of the half level nearest to the steepest place.
+/// Distance (px) from the central bin to the crossing of the half level nearest to the steepest
+/// place.
 fn half_level(profile: &Profile) -> Result<f64, Fault> {
     let smooth = smoothed(&profile.mean, 6);
     let n = smooth.len();
@@ -107,7 +111,8 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
             (l.min(v), h.max(v))
         });
-    // A plateau is the mean of many pixels: a step of 5 of its standard errors is a step, less is noise.
+    // A plateau is the mean of many pixels: a step of 5 of its standard errors is a step, less is
+    // noise.
     let plateau: f64 = profile.variance[..ends]
         .iter()
         .chain(&profile.variance[n - ends..])
@@ -137,8 +142,8 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
     Ok((crossing as f64 + part - profile.reach as f64) * BIN_PX)
 }
 
-/// One Gauss-Newton step of the angle: the pixels' distances from the common profile, regressed on its slope times the
-/// position along the edge. Returns the step taken, rad.
+/// One Gauss-Newton step of the angle: the pixels' distances from the common profile, regressed on
+/// its slope times the position along the edge. Returns the step taken, rad.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     let (sin, cos) = line.normal_rad.sin_cos();
     let smooth = smoothed(&profile.mean, 2);

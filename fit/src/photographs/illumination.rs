@@ -1,10 +1,12 @@
 //! Uneven light: vignetting and gradients of the source, found beside the edge and divided out.
 //!
-//! The light is taken for 1 + g1 s + g2 t + g3 (s^2 + t^2), with s the distance from the edge and t the place along it: a
-//! factor on everything, as vignetting and an uneven source are, with the one curvature that a lens has. An edge is the
-//! same all along t, so g2 and g3 show in pixels of equal s (on the plateaus: a bowed edge looks alike). Along s light and blur are told apart by symmetry: about its
-//! middle a blurred edge is odd, however far its tails reach, and g1 adds an even part, (step/2) g1 |s|. What is even in the
-//! blur itself (coma) is left out with the middle quarter of the profile.
+//! The light is taken for 1 + g1 s + g2 t + g3 (s^2 + t^2), with s the distance from the edge and t
+//! the place along it: a factor on everything, as vignetting and an uneven source are, with the one
+//! curvature that a lens has. An edge is the same all along t, so g2 and g3 show in pixels of equal
+//! s (on the plateaus: a bowed edge looks alike). Along s light and blur are told apart by
+//! symmetry: about its middle a blurred edge is odd, however far its tails reach, and g1 adds an
+//! even part, (step/2) g1 |s|. What is even in the blur itself (coma) is left out with the middle
+//! quarter of the profile.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -12,10 +14,12 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::{Pixel, Window};
 
-/// Least unevenness over the window that is corrected: the asymmetric halo of a real lens looks like as much.
+/// Least unevenness over the window that is corrected: the asymmetric halo of a real lens looks
+/// like as much.
 const LEAST: f64 = 0.01;
 
-/// Fall of chi-square (3 terms) from which unevenness is believed: noise reaches it once in 10^10 photographs.
+/// Fall of chi-square (3 terms) from which unevenness is believed: noise reaches it once in 10^10
+/// photographs.
 const BELIEVED: f64 = 50.0;
 
 /// The light about an edge, 1 on the edge abreast of the window's centre. Lengths in pixels.
@@ -35,7 +39,8 @@ impl Light {
     }
 }
 
-/// Largest over smallest light in the window, less 1, where several lights multiply; infinite where one falls to 0.
+/// Largest over smallest light in the window, less 1, where several lights multiply; infinite where
+/// one falls to 0.
 pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
     let (mut low, mut high) = (1.0_f64, 1.0_f64);
     for pixel in window.outline() {
@@ -59,7 +64,8 @@ pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Optio
     (fall_along + fall_across > BELIEVED && unevenness(&[light], window) > LEAST).then_some(light)
 }
 
-/// Moments of the pixels of one bin; t is in units of the window's half diagonal, r is the distance from the profile.
+/// Moments of the pixels of one bin; t is in units of the window's half diagonal, r is the distance
+/// from the profile.
 #[derive(Clone, Copy, Default)]
 struct Bin {
     n: f64,
@@ -68,8 +74,8 @@ struct Bin {
     rt: [f64; 2],
 }
 
-/// g2 and g3, and the fall of chi-square that they bring: within each bin of equal s the pixels are regressed on
-/// level x (t, t^2).
+/// g2 and g3, and the fall of chi-square that they bring: within each bin of equal s the pixels are
+/// regressed on level x (t, t^2).
 fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<([f64; 2], f64)> {
     let unit = 0.5 * (window.width() as f64).hypot(window.height() as f64);
     let mut bins = vec![Bin::default(); profile.len()];
@@ -111,7 +117,8 @@ fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<([f64; 2
     ))
 }
 
-/// g1, and the fall of chi-square that it brings, from the even part of the profile less that of `curvature`.
+/// g1, and the fall of chi-square that it brings, from the even part of the profile less that of
+/// `curvature`.
 fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
     let (dark, bright) = profile.plateaus();
     let (middle, half_step) = (0.5 * (dark + bright), 0.5 * (bright - dark));

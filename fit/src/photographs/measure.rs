@@ -1,7 +1,7 @@
 //! One photograph measured: its edge found, what spoils it repaired and said, or refused.
 //!
-//! Every repair is made only where its cause is seen, and is a warning. A veil (light that reaches both sides alike) needs
-//! none: both plateaus are free in everything that follows.
+//! Every repair is made only where its cause is seen, and is a warning. A veil (light that reaches
+//! both sides alike) needs none: both plateaus are free in everything that follows.
 
 use crate::photographs::edge;
 use crate::photographs::edge::accepted::Accepted;
@@ -22,13 +22,15 @@ const MOST_OFF: f64 = 0.01;
 /// Unevenness of the light beyond which a polynomial of second order no longer describes it.
 const MOST_UNEVEN: f64 = 1.0;
 
-/// Rounds of repair: each finds the edge again with what the last one cleared; none is needed after the second.
+/// Rounds of repair: each finds the edge again with what the last one cleared; none is needed after
+/// the second.
 const ROUNDS: usize = 4;
 
 /// A measured edge.
 #[derive(Debug, Clone)]
 pub struct Measurement {
-    /// Where the window lies in the photograph: all of it, the region that was given, or the one that was found.
+    /// Where the window lies in the photograph: all of it, the region that was given, or the one
+    /// that was found.
     pub region: Roi,
     /// The window, repaired.
     pub window: Window,
@@ -40,9 +42,9 @@ pub struct Measurement {
     pub warnings: Vec<String>,
 }
 
-/// Measures the edge in a region of a photograph, or, without one, the photograph's only edge: all of it is taken where
-/// it holds nothing else, or the region of the only slanted edge among other marks. What is `accepted` is no fault but a
-/// warning.
+/// Measures the edge in a region of a photograph, or, without one, the photograph's only edge: all
+/// of it is taken where it holds nothing else, or the region of the only slanted edge among other
+/// marks. What is `accepted` is no fault but a warning.
 ///
 /// # Errors
 /// A `Fault` for everything that would make the result wrong.
@@ -144,7 +146,8 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     }
     if !lights.is_empty() {
         warnings.push(format!(
-            "the light varies by {:.1} % over the window (vignetting or an uneven source) and was evened out; \
+            "the light varies by {:.1} % over the window (vignetting or an uneven source) and was \
+            evened out; \
              the luminance is that of the edge in the window's middle",
             100.0 * illumination::unevenness(&lights, &window)
         ));

@@ -17,8 +17,9 @@ impl PixelNoise {
         self.read + self.gain * light.max(0.0)
     }
 
-    /// The noise for which the scatter of the bins (degrees of freedom, light, variance) is most likely: scoring on
-    /// sum of freedom x (ln v + scatter / v), v = read + gain x light, both at least 0.
+    /// The noise for which the scatter of the bins (degrees of freedom, light, variance) is most
+    /// likely: scoring on sum of freedom x (ln v + scatter / v), v = read + gain x light, both at
+    /// least 0.
     pub fn most_likely(scatter: &[[f64; 3]], cut_off: bool, floor: f64) -> PixelNoise {
         const ROUNDS: usize = 25;
         let freedom: f64 = scatter.iter().map(|s| s[0]).sum();

@@ -1,9 +1,10 @@
 //! Photographs: any supported file to one plane of linear light.
 //!
-//! EXR (half, float, uint; linear), 16-bit PNG and TIFF (linear unless the manifest says otherwise), 8-bit PNG, TIFF
-//! and JPEG (sRGB, linearised, with a warning). The type of a file is decided by its first bytes, never by its name, but for
-//! camera raw (with the feature `raw`), much of which is TIFF inside.
-//! Row 0 is the top of the picture; `x` runs along columns to the right, `y` along rows downward, as in the manifest.
+//! EXR (half, float, uint; linear), 16-bit PNG and TIFF (linear unless the manifest says
+//! otherwise), 8-bit PNG, TIFF and JPEG (sRGB, linearised, with a warning). The type of a file is
+//! decided by its first bytes, never by its name, but for camera raw (with the feature `raw`), much
+//! of which is TIFF inside. Row 0 is the top of the picture; `x` runs along columns to the right,
+//! `y` along rows downward, as in the manifest.
 
 pub(crate) mod channel;
 pub(crate) mod error;
@@ -33,8 +34,9 @@ use crate::photographs::photo::transfer::Transfer;
 /// Reads a photograph into linear light.
 ///
 /// # Errors
-/// One `Error` for each way in which the file cannot be used; non-finite pixels are an error, so a [`Photo`] never
-/// holds NaN or infinity, but for the NaN of camera raw. Sizes beyond `MAX_PIXELS` are refused from the header, before pixels are allocated.
+/// One `Error` for each way in which the file cannot be used; non-finite pixels are an error, so a
+/// [`Photo`] never holds NaN or infinity, but for the NaN of camera raw. Sizes beyond `MAX_PIXELS`
+/// are refused from the header, before pixels are allocated.
 pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let Opened {
         format,
@@ -52,8 +54,8 @@ pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     Ok(photo)
 }
 
-/// Reads a picture in colour: red, green and blue, or one plane where the file has no colour. Alpha is ignored.
-/// `transfer` as in [`Decode`].
+/// Reads a picture in colour: red, green and blue, or one plane where the file has no colour. Alpha
+/// is ignored. `transfer` as in [`Decode`].
 ///
 /// # Errors
 /// As [`load`].

@@ -1,7 +1,8 @@
-//! The edge profile: pixels sorted by their distance from the edge into bins a quarter of a pixel wide (ISO 12233).
+//! The edge profile: pixels sorted by their distance from the edge into bins a quarter of a pixel
+//! wide (ISO 12233).
 //!
-//! A bin knows where its pixels really are: a model is averaged over those positions, not over the bin, so that the
-//! phases of the pixel grid bias neither the measured curve nor the comparison.
+//! A bin knows where its pixels really are: a model is averaged over those positions, not over the
+//! bin, so that the phases of the pixel grid bias neither the measured curve nor the comparison.
 
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::window::Window;
@@ -12,7 +13,8 @@ pub(crate) const BIN_PX: f64 = 0.25;
 /// Least share of the fullest pixel's worth of bins that a bin at the end of the profile must hold.
 const COVERAGE: f64 = 0.3;
 
-/// Bins -reach..=reach, centred on the edge; bin j is centred at j x [`BIN_PX`] on the bright side for j > 0.
+/// Bins -reach..=reach, centred on the edge; bin j is centred at j x [`BIN_PX`] on the bright side
+/// for j > 0.
 #[derive(Debug, Clone)]
 pub struct Profile {
     /// Bins on either side of the central one.
@@ -21,8 +23,8 @@ pub struct Profile {
     pub count: Vec<f64>,
     /// Mean value of each bin; an empty bin holds the straight line between its neighbours.
     pub mean: Vec<f64>,
-    /// Moments of the pixels' positions about the bin's centre, in excess of those of a uniformly filled bin: first
-    /// (px), second (px^2), third (px^3).
+    /// Moments of the pixels' positions about the bin's centre, in excess of those of a uniformly
+    /// filled bin: first (px), second (px^2), third (px^3).
     pub excess: Vec<[f64; 3]>,
     /// Variance of `mean` by pixel noise.
     pub variance: Vec<f64>,
@@ -30,8 +32,8 @@ pub struct Profile {
     pub noise: [f64; 2],
 }
 
-/// Rise of an end, as a part of the step, from which on the blur counts as cut off by the window. The 1/x tails of a
-/// separable lobe that the estimate allows for stay below 1 %.
+/// Rise of an end, as a part of the step, from which on the blur counts as cut off by the window.
+/// The 1/x tails of a separable lobe that the estimate allows for stay below 1 %.
 const ENDS_RISE: f64 = 0.02;
 
 #[derive(Clone, Copy, Default)]
@@ -44,8 +46,8 @@ struct Sums {
 }
 
 impl Profile {
-    /// Sorts the window's pixels by their distance from `line`. `None` where fewer than 8 pixels on either side of the
-    /// edge are covered.
+    /// Sorts the window's pixels by their distance from `line`. `None` where fewer than 8 pixels on
+    /// either side of the edge are covered.
     pub fn new(window: &Window, line: &EdgeLine) -> Option<Profile> {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as usize;
         let mut sums = vec![Sums::default(); 2 * limit + 1];
@@ -112,7 +114,8 @@ impl Profile {
         let bridged = (empty > 0).then(|| {
             let angle = line.normal_rad.to_degrees();
             format!(
-                "{empty} of {} bins hold no pixel at this edge angle ({angle:.2} deg): they are bridged; \
+                "{empty} of {} bins hold no pixel at this edge angle ({angle:.2} deg): they are \
+                bridged; \
                  avoid angles whose tangent is a simple fraction",
                 self.len()
             )
@@ -120,16 +123,18 @@ impl Profile {
         let rise = self.rise_at_the_ends();
         let cut = (rise > ENDS_RISE).then(|| {
             format!(
-                "the edge does not fade out within the window (it still rises by {:.0} % of its step in the outer eighth): \
-                 the numbers rest on what the window cuts off; give the edge more room, or even out the light",
+                "the edge does not fade out within the window (it still rises by {:.0} % of its \
+                step in the outer eighth): \
+                 the numbers rest on what the window cuts off; give the edge more room, or even \
+                 out the light",
                 100.0 * rise
             )
         });
         bridged.into_iter().chain(cut).collect()
     }
 
-    /// By how much of the whole step the profile changes over the outer eighth of its length, the larger of both ends, less
-    /// what pixel noise explains (4.5 standard deviations).
+    /// By how much of the whole step the profile changes over the outer eighth of its length, the
+    /// larger of both ends, less what pixel noise explains (4.5 standard deviations).
     pub fn rise_at_the_ends(&self) -> f64 {
         let n = self.len();
         let end = (n / 8).max(4);
@@ -139,7 +144,8 @@ impl Profile {
             let variance = bins.map(|j| self.variance[j]).sum::<f64>() / (count * count);
             (mean, variance)
         };
-        // Means over the two halves of an end lie half an end apart: twice their difference is the rise.
+        // Means over the two halves of an end lie half an end apart: twice their difference is the
+        // rise.
         let rise = |first: usize| {
             let (low, high) = (
                 level(first..first + end / 2),
@@ -151,7 +157,8 @@ impl Profile {
         rise(0).max(rise(n - end)) / step.abs()
     }
 
-    /// Puts a straight line through empty bins of a curve over the bins: for the model the same as for the photograph.
+    /// Puts a straight line through empty bins of a curve over the bins: for the model the same as
+    /// for the photograph.
     pub fn bridge(&self, curve: &mut [f64]) {
         let mut last = None;
         for j in 0..curve.len() {
@@ -188,7 +195,8 @@ impl Profile {
         (bin as f64 - self.reach as f64) * BIN_PX
     }
 
-    /// The profile at a distance from the edge (pixels), on straight lines between the bins; `None` beyond them.
+    /// The profile at a distance from the edge (pixels), on straight lines between the bins; `None`
+    /// beyond them.
     pub fn at(&self, distance_px: f64) -> Option<f64> {
         let at = distance_px / BIN_PX + self.reach as f64;
         let last = (self.len() - 1) as f64;
@@ -214,8 +222,8 @@ impl Profile {
         (self.mean[high] - self.mean[low]) / ((high - low) as f64 * BIN_PX)
     }
 
-    /// Pixel noise from the scatter within bins, as a straight line in the level (shot and read noise); the variance of
-    /// a bin's mean is that over its count.
+    /// Pixel noise from the scatter within bins, as a straight line in the level (shot and read
+    /// noise); the variance of a bin's mean is that over its count.
     fn estimate_noise(&mut self, sums: &[Sums]) {
         let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (j, b) in sums.iter().enumerate().filter(|(_, b)| b.n >= 6.0) {
@@ -264,8 +272,8 @@ impl Profile {
     }
 }
 
-/// The greatest reach with bins well filled on both sides, judged over one pixel (an angle whose tangent is a simple
-/// fraction leaves single bins empty).
+/// The greatest reach with bins well filled on both sides, judged over one pixel (an angle whose
+/// tangent is a simple fraction leaves single bins empty).
 fn covered(sums: &[Sums], limit: usize) -> Option<usize> {
     let per_px = (1.0 / BIN_PX) as usize;
     let filled = |from: usize| -> f64 { sums[from..from + per_px].iter().map(|b| b.n).sum() };

@@ -1,9 +1,10 @@
 //! Clipped highlights and cut-off darks: many pixels at exactly the same extreme value.
 //!
-//! A clipped pixel says less than it seems to, and leaving it out would keep only the dark half of the noise. So clipping
-//! is said where it is harmless and refused where it is not. Where a share p of a plateau's pixels is clipped, the mean
-//! falls by (density - p z) standard deviations of a pixel, z the normal quantile of p: 0.02 at p = 0.05, and at 1 % noise
-//! 0.02 % of the step; at p = 0.5 it is 0.4.
+//! A clipped pixel says less than it seems to, and leaving it out would keep only the dark half of
+//! the noise. So clipping is said where it is harmless and refused where it is not. Where a share p
+//! of a plateau's pixels is clipped, the mean falls by (density - p z) standard deviations of a
+//! pixel, z the normal quantile of p: 0.02 at p = 0.05, and at 1 % noise 0.02 % of the step; at p =
+//! 0.5 it is 0.4.
 
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::photo::plane::Photo;
@@ -12,7 +13,8 @@ use crate::photographs::window::Window;
 /// Share of the bright pixels from which clipping is refused.
 const MOST_CLIPPED: f64 = 0.05;
 
-/// Share of the dark pixels that may be exactly 0. Noise about a dark of 0 is cut off in half of the pixels.
+/// Share of the dark pixels that may be exactly 0. Noise about a dark of 0 is cut off in half of
+/// the pixels.
 const MOST_ZERO: f64 = 2.0 / 3.0;
 
 /// Most pixels that are looked at, evenly spaced.
@@ -40,8 +42,8 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
         }
     }
     let (darks, brights) = (common(&dark), common(&bright));
-    // The camera's own ceiling, below that of the format: a pile with nothing above it and no neighbour of its size, in a
-    // picture whose dark side shows noise.
+    // The camera's own ceiling, below that of the format: a pile with nothing above it and no
+    // neighbour of its size, in a picture whose dark side shows noise.
     let ceiling = brights[0].value;
     let above = share(&bright, &|v| v > ceiling);
     if brights[0].share > MOST_CLIPPED

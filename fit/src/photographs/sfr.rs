@@ -1,8 +1,9 @@
-//! The slanted-edge estimator: edge profile -> line spread -> tapered Fourier transform (ISO 12233 style).
+//! The slanted-edge estimator: edge profile -> line spread -> tapered Fourier transform (ISO 12233
+//! style).
 //!
-//! Everything before the modulus is linear in the pixels: correction of bin positions, differences and taper are one banded
-//! matrix, and the transform is an FFT. The photograph's profile and the model's go through the **same** chain, and pixel
-//! noise is carried through it exactly.
+//! Everything before the modulus is linear in the pixels: correction of bin positions, differences
+//! and taper are one banded matrix, and the transform is an FFT. The photograph's profile and the
+//! model's go through the **same** chain, and pixel noise is carried through it exactly.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -15,10 +16,12 @@ use crate::numerics::fourier;
 use crate::numerics::sinc::sinc;
 use crate::photographs::profile::{BIN_PX, Profile};
 
-/// Share of the window that the taper leaves untouched; the rest falls to 0 as a raised cosine (Tukey window).
+/// Share of the window that the taper leaves untouched; the rest falls to 0 as a raised cosine
+/// (Tukey window).
 const FLAT: f64 = 0.7;
 
-/// Places of the line spread that a bin enters: two before it to one behind it (place m lies between bins m and m + 1).
+/// Places of the line spread that a bin enters: two before it to one behind it (place m lies
+/// between bins m and m + 1).
 const BAND: usize = 4;
 
 /// A slanted-edge estimator for the bins of one profile, at evenly spaced frequencies.
@@ -39,12 +42,14 @@ pub struct Estimator {
 pub struct Mtf {
     /// Modulus at the estimator's frequencies, 1 at the first.
     pub modulus: Vec<f64>,
-    /// Variance that bin noise adds to the modulus squared (twice the variance per component where noise dominates).
+    /// Variance that bin noise adds to the modulus squared (twice the variance per component where
+    /// noise dominates).
     pub power_noise: Vec<f64>,
 }
 
 impl Estimator {
-    /// Frequencies are 0 and the first `count` multiples of 1 / (`period` bins), at most half of `period`.
+    /// Frequencies are 0 and the first `count` multiples of 1 / (`period` bins), at most half of
+    /// `period`.
     pub fn new(profile: &Profile, pitch_mm: f64, period: usize, count: usize) -> Estimator {
         let bin_mm = BIN_PX * pitch_mm;
         let frequencies_per_mm: Vec<f64> = (0..=count.min(period / 2))
@@ -69,12 +74,14 @@ impl Estimator {
         self
     }
 
-    /// The transform of a curve over the bins, at every frequency; its phase is about the profile's first difference.
+    /// The transform of a curve over the bins, at every frequency; its phase is about the profile's
+    /// first difference.
     pub fn transform(&self, bins: &[f64]) -> Vec<Complex64> {
         let period = self.fourier.len();
         let mut spread = self.fourier.make_input_vec();
         for (j, (weights, value)) in self.band.iter().zip(bins).enumerate() {
-            // Place j - 2, counted from the period's end where it lies before 0; the weights there are 0.
+            // Place j - 2, counted from the period's end where it lies before 0; the weights there
+            // are 0.
             let mut place = (j + 2 * period - 2) % period;
             for weight in weights {
                 spread[place] += weight * value;
@@ -95,7 +102,8 @@ impl Estimator {
         let zero = transform[0].re;
         let corrected = transform.iter().zip(&self.correction);
         let modulus = corrected.map(|(s, c)| s.norm() / zero.abs() * c).collect();
-        // A bin's weight at any frequency is a sum of BAND phases, whose square depends on their distances alone.
+        // A bin's weight at any frequency is a sum of BAND phases, whose square depends on their
+        // distances alone.
         let mut lags = [0.0; BAND];
         for (weights, variance) in self.band.iter().zip(&profile.variance) {
             for (lag, sum) in lags.iter_mut().enumerate() {
@@ -150,8 +158,8 @@ impl Estimator {
 
     /// The MTF of a modelled profile and its derivatives by the model's parameters.
     ///
-    /// `power_noise` is the measured curve's: the modulus of a noisy transform is larger than the transform's modulus,
-    /// by sqrt(S^2 + n^2) in the mean square, and the model is raised alike.
+    /// `power_noise` is the measured curve's: the modulus of a noisy transform is larger than the
+    /// transform's modulus, by sqrt(S^2 + n^2) in the mean square, and the model is raised alike.
     pub fn predict(
         &self,
         bins: &[f64],
@@ -203,7 +211,8 @@ fn band(profile: &Profile) -> Vec<[f64; BAND]> {
     let middle = 0.5 * (n as f64 - 2.0);
     let taper = |place: usize| tukey((place as f64 - middle).abs() / (middle + 1.0));
     let mut band = vec![[0.0; BAND]; n];
-    // Adds what bin j gives, by bin i (at most one away) in its stead: + to place j - 1, - to place j.
+    // Adds what bin j gives, by bin i (at most one away) in its stead: + to place j - 1, - to place
+    // j.
     let mut add = |i: usize, j: usize, share: f64| {
         let first = j + 1 - i;
         if j > 0 {
@@ -216,8 +225,8 @@ fn band(profile: &Profile) -> Vec<[f64; BAND]> {
     for j in 0..n {
         add(j, j, 1.0);
     }
-    // The pixels of a bin are not spread evenly over it: their first two excess moments are taken out with the curve's
-    // own slope and curvature.
+    // The pixels of a bin are not spread evenly over it: their first two excess moments are taken
+    // out with the curve's own slope and curvature.
     for j in 1..n - 1 {
         let [m1, m2, _] = profile.excess[j];
         let (slope, curvature) = (0.5 * m1 / BIN_PX, 0.5 * m2 / (BIN_PX * BIN_PX));
@@ -284,8 +293,8 @@ mod tests {
     /// Of the differences of the modulus by a bin.
     const STEP: f64 = 1e-4;
 
-    /// Transform, noise and response against the plain chain; sums of 200 terms of order 1 round to 1e-13, and so the
-    /// differences to 1e-9.
+    /// Transform, noise and response against the plain chain; sums of 200 terms of order 1 round to
+    /// 1e-13, and so the differences to 1e-9.
     #[test]
     fn the_band_and_the_fft_are_the_plain_chain() {
         let mut cases = 0;
@@ -320,8 +329,9 @@ mod tests {
                     };
                     let slope = (modulus(1.0) - modulus(-1.0)) / (2.0 * STEP);
                     let error = slope - response[(k, j)];
-                    // The third derivative of |z + h w| by h is at most 1.16 w^3/z^2, of which the difference has
-                    // STEP^2/6; the same again for the light that it is divided by. At a zero the modulus has a kink.
+                    // The third derivative of |z + h w| by h is at most 1.16 w^3/z^2, of which the
+                    // difference has STEP^2/6; the same again for the light that it is divided by.
+                    // At a zero the modulus has a kink.
                     let [weight, light] = [by_bin[j], plain(&profile, &unit(j), 0.0)]
                         .map(|weight| (weight * scale).norm());
                     let curved = (weight + light).powi(3) / mtf.modulus[k].powi(2);

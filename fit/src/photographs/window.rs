@@ -1,8 +1,10 @@
-//! The part of a photograph that an edge is looked for in: linear light, pixel units, origin at its centre.
+//! The part of a photograph that an edge is looked for in: linear light, pixel units, origin at its
+//! centre.
 
 use crate::photographs::photo::plane::Photo;
 
-/// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, x to the right, y down.
+/// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, x to
+/// the right, y down.
 #[derive(Debug, Clone)]
 pub struct Window {
     width: usize,
@@ -31,7 +33,8 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// Positions (x to the right, y down, pixels from the window's centre) in the order of [`Window::pixels`].
+    /// Positions (x to the right, y down, pixels from the window's centre) in the order of
+    /// [`Window::pixels`].
     pub fn positions(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let (cx, cy) = centre(self.width, self.height);
         let mut taken_out = self.taken_out.iter().peekable();
@@ -49,8 +52,8 @@ fn centre(width: usize, height: usize) -> (f64, f64) {
 }
 
 impl Window {
-    /// The rectangle `[x, y, width, height]` of a photograph, or all of it; `None` where the rectangle is empty or does
-    /// not fit.
+    /// The rectangle `[x, y, width, height]` of a photograph, or all of it; `None` where the
+    /// rectangle is empty or does not fit.
     pub fn of(photo: &Photo, roi: Option<[usize; 4]>) -> Option<Window> {
         let [x, y, width, height] = roi.unwrap_or([0, 0, photo.width, photo.height]);
         let fits = |at: usize, size: usize, all: usize| {
@@ -123,7 +126,8 @@ impl Window {
         out.get()
     }
 
-    /// Positions of the pixels along the border, in steps of an eighth of a side; their values are 0.
+    /// Positions of the pixels along the border, in steps of an eighth of a side; their values are
+    /// 0.
     pub fn outline(&self) -> impl Iterator<Item = Pixel> {
         let (cx, cy) = self.centre();
         (0..=8).flat_map(move |k| {
@@ -158,8 +162,9 @@ impl Window {
         (at(last / 100), at(last - last / 100))
     }
 
-    /// The window averaged over blocks of `side` x `side` pixels; what does not fill a block at the right and lower border is
-    /// left out. Of a block the pixels that are not taken out count; one without any is taken out.
+    /// The window averaged over blocks of `side` x `side` pixels; what does not fill a block at the
+    /// right and lower border is left out. Of a block the pixels that are not taken out count; one
+    /// without any is taken out.
     pub fn reduced(&self, side: usize) -> Window {
         let (width, height) = (self.width / side, self.height / side);
         let mut sums = vec![(0.0_f32, 0.0_f32); width * height];
@@ -224,32 +229,37 @@ impl Window {
         (zero, zero as f64 / dark.max(1) as f64)
     }
 
-    /// Whether the noise is cut off at 0: some pixels are exactly 0, none is below, and the dark is no flat 0 (a picture
-    /// without noise).
+    /// Whether the noise is cut off at 0: some pixels are exactly 0, none is below, and the dark is
+    /// no flat 0 (a picture without noise).
     pub fn cuts_off_at_zero(&self) -> bool {
         let (zero, share) = self.zeros();
         zero > 0 && share < 0.95 && self.extremes().0 == 0.0
     }
 
-    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None` where fewer than 1 in 100
-    /// are, or all are (a picture without noise).
+    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None`
+    /// where fewer than 1 in 100 are, or all are (a picture without noise).
     pub fn floor_warning(&self) -> Option<String> {
         let (zero, share) = self.zeros();
         (0.01..0.95).contains(&share).then(|| {
             format!(
-                "{zero} pixels ({:.1} % of the dark ones) are exactly 0: cut-off noise raises the dark plateau and \
+                "{zero} pixels ({:.1} % of the dark ones) are exactly 0: cut-off noise raises the \
+                dark plateau and \
                  lowers mu; keep the camera's black offset, or expose more",
                 100.0 * share
             )
         })
     }
 
-    /// What to say of pixels at or above the level where the format saturates; `None` where there are none.
+    /// What to say of pixels at or above the level where the format saturates; `None` where there
+    /// are none.
     pub fn clipping_warning(&self, level: f32) -> Option<String> {
         let clipped = self.values.iter().filter(|&&v| v >= level).count();
         (clipped > 0).then(|| {
             let share = 100.0 * clipped as f64 / self.values.len() as f64;
-            format!("{clipped} pixels ({share:.2} %) are clipped: the plateau and mu are biased; expose less")
+            format!(
+                "{clipped} pixels ({share:.2} %) are clipped: the plateau and mu are biased; \
+            expose less"
+            )
         })
     }
 }

@@ -19,8 +19,10 @@ pub enum Error {
     },
     /// The table is one of another cell than the fit's.
     #[error(
-        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): mesh, edge length, \
-             azimuth zero, refractive index, back, losses or options such as --roughness differ; bake the fitted cell, or fit \
+        "the result was fitted with a table of another cell ({fitted}) than this one ({given}): \
+        mesh, edge length, \
+             azimuth zero, refractive index, back, losses or options such as --roughness differ; \
+             bake the fitted cell, or fit \
              again"
     )]
     OtherCell {

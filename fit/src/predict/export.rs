@@ -1,9 +1,11 @@
-//! The nearest lobe for renderers that know no ray shift: one retroreflective GGX lobe, in the forms that carry it.
+//! The nearest lobe for renderers that know no ray shift: one retroreflective GGX lobe, in the
+//! forms that carry it.
 //!
-//! OpenPBR 1.2 (draft), MaterialX (from 1.39.5) and glTF (KHR_materials_retroreflection, draft) share the minimal
-//! retroreflective microfacet model (`baseline`, mrm). Its roughness is the one whose MTF, along both axes, has the least
-//! squared difference from the sheet's at one distance and incidence; its reflectance is what the sheet returns there. At
-//! another distance the true blur differs: a ray shift does not grow with the distance, a lobe does.
+//! OpenPBR 1.2 (draft), MaterialX (from 1.39.5) and glTF (KHR_materials_retroreflection, draft)
+//! share the minimal retroreflective microfacet model (`baseline`, mrm). Its roughness is the one
+//! whose MTF, along both axes, has the least squared difference from the sheet's at one distance
+//! and incidence; its reflectance is what the sheet returns there. At another distance the true
+//! blur differs: a ray shift does not grow with the distance, a lobe does.
 
 use serde_json::{Value, json};
 use tables::Table;
@@ -37,7 +39,8 @@ pub(crate) struct Nearest {
     pub reflectance: f64,
     /// Root mean square difference of the MTFs, over both axes and the frequencies of comparison.
     pub rms: f64,
-    /// Highest of these frequencies, 1/mm: where the sheet's MTF is below [`FAINT`] along both axes.
+    /// Highest of these frequencies, 1/mm: where the sheet's MTF is below [`FAINT`] along both
+    /// axes.
     pub end_per_mm: f64,
     /// Optical path, mm.
     pub distance_mm: f64,
@@ -51,7 +54,8 @@ pub(crate) struct Nearest {
 pub(crate) const FAINT: f64 = 0.05;
 
 /// What no form carries.
-pub(crate) const LOST: &str = "ray shift is not carried: the blur of this lobe grows with the distance, that of the sheet does not all; \
+pub(crate) const LOST: &str = "ray shift is not carried: the blur of this lobe grows with the \
+distance, that of the sheet does not all; \
                         nor is the fall of the reflectance with incidence";
 
 /// Finds the lobe at one place.
@@ -146,7 +150,8 @@ impl Nearest {
             .azimuth_deg
             .map_or(String::new(), |a| format!(", azimuth {a} deg"));
         format!(
-            "least squares of the MTF to {:.2} /mm at {} mm, incidence {} deg{azimuth}: rms difference {:.4}",
+            "least squares of the MTF to {:.2} /mm at {} mm, incidence {} deg{azimuth}: rms \
+            difference {:.4}",
             self.end_per_mm, self.distance_mm, self.incidence_deg, self.rms
         )
     }
@@ -167,19 +172,25 @@ impl Nearest {
     /// A document about a surface shader named "shader".
     fn materialx(&self, shader: &str) -> String {
         format!(
-            "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\">\n  <!-- {}. {LOST}. -->\n{shader}  \
+            "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\">\n  <!-- {}. {LOST}. \
+            -->\n{shader}  \
              <surfacematerial name=\"retroreflective_sheet\" type=\"material\">\n    \
-             <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"shader\" />\n  </surfacematerial>\n</materialx>\n",
+             <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"shader\" />\n  \
+             </surfacematerial>\n</materialx>\n",
             self.criterion()
         )
     }
 
-    /// The BSDF itself: roughness is alpha, and equal colours make the reflectance the same at every angle.
+    /// The BSDF itself: roughness is alpha, and equal colours make the reflectance the same at
+    /// every angle.
     fn bsdf_node(&self) -> String {
         let (alpha, colour) = (self.alpha, self.reflectance);
         let colours: String = ["color0", "color82", "color90"]
             .map(|name| {
-                format!("    <input name=\"{name}\" type=\"color3\" value=\"{colour:.6}, {colour:.6}, {colour:.6}\" />\n")
+                format!(
+                    "    <input name=\"{name}\" type=\"color3\" value=\"{colour:.6}, \
+                {colour:.6}, {colour:.6}\" />\n"
+                )
             })
             .concat();
         format!(
@@ -187,7 +198,8 @@ impl Nearest {
              <input name=\"roughness\" type=\"vector2\" value=\"{alpha:.8}, {alpha:.8}\" />\n    \
              <input name=\"retroreflective\" type=\"boolean\" value=\"true\" />\n    \
              <input name=\"distribution\" type=\"string\" value=\"ggx\" />\n    \
-             <input name=\"scatter_mode\" type=\"string\" value=\"R\" />\n  </generalized_schlick_bsdf>\n  \
+             <input name=\"scatter_mode\" type=\"string\" value=\"R\" />\n  \
+             </generalized_schlick_bsdf>\n  \
              <surface name=\"shader\" type=\"surfaceshader\">\n    \
              <input name=\"bsdf\" type=\"BSDF\" nodename=\"lobe\" />\n  </surface>\n"
         )
@@ -197,12 +209,15 @@ impl Nearest {
     fn openpbr_node(&self) -> String {
         let (roughness, colour) = (self.alpha.sqrt(), self.reflectance);
         format!(
-            "  <!-- OpenPBR 1.2 (draft): specular_retroreflectivity is not yet in the libraries of MaterialX 1.39.5. -->\n  \
+            "  <!-- OpenPBR 1.2 (draft): specular_retroreflectivity is not yet in the libraries \
+            of MaterialX 1.39.5. -->\n  \
              <open_pbr_surface name=\"shader\" type=\"surfaceshader\">\n    \
-             <input name=\"base_color\" type=\"color3\" value=\"{colour:.6}, {colour:.6}, {colour:.6}\" />\n    \
+             <input name=\"base_color\" type=\"color3\" value=\"{colour:.6}, {colour:.6}, \
+             {colour:.6}\" />\n    \
              <input name=\"base_metalness\" type=\"float\" value=\"1\" />\n    \
              <input name=\"specular_roughness\" type=\"float\" value=\"{roughness:.8}\" />\n    \
-             <input name=\"specular_retroreflectivity\" type=\"float\" value=\"1\" />\n  </open_pbr_surface>\n"
+             <input name=\"specular_retroreflectivity\" type=\"float\" value=\"1\" />\n  \
+             </open_pbr_surface>\n"
         )
     }
 

@@ -48,7 +48,8 @@ pub struct Prediction {
     pub eta: f64,
     /// Whether the direction lies between those of the table, which costs accuracy.
     pub interpolated: bool,
-    /// Luminance of the mid-air image over that of the source, half mirror included; null without mu.
+    /// Luminance of the mid-air image over that of the source, half mirror included; null without
+    /// mu.
     pub luminance: Option<f64>,
     /// Frequency at which the MTF is one half, 1/mm; null where it stays above, or nothing returns.
     pub mtf50_per_mm: Option<f64>,
@@ -132,8 +133,8 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Predicts MTF and luminance at every distance and incidence, along both axes. Parameters fitted per angle are
-/// interpolated linearly in the incidence and held constant beyond the fitted angles.
+/// Predicts MTF and luminance at every distance and incidence, along both axes. Parameters fitted
+/// per angle are interpolated linearly in the incidence and held constant beyond the fitted angles.
 ///
 /// # Errors
 /// `Error::OtherCell`, `Error::Unknown`, `Error::Direction`, `Error::Wave`.
@@ -174,7 +175,8 @@ pub fn predict(
 /// Directions of contrast between tangential and back, for [`around`].
 const DIRECTIONS: usize = 36;
 
-/// Predicts the MTF over all directions of contrast, every 5 degrees, at every distance and incidence: its anisotropy.
+/// Predicts the MTF over all directions of contrast, every 5 degrees, at every distance and
+/// incidence: its anisotropy.
 ///
 /// # Errors
 /// As [`predict`].
@@ -194,7 +196,8 @@ pub(crate) fn around(
         });
         let along = along.collect::<Result<Vec<_>, _>>()?;
         for (place, &distance_mm) in places.distance_mm.iter().enumerate() {
-            // The modulus of a real image's spectrum is even: the other half turn repeats the first.
+            // The modulus of a real image's spectrum is even: the other half turn repeats the
+            // first.
             let circle = |k: usize| (0..=2 * DIRECTIONS).map(move |d| (d % DIRECTIONS, k));
             let curve = |k| circle(k).map(|(d, k)| along[d][place][k]).collect();
             let frequencies = along[0][place].len();

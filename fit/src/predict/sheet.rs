@@ -10,8 +10,8 @@ use crate::predict::error::Error;
 use crate::result::ResultFile;
 use crate::result::TableResult;
 
-/// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly in the incidence and
-/// held constant beyond the fitted angles.
+/// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly
+/// in the incidence and held constant beyond the fitted angles.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fitted<'a> {
     /// What was fitted.
@@ -37,8 +37,8 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// Spread and corner size, or roughnesses, at an incidence. A roughness that the photographs only bound is 0: what they do
-    /// not show is left out.
+    /// Spread and corner size, or roughnesses, at an incidence. A roughness that the photographs
+    /// only bound is 0: what they do not show is left out.
     ///
     /// # Errors
     /// [`Error::Unknown`].
@@ -73,8 +73,8 @@ impl<'a> Fitted<'a> {
         baseline::returned(self.result.kernel, eta, incidence_deg.to_radians(), index)
     }
 
-    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and Fresnel's or other shares of
-    /// a baseline; `None` without mu.
+    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and
+    /// Fresnel's or other shares of a baseline; `None` without mu.
     pub(crate) fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
         let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
         mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)

@@ -1,8 +1,8 @@
 //! What a person looks at: pictures of curves, and the page in HTML (feature `report`).
 //!
-//! Results, predictions and studies enter; SVG, PNG and HTML leave as bytes. The room computes nothing that a result
-//! does not hold, but for the profiles of the likelihood. It may touch every room but
-//! `cli`.
+//! Results, predictions and studies enter; SVG, PNG and HTML leave as bytes. The room computes
+//! nothing that a result does not hold, but for the profiles of the likelihood. It may touch every
+//! room but `cli`.
 
 pub(crate) mod page;
 pub(crate) mod picture;

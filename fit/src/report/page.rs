@@ -1,5 +1,6 @@
-//! `--report`: the page that a person opens first. One file that needs nothing else, no network and no script; it is
-//! well-formed XML too. The same estimate gives the same bytes: no times, no durations.
+//! `--report`: the page that a person opens first. One file that needs nothing else, no network and
+//! no script; it is well-formed XML too. The same estimate gives the same bytes: no times, no
+//! durations.
 
 mod chart;
 mod crop;
@@ -46,7 +47,8 @@ impl Page<'_> {
         for (anchor, heading, markup) in sections {
             contents.push_str(&format!("<a href=\"#{anchor}\">{heading}</a>\n"));
             body.push_str(&format!(
-                "<section id=\"{anchor}\" aria-labelledby=\"{anchor}-h\">\n<h2 id=\"{anchor}-h\">{heading}</h2>\n{markup}</section>\n"
+                "<section id=\"{anchor}\" aria-labelledby=\"{anchor}-h\">\n<h2 \
+                id=\"{anchor}-h\">{heading}</h2>\n{markup}</section>\n"
             ));
         }
         format!(
@@ -54,7 +56,8 @@ impl Page<'_> {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <meta name=\"generator\" content=\"fit {}\"/>\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <header>\n<p class=\"kicker\">Retroreflective sheet</p>\n<h1>{}</h1>\n<p class=\"from\">{title}</p>\n{}</header>\n\
+             <header>\n<p class=\"kicker\">Retroreflective sheet</p>\n<h1>{}</h1>\n<p \
+             class=\"from\">{title}</p>\n{}</header>\n\
              <nav aria-label=\"Contents\">\n{contents}</nav>\n<main>\n{body}</main>\n</body>\n</html>\n",
             env!("CARGO_PKG_VERSION"),
             escape(&self.result.table.design),
@@ -97,7 +100,8 @@ impl Page<'_> {
         );
         if warnings > 0 {
             text.push_str(&format!(
-                "<p class=\"warned\"><a href=\"#warnings\">{}</a> to read before the numbers are used.</p>\n",
+                "<p class=\"warned\"><a href=\"#warnings\">{}</a> to read before the numbers are \
+                used.</p>\n",
                 count(warnings, "warning", "warnings")
             ));
         }

@@ -20,7 +20,8 @@ fn colour(loss: Kind) -> &'static str {
     }
 }
 
-/// Root-mean-square error over the bound, and coverage, of every parameter under both losses, with one standard deviation.
+/// Root-mean-square error over the bound, and coverage, of every parameter under both losses, with
+/// one standard deviation.
 ///
 /// # Errors
 /// [`Error::Drawing`], [`Error::Ending`].

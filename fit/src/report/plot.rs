@@ -204,8 +204,9 @@ impl Variable {
     }
 }
 
-/// Predicted MTF at each frequency against one variable, as in Kakinuma et al. 2021 (OSA Continuum 4, 865): one panel per
-/// axis, one curve per frequency and place that the other variables make. Where nothing returns there is no point.
+/// Predicted MTF at each frequency against one variable, as in Kakinuma et al. 2021 (OSA Continuum
+/// 4, 865): one panel per axis, one curve per frequency and place that the other variables make.
+/// Where nothing returns there is no point.
 ///
 /// # Errors
 /// [`Error::Drawing`].
@@ -277,8 +278,9 @@ pub(crate) fn against(
     draw(panels, layouts, "MTF of the mid-air image", path)
 }
 
-/// Predicted MTF at each frequency over the direction of contrast: a polar panel per place, 0° (tangential) to the right, 90°
-/// (sagittal) up. A circle is a blur that is alike in all directions.
+/// Predicted MTF at each frequency over the direction of contrast: a polar panel per place, 0°
+/// (tangential) to the right, 90° (sagittal) up. A circle is a blur that is alike in all
+/// directions.
 ///
 /// # Errors
 /// [`Error::Drawing`].

@@ -51,8 +51,8 @@ pub struct AtAngle {
 }
 
 impl Parameter {
-    /// The value at an incidence angle: linear between the fitted angles, constant beyond them. `None` where a value
-    /// that is needed is null.
+    /// The value at an incidence angle: linear between the fitted angles, constant beyond them.
+    /// `None` where a value that is needed is null.
     pub fn at(&self, incidence_deg: f64) -> Option<f64> {
         match self {
             Parameter::Shared(number) => number.value,
@@ -80,7 +80,8 @@ impl Parameter {
 pub struct Covariance {
     /// c_mm, a_per_mm or a_times_r, mu; `_at_<incidence>` where there is one per angle.
     pub names: Vec<ParameterId>,
-    /// The matrix. Null where an entry is not finite: the photographs do not tell these parameters, or not apart; a warning says so.
+    /// The matrix. Null where an entry is not finite: the photographs do not tell these parameters,
+    /// or not apart; a warning says so.
     pub matrix: Vec<Vec<Option<f64>>>,
 }
 
@@ -152,8 +153,8 @@ pub struct SamplingResult {
     /// Samples per pixel, how they are spread, and their seed.
     #[serde(flatten)]
     pub sampling: Sampling,
-    /// Standard deviation of every parameter by the samples alone, in the order of the covariance's names; part of the
-    /// standard errors.
+    /// Standard deviation of every parameter by the samples alone, in the order of the covariance's
+    /// names; part of the standard errors.
     pub standard_error: Vec<f64>,
 }
 
@@ -198,7 +199,8 @@ pub struct ResultFile {
     pub surface_roughness: Option<Number>,
     /// Reflectance; null without a reference photograph.
     pub mu: Option<Parameter>,
-    /// What was added to the captures' azimuths, degrees, where the photographs were asked (`--fit-azimuth`).
+    /// What was added to the captures' azimuths, degrees, where the photographs were asked
+    /// (`--fit-azimuth`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub azimuth_deg: Option<Number>,
     /// Of all the parameters above.
@@ -220,7 +222,8 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
-    /// Writes an estimate down, beside the table that it was made with and the seconds that it took.
+    /// Writes an estimate down, beside the table that it was made with and the seconds that it
+    /// took.
     pub fn new(estimated: &Estimated, table: TableResult, seconds: f64) -> ResultFile {
         let Estimated { scene, best, .. } = estimated;
         let kernel = best.choice.kernel;

@@ -9,7 +9,8 @@ pub struct TableResult {
     pub content_hash: String,
     /// Its design.
     pub design: String,
-    /// What tables of the same cell share, whatever directions they hold; absent from older results.
+    /// What tables of the same cell share, whatever directions they hold; absent from older
+    /// results.
     #[serde(default)]
     pub cell: Option<CellResult>,
 }
@@ -30,7 +31,8 @@ pub struct CellResult {
     /// What of the surfaces' losses is in the table, and so not in mu.
     #[serde(default = "none")]
     pub losses: String,
-    /// What else its light obeyed, as options of `bake trace`; not how finely deviations were recorded.
+    /// What else its light obeyed, as options of `bake trace`; not how finely deviations were
+    /// recorded.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub options: String,
 }
@@ -67,7 +69,8 @@ impl TableResult {
 }
 
 impl CellResult {
-    /// Whether the other says the same; numbers that went through JSON may have lost their last digit.
+    /// Whether the other says the same; numbers that went through JSON may have lost their last
+    /// digit.
     fn same(&self, other: &CellResult) -> bool {
         let numbers = |cell: &CellResult| {
             let [x, y, z] = cell.azimuth_zero;

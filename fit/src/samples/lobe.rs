@@ -1,12 +1,13 @@
 //! Samples of a lobe for a = 1: offsets in the image plane times a.
 //!
-//! Those of microfacets by inversion of their distribution functions, 1 - exp(-r^2) and 1 - 1 / (1 + r^2). The two shapes of Eq.
-//! (1) by inversion of a tabulated one, cells so fine that the OTF of the samples is that of the
-//! lobe to 2e-5 (a density that is even over cells of width h widens the lobe by h^2 / 12 in the variance):
+//! Those of microfacets by inversion of their distribution functions, 1 - exp(-r^2) and 1 - 1 / (1
+//! + r^2). The two shapes of Eq. (1) by inversion of a tabulated one, cells so fine that the OTF of
+//! the samples is that of the lobe to 2e-5 (a density that is even over cells of width h widens the
+//! lobe by h^2 / 12 in the variance):
 //! - radial: sinc^2(t) t on [0, 2.4 pi], and an even angle;
-//! - separable: sinc^2(t) on either axis. Its 1/t^2 tails go on for ever: beyond 64 pi every period holds
-//!   64/n - 64/(n + 1) of what is left, n pi its begin (to 1.2e-5 of that 1.6e-3), and within a period the light lies as
-//!   in the last one of the table.
+//! - separable: sinc^2(t) on either axis. Its 1/t^2 tails go on for ever: beyond 64 pi every period
+//!   holds 64/n - 64/(n + 1) of what is left, n pi its begin (to 1.2e-5 of that 1.6e-3), and within
+//!   a period the light lies as in the last one of the table.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;

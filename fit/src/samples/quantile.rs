@@ -66,7 +66,8 @@ impl Quantile {
 mod tests {
     use super::*;
 
-    /// Cells of masses 0, 1, 0, 3, 0 between -1 and 1.5, inverted by hand; empty cells hold no quantile.
+    /// Cells of masses 0, 1, 0, 3, 0 between -1 and 1.5, inverted by hand; empty cells hold no
+    /// quantile.
     #[test]
     fn quantiles_skip_empty_cells() {
         let q = Quantile::new(-1.0, 0.5, &[0.0, 1.0, 0.0, 3.0, 0.0]).expect("there is mass");

@@ -1,18 +1,23 @@
-//! One photograph's model by samples: the loop that Sugawara and Koizumi published (SIGGRAPH Asia 2025 Posters).
+//! One photograph's model by samples: the loop that Sugawara and Koizumi published (SIGGRAPH Asia
+//! 2025 Posters).
 //!
-//! Every pixel p of the photograph gathers the source's edge at places to which shift and lobe carry its light,
-//! I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a - R n.D_s), with d_p the pixel's distance from the edge, S_s a ray shift
-//! (foreshortened, edge lengths), L_s an offset by the lobe of a = 1, D_s the deviation that the ray has with its shift, and
-//! E the edge as the camera sees it ([`Texture`]).
-//! Derivatives are pathwise: dI/d ln c = -c mean E' n.S, dI/d ln a = mean E' n.L / a.
+//! Every pixel p of the photograph gathers the source's edge at places to which shift and lobe
+//! carry its light, I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a - R n.D_s), with d_p the
+//! pixel's distance from the edge, S_s a ray shift (foreshortened, edge lengths), L_s an offset by
+//! the lobe of a = 1, D_s the deviation that the ray has with its shift, and E the edge as the
+//! camera sees it ([`Texture`]). Derivatives are pathwise: dI/d ln c = -c mean E' n.S, dI/d ln a =
+//! mean E' n.L / a.
 //!
-//! n.S and n.L do not depend on a and c, so they are worked out once ([`Tile`]); an evaluation is two products, a look-up
-//! and three sums a sample. The numbers stay the same in every iteration, so that what is minimised is smooth.
+//! n.S and n.L do not depend on a and c, so they are worked out once ([`Tile`]); an evaluation is
+//! two products, a look-up and three sums a sample. The numbers stay the same in every iteration,
+//! so that what is minimised is smooth.
 //!
-//! The pixels are taken bin by bin of the profile, each has the next points of one sequence, and after [`EVEN_POINTS`] (or
-//! [`INDEPENDENT_POINTS`]) they begin again. So the pixels of a bin, and those of neighbouring bins, make up one net: with 256
-//! Sobol points a pixel the transform of the line spread has 1/50 to 1/25 of the variance that independent points leave. The same net
-//! for every bin has 20 times more (its pixels lie differently in every bin), one for all of a photograph no less.
+//! The pixels are taken bin by bin of the profile, each has the next points of one sequence, and
+//! after [`EVEN_POINTS`] (or [`INDEPENDENT_POINTS`]) they begin again. So the pixels of a bin, and
+//! those of neighbouring bins, make up one net: with 256 Sobol points a pixel the transform of the
+//! line spread has 1/50 to 1/25 of the variance that independent points leave. The same net for
+//! every bin has 20 times more (its pixels lie differently in every bin), one for all of a
+//! photograph no less.
 
 pub(crate) mod texture;
 
@@ -51,7 +56,8 @@ pub struct Sampling {
     pub sequence: Sequence,
 }
 
-/// Where light that left one point of the source meets the image, along the edge normal: `samples` for each of some pixels.
+/// Where light that left one point of the source meets the image, along the edge normal: `samples`
+/// for each of some pixels.
 #[derive(Debug)]
 pub struct Tile {
     sampling: Sampling,
@@ -64,8 +70,9 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// Patterns for `pixels` pixels, or for fewer which are used again: randomisation `stream` of the sampling. `shift` and
-    /// the incidence (rad) are not used under `lobe`, `shape` not under `shift`.
+    /// Patterns for `pixels` pixels, or for fewer which are used again: randomisation `stream` of
+    /// the sampling. `shift` and the incidence (rad) are not used under `lobe`, `shape` not under
+    /// `shift`.
     pub fn new(
         sampling: Sampling,
         stream: u64,
@@ -109,7 +116,8 @@ impl Tile {
         }
     }
 
-    /// Shifts, lobe offsets and deviations, if any, of pattern `index`, which may lie beyond the last.
+    /// Shifts, lobe offsets and deviations, if any, of pattern `index`, which may lie beyond the
+    /// last.
     fn pattern(&self, index: usize) -> [&[f32]; 3] {
         let size = self.sampling.samples;
         let first = index % (self.shift.len() / size) * size;
@@ -137,7 +145,8 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// Sorts the pixels of `raster` into the bins of `profile` about `line`; `tile` makes the samples for so many pixels.
+    /// Sorts the pixels of `raster` into the bins of `profile` about `line`; `tile` makes the
+    /// samples for so many pixels.
     pub fn new(
         raster: &Raster,
         profile: &Profile,
@@ -182,8 +191,8 @@ impl Sampled {
         self.distances_px.len() * self.tile.sampling.samples
     }
 
-    /// The render's edge profile on the photograph's bins, with its derivatives. `model` must have the kernel and the lobe
-    /// that the samples were drawn for.
+    /// The render's edge profile on the photograph's bins, with its derivatives. `model` must have
+    /// the kernel and the lobe that the samples were drawn for.
     pub fn curve(&self, model: &Model, blur: Blur, pitch_mm: f64, profile: &Profile) -> Curve {
         let kernel = model.kernel;
         let cells_per_mm = CELLS_PER_PX / pitch_mm;
@@ -211,7 +220,8 @@ impl Sampled {
         }
     }
 
-    /// Means over a bin's pixels of E, E' n.S and E' n.L, E' per cell of the texture; 0 in an empty bin.
+    /// Means over a bin's pixels of E, E' n.S and E' n.L, E' per cell of the texture; 0 in an empty
+    /// bin.
     fn bin(&self, bin: usize, scale: [f32; 3]) -> [f64; 3] {
         let pixels = self.first[bin]..self.first[bin + 1];
         let count = pixels.len() * self.tile.sampling.samples;

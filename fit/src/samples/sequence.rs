@@ -1,8 +1,9 @@
 //! Points of the unit cube of four dimensions as functions of (seed, stream, index).
 //!
-//! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008, new-joe-kuo-6), Owen-scrambled by the hash of
-//!   Laine and Karras (2011) with the constants of Vegdahl (2021). Of every pair of dimensions, and of all four, 2^k points
-//!   from a multiple of 2^k on are evenly spread (the first two, and every single one, as evenly as can be).
+//! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008, new-joe-kuo-6),
+//!   Owen-scrambled by the hash of Laine and Karras (2011) with the constants of Vegdahl (2021). Of
+//!   every pair of dimensions, and of all four, 2^k points from a multiple of 2^k on are evenly
+//!   spread (the first two, and every single one, as evenly as can be).
 //! - independent: a counter through the finaliser of SplitMix64; what the published loop draws.
 
 use serde::{Deserialize, Serialize};
@@ -137,8 +138,8 @@ const fn columns(m: &[u32], inner: u32) -> [u32; 32] {
 mod tests {
     use super::*;
 
-    /// scipy.stats.qmc.Sobol(4, scramble=False, bits=32).random(8), put from Gray-code into natural order; Joe and Kuo's
-    /// program prints the same.
+    /// scipy.stats.qmc.Sobol(4, scramble=False, bits=32).random(8), put from Gray-code into natural
+    /// order; Joe and Kuo's program prints the same.
     #[test]
     fn plain_points_are_those_of_joe_and_kuo() {
         let expected = [
@@ -157,8 +158,8 @@ mod tests {
         }
     }
 
-    /// Every elementary box of area 2^-10 in the first two dimensions, and every interval of length 2^-10 in each, holds one
-    /// of 1024 consecutive points: scrambling must keep that.
+    /// Every elementary box of area 2^-10 in the first two dimensions, and every interval of length
+    /// 2^-10 in each, holds one of 1024 consecutive points: scrambling must keep that.
     #[test]
     fn scrambled_points_are_a_net() {
         let points = Points::new(Sequence::Sobol, 7, 3);
@@ -180,8 +181,8 @@ mod tests {
         assert_eq!(boxes, (11 + 4) * 1024);
     }
 
-    /// Mean and products of pairs of coordinates of independent points: standard deviations are sqrt(1/12n) and
-    /// sqrt(7/144n); 5 of them for ten figures.
+    /// Mean and products of pairs of coordinates of independent points: standard deviations are
+    /// sqrt(1/12n) and sqrt(7/144n); 5 of them for ten figures.
     #[test]
     fn independent_points_are_uncorrelated() {
         let points = Points::new(Sequence::Independent, 1, 0);

@@ -18,8 +18,8 @@ pub struct Departure {
 
 /// Maps points of the unit square to departures.
 ///
-/// From the polygons of an exact direction, else from the histogram's bins, each an even box, which blurs by one bin (as
-/// `Direction::otf_along` does).
+/// From the polygons of an exact direction, else from the histogram's bins, each an even box, which
+/// blurs by one bin (as `Direction::otf_along` does).
 #[derive(Debug, Clone)]
 pub struct ShiftSampler(Support);
 
@@ -111,7 +111,8 @@ impl ShiftSampler {
     }
 }
 
-/// The images of all paths' polygons as fans of triangles. Polygons are convex: a beam is cut by planes.
+/// The images of all paths' polygons as fans of triangles. Polygons are convex: a beam is cut by
+/// planes.
 fn triangles(paths: &[Path]) -> Option<Support> {
     let (mut masses, mut triangles) = (Vec::new(), Vec::new());
     for path in paths {

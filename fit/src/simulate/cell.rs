@@ -1,9 +1,10 @@
-//! Shifts of the ideal corner cube in closed form (no table): the polygon of each cube, its share of the light, and its
-//! marginal along an edge normal.
+//! Shifts of the ideal corner cube in closed form (no table): the polygon of each cube, its share
+//! of the light, and its marginal along an edge normal.
 //!
-//! Incidence frame of the aperture plane: u in the plane of incidence, v = n x u, edge lengths, origin at the centroid
-//! of the aperture. A ray that enters at p leaves at 2 q - p, q the apex projected along the ray, so that the shift is
-//! uniform over 2 (q - K) with K the aperture intersected with its point reflection through q.
+//! Incidence frame of the aperture plane: u in the plane of incidence, v = n x u, edge lengths,
+//! origin at the centroid of the aperture. A ray that enters at p leaves at 2 q - p, q the apex
+//! projected along the ray, so that the shift is uniform over 2 (q - K) with K the aperture
+//! intersected with its point reflection through q.
 
 /// Height of the aperture above the apex, edge lengths.
 const HEIGHT: f64 = 0.577_350_269_189_625_8;
@@ -15,8 +16,8 @@ const APERTURE_AREA: f64 = 0.866_025_403_784_438_6;
 /// The shifts of one cube at one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CubeShift {
-    /// Corners of the polygon over which the shift (u, v) is uniform, counter-clockwise, edge lengths; empty where
-    /// nothing returns.
+    /// Corners of the polygon over which the shift (u, v) is uniform, counter-clockwise, edge
+    /// lengths; empty where nothing returns.
     pub polygon: Vec<[f64; 2]>,
     /// Retroreflected fraction of the light on this cube's aperture.
     pub eta: f64,
@@ -24,8 +25,8 @@ pub struct CubeShift {
 
 /// Shifts of a cell: one cube, or the pair (a second cube turned by 180 degrees about the normal).
 ///
-/// `incidence_rad` is outside a flat front face of refractive index `ior` (1: hollow); `azimuth_rad` as in a table.
-/// The fraction of the whole cell is the mean of the cubes' `eta`.
+/// `incidence_rad` is outside a flat front face of refractive index `ior` (1: hollow);
+/// `azimuth_rad` as in a table. The fraction of the whole cell is the mean of the cubes' `eta`.
 pub(crate) fn shifts(incidence_rad: f64, azimuth_rad: f64, ior: f64, pair: bool) -> Vec<CubeShift> {
     let inside_rad = (incidence_rad.sin() / ior).clamp(-1.0, 1.0).asin();
     let turns = if pair {
@@ -68,7 +69,8 @@ fn cube_shift(inside_rad: f64, azimuth_rad: f64) -> CubeShift {
     }
 }
 
-/// The part of a convex polygon to the left of the line from `from` to `to` (Sutherland and Hodgman).
+/// The part of a convex polygon to the left of the line from `from` to `to` (Sutherland and
+/// Hodgman).
 fn clip(polygon: &[[f64; 2]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     let side =
         |p: [f64; 2]| (to[0] - from[0]) * (p[1] - from[1]) - (to[1] - from[1]) * (p[0] - from[0]);
@@ -101,7 +103,8 @@ pub(crate) fn area(polygon: &[[f64; 2]]) -> f64 {
     0.5 * twice
 }
 
-/// A piece of a piecewise-linear probability density: from (`low`, `at_low`) to (`high`, `at_high`).
+/// A piece of a piecewise-linear probability density: from (`low`, `at_low`) to (`high`,
+/// `at_high`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ramp {
     /// Where it begins.
@@ -135,8 +138,9 @@ impl Ramp {
     }
 }
 
-/// Density of `along . r`, r uniform over a convex polygon: exact, piecewise linear, of mass 1. Empty where the
-/// projection has no width (below 1e-12): the density is then a single point at the projection.
+/// Density of `along . r`, r uniform over a convex polygon: exact, piecewise linear, of mass 1.
+/// Empty where the projection has no width (below 1e-12): the density is then a single point at the
+/// projection.
 pub(crate) fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
     // (along, across) coordinates: a chord is a difference of the second at equal first.
     let turned: Vec<[f64; 2]> = polygon
@@ -200,7 +204,8 @@ mod tests {
 
     #[test]
     fn retroreflected_fraction_of_the_hollow_cube() {
-        // Values of the closed form, rounded to 5 digits: half a unit of the last digit is the tolerance.
+        // Values of the closed form, rounded to 5 digits: half a unit of the last digit is the
+        // tolerance.
         let known = [
             (0.0, 0.0, 2.0 / 3.0),
             (10.0, 0.0, 0.62521),
@@ -249,8 +254,9 @@ mod tests {
                 let ramps = marginal(&cube.polygon, along);
                 let mass: f64 = ramps.iter().map(Ramp::mass).sum();
                 assert!((mass - 1.0).abs() < 1e-12, "mass {mass}");
-                // Variance of a uniform polygon along a direction, by triangles about the origin: the polygon is
-                // symmetric, so its mean is 0 and each triangle (0, p, q) gives area (p^2 + p q + q^2) / 6.
+                // Variance of a uniform polygon along a direction, by triangles about the origin:
+                // the polygon is symmetric, so its mean is 0 and each triangle (0, p, q) gives area
+                // (p^2 + p q + q^2) / 6.
                 let turned: Vec<f64> = cube
                     .polygon
                     .iter()
@@ -264,8 +270,9 @@ mod tests {
                     variance += triangle * (p * p + p * q + q * q) / 6.0;
                 }
                 variance /= area(&cube.polygon);
-                // Far to the right the second integral is t, its value at 0 half the mean absolute deviation; the
-                // variance follows from the integral of 2 (P2(t) - max(t, 0)) over t, by fine trapezoids.
+                // Far to the right the second integral is t, its value at 0 half the mean absolute
+                // deviation; the variance follows from the integral of 2 (P2(t) - max(t, 0)) over
+                // t, by fine trapezoids.
                 let (steps, reach) = (40_000, 2.0);
                 let step = 2.0 * reach / f64::from(steps);
                 let found: f64 = (0..=steps)
@@ -279,7 +286,8 @@ mod tests {
                             * step
                     })
                     .sum();
-                // The trapezoid at the kink of max(t, 0) is exact on a node; elsewhere its error is below step^2.
+                // The trapezoid at the kink of max(t, 0) is exact on a node; elsewhere its error is
+                // below step^2.
                 assert!(
                     (found - variance).abs() < step * step,
                     "({theta}, {phi}) at {angle}: {found} {variance}"

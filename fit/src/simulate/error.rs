@@ -33,7 +33,8 @@ pub enum Error {
     },
     /// An entry of such a table is not under an angle.
     #[error(
-        "{place}: `{name}` in the table `{key}` is not an incidence in degrees; write it as \"15\" or \"22.5\""
+        "{place}: `{name}` in the table `{key}` is not an incidence in degrees; write it as \
+        \"15\" or \"22.5\""
     )]
     EntryName {
         /// Line of the table.
@@ -44,7 +45,8 @@ pub enum Error {
         name: String,
     },
     /// A model that the simulator does not photograph.
-    #[error("kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; name one of these", kernel.name())]
+    #[error("kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; \
+    name one of these", kernel.name())]
     Unplanted {
         /// Its kernel.
         kernel: Kernel,
@@ -69,7 +71,8 @@ pub enum Error {
     },
     /// The folder holds something.
     #[error(
-        "{folder}: is not empty; name another folder or add --force to overwrite the files of a campaign in it"
+        "{folder}: is not empty; name another folder or add --force to overwrite the files of a \
+        campaign in it"
     )]
     NotEmpty {
         /// The folder.

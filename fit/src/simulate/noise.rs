@@ -1,4 +1,5 @@
-//! Noise as a function of (seed, photograph, pixel): the order of work and the number of threads change nothing.
+//! Noise as a function of (seed, photograph, pixel): the order of work and the number of threads
+//! change nothing.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +10,8 @@ pub(crate) struct PixelNoise {
     counter: u64,
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection whose output bits all depend on all input bits.
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection whose output bits all depend
+/// on all input bits.
 fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -42,8 +44,8 @@ impl PixelNoise {
         radius * (TAU * self.uniform()).cos()
     }
 
-    /// Poisson of mean `mean` >= 0: products of uniforms below 30, Hormann's transformed rejection (PTRS, 1993) above;
-    /// both exact.
+    /// Poisson of mean `mean` >= 0: products of uniforms below 30, Hormann's transformed rejection
+    /// (PTRS, 1993) above; both exact.
     pub(crate) fn poisson(&mut self, mean: f64) -> f64 {
         if mean < 30.0 {
             let limit = (-mean).exp();
@@ -77,7 +79,8 @@ impl PixelNoise {
     }
 }
 
-/// ln k! for whole k >= 0: exact products below 16, Stirling's series above (error below 1e-13 there).
+/// ln k! for whole k >= 0: exact products below 16, Stirling's series above (error below 1e-13
+/// there).
 fn ln_factorial(k: f64) -> f64 {
     if k < 16.0 {
         return (2..=k as u32).map(|n| f64::from(n).ln()).sum();
@@ -95,8 +98,8 @@ mod tests {
 
     #[test]
     fn moments_meet_the_distributions() {
-        // n draws: the mean scatters by sigma/sqrt(n), a variance by about sigma^2 sqrt((2 + kurtosis excess)/n);
-        // 5 of these leaves a chance of 1e-6 per check.
+        // n draws: the mean scatters by sigma/sqrt(n), a variance by about sigma^2 sqrt((2 +
+        // kurtosis excess)/n); 5 of these leaves a chance of 1e-6 per check.
         let n = 200_000_u32;
         let mut cases = 0;
         for mean in [0.3, 7.0, 29.9, 30.1, 400.0, 36_000.0] {

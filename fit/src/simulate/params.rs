@@ -1,4 +1,5 @@
-//! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in degrees at this door.
+//! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in
+//! degrees at this door.
 
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -134,13 +135,13 @@ pub struct PlantedSheet {
 pub struct PlantedEdge {
     /// Direction from dark to bright in the photograph, degrees from +x towards +y.
     pub normal_deg: f64,
-    /// Columns by which the edge is left of the centre of the picture, along the rows whatever the normal: towards
-    /// the dark side where the normal points right.
+    /// Columns by which the edge is left of the centre of the picture, along the rows whatever the
+    /// normal: towards the dark side where the normal points right.
     pub offset_px: f64,
     /// Exposure relative to the reference.
     pub exposure: f64,
-    /// Uneven light: what it gains from the middle of the picture to the right and to the lower border, relative to the
-    /// middle; it varies linearly.
+    /// Uneven light: what it gains from the middle of the picture to the right and to the lower
+    /// border, relative to the middle; it varies linearly.
     pub light: [f64; 2],
 }
 
@@ -176,8 +177,8 @@ pub struct PlantedShot {
     pub azimuth_deg: f64,
     /// Direction of the tangential axis in the photograph, degrees.
     pub tangential_axis_deg: f64,
-    /// Shifts by polygon, each with its part of the launched light, where a table says them ([`Params::of_sheet`]); else they are
-    /// those of the ideal cube in closed form.
+    /// Shifts by polygon, each with its part of the launched light, where a table says them
+    /// ([`Params::of_sheet`]); else they are those of the ideal cube in closed form.
     pub shifts: Option<Vec<CubeShift>>,
 }
 

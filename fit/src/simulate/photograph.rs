@@ -1,13 +1,15 @@
 //! Synthetic campaigns with a planted answer: photographs with noise, their manifest and the truth.
 //!
-//! Deliberately independent of the estimator: shifts in closed form rather than from a table, convolutions in the
-//! spatial domain rather than products of transfer functions, one profile per photograph evaluated at pixel centres.
+//! Deliberately independent of the estimator: shifts in closed form rather than from a table,
+//! convolutions in the spatial domain rather than products of transfer functions, one profile per
+//! photograph evaluated at pixel centres.
 //!
-//! Photograph: x to the right, y downward, origin at the centre of the picture. The edge normal points from dark to
-//! bright; `offset_px` moves the edge along the rows by that many columns to the left. Level of a pixel = veil +
-//! exposure x contrast x light x (dark_ratio + (1 - dark_ratio) E(s)), contrast = source_level
-//! for the reference and source_level x mu x eta x T x R of the half mirror for a capture; then shot noise and reading
-//! noise in electrons, rounding to the converter's steps, and clipping to [0, 1].
+//! Photograph: x to the right, y downward, origin at the centre of the picture. The edge normal
+//! points from dark to bright; `offset_px` moves the edge along the rows by that many columns to
+//! the left. Level of a pixel = veil + exposure x contrast x light x (dark_ratio + (1 - dark_ratio)
+//! E(s)), contrast = source_level for the reference and source_level x mu x eta x T x R of the half
+//! mirror for a capture; then shot noise and reading noise in electrons, rounding to the
+//! converter's steps, and clipping to [0, 1].
 
 use crate::document::FileLine;
 use crate::names::Kernel;
@@ -20,8 +22,9 @@ use crate::simulate::noise::PixelNoise;
 use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
 use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 
-/// Light on each pixel without noise, rounding or clipping, full scale 1, row-major: of capture `index`, or of the
-/// reference (`None`; a default edge where the campaign has no reference). Accurate to 1e-6 of the contrast.
+/// Light on each pixel without noise, rounding or clipping, full scale 1, row-major: of capture
+/// `index`, or of the reference (`None`; a default edge where the campaign has no reference).
+/// Accurate to 1e-6 of the contrast.
 ///
 /// # Errors
 /// [`Error::NoEntry`] where a table by incidence lacks the capture's; never after [`Params::load`].
@@ -65,7 +68,8 @@ pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, E
         .collect())
 }
 
-/// The photograph of the same: with noise, rounded and clipped. A function of the parameters and `index` alone.
+/// The photograph of the same: with noise, rounded and clipped. A function of the parameters and
+/// `index` alone.
 ///
 /// # Errors
 /// As [`light`].

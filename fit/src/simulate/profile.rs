@@ -1,9 +1,11 @@
-//! Edge profiles across a slanted edge: lobe or waves, ray shift, lens and pixel convolved in the spatial domain.
+//! Edge profiles across a slanted edge: lobe or waves, ray shift, lens and pixel convolved in the
+//! spatial domain.
 //!
-//! Densities of compact support (shift, pixel, lens) become masses on a fine grid, each mass the integral of the exact
-//! density times a hat function, and are convolved there. A hat widens a density by step^2 / 6 in variance; a [-1, 14,
-//! -1] / 12 filter takes that back, so that the error is of fourth order in the step: with [`STEPS_PER_PIXEL`] below
-//! 1e-7 of the contrast (measured by halving the step), for lenses of sigma >= 0.1 pixel.
+//! Densities of compact support (shift, pixel, lens) become masses on a fine grid, each mass the
+//! integral of the exact density times a hat function, and are convolved there. A hat widens a
+//! density by step^2 / 6 in variance; a [-1, 14, -1] / 12 filter takes that back, so that the error
+//! is of fourth order in the step: with [`STEPS_PER_PIXEL`] below 1e-7 of the contrast (measured by
+//! halving the step), for lenses of sigma >= 0.1 pixel.
 
 use crate::simulate::cell::{CubeShift, Ramp, marginal};
 use crate::simulate::lobe_edge::{RadialEdge, separable_edge};
@@ -45,7 +47,8 @@ pub(crate) struct EdgeBlur {
     pub spread: Spread,
     /// Ray shifts by cube, edge lengths; empty for none.
     pub shifts: Vec<CubeShift>,
-    /// Image-plane offset per shift along u (with the cosine of the incidence) and v, mm per edge length.
+    /// Image-plane offset per shift along u (with the cosine of the incidence) and v, mm per edge
+    /// length.
     pub scale_mm: [f64; 2],
     /// Side of a pixel, mm.
     pub pixel_pitch_mm: f64,
@@ -105,7 +108,8 @@ impl EdgeProfile {
         }
     }
 
-    /// Value at signed distance `s_mm` from the edge, positive on the bright side; cubic between grid points.
+    /// Value at signed distance `s_mm` from the edge, positive on the bright side; cubic between
+    /// grid points.
     pub(crate) fn at(&self, s_mm: f64) -> f64 {
         let place =
             (s_mm / self.step_mm + self.half as f64).clamp(1.0, 2.0 * self.half as f64 - 2.0);
@@ -128,7 +132,8 @@ struct Masses {
 }
 
 impl Masses {
-    /// Masses of a density with support within `reach`, from the integral of its cumulative distribution.
+    /// Masses of a density with support within `reach`, from the integral of its cumulative
+    /// distribution.
     fn of(reach: f64, step: f64, twice_integrated: impl Fn(f64) -> f64) -> Masses {
         let half = (reach / step).ceil() as usize + 2;
         let p2: Vec<f64> = (0..=2 * half + 2)
@@ -161,7 +166,8 @@ impl Masses {
         Masses { half, masses }
     }
 
-    /// Cumulative distribution on the points -half..=half of a wider grid, to fourth order in the step.
+    /// Cumulative distribution on the points -half..=half of a wider grid, to fourth order in the
+    /// step.
     fn cumulative(&self, half: usize) -> Vec<f64> {
         let mass = |i: isize| {
             let index = i + self.half as isize;
@@ -176,7 +182,8 @@ impl Masses {
         let mut sum = 0.0;
         let mut values = Vec::with_capacity(2 * half as usize + 1);
         for i in start..=half {
-            // Trapezoid, with Euler and Maclaurin's first correction, step^2 / 12 times the slope of the density.
+            // Trapezoid, with Euler and Maclaurin's first correction, step^2 / 12 times the slope
+            // of the density.
             if i >= -half {
                 values.push(sum + 0.5 * mass(i) - (mass(i + 1) - mass(i - 1)) / 24.0);
             }
@@ -218,7 +225,8 @@ fn compact(blur: &EdgeBlur, step: f64) -> Masses {
     }
 }
 
-/// Ray shift along the normal: the cubes weighted by what each returns. `None` where nothing shifts, or waves hold it.
+/// Ray shift along the normal: the cubes weighted by what each returns. `None` where nothing
+/// shifts, or waves hold it.
 fn shift_masses(blur: &EdgeBlur, step: f64) -> Option<Masses> {
     let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
     let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();
@@ -324,7 +332,8 @@ mod tests {
             }
             cases += 1;
         }
-        // The separable lobe has not arrived at 8 mm: both axes leave a tail 1/(2 pi a s) times their cosines.
+        // The separable lobe has not arrived at 8 mm: both axes leave a tail 1/(2 pi a s) times
+        // their cosines.
         let (a, angle) = (4.2, 12_f64);
         let profile = EdgeProfile::new(
             &blur(Spread::Separable { a_per_mm: a }, 20.0, angle, 0.55),
@@ -343,7 +352,8 @@ mod tests {
 
     #[test]
     fn sampled_rays_meet_the_profile() {
-        // Monte Carlo over shift, lobe-free, lens and pixel: n samples leave at most 0.5/sqrt(n) of standard error.
+        // Monte Carlo over shift, lobe-free, lens and pixel: n samples leave at most 0.5/sqrt(n) of
+        // standard error.
         use crate::simulate::noise::PixelNoise;
         let blur = blur(Spread::None, 35.0, 33.0, 0.55);
         let profile = EdgeProfile::new(&blur, 2.0, STEPS_PER_PIXEL);

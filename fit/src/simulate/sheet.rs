@@ -1,5 +1,5 @@
-//! A sheet that a table describes, in the place of the ideal cube: its polygons as they are shifted, with what their light
-//! deviates by at each capture's distance.
+//! A sheet that a table describes, in the place of the ideal cube: its polygons as they are
+//! shifted, with what their light deviates by at each capture's distance.
 
 use tables::Table;
 
@@ -9,7 +9,8 @@ use crate::simulate::error::Error;
 use crate::simulate::params::{Params, PlantedShot};
 
 impl Params {
-    /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are then of no effect.
+    /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are
+    /// then of no effect.
     ///
     /// # Errors
     /// `Error::Sheet`: a direction without polygons, one from which nothing returns, or waves.
@@ -38,7 +39,8 @@ impl Params {
             };
             let Some(paths) = moved.paths.filter(|_| eta > 0.0) else {
                 return refused(format!(
-                    "it has no polygons of returned light at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; bake this \
+                    "it has no polygons of returned light at incidence {incidence_deg} deg, \
+                    azimuth {azimuth_deg} deg; bake this \
                      direction with --method exact, or leave it out"
                 ));
             };

@@ -12,8 +12,8 @@ pub(crate) struct Truth {
 }
 
 impl Truth {
-    /// The planted value of a parameter, at its incidence where the value differs by angle.
-    /// `None` where the planted kernel has no such parameter: `a` is a R under `angular`, else in 1/mm.
+    /// The planted value of a parameter, at its incidence where the value differs by angle. `None`
+    /// where the planted kernel has no such parameter: `a` is a R under `angular`, else in 1/mm.
     pub(crate) fn of(&self, id: ParameterId) -> Option<f64> {
         let kernel = Kernel::from_name(self.truth.get("kernel")?.as_str()?)?;
         let key = match id.kind {

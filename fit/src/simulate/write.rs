@@ -30,8 +30,8 @@ pub(crate) struct Report {
 /// Everything is made in a temporary folder beside it and moved when complete.
 ///
 /// # Errors
-/// [`Error::NotEmpty`] where the folder holds anything and `force` is not set; [`Error::Write`], [`Error::WriteExr`];
-/// [`Error::NoEntry`] for parameters built in code.
+/// [`Error::NotEmpty`] where the folder holds anything and `force` is not set; [`Error::Write`],
+/// [`Error::WriteExr`]; [`Error::NoEntry`] for parameters built in code.
 pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
     let cannot = |file: &Path| {
         let file = file.to_owned();
@@ -150,7 +150,8 @@ fn image_name(index: usize, shot: &PlantedShot) -> String {
 fn manifest(params: &Params) -> String {
     let camera = &params.camera;
     let mut text = format!(
-        "[setup]\npixel_pitch_mm = {}\nhalf_mirror_transmittance = {}\nhalf_mirror_reflectance = {}\n",
+        "[setup]\npixel_pitch_mm = {}\nhalf_mirror_transmittance = {}\nhalf_mirror_reflectance = \
+        {}\n",
         camera.pixel_pitch_mm, camera.half_mirror_transmittance, camera.half_mirror_reflectance
     );
     // Writing to a String cannot fail.
@@ -167,7 +168,8 @@ fn manifest(params: &Params) -> String {
     for (index, shot) in params.captures.iter().enumerate() {
         let _ = write!(
             text,
-            "\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = {}\nincidence_deg = {}\nazimuth_deg = {}\n\
+            "\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = {}\nincidence_deg = \
+            {}\nazimuth_deg = {}\n\
              exposure = {}\n",
             image_name(index, shot),
             shot.floating_distance_mm,

@@ -1,10 +1,12 @@
 //! The choice of terms, judged: campaigns of drawn terms, fitted with all of them open.
 //!
-//! Whether photographs can tell a term is asked of the bound, not of the fit: every simpler rival is fitted to the same
-//! photographs without noise, under the planted noise. Its sum of squares D is what its own is above the truth's on the
-//! average, less the q parameters that it spares; with noise the difference scatters by sqrt(4 D + 2 q). So the planted
-//! terms win by (D + q - penalty) / sqrt(4 D + 2 q) standard deviations, the penalty being that of the criterion. By more
-//! than [`SURE`] against every rival they can be told apart; by less than -[`SURE`] against one they cannot.
+//! Whether photographs can tell a term is asked of the bound, not of the fit: every simpler rival
+//! is fitted to the same photographs without noise, under the planted noise. Its sum of squares D
+//! is what its own is above the truth's on the average, less the q parameters that it spares; with
+//! noise the difference scatters by sqrt(4 D + 2 q). So the planted terms win by (D + q - penalty)
+//! / sqrt(4 D + 2 q) standard deviations, the penalty being that of the criterion. By more than
+//! [`SURE`] against every rival they can be told apart; by less than -[`SURE`] against one they
+//! cannot.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -32,7 +34,8 @@ use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial;
 
-/// Standard deviations that make a difference sure: one campaign in 44 on the limit goes the other way.
+/// Standard deviations that make a difference sure: one campaign in 44 on the limit goes the other
+/// way.
 pub(crate) const SURE: f64 = 2.0;
 
 /// Terms of a campaign.
@@ -49,7 +52,8 @@ pub(crate) struct Terms {
 /// A term as planted, beside what was made of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Verdict {
-    /// Standard deviations by which the planted terms should win against the best simpler ones; `None`: there are none.
+    /// Standard deviations by which the planted terms should win against the best simpler ones;
+    /// `None`: there are none.
     pub margin: Option<f64>,
     /// Whether they were chosen.
     pub right: bool,
@@ -140,8 +144,8 @@ pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, E
 
 /// The same photographs without noise.
 fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
-    // A plateau without noise looks clipped: a millionth of noise parts its pixels. And where noise does not hide it, a ripple
-    // of the blur may look like a second edge.
+    // A plateau without noise looks clipped: a millionth of noise parts its pixels. And where noise
+    // does not hide it, a ripple of the blur may look like a second edge.
     let photograph = |params: &Params, index: Option<usize>| {
         let light = simulate::light(params, index)?.into_iter().enumerate();
         let photograph = index.map_or(0, |index| index as u64 + 1);
@@ -190,7 +194,8 @@ fn terms(choice: Choice) -> Terms {
     }
 }
 
-/// By how many standard deviations the planted terms should win: of the blur, and of mu. `scene` is without noise.
+/// By how many standard deviations the planted terms should win: of the blur, and of mu. `scene` is
+/// without noise.
 fn margins(
     params: &Params,
     scene: &Scene,

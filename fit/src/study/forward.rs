@@ -22,11 +22,12 @@ use crate::numerics::Solution;
 use crate::samples::Sampling;
 use crate::samples::Sequence;
 
-/// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far off, where the scripts that
-/// they are compared with begin (fit/BENCHMARKS.md).
+/// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far
+/// off, where the scripts that they are compared with begin (fit/BENCHMARKS.md).
 const AWAY: [f64; 2] = [1.75, 7.0 / 12.0];
 
-/// Relative errors of a fit, root mean square over randomisations and incidence angles; null for what the model has not.
+/// Relative errors of a fit, root mean square over randomisations and incidence angles; null for
+/// what the model has not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Errors {
     /// Of the spreads.
@@ -48,16 +49,18 @@ pub(crate) struct Row {
     pub samples_in_all: usize,
     /// Median seconds to draw the samples and project them.
     pub seconds_to_draw: f64,
-    /// Median seconds of one evaluation: MTFs of all photographs and both derivatives, and their comparison.
+    /// Median seconds of one evaluation: MTFs of all photographs and both derivatives, and their
+    /// comparison.
     pub seconds_to_evaluate: f64,
-    /// Median seconds from measured photographs and a far start to the estimate and its standard errors by pixel noise.
+    /// Median seconds from measured photographs and a far start to the estimate and its standard
+    /// errors by pixel noise.
     pub seconds: f64,
     /// Most evaluations that an estimate took.
     pub iterations: usize,
     /// Differences from the estimate in closed form.
     pub errors: Errors,
-    /// Scatter of the gradient of the mean squared MTF difference by ln a and ln c over the gradient, at a and c away from the
-    /// estimate.
+    /// Scatter of the gradient of the mean squared MTF difference by ln a and ln c over the
+    /// gradient, at a and c away from the estimate.
     pub gradient_noise: [Option<f64>; 2],
 }
 

@@ -1,4 +1,5 @@
-//! How good the estimates are: against the Cramer-Rao bound on given photographs, and over simulated campaigns.
+//! How good the estimates are: against the Cramer-Rao bound on given photographs, and over
+//! simulated campaigns.
 
 use std::time::Instant;
 
@@ -41,12 +42,13 @@ pub(crate) struct Parameter {
     pub name: ParameterId,
     /// Estimate of the pixels.
     pub value: f64,
-    /// The Cramer-Rao bound there: no unbiased estimate from these pixels has a smaller standard deviation.
+    /// The Cramer-Rao bound there: no unbiased estimate from these pixels has a smaller standard
+    /// deviation.
     pub bound: f64,
     /// Standard error with `edge`.
     pub edge: f64,
-    /// Standard error with `mtf`. It can lie below the bound of mu: the MTFs take the light for even across the edge, the
-    /// pixels do not.
+    /// Standard error with `mtf`. It can lie below the bound of mu: the MTFs take the light for
+    /// even across the edge, the pixels do not.
     pub mtf: f64,
 }
 
@@ -61,7 +63,8 @@ pub(crate) struct Fit {
     pub seconds: f64,
     /// Sum of squares per degree of freedom.
     pub reduced_chi2: f64,
-    /// Standard errors of c and the spreads over their bounds (root mean square); `None` for other kernels than the chosen.
+    /// Standard errors of c and the spreads over their bounds (root mean square); `None` for other
+    /// kernels than the chosen.
     pub error_over_bound: Option<f64>,
 }
 

@@ -65,7 +65,8 @@ pub struct Ranges {
     pub electrons: [f64; 2],
     /// Floating distance, mm.
     pub distance_mm: [f64; 2],
-    /// Uneven light: gain from the middle to the border of every picture, in a direction of its own; even where `None`.
+    /// Uneven light: gain from the middle to the border of every picture, in a direction of its
+    /// own; even where `None`.
     pub light: Option<[f64; 2]>,
     /// Kernels of [`Ranges::open_campaign`], each as likely.
     pub kernels: Vec<Kernel>,
@@ -177,7 +178,8 @@ impl Ranges {
         cubes.iter().map(|cube| cube.eta).sum::<f64>() / cubes.len() as f64
     }
 
-    /// Campaign number `index` under `seed`, over the given directions (at least one): a function of these alone.
+    /// Campaign number `index` under `seed`, over the given directions (at least one): a function
+    /// of these alone.
     pub fn campaign(&self, seed: u64, index: u64, directions: &[[f64; 2]]) -> Params {
         let mut draw = PixelNoise::new(seed, index, u64::MAX);
         let a = log(&mut draw, self.a_per_mm);
@@ -248,8 +250,8 @@ impl Ranges {
         params
     }
 
-    /// The same campaign with terms drawn, too: one of the kernels, and in half of the campaigns each an a and a mu that
-    /// fall from angle to angle, as those of real sheets do.
+    /// The same campaign with terms drawn, too: one of the kernels, and in half of the campaigns
+    /// each an a and a mu that fall from angle to angle, as those of real sheets do.
     pub fn open_campaign(&self, seed: u64, index: u64, directions: &[[f64; 2]]) -> Params {
         let mut params = self.campaign(seed, index, directions);
         let mut draw = PixelNoise::new(seed, index, u64::MAX - 2);

@@ -11,7 +11,8 @@ use crate::estimate::scene;
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(crate) struct Refused {
-    /// The kind of what is wrong with the first photograph that was refused; see [`crate::photographs::edge::fault::Fault::kind`].
+    /// The kind of what is wrong with the first photograph that was refused; see
+    /// [`crate::photographs::edge::fault::Fault::kind`].
     pub reason: &'static str,
     /// How many.
     pub campaigns: usize,
@@ -21,7 +22,8 @@ pub(crate) struct Refused {
     pub message: String,
 }
 
-/// Parts what came of all campaigns, in order, into trials and refusals, the most frequent reason first.
+/// Parts what came of all campaigns, in order, into trials and refusals, the most frequent reason
+/// first.
 pub(crate) fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T>, Vec<Refused>) {
     let (mut trials, mut found) = (Vec::new(), BTreeMap::new());
     for (index, one) in all.into_iter().enumerate() {

@@ -7,8 +7,9 @@ use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 
-/// Relative bound on c from which a campaign says too little to be counted. A convention: up to there the model is all but
-/// linear across the errors, which the Cramer-Rao bound and intervals of +-1.96 standard errors take it for.
+/// Relative bound on c from which a campaign says too little to be counted. A convention: up to
+/// there the model is all but linear across the errors, which the Cramer-Rao bound and intervals of
+/// +-1.96 standard errors take it for.
 pub(crate) const LOOSE: f64 = 0.1;
 
 /// Standard deviations of a 95 % interval.

@@ -1,4 +1,5 @@
-//! One simulated campaign: photographed in memory, fitted with both losses, beside its truth and its bound.
+//! One simulated campaign: photographed in memory, fitted with both losses, beside its truth and
+//! its bound.
 
 use std::path::PathBuf;
 
@@ -94,8 +95,8 @@ fn found(fit: &Estimate) -> [[f64; 2]; 3] {
         .map(|value| value.map_or([f64::NAN, f64::INFINITY], |v| [v.value, v.standard_error]))
 }
 
-/// The Cramer-Rao bound at the truth with the noise that was planted. Poisson light of n electrons tells 1/n of its mean,
-/// as normal light of that variance does, so the two have one bound.
+/// The Cramer-Rao bound at the truth with the noise that was planted. Poisson light of n electrons
+/// tells 1/n of its mean, as normal light of that variance does, so the two have one bound.
 fn bound(
     params: &Params,
     scene: &Scene,
@@ -136,8 +137,8 @@ pub(crate) fn noise(camera: &PlantedCamera) -> PixelNoise {
     }
 }
 
-/// A campaign without a file: its photographs are named by their numbers. Faults of their edges that are `accepted` are no reason
-/// to refuse them.
+/// A campaign without a file: its photographs are named by their numbers. Faults of their edges
+/// that are `accepted` are no reason to refuse them.
 pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));

@@ -37,7 +37,8 @@ fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
     all
 }
 
-/// Captures that say azimuth 0 of a sheet that lies at another: the difference comes back within its error.
+/// Captures that say azimuth 0 of a sheet that lies at another: the difference comes back within
+/// its error.
 #[test]
 fn a_planted_azimuth_comes_back() {
     let choice = Choice {
@@ -75,7 +76,8 @@ fn a_planted_azimuth_comes_back() {
         assert!(pull.abs() < 4.0);
         pulls.push(pull);
         let added = scatter(&scene, &table, &found, Kind::Mtf, choice).unwrap();
-        // c, a and three mu, of logarithms: what a degree of azimuth changes is a few percent at most.
+        // c, a and three mu, of logarithms: what a degree of azimuth changes is a few percent at
+        // most.
         assert_eq!(added.nrows(), 5);
         assert!(
             (0..5).all(|i| added[(i, i)] >= 0.0 && added[(i, i)] < 0.01),

@@ -1,6 +1,7 @@
 //! Every file in tests/bad is refused, with the message that tests/bad/expected.toml states.
 //!
-//! good.exr and good.png are there for the manifests that are wrong in something else, and must load.
+//! good.exr and good.png are there for the manifests that are wrong in something else, and must
+//! load.
 
 use std::path::Path;
 
@@ -35,7 +36,8 @@ type Refuse = fn(&Path) -> Option<String>;
 
 #[test]
 fn every_bad_file_is_refused_with_its_message() {
-    // Messages name files as they were given; without the folder before them the expectations are short.
+    // Messages name files as they were given; without the folder before them the expectations are
+    // short.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     let before = format!("{}/", folder.display());
     let bad = folder.join("bad");

@@ -36,8 +36,8 @@ fn options() -> Options {
     })
 }
 
-/// Every photograph and every candidate is told of once, the photographs are asked for once each, and the planted values come back
-/// within four standard errors.
+/// Every photograph and every candidate is told of once, the photographs are asked for once each,
+/// and the planted values come back within four standard errors.
 #[test]
 fn photographs_from_memory_are_measured_once() {
     let (params, table) = planted();

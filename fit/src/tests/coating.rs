@@ -1,4 +1,5 @@
-//! What the coating of a sheet mirrors into a picture, against the virtual image behind a plane mirror.
+//! What the coating of a sheet mirrors into a picture, against the virtual image behind a plane
+//! mirror.
 
 use crate::images::render::sampled;
 use crate::images::render::view::CameraView;
@@ -38,7 +39,8 @@ const PITCH_MM: f64 = 0.5;
 const INDEX: f64 = 1.5;
 const HALF_MIRROR: f64 = 0.21;
 
-/// The camera before the image, which lies in z = 0, the sheet behind it and turned about the picture's columns.
+/// The camera before the image, which lies in z = 0, the sheet behind it and turned about the
+/// picture's columns.
 #[derive(Clone, Copy)]
 struct Scene {
     camera: Vector3<f64>,
@@ -60,7 +62,8 @@ fn view(scene: Scene, coated: bool) -> CameraView {
     let coating = format!("[coating]\nrefractive_index = {INDEX}\n");
     let text = format!(
         "[camera]\nposition_mm = {camera:?}\n\
-         [image]\ncentre_mm = [0, 0, 0]\nright = [1, 0, 0]\ndown = [0, -1, 0]\npixel_pitch_mm = {PITCH_MM}\n\
+         [image]\ncentre_mm = [0, 0, 0]\nright = [1, 0, 0]\ndown = [0, -1, 0]\npixel_pitch_mm = \
+         {PITCH_MM}\n\
          [sheet]\nposition_mm = {sheet:?}\nnormal = {n:?}\nfirst_edge = [0, 1, 0]\n{}",
         if coated { &coating } else { "" }
     );
@@ -93,9 +96,10 @@ fn spot_of_light(about: [f64; 2]) -> Picture {
     }
 }
 
-/// Where the camera sees a place of the source in the sheet's front face, pixels from the middle; and the face's share of the
-/// light there. The face shows the source as far behind itself as it lies before it, and the camera sees that through the image's
-/// plane z = 0. Fresnel's equations by the angles on both sides.
+/// Where the camera sees a place of the source in the sheet's front face, pixels from the middle;
+/// and the face's share of the light there. The face shows the source as far behind itself as it
+/// lies before it, and the camera sees that through the image's plane z = 0. Fresnel's equations by
+/// the angles on both sides.
 fn seen_in_the_face(place: [f64; 2], scene: Scene) -> ([f64; 2], f64) {
     let source = Vector3::new(place[0] * PITCH_MM, -place[1] * PITCH_MM, 0.0);
     let (camera, sheet, n) = (scene.camera, scene.sheet, scene.normal);
@@ -109,13 +113,16 @@ fn seen_in_the_face(place: [f64; 2], scene: Scene) -> ([f64; 2], f64) {
     ([at.x / PITCH_MM, -at.y / PITCH_MM], share)
 }
 
-/// Light, and its place. An integral over the picture is one over the source with the area that a source's pixel has in the picture
-/// (differences of the place over +-0.5 pixel: 1e-7 of it). The source is taken for straight between its pixels, which makes
-/// sinc^2(f) of its spectrum; where the picture's pixels fall d from once a pixel of the source, the sum over them has an alias there,
-/// d^2 exp(-2 (pi sigma d)^2) of the light, at most exp(-1) / (2 (pi sigma)^2) = 2.9e-4 for 8 pixels, from either side and along two
-/// axes: 1.2e-3. The place has its derivative by 2 pi d, at most 1.3e-3 pixels for each, 5e-3 in all.
+/// Light, and its place. An integral over the picture is one over the source with the area that a
+/// source's pixel has in the picture (differences of the place over +-0.5 pixel: 1e-7 of it). The
+/// source is taken for straight between its pixels, which makes sinc^2(f) of its spectrum; where
+/// the picture's pixels fall d from once a pixel of the source, the sum over them has an alias
+/// there, d^2 exp(-2 (pi sigma d)^2) of the light, at most exp(-1) / (2 (pi sigma)^2) = 2.9e-4 for
+/// 8 pixels, from either side and along two axes: 1.2e-3. The place has its derivative by 2 pi d,
+/// at most 1.3e-3 pixels for each, 5e-3 in all.
 ///
-/// Seen from aside, at 58 degrees, Fresnel's share is 0.08, twice that of the middle, and p and s light differ.
+/// Seen from aside, at 58 degrees, Fresnel's share is 0.08, twice that of the middle, and p and s
+/// light differ.
 #[test]
 fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
     let mut cases = 0;

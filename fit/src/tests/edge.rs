@@ -43,7 +43,8 @@ fn source(normal_deg: f64, offset_px: f64) -> Photo {
 /// MTF within 0.002 up to half the sampling frequency, angle within 1e-3 deg (0.001 px at the
 /// end of a 128-row edge), for every direction and polarity.
 ///
-/// 14.04 and 26.57 deg (tangents 1/4 and 1/2) are left to the next test: there the pixels fall on few phases.
+/// 14.04 and 26.57 deg (tangents 1/4 and 1/2) are left to the next test: there the pixels fall on
+/// few phases.
 #[test]
 fn known_edges_of_all_directions() {
     let mut cases = 0;
@@ -81,7 +82,8 @@ fn known_edges_of_all_directions() {
     assert!(worst_angle < 1e-3, "largest angle error {worst_angle} deg");
 }
 
-/// Angles whose tangent is a simple fraction: an MTF all the same, and a warning where bins stay empty.
+/// Angles whose tangent is a simple fraction: an MTF all the same, and a warning where bins stay
+/// empty.
 #[test]
 fn simple_fractions_are_bridged() {
     let mut cases = 0;
@@ -101,10 +103,12 @@ fn simple_fractions_are_bridged() {
     assert_eq!(cases, 3);
 }
 
-/// An edge whose blur fades out within the window is measured without a word; one that the window cuts off is warned of.
+/// An edge whose blur fades out within the window is measured without a word; one that the window
+/// cuts off is warned of.
 ///
-/// The radial lobe ends 7.54/a from the edge, and the profile reaches 7.8 mm: at a = 1 the lobe ends at 7.5 mm, at 0.3 at
-/// 25 mm. The rises are 1 % and 4 %, on either side of the 2 % that are asked for.
+/// The radial lobe ends 7.54/a from the edge, and the profile reaches 7.8 mm: at a = 1 the lobe
+/// ends at 7.5 mm, at 0.3 at 25 mm. The rises are 1 % and 4 %, on either side of the 2 % that are
+/// asked for.
 #[test]
 fn a_blur_wider_than_the_window_is_noticed() {
     let mut cases = 0;

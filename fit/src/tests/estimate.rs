@@ -31,9 +31,10 @@ const SHARED: Choice = Choice {
 
 /// The simulator works in space, the model in frequency: on the same bins they must agree.
 ///
-/// Tolerance: 14-bit rounding gives an error of 1/(2^14 sqrt 12) = 1.8e-5 per pixel, and electrons at 1e12 full well
-/// 1e-6; a bin of n >= 20 pixels averages them, so 4.5 sigma over 5000 bins is 2e-5 of full scale; steps are above 0.05
-/// of it. The model's interpolation adds 2e-5 (see `view`), the simulator's grid 2e-7.
+/// Tolerance: 14-bit rounding gives an error of 1/(2^14 sqrt 12) = 1.8e-5 per pixel, and electrons
+/// at 1e12 full well 1e-6; a bin of n >= 20 pixels averages them, so 4.5 sigma over 5000 bins is
+/// 2e-5 of full scale; steps are above 0.05 of it. The model's interpolation adds 2e-5 (see
+/// `view`), the simulator's grid 2e-7.
 #[test]
 fn model_equals_noise_free_photographs() {
     let mut cases = 0;
@@ -80,8 +81,9 @@ fn model_equals_noise_free_photographs() {
                 let dark = mean(&profile.mean) - contrast.step * mean(bins);
                 let error =
                     |j: usize| (profile.mean[j] - dark - contrast.step * bins[j]) / contrast.step;
-                // The edge's place is the half level of the profile, not the model's centre: its error, a few
-                // thousandths of a pixel, is the share of the slope in the differences.
+                // The edge's place is the half level of the profile, not the model's centre: its
+                // error, a few thousandths of a pixel, is the share of the slope in the
+                // differences.
                 let slope = |j: usize| 0.5 * (bins[j + 1] - bins[j - 1]);
                 let inner = 1..bins.len() - 1;
                 let place = inner.clone().map(|j| error(j) * slope(j)).sum::<f64>()
@@ -101,8 +103,9 @@ fn model_equals_noise_free_photographs() {
     );
 }
 
-/// Central differences with step h have an error of h^2/6 times the third derivative, and the residuals' rounding over h;
-/// residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
+/// Central differences with step h have an error of h^2/6 times the third derivative, and the
+/// residuals' rounding over h; residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 =
+/// 1e-4 absolute; derivatives reach 1e4.
 #[test]
 fn derivatives_match_differences() {
     let mut truth = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
@@ -168,9 +171,10 @@ fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
     ]
 }
 
-/// Standard errors are true, whether the differences are weighed by their noise or all alike: the mean square of 3 x 40 pulls is 1
-/// within 4.5 of its own standard errors, sqrt(2/N) if the pulls were independent; a and c are correlated, which at most doubles
-/// the variance: 4.5 sqrt(4/120) = 0.82.
+/// Standard errors are true, whether the differences are weighed by their noise or all alike: the
+/// mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors, sqrt(2/N) if the pulls
+/// were independent; a and c are correlated, which at most doubles the variance: 4.5 sqrt(4/120) =
+/// 0.82.
 #[test]
 fn standard_errors_are_true() {
     let mut stream = Stream(77);
@@ -222,7 +226,8 @@ fn standard_errors_are_true() {
     }
 }
 
-/// The right terms are found where they can be told apart: distances of 150 and 300 mm tell eq1 from angular.
+/// The right terms are found where they can be told apart: distances of 150 and 300 mm tell eq1
+/// from angular.
 #[test]
 fn selection_finds_the_planted_terms() {
     let everything = Candidates {
@@ -316,7 +321,8 @@ fn absent_terms_are_bounded() {
     println!("c < {c:.4} mm, a > {a:.1} /mm");
 }
 
-/// Legal but degenerate campaigns have an answer: nothing retroreflected at one angle, one photograph, no reference.
+/// Legal but degenerate campaigns have an answer: nothing retroreflected at one angle, one
+/// photograph, no reference.
 #[test]
 fn degenerate_campaigns() {
     // A single hollow cube at azimuth 20 returns nothing at 50 degrees.
@@ -343,7 +349,8 @@ fn degenerate_campaigns() {
             .is_some_and(|c| ((c.value - 0.35) / c.standard_error).abs() < 4.5)
     );
 
-    // No reference: c and a all the same (a sharper camera is assumed, which the warning says), mu is null.
+    // No reference: c and a all the same (a sharper camera is assumed, which the warning says), mu
+    // is null.
     let mut alone = params(22, hollow.clone(), &incidence[..1], &[200.0], camera(4e4));
     alone.reference = None;
     let alone = scene(&alone, &of_hollow);
@@ -366,7 +373,8 @@ fn degenerate_campaigns() {
     assert!(error.contains("no capture is left"), "{error}");
 }
 
-/// A large c beside a wide lobe: from a start with a small c, where the model does not depend on it, no path leads here.
+/// A large c beside a wide lobe: from a start with a small c, where the model does not depend on
+/// it, no path leads here.
 #[test]
 fn starting_values_reach_every_c() {
     let mut cases = 0;
@@ -407,7 +415,8 @@ fn starting_values_reach_every_c() {
     assert_eq!(cases, 6);
 }
 
-/// `mse` is a loop over the MTF differences that a result states, and less than where `mtf` is least; as `mtf` is less there.
+/// `mse` is a loop over the MTF differences that a result states, and less than where `mtf` is
+/// least; as `mtf` is less there.
 #[test]
 fn the_plain_loss_is_the_mean_of_squares() {
     let incidence = [0.0, 30.0];

@@ -1,5 +1,5 @@
-//! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and written in three forms. And
-//! predictions drawn against one variable.
+//! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and
+//! written in three forms. And predictions drawn against one variable.
 
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -48,7 +48,8 @@ fn a_lobe_is_its_own_nearest() {
     let mut cases = 0;
     for (distance, incidence) in [(150.0, 0.0), (300.0, 30.0), (600.0, 30.0)] {
         let lobe = at(&own, &table, distance, incidence);
-        // Golden sections end at 1e-6 of the logarithm, but a sum of squares is flat to rounding (1e-16) over its root.
+        // Golden sections end at 1e-6 of the logarithm, but a sum of squares is flat to rounding
+        // (1e-16) over its root.
         assert!((lobe.alpha / 7e-4 - 1.0).abs() < 1e-5, "{lobe:?}");
         assert!(lobe.rms < 1e-5 && (lobe.reflectance - 0.5).abs() < 1e-12);
         cases += 1;
@@ -183,8 +184,8 @@ fn curves_against_a_variable_are_named_by_what_else_varies() {
     assert!(!by_incidence.contains("azimuth 20"), "it does not vary");
 }
 
-/// Along the axes, what is predicted all around is what is predicted there; opposite directions are alike; the picture has a
-/// curve for each frequency in a panel for each place.
+/// Along the axes, what is predicted all around is what is predicted there; opposite directions are
+/// alike; the picture has a curve for each frequency in a panel for each place.
 #[test]
 fn all_around_is_the_axes_and_between() {
     let table = table();

@@ -51,7 +51,8 @@ fn directory(entries: &[Entry], big: bool) -> Vec<u8> {
     bytes
 }
 
-/// A TIFF structure of one 2 x 2 picture of 8-bit grey with an Exif directory; `without` leaves one tag of it out.
+/// A TIFF structure of one 2 x 2 picture of 8-bit grey with an Exif directory; `without` leaves one
+/// tag of it out.
 fn tiff(shot: Shot, big: bool, without: Option<u16>) -> Vec<u8> {
     let long = |v: u32| {
         if big {
@@ -123,8 +124,10 @@ fn campaign(
     }
     let manifest = folder.join("captures.toml");
     let text = format!(
-        "[setup]\npixel_pitch_mm = 0.05\nhalf_mirror_transmittance = 0.5\nhalf_mirror_reflectance = 0.5\n\
-         [reference]\nimage = \"{}\"\n{keys}\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = 150\nincidence_deg = 0\n",
+        "[setup]\npixel_pitch_mm = 0.05\nhalf_mirror_transmittance = 0.5\nhalf_mirror_reflectance \
+        = 0.5\n\
+         [reference]\nimage = \"{}\"\n{keys}\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = \
+         150\nincidence_deg = 0\n",
         reference.0, capture.0
     );
     std::fs::write(&manifest, text).unwrap();
@@ -142,7 +145,8 @@ const AERIAL: Shot = Shot {
     iso: 400,
 };
 
-/// (0.5 s x 400 / 4^2) / (1/60 s x 100 / 5.6^2) = 12.5 / 0.053146 = 235.2, in every combination of containers and byte orders.
+/// (0.5 s x 400 / 4^2) / (1/60 s x 100 / 5.6^2) = 12.5 / 0.053146 = 235.2, in every combination of
+/// containers and byte orders.
 #[test]
 fn relative_exposure_is_seconds_times_iso_over_the_squared_f_number() {
     let folder = tempfile::tempdir().unwrap();

@@ -72,13 +72,15 @@ fn parts(curve: &Curve) -> Vec<&Vec<f64>> {
     std::iter::once(&curve.bins).chain(derivatives).collect()
 }
 
-/// The transforms of every curve, value and derivatives, by the photograph's estimator, against those of the closed form: by
-/// how many of its own standard errors the mean of 8 randomisations is off.
+/// The transforms of every curve, value and derivatives, by the photograph's estimator, against
+/// those of the closed form: by how many of its own standard errors the mean of 8 randomisations is
+/// off.
 ///
-/// The closed form knows the bins by three moments of their pixels' positions (1e-5 of the step, measured in the test of
-/// noise-free photographs) and takes out the tails of the separable lobe to second order; the texture's lines leave a ripple of 5e-5.
-/// Together 1e-4 of the step. 6 standard errors with 7 degrees of freedom are exceeded by 5 in 10^4 frequencies by chance,
-/// of which 1 in 100 is allowed.
+/// The closed form knows the bins by three moments of their pixels' positions (1e-5 of the step,
+/// measured in the test of noise-free photographs) and takes out the tails of the separable lobe to
+/// second order; the texture's lines leave a ripple of 5e-5. Together 1e-4 of the step. 6 standard
+/// errors with 7 degrees of freedom are exceeded by 5 in 10^4 frequencies by chance, of which 1 in
+/// 100 is allowed.
 #[test]
 fn curves_are_those_of_the_closed_form() {
     const FLOOR: f64 = 1e-4;
@@ -133,16 +135,19 @@ fn curves_are_those_of_the_closed_form() {
             }
         }
     }
-    // Two photographs, two sequences, two shapes; eq1 and angular have two derivatives, shift and lobe one.
+    // Two photographs, two sequences, two shapes; eq1 and angular have two derivatives, shift and
+    // lobe one.
     assert_eq!(cases, 2 * 2 * 2 * (3 + 3 + 2 + 2));
 }
 
-/// The gradient of the sampled sum of squares against differences of it, same samples, away from its least value.
+/// The gradient of the sampled sum of squares against differences of it, same samples, away from
+/// its least value.
 ///
-/// E is straight within cells of 1/32 pixel: a difference over +-h averages slopes over the cells that a sample crosses, and
-/// a slope changes by E''/32 = 2 % of itself or less from cell to cell, either way; over the 10^4 samples and more on an edge
-/// 2e-4 of the sum is left. Sums of f32 are good to 1e-7, over h = 0.004 3e-5; the second order of the difference is h^2/6 =
-/// 3e-6 of the third derivative, which is some tens of the first. 2e-3 in all.
+/// E is straight within cells of 1/32 pixel: a difference over +-h averages slopes over the cells
+/// that a sample crosses, and a slope changes by E''/32 = 2 % of itself or less from cell to cell,
+/// either way; over the 10^4 samples and more on an edge 2e-4 of the sum is left. Sums of f32 are
+/// good to 1e-7, over h = 0.004 3e-5; the second order of the difference is h^2/6 = 3e-6 of the
+/// third derivative, which is some tens of the first. 2e-3 in all.
 #[test]
 fn derivatives_are_those_of_the_samples() {
     let mut cases = 0;
@@ -189,9 +194,10 @@ fn logarithms(fit: &Estimate) -> Vec<f64> {
     values.map(|v| v.value.ln()).collect()
 }
 
-/// The estimates by samples lie about the one in closed form, by their own sampling error: their scatter says it, and every
-/// estimate says the same of itself. Five standard errors for each; the errors that two estimates state by 8 randomisations
-/// each, and the scatter of 6, agree within a factor of 3 (F with 5 and 7 degrees of freedom: 3^2 = 9 by 1 in 200).
+/// The estimates by samples lie about the one in closed form, by their own sampling error: their
+/// scatter says it, and every estimate says the same of itself. Five standard errors for each; the
+/// errors that two estimates state by 8 randomisations each, and the scatter of 6, agree within a
+/// factor of 3 (F with 5 and 7 degrees of freedom: 3^2 = 9 by 1 in 200).
 #[test]
 fn estimates_land_on_the_closed_form_within_their_sampling_error() {
     let mut cases = 0;
@@ -223,7 +229,8 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
                 let error = own.standard_error[i] / found[i].exp();
                 let off = found[i] - closed[i];
                 println!(
-                    "{kernel:?} {weights:?} {samples} samples: {name} {:+.4} % from the closed form, sampling error {:.4} %",
+                    "{kernel:?} {weights:?} {samples} samples: {name} {:+.4} % from the closed \
+                    form, sampling error {:.4} %",
                     100.0 * off,
                     100.0 * error
                 );

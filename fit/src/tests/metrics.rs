@@ -1,6 +1,7 @@
 //! PSNR, SSIM, FLIP and LPIPS against values recorded from the programs that people compare with.
 //!
-//! Recorded by fit/tests/metrics.py with scikit-image 0.26.0, flip-evaluator 1.7, torch and lpips 0.1.4.
+//! Recorded by fit/tests/metrics.py with scikit-image 0.26.0, flip-evaluator 1.7, torch and lpips
+//! 0.1.4.
 
 use crate::images::Shown;
 use crate::images::metrics;
@@ -58,7 +59,8 @@ fn network() -> Lpips {
     Lpips::from_tensors(weights()).unwrap()
 }
 
-/// Weights by formula, as in metrics.py: a multiplicative hash of the index and of the tensor's place.
+/// Weights by formula, as in metrics.py: a multiplicative hash of the index and of the tensor's
+/// place.
 fn weights() -> impl FnMut(&str, usize) -> Result<Vec<f32>, ()> {
     let mut place = 0_u32;
     move |name, count| {

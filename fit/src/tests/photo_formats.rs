@@ -1,4 +1,5 @@
-//! Every format, sample type and channel gives the light that was written; damaged files never panic.
+//! Every format, sample type and channel gives the light that was written; damaged files never
+//! panic.
 
 use std::path::{Path, PathBuf};
 
@@ -75,7 +76,8 @@ fn exr_sample_types_encodings_and_windows() {
     let mut cases = 0;
     for encoding in encodings {
         for position in [Vec2(0, 0), Vec2(-5, 12)] {
-            // Float samples come back bit for bit, halves to half a unit of their 11 bits, integers as they are.
+            // Float samples come back bit for bit, halves to half a unit of their 11 bits, integers
+            // as they are.
             write_exr(
                 &file,
                 vec![("Y", FlatSamples::F32(plane(1.0)))],
@@ -247,7 +249,8 @@ fn integer_formats() {
     // Only PNG can be written with grey and alpha here.
     let transparent = save(folder.path(), "greya16.x", greya16, ImageFormat::Png);
     assert_light(&transparent, &plain, |v| v, half_step);
-    // JPEG is lossy: of a constant picture only the rounding of its colour conversion is left, one code of 255.
+    // JPEG is lossy: of a constant picture only the rounding of its colour conversion is left, one
+    // code of 255.
     let flat = ImageBuffer::from_fn(64, 48, |_, _| Luma([100_u8]));
     let photo = photo::load(
         &save(folder.path(), "flat.jpg", flat, ImageFormat::Jpeg),

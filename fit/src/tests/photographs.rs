@@ -1,5 +1,6 @@
-//! Photographs as they come: charts, defects, uneven light, clipping. Each edge has a known MTF, exp(-2 (pi sigma f)^2): a
-//! Gaussian, sampled at points. What is repaired must give that MTF and a warning, what is refused its remedy.
+//! Photographs as they come: charts, defects, uneven light, clipping. Each edge has a known MTF,
+//! exp(-2 (pi sigma f)^2): a Gaussian, sampled at points. What is repaired must give that MTF and a
+//! warning, what is refused its remedy.
 
 use std::f64::consts::PI;
 
@@ -76,8 +77,8 @@ fn noisy(mut photo: Photo, seed: u64) -> Photo {
     photo
 }
 
-/// Largest difference of the measured MTF from the known one, up to half the sampling frequency, and the largest standard
-/// error there.
+/// Largest difference of the measured MTF from the known one, up to half the sampling frequency,
+/// and the largest standard error there.
 fn error(measured: &Measurement, sigma: f64) -> (f64, f64) {
     let frequencies: Vec<f64> = (1..=50).map(|k| 0.01 * f64::from(k)).collect();
     let estimator = Estimator::new(&measured.profile, 1.0, 400, 50);
@@ -183,7 +184,8 @@ fn uneven_light_is_evened_out() {
     };
     let mut cases = 0;
     for deg in [5.0, 98.0, -160.0] {
-        // The polynomial leaves 3 x^4, x^2 = 0.056, less its part of lower order: 0.2 % of the light.
+        // The polynomial leaves 3 x^4, x^2 = 0.056, less its part of lower order: 0.2 % of the
+        // light.
         repaired(
             "vignetting",
             &degraded(deg, SIGMA_PX, 5, |x, y, v| v * vignette(x, y)),
@@ -347,8 +349,9 @@ fn what_cannot_be_repaired_is_refused() {
     assert_eq!(count, 10);
 }
 
-/// A doubled edge that is accepted is measured as it is, with a warning: its MTF is that of the lens times that of the two
-/// edges, |1 + share exp(-2 pi i f distance)| / (1 + share). What else is wrong with it is refused as ever.
+/// A doubled edge that is accepted is measured as it is, with a warning: its MTF is that of the
+/// lens times that of the two edges, |1 + share exp(-2 pi i f distance)| / (1 + share). What else
+/// is wrong with it is refused as ever.
 #[test]
 fn an_accepted_doubled_edge_is_measured() {
     let mut cases = 0;
@@ -379,8 +382,9 @@ fn an_accepted_doubled_edge_is_measured() {
             })
             .fold(0.0, f64::max);
         println!("share {share}, {apart} px apart: MTF error {worst:.5}, noise {noise:.5}");
-        // Beside noise, what the taper costs a curve that turns within 1/apart: the second derivative of the MTF by f,
-        // share (2 pi apart)^2, times half the variance of the taper's transform, (0.5 / 200 px)^2 or so.
+        // Beside noise, what the taper costs a curve that turns within 1/apart: the second
+        // derivative of the MTF by f, share (2 pi apart)^2, times half the variance of the taper's
+        // transform, (0.5 / 200 px)^2 or so.
         let taper = 0.5 * share * (2.0 * PI * apart * 0.5 / 200.0).powi(2);
         assert!(worst < 4.0 * noise + taper, "{worst} at a noise of {noise}");
         cases += 1;
@@ -391,7 +395,8 @@ fn an_accepted_doubled_edge_is_measured() {
     assert!(matches!(fault, Err(Fault::Blurred { .. })), "{fault:?}");
 }
 
-/// Lesser degrees are said: 2 % of the bright pixels clipped at the tail of their noise, a slight bow, wide tails.
+/// Lesser degrees are said: 2 % of the bright pixels clipped at the tail of their noise, a slight
+/// bow, wide tails.
 #[test]
 fn lesser_faults_are_warnings() {
     let mut clipped = degraded(5.0, SIGMA_PX, 4, |_, _, v| v + 1.0 - BRIGHT - 2.05 * NOISE);
@@ -410,8 +415,8 @@ fn lesser_faults_are_warnings() {
     );
 }
 
-/// A chart: a dark quadrangle with sides 90 pixels from its middle, the sides' normals given in degrees; bars, dots and a
-/// frame; all on white.
+/// A chart: a dark quadrangle with sides 90 pixels from its middle, the sides' normals given in
+/// degrees; bars, dots and a frame; all on white.
 fn chart(width: usize, height: usize, sides_deg: [f64; 4]) -> Photo {
     let (cx, cy) = (0.55 * width as f64, 0.5 * height as f64);
     let unit = width as f64 / 600.0;
@@ -434,7 +439,8 @@ fn square(tilt: f64) -> [f64; 4] {
     [0.0, 90.0, 180.0, 270.0].map(|quarter| quarter + tilt)
 }
 
-/// The four edges of a square among other marks are offered as regions, each of which measures right.
+/// The four edges of a square among other marks are offered as regions, each of which measures
+/// right.
 #[test]
 fn a_chart_offers_its_edges() {
     let mut cases = 0;
@@ -466,7 +472,8 @@ fn a_chart_offers_its_edges() {
     assert_eq!(cases, 16);
 }
 
-/// Where only one edge of a chart is slanted it is taken, with a warning that names it. Its normal, dark to bright, points out.
+/// Where only one edge of a chart is slanted it is taken, with a warning that names it. Its normal,
+/// dark to bright, points out.
 #[test]
 fn the_only_edge_of_a_chart_is_found() {
     let photo = chart(600, 400, [8.0, 90.0, 180.0, 270.0]);
@@ -495,8 +502,9 @@ fn a_given_region_is_measured() {
     assert!(error < 0.002 + 4.0 * noise, "{error}, noise {noise}");
 }
 
-/// A region of a camera's JPEG of 24 megapixels, 8 bits a colour, read from its file. Beside noise (that of 8 bits and of the
-/// JPEG's whole coefficients is in the pixels' scatter) 0.001: what bins leave, 0.0007 on known edges.
+/// A region of a camera's JPEG of 24 megapixels, 8 bits a colour, read from its file. Beside noise
+/// (that of 8 bits and of the JPEG's whole coefficients is in the pixels' scatter) 0.001: what bins
+/// leave, 0.0007 on known edges.
 #[test]
 fn a_jpeg_of_24_megapixels_is_measured() {
     const WIDTH: usize = 6000;
@@ -538,7 +546,8 @@ fn a_jpeg_of_24_megapixels_is_measured() {
     assert!(error < 4.0 * noise + 0.001, "{error} at a noise of {noise}");
 }
 
-/// At an angle of a simple fraction the pixels of a bin lie at one end of it. Without noise to hide that, they are no defects.
+/// At an angle of a simple fraction the pixels of a bin lie at one end of it. Without noise to hide
+/// that, they are no defects.
 #[test]
 fn simple_fractions_without_noise_have_no_defects() {
     let mut cases = 0;

@@ -1,4 +1,5 @@
-//! The likelihood of the pixels against planted answers, differences, and a plain loop over all pixels.
+//! The likelihood of the pixels against planted answers, differences, and a plain loop over all
+//! pixels.
 
 use crate::compare::{Nuisances, Photograph};
 use crate::estimate::Choice;
@@ -38,9 +39,9 @@ fn rows(photograph: &Photograph, curves: &crate::compare::Curves, at: &Nuisances
     DMatrix::from_fn(all.len(), all[0].len(), |i, j| all[i][j])
 }
 
-/// Central differences over +-h err by h^2/6 third derivatives, 1e-6 of the column for steps of a thousandth of what a
-/// column is about; what the derivatives leave out (how a bin's third moments turn) is of the order of a bin over the
-/// blur, squared, times the turn: below 1e-3.
+/// Central differences over +-h err by h^2/6 third derivatives, 1e-6 of the column for steps of a
+/// thousandth of what a column is about; what the derivatives leave out (how a bin's third moments
+/// turn) is of the order of a bin over the blur, squared, times the turn: below 1e-3.
 #[test]
 fn nuisance_derivatives_match_differences() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
@@ -91,9 +92,9 @@ fn nuisance_derivatives_match_differences() {
     assert_eq!(cases, 6);
 }
 
-/// The gradient of the sum of squares, nuisances at their optimum, is 2 J^T r. Central differences with h = 1e-3: h^2/6
-/// third derivatives, 1e-6 of what the derivative does over a unit of ln; off the optimum by 5 % the gradient is large,
-/// and 1e-3 of it catches any wrong column.
+/// The gradient of the sum of squares, nuisances at their optimum, is 2 J^T r. Central differences
+/// with h = 1e-3: h^2/6 third derivatives, 1e-6 of what the derivative does over a unit of ln; off
+/// the optimum by 5 % the gradient is large, and 1e-3 of it catches any wrong column.
 #[test]
 fn derivatives_of_the_likelihood_match_differences() {
     let mut cases = 0;
@@ -153,9 +154,9 @@ fn derivatives_of_the_likelihood_match_differences() {
     assert_eq!(cases, 2 * ((3 + 1) + (3 + 1) + (1 + 1) + (2 + 1) + (1 + 1)));
 }
 
-/// All pixels of all photographs, one by one, with the simulator's own light in place of the model: nothing of bins,
-/// moments, transforms or projections. Parameters: ln c, ln a, ln sigma of the lens; then place, angle, ln step, dark and
-/// gradient of every photograph, the reference first.
+/// All pixels of all photographs, one by one, with the simulator's own light in place of the model:
+/// nothing of bins, moments, transforms or projections. Parameters: ln c, ln a, ln sigma of the
+/// lens; then place, angle, ln step, dark and gradient of every photograph, the reference first.
 struct Plain {
     params: Params,
     photographs: Vec<Vec<f32>>,
@@ -219,7 +220,8 @@ impl Plain {
                 .filter(|&i| k > 0 || i == 2)
                 .chain((0..OWN).map(|i| SHARED_PLAIN + OWN * k + i))
                 .collect();
-            // Steps of a thousandth of a pixel or of a parameter: h^2/6 = 1e-7 of third derivatives.
+            // Steps of a thousandth of a pixel or of a parameter: h^2/6 = 1e-7 of third
+            // derivatives.
             let derivatives: Vec<Vec<f64>> = columns
                 .iter()
                 .map(|&column| {
@@ -255,9 +257,9 @@ impl Plain {
 
 /// The binned likelihood, its optimum and its errors, against every pixel one by one.
 ///
-/// Bins leave out 0.7 % of the information on a blur as narrow as the lens's, and less on the others. At worst, if all hung
-/// on the lens, errors are 0.35 % larger and estimates differ by sqrt(0.007) = 0.08 standard errors; the lens has a small
-/// share. Asked for: 0.35 % and 0.05.
+/// Bins leave out 0.7 % of the information on a blur as narrow as the lens's, and less on the
+/// others. At worst, if all hung on the lens, errors are 0.35 % larger and estimates differ by
+/// sqrt(0.007) = 0.08 standard errors; the lens has a small share. Asked for: 0.35 % and 0.05.
 #[test]
 fn bins_tell_what_all_pixels_tell() {
     let (a, c, mu) = (3.1_f64, 0.36_f64, 0.55);
@@ -352,9 +354,10 @@ fn at_of(name: &str, at: &DVector<f64>) -> f64 {
     }
 }
 
-/// Standard errors are true, also where the camera cuts dark pixels off at 0 (500 to 2,000 electrons): the mean square of
-/// 3 x 40 pulls is 1 within 4.5 of its own standard errors, sqrt(2/N) if they were independent; a and c are correlated,
-/// which at most doubles the variance: 4.5 sqrt(4/120) = 0.82. The mean of 40 pulls has a standard error of 0.16.
+/// Standard errors are true, also where the camera cuts dark pixels off at 0 (500 to 2,000
+/// electrons): the mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors,
+/// sqrt(2/N) if they were independent; a and c are correlated, which at most doubles the variance:
+/// 4.5 sqrt(4/120) = 0.82. The mean of 40 pulls has a standard error of 0.16.
 #[test]
 fn standard_errors_are_true() {
     let mut stream = Stream(77);

@@ -1,4 +1,5 @@
-//! Planted answers: simulated photographs and the closed-form table of the ideal cube, nothing of `bake`.
+//! Planted answers: simulated photographs and the closed-form table of the ideal cube, nothing of
+//! `bake`.
 
 #![allow(dead_code, reason = "each test uses its part")]
 
@@ -41,7 +42,8 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
             truth.pair,
         );
         retroreflected[[i, 0]] = shifts.iter().map(|s| s.eta).sum::<f64>() / cubes;
-        // Entered at p about q, a ray is shifted by 2 (q - p); where the cubes lie is of no consequence.
+        // Entered at p about q, a ray is shifted by 2 (q - p); where the cubes lie is of no
+        // consequence.
         let path = |(k, shifts): (usize, Vec<[f64; 2]>)| {
             let q = [3.0 * k as f64, 0.5];
             Path {

@@ -167,11 +167,13 @@ fn source(normal_deg: f64) -> (Dng, Vec<f64>) {
     (dng, light)
 }
 
-/// Every colour's edge has the MTF of one pixel's own box and the lens, as where all pixels see it: nothing is filled in or
-/// averaged. The other colours' pixels show bright and dark stripes, so that one of them taken would be seen.
+/// Every colour's edge has the MTF of one pixel's own box and the lens, as where all pixels see it:
+/// nothing is filled in or averaged. The other colours' pixels show bright and dark stripes, so
+/// that one of them taken would be seen.
 ///
-/// Within 0.002 up to half the sampling frequency, as for known edges of all pixels (src/tests/edge.rs); averages of 2 x 2 pixels
-/// would lose 0.1 at a quarter of the sampling frequency: 1 - cos(pi / 4) of an MTF of 0.4.
+/// Within 0.002 up to half the sampling frequency, as for known edges of all pixels
+/// (src/tests/edge.rs); averages of 2 x 2 pixels would lose 0.1 at a quarter of the sampling
+/// frequency: 1 - cos(pi / 4) of an MTF of 0.4.
 #[test]
 fn each_colour_has_the_mtf_of_its_own_pixels() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -226,8 +228,8 @@ fn each_colour_has_the_mtf_of_its_own_pixels() {
     assert!(worst_angle < 1e-3, "{worst_angle}");
 }
 
-/// The light is linear from the black level of every place to the white level; what lies below black stays below 0, what
-/// reaches white is clipped; and the picture is turned as it says.
+/// The light is linear from the black level of every place to the white level; what lies below
+/// black stays below 0, what reaches white is clipped; and the picture is turned as it says.
 #[test]
 fn levels_and_orientation() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -338,8 +340,10 @@ fn exposure_comes_from_the_raw_files() {
     };
     longer.write(folder.path(), "aerial.dng", &seen);
     let manifest = folder.path().join("captures.toml");
-    let text = "[setup]\npixel_pitch_mm = 0.08\nhalf_mirror_transmittance = 0.5\nhalf_mirror_reflectance = 0.5\n\
-                channel = \"red\"\n[reference]\nimage = \"source.dng\"\nexposure = 1.0\n[[capture]]\nimage = \"aerial.dng\"\n\
+    let text = "[setup]\npixel_pitch_mm = 0.08\nhalf_mirror_transmittance = \
+    0.5\nhalf_mirror_reflectance = 0.5\n\
+                channel = \"red\"\n[reference]\nimage = \"source.dng\"\nexposure = \
+                1.0\n[[capture]]\nimage = \"aerial.dng\"\n\
                 floating_distance_mm = 150.0\nincidence_deg = 0.0\n";
     std::fs::write(&manifest, text).expect("the folder takes files");
     let campaign = captures::load(&manifest).expect("it is valid");

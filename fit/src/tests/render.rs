@@ -111,7 +111,8 @@ fn gathered(plane: &[f32], size: [usize; 2], psf: &Psf, at: [usize; 2]) -> f64 {
 
 #[test]
 fn a_square_spot_on_square_pixels_meets_its_closed_form() {
-    // Integral from -inf of the triangle of width 2: its mean over [d - w/2, d + w/2] is the weight along one axis.
+    // Integral from -inf of the triangle of width 2: its mean over [d - w/2, d + w/2] is the weight
+    // along one axis.
     let integral = |x: f64| {
         let x = x.clamp(-1.0, 1.0);
         0.5 + x - 0.5 * x * x.abs()
@@ -171,7 +172,8 @@ fn transforms_meet_the_sum_over_all_pairs() {
 fn result(kernel: &str, lobe: Option<&str>, table: &Table) -> ResultFile {
     let number = |value: f64| json!({"value": value, "standard_error": 0.001});
     serde_json::from_value(json!({
-        "kernel": kernel, "lobe": lobe, "loss": "edge", "iterations": 1, "stop": "small step", "seconds": 0.1,
+        "kernel": kernel, "lobe": lobe, "loss": "edge", "iterations": 1, "stop": "small \
+        step", "seconds": 0.1,
         "wavelength_nm": (kernel == "wave").then_some("550"),
         "c_mm": (kernel != "lobe").then(|| number(0.24)),
         "a_per_mm": matches!(kernel, "eq1" | "lobe").then(|| number(4.9)),
@@ -216,7 +218,8 @@ fn energy_is_kept_by_every_kernel() {
         let image = render::uniform(&source, &psf);
         for (plane, own) in image.planes.iter().zip(&source.planes) {
             let kept = sum(plane) / (energy * sum(own));
-            // The tails of both axes may leave the frame; 60 pixels are 4.8 mm, where 2 % of a separable lobe lie outside.
+            // The tails of both axes may leave the frame; 60 pixels are 4.8 mm, where 2 % of a
+            // separable lobe lie outside.
             let lost = if tails {
                 2.0 * (1.0 / (3.0 * 4.9 * 4.8) + TAIL)
             } else {
@@ -311,7 +314,8 @@ fn pictures_come_back_from_their_files() {
                 .flatten()
                 .zip(own.planes.iter().flatten())
             {
-                // Half a code of 65535, where sRGB is steepest 2.28 times that in light; EXR as it is.
+                // Half a code of 65535, where sRGB is steepest 2.28 times that in light; EXR as it
+                // is.
                 let allowed = if writing == Writing::Exr {
                     0.0
                 } else {

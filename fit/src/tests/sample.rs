@@ -1,4 +1,5 @@
-//! Samples of shift and lobe against their transforms: the OTF of the samples is the OTF of the model.
+//! Samples of shift and lobe against their transforms: the OTF of the samples is the OTF of the
+//! model.
 
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -14,7 +15,8 @@ use tables::Direction;
 const STREAMS: u64 = 16;
 const POINTS: u32 = 1 << 15;
 
-/// Mean over all randomisations of exp(-i k.x), and the standard error of its parts by their scatter.
+/// Mean over all randomisations of exp(-i k.x), and the standard error of its parts by their
+/// scatter.
 fn transform(
     sequence: Sequence,
     k: [f64; 2],
@@ -36,8 +38,8 @@ fn transform(
     (mean, (squares / (n * (n - 1.0))).sqrt())
 }
 
-/// Six standard errors of 16 randomisations (Student's t with 15 degrees of freedom: 2 in 10^5), and what the sampler's
-/// tables leave: `rest`.
+/// Six standard errors of 16 randomisations (Student's t with 15 degrees of freedom: 2 in 10^5),
+/// and what the sampler's tables leave: `rest`.
 fn agree(sampled: (Complex64, f64), exact: Complex64, rest: f64, what: &str) {
     let (mean, error) = sampled;
     let off = (mean - exact).norm();
@@ -71,13 +73,14 @@ fn the_lobes_samples_have_its_otf() {
     }
     gains.sort_by(f64::total_cmp);
     println!(
-        "{cases} frequencies; variance of independent points over that of Sobol points: least {:.0}, median {:.0}",
+        "{cases} frequencies; variance of independent points over that of Sobol points: least \
+        {:.0}, median {:.0}",
         gains[0],
         gains[gains.len() / 2]
     );
     assert_eq!(cases, 84);
-    // An Owen-scrambled net never has more than e = 2.72 times the variance (Owen 1997); scatter of two variances by 15
-    // degrees of freedom each: a factor of 6 in 10^3.
+    // An Owen-scrambled net never has more than e = 2.72 times the variance (Owen 1997); scatter of
+    // two variances by 15 degrees of freedom each: a factor of 6 in 10^3.
     assert!(gains[0] > 1.0 / (2.72 * 6.0));
     assert!(
         gains[gains.len() / 2] > 10.0,

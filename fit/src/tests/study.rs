@@ -43,9 +43,9 @@ fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
         .collect()
 }
 
-/// Efficiency, bias and coverage of both losses. With n campaigns counted the ratio of RMSE and bound scatters by
-/// sqrt(1/2n), 0.10 for 50, the mean pull by sqrt(1/n) = 0.14 and the coverage by sqrt(0.95 x 0.05/n) = 3.1 %; limits
-/// are 1.2, 0 and 95 % plus 4 of these for six figures each.
+/// Efficiency, bias and coverage of both losses. With n campaigns counted the ratio of RMSE and
+/// bound scatters by sqrt(1/2n), 0.10 for 50, the mean pull by sqrt(1/n) = 0.14 and the coverage by
+/// sqrt(0.95 x 0.05/n) = 3.1 %; limits are 1.2, 0 and 95 % plus 4 of these for six figures each.
 #[test]
 fn edge_comes_near_the_bound_and_its_intervals_hold() {
     let all = trials(7, CAMPAIGNS);
@@ -81,9 +81,10 @@ fn edge_comes_near_the_bound_and_its_intervals_hold() {
     );
 }
 
-/// The choice of terms, in short; the long study is recorded in BENCHMARKS.md. Where what was planted can be told apart it is
-/// chosen in 95 % at least, and where it cannot, something simpler is: of n campaigns the share scatters by
-/// sqrt(0.95 x 0.05 / n), and the limit is 95 % less 4 of these.
+/// The choice of terms, in short; the long study is recorded in BENCHMARKS.md. Where what was
+/// planted can be told apart it is chosen in 95 % at least, and where it cannot, something simpler
+/// is: of n campaigns the share scatters by sqrt(0.95 x 0.05 / n), and the limit is 95 % less 4 of
+/// these.
 #[test]
 fn terms_are_chosen_where_they_can_be_told() {
     let ranges = Ranges {
@@ -132,8 +133,8 @@ fn terms_are_chosen_where_they_can_be_told() {
     }
 }
 
-/// What is refused is counted by its reason: a camera whose black lies at 0 and sees almost no light cuts off, and a blur of
-/// several windows is no edge.
+/// What is refused is counted by its reason: a camera whose black lies at 0 and sees almost no
+/// light cuts off, and a blur of several windows is no edge.
 #[test]
 fn refusals_are_counted_by_their_reason() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
@@ -169,8 +170,9 @@ fn refusals_are_counted_by_their_reason() {
     );
 }
 
-/// Uneven light below what is evened out: the pixels carry it as a nuisance and keep mu, which the MTFs do not. Over 12
-/// campaigns the mean square of a normal pull scatters by sqrt(2/12) = 0.41 about 1: the limits are 4 of these.
+/// Uneven light below what is evened out: the pixels carry it as a nuisance and keep mu, which the
+/// MTFs do not. Over 12 campaigns the mean square of a normal pull scatters by sqrt(2/12) = 0.41
+/// about 1: the limits are 4 of these.
 #[test]
 fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
     let ranges = Ranges {
@@ -224,8 +226,8 @@ fn draws_are_reproducible() {
     assert_ne!(some[0].truth, some[1].truth);
 }
 
-/// The edge loss has the bound for its standard error where nothing was cut off; the MTFs drop phases and tails, and can do
-/// no better on c and a.
+/// The edge loss has the bound for its standard error where nothing was cut off; the MTFs drop
+/// phases and tails, and can do no better on c and a.
 #[test]
 fn a_study_of_photographs_names_every_parameter_and_fit() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.35, 0.5);
@@ -249,7 +251,8 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
         .collect();
     assert_eq!(names, ["c_mm", "a_per_mm_at_5", "a_per_mm_at_30", "mu"]);
     for p in &study.parameters {
-        // Chi-square per degree of freedom may lie above 1 by chance, sqrt(2 / 10^4) = 1.4 %, and raises standard errors.
+        // Chi-square per degree of freedom may lie above 1 by chance, sqrt(2 / 10^4) = 1.4 %, and
+        // raises standard errors.
         let ratio = p.edge / p.bound;
         assert!((0.999..1.035).contains(&ratio), "{}: {ratio}", p.name);
         assert!(
@@ -268,7 +271,8 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
     assert!(study.fits[3].reduced_chi2 > study.fits[1].reduced_chi2);
 }
 
-/// The documented file says what is drawn without one, and a range that runs backwards is refused with its line.
+/// The documented file says what is drawn without one, and a range that runs backwards is refused
+/// with its line.
 #[test]
 fn ranges_are_read() {
     let documented = Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/ranges.toml");

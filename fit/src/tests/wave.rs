@@ -45,8 +45,9 @@ fn line(direction: &Direction, normal: [f64; 2], spectrum: &Spectrum) -> WaveLin
     wave::line(direction, incidence_rad, normal, Some(spectrum)).expect("exact corner cubes")
 }
 
-/// Autocorrelation of the pupil, on a raster along the normal: cells weighted by how much of them lies in the aperture,
-/// each with the phase 2 pi |y|^2/(lambda R) of its middle. Returns the frequency that the lag stands for, and the OTF.
+/// Autocorrelation of the pupil, on a raster along the normal: cells weighted by how much of them
+/// lies in the aperture, each with the phase 2 pi |y|^2/(lambda R) of its middle. Returns the
+/// frequency that the lag stands for, and the OTF.
 fn raster(
     direction: &Direction,
     normal: [f64; 2],
@@ -103,9 +104,10 @@ fn raster(
     (lag as f64 * cell / wavelength_mm_r, sum.re / power)
 }
 
-/// Tolerance: a cell is 3e-4 edge lengths and the wave 4 pi c f at most 70 of them an edge, so the middle of a cell stands
-/// for its phase to (0.021)^2/24 = 2e-5 of values that are below 0.1 there; 600 rows leave 1/(24 x 600^2) of the curvature
-/// of a chord's integral, (70/2)^2, of such values: 1.4e-5.
+/// Tolerance: a cell is 3e-4 edge lengths and the wave 4 pi c f at most 70 of them an edge, so the
+/// middle of a cell stands for its phase to (0.021)^2/24 = 2e-5 of values that are below 0.1 there;
+/// 600 rows leave 1/(24 x 600^2) of the curvature of a chord's integral, (70/2)^2, of such values:
+/// 1.4e-5.
 #[test]
 fn closed_form_meets_the_pupil_on_a_raster() {
     let incidence = [0.0, 20.0, 40.0];
@@ -153,10 +155,11 @@ fn fft(values: &mut [Complex64], sign: f64) {
     }
 }
 
-/// The textbook's road: pupil, its two-dimensional transform, the power of that (the image of a point), and the transform
-/// back, which is the OTF at all lags at once. A cell on the border is in or out. No side runs along the raster, so that 1,500
-/// cells are wrong by 0.29 of themselves at random, of 75,000 at 20 degrees: 1.5e-4, of which 4 are allowed. The phase turns
-/// by 4 pi 0.16 mm / (lambda R) = 0.01 from cell to cell at most, which is nothing beside.
+/// The textbook's road: pupil, its two-dimensional transform, the power of that (the image of a
+/// point), and the transform back, which is the OTF at all lags at once. A cell on the border is in
+/// or out. No side runs along the raster, so that 1,500 cells are wrong by 0.29 of themselves at
+/// random, of 75,000 at 20 degrees: 1.5e-4, of which 4 are allowed. The phase turns by 4 pi 0.16 mm
+/// / (lambda R) = 0.01 from cell to cell at most, which is nothing beside.
 #[test]
 fn closed_form_meets_the_transform_of_the_pupil() {
     const N: usize = 1024;
@@ -241,8 +244,9 @@ fn both_ways(field: &mut [Complex64], sign: f64) {
     }
 }
 
-/// Fourth-order differences over h = 1e-4 of ln c: the wave k = 4 pi c f reaches 17 an edge length, so k^5 h^4/30 is
-/// 5e-12, and rounding 1e-14/h is 1e-10. (No case lies within h of a lag that passes a corner, where the slope has a kink.)
+/// Fourth-order differences over h = 1e-4 of ln c: the wave k = 4 pi c f reaches 17 an edge length,
+/// so k^5 h^4/30 is 5e-12, and rounding 1e-14/h is 1e-10. (No case lies within h of a lag that
+/// passes a corner, where the slope has a kink.)
 #[test]
 fn derivative_by_ln_c_matches_differences() {
     let incidence = [0.0, 20.0, 40.0];
@@ -270,7 +274,8 @@ fn derivative_by_ln_c_matches_differences() {
     assert!(worst < 2e-10, "{worst:e}");
 }
 
-/// lambda R -> 0 leaves the ray shift, up to the kink times the lag; a small aperture leaves its autocorrelation.
+/// lambda R -> 0 leaves the ray shift, up to the kink times the lag; a small aperture leaves its
+/// autocorrelation.
 #[test]
 fn limits_are_ray_shift_and_diffraction() {
     let table = ideal(&[0.0, 20.0]);
@@ -285,7 +290,8 @@ fn limits_are_ray_shift_and_diffraction() {
             for f in [0.1, 0.7, 1.9, 3.3] {
                 let (c, r) = (0.25, 1e-4);
                 let geometric = rays.otf(c, r, f).0;
-                // The lag is 550e-6 x 1e-4 x 3.3 / 0.25 = 7e-7 edge lengths, the kink 2; ShiftLine interpolates to 1e-6.
+                // The lag is 550e-6 x 1e-4 x 3.3 / 0.25 = 7e-7 edge lengths, the kink 2; ShiftLine
+                // interpolates to 1e-6.
                 let (found, _) = line.otf(c, r, f);
                 assert!(
                     (geometric - found).norm() < 4e-6,
@@ -303,7 +309,8 @@ fn limits_are_ray_shift_and_diffraction() {
     assert_eq!(cases, 24);
 }
 
-/// Pieces of one cube are one aperture; the same pieces as cubes of their own are not. A spectrum is a weighted sum.
+/// Pieces of one cube are one aperture; the same pieces as cubes of their own are not. A spectrum
+/// is a weighted sum.
 #[test]
 fn pieces_add_coherently_and_lines_add_up() {
     let table = ideal(&[20.0]);
@@ -419,8 +426,8 @@ fn waves(c_mm: f64, lines: &str) -> PlantedSheet {
     }
 }
 
-/// Photographs by Fresnel integrals: c and mu within 4.5 of their errors, and the wave kernel chosen among all; where no
-/// wavelength is named it is no candidate.
+/// Photographs by Fresnel integrals: c and mu within 4.5 of their errors, and the wave kernel
+/// chosen among all; where no wavelength is named it is no candidate.
 #[test]
 fn planted_campaigns_are_recovered() {
     let auto = Candidates {
@@ -473,7 +480,8 @@ fn planted_campaigns_are_recovered() {
     assert_eq!(cases, 8);
 }
 
-/// One evaluation of one cube pair costs microseconds: 1 ms would make a fit of 20 photographs take minutes.
+/// One evaluation of one cube pair costs microseconds: 1 ms would make a fit of 20 photographs take
+/// minutes.
 #[test]
 fn an_evaluation_is_quick() {
     let table = ideal(&[20.0]);

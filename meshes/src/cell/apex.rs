@@ -1,18 +1,22 @@
 //! Where the apexes are, and the edges that run from them.
 //!
-//! An apex is an inner vertex around which the facets face three nearly perpendicular ways, all neighbours lying on
-//! the side that the facets face (the light's). A finely triangulated facet counts as one where its normals at the
-//! apex agree. Its three edges (legs) are the valleys between the facets, followed as long as they go straight on.
+//! An apex is an inner vertex around which the facets face three nearly perpendicular ways, all
+//! neighbours lying on the side that the facets face (the light's). A finely triangulated facet
+//! counts as one where its normals at the apex agree. Its three edges (legs) are the valleys
+//! between the facets, followed as long as they go straight on.
 
 use glam::DVec3;
 
 use crate::cell::surface::Surface;
 
-/// Triangles around a vertex belong to one facet where their normals differ by less than this angle's cosine (20 deg).
+/// Triangles around a vertex belong to one facet where their normals differ by less than this
+/// angle's cosine (20 deg).
 const SAME_FACET_COS: f64 = 0.94;
-/// Facets count as perpendicular where their normals' cosine is below this (5.7 deg off a right angle).
+/// Facets count as perpendicular where their normals' cosine is below this (5.7 deg off a right
+/// angle).
 const PERPENDICULAR_COS: f64 = 0.1;
-/// A valley goes straight on where the next step's direction has at least this cosine with the leg's.
+/// A valley goes straight on where the next step's direction has at least this cosine with the
+/// leg's.
 const STRAIGHT_COS: f64 = 0.9995;
 
 /// A vertex at which three perpendicular facets meet.
@@ -20,9 +24,11 @@ const STRAIGHT_COS: f64 = 0.9995;
 pub(crate) struct Corner {
     /// Welded vertex.
     pub vertex: u32,
-    /// Unit vector in the middle of the three facets' normals: the cube's axis, towards the side that they face.
+    /// Unit vector in the middle of the three facets' normals: the cube's axis, towards the side
+    /// that they face.
     pub axis: DVec3,
-    /// Whether the neighbours lie on that side: a hollow corner that returns light. Else it is a peak.
+    /// Whether the neighbours lie on that side: a hollow corner that returns light. Else it is a
+    /// peak.
     pub hollow: bool,
 }
 
@@ -130,7 +136,8 @@ impl<'s, 'm> Fans<'s, 'm> {
     /// Ends of the valleys (hollow creases between facets) that start at `vertex`.
     fn valleys(&self, vertex: u32) -> Vec<u32> {
         let base = self.position(vertex);
-        // Each edge at the vertex with each of its triangles and that triangle's third vertex, edge by edge.
+        // Each edge at the vertex with each of its triangles and that triangle's third vertex, edge
+        // by edge.
         let mut spokes: Vec<(u32, u32, u32)> = Vec::new();
         for &triangle in self.around(vertex) {
             let [a, b, c] = self.surface.welded[triangle as usize];
@@ -154,8 +161,8 @@ impl<'s, 'm> Fans<'s, 'm> {
         spokes.windows(2).filter_map(valley).collect()
     }
 
-    /// The three legs of a hollow corner, the one whose outer vertex comes first in the file first; `None` where the
-    /// facets do not meet in three straight valleys.
+    /// The three legs of a hollow corner, the one whose outer vertex comes first in the file first;
+    /// `None` where the facets do not meet in three straight valleys.
     pub(crate) fn legs(&self, corner: &Corner) -> Option<[Leg; 3]> {
         let apex = self.position(corner.vertex);
         let starts: [u32; 3] = self.valleys(corner.vertex).try_into().ok()?;

@@ -1,7 +1,8 @@
 //! The normalised cell that rays and beams are traced through.
 //!
-//! **Cell frame**: origin at the (first) apex; z = n, the sheet's normal towards the light; x = the projection of the
-//! first edge on the entrance plane (azimuth 0); y = n x x. Lengths are in edge lengths (a leg from the apex is 1).
+//! **Cell frame**: origin at the (first) apex; z = n, the sheet's normal towards the light; x = the
+//! projection of the first edge on the entrance plane (azimuth 0); y = n x x. Lengths are in edge
+//! lengths (a leg from the apex is 1).
 
 use glam::{DVec2, DVec3};
 
@@ -12,22 +13,27 @@ use crate::cell::normals::Normals;
 pub struct Entrance {
     /// Height of the entrance plane above the apex, edge lengths.
     pub height: f64,
-    /// Corners of the entrance polygon in the cell frame, counter-clockwise seen from the light, edge lengths; simple,
-    /// not necessarily convex. For a periodic cell this is the lattice parallelogram.
+    /// Corners of the entrance polygon in the cell frame, counter-clockwise seen from the light,
+    /// edge lengths; simple, not necessarily convex. For a periodic cell this is the lattice
+    /// parallelogram.
     pub polygon: Vec<DVec2>,
-    /// Lattice vectors of a periodic cell, edge lengths, right-handed (a x b > 0); `None` where rays end at the rim.
+    /// Lattice vectors of a periodic cell, edge lengths, right-handed (a x b > 0); `None` where
+    /// rays end at the rim.
     pub lattice: Option<[DVec2; 2]>,
 }
 
 /// A checked, normalised corner-cube cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Mirror facets as triangles in the cell frame, counter-clockwise seen from the light; a front face is not among
-    /// them. For a periodic cell: one period, facets may overhang the parallelogram.
+    /// Mirror facets as triangles in the cell frame, counter-clockwise seen from the light; a front
+    /// face is not among them. For a periodic cell: one period, facets may overhang the
+    /// parallelogram.
     pub facets: Vec<[DVec3; 3]>,
-    /// Normals of the curved faces that the facets stand for, where they were asked for; else facets are planes.
+    /// Normals of the curved faces that the facets stand for, where they were asked for; else
+    /// facets are planes.
     pub normals: Option<Normals>,
-    /// Whether light goes through each facet, where that was asked for; else empty, and all are mirrors.
+    /// Whether light goes through each facet, where that was asked for; else empty, and all are
+    /// mirrors.
     pub glass: Vec<bool>,
     /// Where rays enter.
     pub entrance: Entrance,
@@ -50,8 +56,9 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The file's refractive index at a vacuum wavelength: where the file gives an Abbe number by the two terms of Cauchy that
-    /// KHR_materials_dispersion prescribes, its index being that of the d line, 587.6 nm; else the same at all.
+    /// The file's refractive index at a vacuum wavelength: where the file gives an Abbe number by
+    /// the two terms of Cauchy that KHR_materials_dispersion prescribes, its index being that of
+    /// the d line, 587.6 nm; else the same at all.
     pub fn refractive_index_at(&self, wavelength_nm: Option<f64>) -> Option<f64> {
         let at_d = self.refractive_index?;
         let (Some(abbe), Some(nm)) = (self.abbe_number, wavelength_nm) else {

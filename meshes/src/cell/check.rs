@@ -6,13 +6,15 @@ use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::Mesh;
 
-/// Smallest and largest extent that is accepted, file units: squares of lengths stay far from under- and overflow.
+/// Smallest and largest extent that is accepted, file units: squares of lengths stay far from
+/// under- and overflow.
 pub(crate) const EXTENT: (f64, f64) = (1e-60, 1e60);
-/// A triangle is degenerate where its height is below this part of its longest edge: its normal has then lost all but
-/// four digits, and a mirror without a normal reflects nowhere.
+/// A triangle is degenerate where its height is below this part of its longest edge: its normal has
+/// then lost all but four digits, and a mirror without a normal reflects nowhere.
 pub(crate) const THIN: f64 = 1e-12;
 
-/// Checks that there are triangles, that vertices are finite and indices in range, and that squares do not overflow.
+/// Checks that there are triangles, that vertices are finite and indices in range, and that squares
+/// do not overflow.
 ///
 /// # Errors
 /// [`Fault::Empty`], [`Fault::IndexOutOfRange`], [`Fault::NotFinite`], [`Fault::Extent`].
@@ -54,13 +56,15 @@ pub(crate) fn vertices(mesh: &Mesh) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checks triangles and edges: degenerate, duplicate or coincident faces, edges of more than two faces, winding.
+/// Checks triangles and edges: degenerate, duplicate or coincident faces, edges of more than two
+/// faces, winding.
 ///
 /// A surface wound consistently passes, whichever side it faces.
 ///
 /// # Errors
-/// [`Fault::DegenerateFace`], [`Fault::DuplicateFace`], [`Fault::CoincidentFace`], [`Fault::NonManifoldEdge`],
-/// [`Fault::MixedWinding`], [`Fault::OneSided`]; the first in the order of the file, by kind in this order.
+/// [`Fault::DegenerateFace`], [`Fault::DuplicateFace`], [`Fault::CoincidentFace`],
+/// [`Fault::NonManifoldEdge`], [`Fault::MixedWinding`], [`Fault::OneSided`]; the first in the order
+/// of the file, by kind in this order.
 pub(crate) fn surface(surface: &Surface<'_>) -> Result<(), Fault> {
     degenerate(surface)?;
     duplicate(surface)?;
@@ -93,7 +97,8 @@ fn duplicate(surface: &Surface<'_>) -> Result<(), Fault> {
     for (triangle, &[i, j, k]) in surface.welded.iter().enumerate() {
         let mut sorted = [i, j, k];
         sorted.sort_unstable();
-        // Three distinct numbers run upwards in one or in two of their cyclic steps: that tells the two sides apart.
+        // Three distinct numbers run upwards in one or in two of their cyclic steps: that tells the
+        // two sides apart.
         let even = [(i, j), (j, k), (k, i)]
             .iter()
             .filter(|(a, b)| a < b)
@@ -114,7 +119,8 @@ fn duplicate(surface: &Surface<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Closed bodies may touch along an edge (two prisms with a front face each): two faces each, wound against each other.
+/// Closed bodies may touch along an edge (two prisms with a front face each): two faces each, wound
+/// against each other.
 fn non_manifold(surface: &Surface<'_>) -> Result<(), Fault> {
     let closed = surface.meetings().all(|sides| sides.len() > 1);
     for sides in surface.meetings() {
@@ -136,7 +142,8 @@ fn non_manifold(surface: &Surface<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Spreads the winding of each part's first triangle over the part; the smaller party is the flipped one.
+/// Spreads the winding of each part's first triangle over the part; the smaller party is the
+/// flipped one.
 fn winding(surface: &Surface<'_>) -> Result<(), Fault> {
     let agree = surface
         .meetings()

@@ -8,14 +8,17 @@ use crate::cell::rim;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
-/// A rim is planar, and no vertex above it, to this part of the cell's extent (f32 files round to 6e-8 of it).
+/// A rim is planar, and no vertex above it, to this part of the cell's extent (f32 files round to
+/// 6e-8 of it).
 pub(crate) const PLANAR: f64 = 1e-6;
-/// Facets may cover more than their lattice cell by this part of it: lattice vectors typed with few digits.
+/// Facets may cover more than their lattice cell by this part of it: lattice vectors typed with few
+/// digits.
 const OVERFULL: f64 = 1e-3;
 
 /// One lattice parallelogram at the height of the highest vertex, around the middle of the facets.
 ///
-/// `lattice` is in file units and frame, `facets` in the cell frame. A warning tells of cubes that leave gaps.
+/// `lattice` is in file units and frame, `facets` in the cell frame. A warning tells of cubes that
+/// leave gaps.
 ///
 /// # Errors
 /// [`Fault::LatticeOverfull`].
@@ -70,10 +73,12 @@ pub(crate) fn periodic(
 
 /// The polygon of a planar rim.
 ///
-/// `points` are the mesh's vertices in the cell frame, `rounding` that of the file's coordinates, edge lengths.
+/// `points` are the mesh's vertices in the cell frame, `rounding` that of the file's coordinates,
+/// edge lengths.
 ///
 /// # Errors
-/// More than one rim, or one that is not planar, crosses itself or is not the highest part of the cell.
+/// More than one rim, or one that is not planar, crosses itself or is not the highest part of the
+/// cell.
 pub(crate) fn rim(
     surface: &Surface<'_>,
     points: &[DVec3],

@@ -32,7 +32,8 @@ impl Frame {
         DVec3::new(x, y, z)
     }
 
-    /// A position of the mesh in the cell frame, edge lengths: the apex is subtracted first, so that digits stay.
+    /// A position of the mesh in the cell frame, edge lengths: the apex is subtracted first, so
+    /// that digits stay.
     pub(crate) fn point(&self, p: DVec3) -> DVec3 {
         self.direction(p - self.apex)
     }
@@ -40,8 +41,8 @@ impl Frame {
     /// Finds the apex, the normal and the first edge of an open surface that faces the light.
     ///
     /// # Errors
-    /// [`Fault::NoApex`] where neither the surface nor the options give them, and what is wrong with the lattice or the
-    /// options.
+    /// [`Fault::NoApex`] where neither the surface nor the options give them, and what is wrong
+    /// with the lattice or the options.
     pub(crate) fn of(
         surface: &Surface<'_>,
         lattice: Option<[DVec3; 2]>,
@@ -127,7 +128,8 @@ fn normal(surface: &Surface<'_>, lattice: Option<[DVec3; 2]>) -> Result<DVec3, F
     if !(a.is_finite() && b.is_finite() && sine > 1e-6) {
         return Err(Fault::LatticeDegenerate);
     }
-    // A closed surface faces nowhere: light comes from where the lattice's vectors turn counter-clockwise.
+    // A closed surface faces nowhere: light comes from where the lattice's vectors turn
+    // counter-clockwise.
     let closed = facing.length() <= 1e-9 * cross.length();
     let facing = if closed { DVec3::ZERO } else { facing };
     let normal = cross.normalize() * if cross.dot(facing) < 0.0 { -1.0 } else { 1.0 };

@@ -17,7 +17,8 @@ use crate::files::load::load;
 use crate::mesh::error::{Error, Fault};
 use crate::mesh::mesh::Mesh;
 
-/// Least number of digits: rounding past this part of an edge is an error, past a hundredth of it a warning.
+/// Least number of digits: rounding past this part of an edge is an error, past a hundredth of it a
+/// warning.
 const DIGITS: f64 = 1e-6;
 
 /// Loads a mesh file and normalises it: [`load`], then [`normalise`].
@@ -30,9 +31,9 @@ pub fn load_cell(path: &Path, options: &CellOptions) -> Result<Cell, Error> {
 
 /// Checks a mesh and brings it into the cell frame, with edge length 1.
 ///
-/// Nothing is snapped or straightened: facets are the file's vertices less the apex, over the edge length, turned into
-/// the frame. Accuracy: the rounding of the file's coordinates (2e-16 of the largest, file units) over the edge length,
-/// and 4e-16 of the cell's extent.
+/// Nothing is snapped or straightened: facets are the file's vertices less the apex, over the edge
+/// length, turned into the frame. Accuracy: the rounding of the file's coordinates (2e-16 of the
+/// largest, file units) over the edge length, and 4e-16 of the cell's extent.
 ///
 /// `path` appears in messages only.
 ///
@@ -113,7 +114,8 @@ fn opened(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mesh, Fau
     prism::open(surface, corner.as_ref())
 }
 
-/// A hollow surface turned over, where it has peaks and no hollow corner; `None` where it already faces the light.
+/// A hollow surface turned over, where it has peaks and no hollow corner; `None` where it already
+/// faces the light.
 ///
 /// # Errors
 /// [`Fault::MixedWinding`] where one part has hollow corners and another one only peaks.

@@ -1,8 +1,9 @@
 //! Normals at the corners of facets that stand for a curved face.
 //!
-//! A file may give each corner of a face a normal of its own (OBJ `vn`, glTF `NORMAL`): that of the curved face which the
-//! flat facets approximate. They shape nothing unless asked for ([`crate::CellOptions::file_normals`]): programs write them for
-//! flat faces too, often averaged over an edge.
+//! A file may give each corner of a face a normal of its own (OBJ `vn`, glTF `NORMAL`): that of the
+//! curved face which the flat facets approximate. They shape nothing unless asked for
+//! ([`crate::CellOptions::file_normals`]): programs write them for flat faces too, often averaged
+//! over an edge.
 
 use glam::DVec3;
 
@@ -10,8 +11,8 @@ use crate::cell::frame::Frame;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
-/// Normals closer than this are the same, rad: files with four digits, as some programs write them, round each coordinate
-/// by 5e-5, and two vectors so by up to 1.8e-4.
+/// Normals closer than this are the same, rad: files with four digits, as some programs write them,
+/// round each coordinate by 5e-5, and two vectors so by up to 1.8e-4.
 const SAME: f64 = 2e-4;
 
 /// Normals at the corners of facets, unit length, within 90 degrees of the facet's front.
@@ -23,11 +24,12 @@ pub struct Normals {
     pub corners: Vec<[u32; 3]>,
 }
 
-/// The normals that the file of `surface` gives, in `frame`. Facets without any are planes; which side all of them point to
-/// does not matter, for a reflection does not know it.
+/// The normals that the file of `surface` gives, in `frame`. Facets without any are planes; which
+/// side all of them point to does not matter, for a reflection does not know it.
 ///
 /// # Errors
-/// There are none, a facet has some but not all, or one that is no direction, or not all are on one side.
+/// There are none, a facet has some but not all, or one that is no direction, or not all are on one
+/// side.
 pub(crate) fn of_file(
     surface: &Surface<'_>,
     frame: &Frame,
@@ -104,7 +106,8 @@ pub(crate) fn of_file(
     Ok(Normals { vectors, corners })
 }
 
-/// What is said where the file has normals that nobody asked for and that differ from its facets' own.
+/// What is said where the file has normals that nobody asked for and that differ from its facets'
+/// own.
 pub(crate) fn left_out(surface: &Surface<'_>) -> Option<String> {
     let mesh = surface.mesh;
     let sine = |triangle: usize, number: std::num::NonZeroU32| {
@@ -123,7 +126,8 @@ pub(crate) fn left_out(surface: &Surface<'_>) -> Option<String> {
         .fold(0.0, f64::max);
     (largest > SAME).then(|| {
         format!(
-            "the file has normals up to {:.2} degrees off its facets, which are taken as planes; if they stand for a curved face, \
+            "the file has normals up to {:.2} degrees off its facets, which are taken as planes; \
+            if they stand for a curved face, \
              give --normals file",
             largest.min(1.0).asin().to_degrees()
         )

@@ -11,9 +11,10 @@ pub struct CellOptions {
     pub azimuth_zero: Option<DVec3>,
     /// Length of an edge (a leg from the apex), file units.
     pub edge_length: Option<f64>,
-    /// Whether facets stand for a curved face that has the file's normals (`normals`); else they are planes.
+    /// Whether facets stand for a curved face that has the file's normals (`normals`); else they
+    /// are planes.
     pub file_normals: bool,
-    /// Whether faces of the material `glass` are surfaces of bodies that light goes through, wound outward. The mesh is then
-    /// taken as it is, closed or not; else all facets are mirrors.
+    /// Whether faces of the material `glass` are surfaces of bodies that light goes through, wound
+    /// outward. The mesh is then taken as it is, closed or not; else all facets are mirrors.
     pub glass: bool,
 }

@@ -1,4 +1,5 @@
-//! Closed prisms: taking the front face off, so that the mirror facets alone are left, facing the light.
+//! Closed prisms: taking the front face off, so that the mirror facets alone are left, facing the
+//! light.
 
 use glam::DVec3;
 
@@ -9,8 +10,8 @@ use crate::mesh::mesh::Mesh;
 
 /// Triangles of a front face are flat to this part of the mesh's extent.
 const FLAT: f64 = 1e-6;
-/// A front face looks away from the apex within this angle's cosine (53 deg): more than any useful cant, less than the
-/// 54.7 deg of a block's other faces.
+/// A front face looks away from the apex within this angle's cosine (53 deg): more than any useful
+/// cant, less than the 54.7 deg of a block's other faces.
 const OPPOSITE_COS: f64 = 0.6;
 /// Neighbouring triangles are looked at as one face below this angle, rad.
 const SMOOTH: f64 = 1e-4;
@@ -37,7 +38,8 @@ pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
     mesh
 }
 
-/// For each triangle the first one of its flat face: triangles that meet along a side without a bend are of one face.
+/// For each triangle the first one of its flat face: triangles that meet along a side without a
+/// bend are of one face.
 fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..surface.welded.len() as u32).collect();
     for sides in surface.meetings() {
@@ -62,8 +64,9 @@ fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
 
 /// The mirror facets of a closed, outward-wound prism, turned to face the light inside it.
 ///
-/// The front face is the largest flat face that has the whole prism behind it and looks away from the apex `corner`
-/// (where there is none: the largest of all), with whatever else lies in its plane.
+/// The front face is the largest flat face that has the whole prism behind it and looks away from
+/// the apex `corner` (where there is none: the largest of all), with whatever else lies in its
+/// plane.
 ///
 /// # Errors
 /// [`Fault::NoFrontFace`].

@@ -56,9 +56,11 @@ fn walk(next: &mut HashMap<u32, u32>, start: u32) -> Vec<u32> {
     path
 }
 
-/// Entrance height and polygon of a rim whose vertices, `points` in the cell frame, are numbered `vertices`.
+/// Entrance height and polygon of a rim whose vertices, `points` in the cell frame, are numbered
+/// `vertices`.
 ///
-/// The height is that of the highest rim vertex. Corners on a straight line (to 1e-12 edge lengths) are left out.
+/// The height is that of the highest rim vertex. Corners on a straight line (to 1e-12 edge lengths)
+/// are left out.
 ///
 /// # Errors
 /// [`Fault::RimNotPlanar`] past `tolerance` (edge lengths), [`Fault::RimCrossed`].

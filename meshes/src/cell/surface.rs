@@ -1,4 +1,5 @@
-//! The triangles as a surface: which vertices are one point, which triangles meet at an edge, what is connected.
+//! The triangles as a surface: which vertices are one point, which triangles meet at an edge, what
+//! is connected.
 
 use glam::DVec3;
 
@@ -39,7 +40,8 @@ impl<'a> Surface<'a> {
     /// Welds the vertices of `mesh` and sorts its edges.
     ///
     /// # Panics
-    /// If an index is out of range or a position is not finite: [`crate::cell::check::vertices`] comes first.
+    /// If an index is out of range or a position is not finite: [`crate::cell::check::vertices`]
+    /// comes first.
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
         let same = weld::weld(mesh, weld::tolerance(mesh));
         let welded: Vec<[u32; 3]> = mesh
@@ -106,10 +108,11 @@ impl<'a> Surface<'a> {
             .collect()
     }
 
-    /// Vector area of the surface, file units squared: the sum of the triangles' normals times their areas. It is
-    /// normal to a planar rim and points to the light.
+    /// Vector area of the surface, file units squared: the sum of the triangles' normals times
+    /// their areas. It is normal to a planar rim and points to the light.
     ///
-    /// It depends on the boundary alone, and is summed there: over 9600 triangles instead, rounding reached 6e-14.
+    /// It depends on the boundary alone, and is summed there: over 9600 triangles instead, rounding
+    /// reached 6e-14.
     pub(crate) fn vector_area(&self) -> DVec3 {
         let boundary = self.boundary();
         let at = |vertex: u32| self.mesh.positions[vertex as usize];
@@ -122,7 +125,8 @@ impl<'a> Surface<'a> {
             .sum()
     }
 
-    /// Connected part of each triangle (through edges shared by two triangles), and the number of parts.
+    /// Connected part of each triangle (through edges shared by two triangles), and the number of
+    /// parts.
     pub(crate) fn parts(&self) -> (Vec<u32>, usize) {
         let mut parent: Vec<u32> = (0..self.welded.len() as u32).collect();
         for sides in self.meetings() {

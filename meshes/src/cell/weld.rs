@@ -1,7 +1,8 @@
-//! Which vertices are the same point: exporters repeat a vertex for every face that has its own normal.
+//! Which vertices are the same point: exporters repeat a vertex for every face that has its own
+//! normal.
 //!
-//! Welding serves topology alone. Facets keep the positions that the file gives them, so that a dihedral error of 1e-9
-//! is not rounded away by it.
+//! Welding serves topology alone. Facets keep the positions that the file gives them, so that a
+//! dihedral error of 1e-9 is not rounded away by it.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -10,14 +11,16 @@ use glam::DVec3;
 
 use crate::mesh::mesh::Mesh;
 
-/// Two vertices closer than this part of the median triangle's longest edge are one (besides the rounding of their
-/// coordinates). f32 files place the two sides of a shared edge to 1e-7 of it.
+/// Two vertices closer than this part of the median triangle's longest edge are one (besides the
+/// rounding of their coordinates). f32 files place the two sides of a shared edge to 1e-7 of it.
 pub(crate) const TOLERANCE: f64 = 2e-7;
 
-/// The first of the vertices that each vertex coincides with; vertices that no triangle uses are their own.
+/// The first of the vertices that each vertex coincides with; vertices that no triangle uses are
+/// their own.
 ///
-/// A vertex joins the first representative within `tolerance` (file units); representatives do not move, so that a
-/// chain of close vertices does not collapse. Expected time linear in the number of vertices.
+/// A vertex joins the first representative within `tolerance` (file units); representatives do not
+/// move, so that a chain of close vertices does not collapse. Expected time linear in the number of
+/// vertices.
 pub(crate) fn weld(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
     let mut used = vec![false; mesh.positions.len()];
     for &vertex in mesh.triangles.iter().flatten() {
@@ -61,8 +64,8 @@ pub(crate) fn weld(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
     same
 }
 
-/// Distance within which two vertices of `mesh` are one point, file units: [`TOLERANCE`] of the median triangle and
-/// the rounding of the coordinates themselves.
+/// Distance within which two vertices of `mesh` are one point, file units: [`TOLERANCE`] of the
+/// median triangle and the rounding of the coordinates themselves.
 pub(crate) fn tolerance(mesh: &Mesh) -> f64 {
     let mut longest: Vec<f64> = (0..mesh.triangles.len())
         .map(|triangle| {
@@ -78,8 +81,8 @@ pub(crate) fn tolerance(mesh: &Mesh) -> f64 {
     TOLERANCE * *median + rounding(mesh)
 }
 
-/// Bound on the rounding of a distance between two positions of `mesh`, file units: half a unit in the last place of
-/// the largest coordinate, for two vertices in three axes.
+/// Bound on the rounding of a distance between two positions of `mesh`, file units: half a unit in
+/// the last place of the largest coordinate, for two vertices in three axes.
 pub(crate) fn rounding(mesh: &Mesh) -> f64 {
     let largest = mesh
         .positions

@@ -10,8 +10,9 @@ use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};
 
-/// One bead of a sheet, the light towards +z: an octahedron whose faces are cut into facets and brought onto the sphere. Facets above
-/// the equator are of the material `glass`, those below are mirrors; corners have the sphere's normals.
+/// One bead of a sheet, the light towards +z: an octahedron whose faces are cut into facets and
+/// brought onto the sphere. Facets above the equator are of the material `glass`, those below are
+/// mirrors; corners have the sphere's normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bead {
     /// Distance from bead to bead, file units.
@@ -26,7 +27,8 @@ impl Bead {
     /// Name on the command line and in files.
     pub const NAME: &'static str = "bead";
     /// One line for a list.
-    pub const DESCRIPTION: &'static str = "a glass bead, its lower half a mirror, periodic: trace it with --glass-index and --normals file";
+    pub const DESCRIPTION: &'static str = "a glass bead, its lower half a mirror, periodic: trace \
+    it with --glass-index and --normals file";
 
     /// The mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
     ///

@@ -1,4 +1,5 @@
-//! One cube corner up to its planar rim: sharp, with rounded edges, or with a flat in place of its apex.
+//! One cube corner up to its planar rim: sharp, with rounded edges, or with a flat in place of its
+//! apex.
 
 use glam::{DMat3, DVec3};
 
@@ -8,8 +9,8 @@ pub(crate) struct Corner {
     pub positions: Vec<DVec3>,
     /// Facets, counter-clockwise seen from the light.
     pub triangles: Vec<[u32; 3]>,
-    /// The rim's vertices at the ends of edges 1, 2 and 3, counter-clockwise in all: one where the edge is sharp, an arc where it is
-    /// rounded.
+    /// The rim's vertices at the ends of edges 1, 2 and 3, counter-clockwise in all: one where the
+    /// edge is sharp, an arc where it is rounded.
     pub rim: [Vec<u32>; 3],
 }
 
@@ -42,17 +43,20 @@ impl Corner {
         }
     }
 
-    /// The same with each edge filled by a cylinder of the radius `radius` in `strips` planar strips of equal angle, and the apex by
-    /// the sphere that touches all three facets, in strips^2 triangles.
+    /// The same with each edge filled by a cylinder of the radius `radius` in `strips` planar
+    /// strips of equal angle, and the apex by the sphere that touches all three facets, in strips^2
+    /// triangles.
     ///
-    /// Strips and triangles have their corners on the cylinders and the sphere. These touch the facets at the radius's distance from the
-    /// other two: what is left of a facet is its part farther than that from both its edges (right angles).
+    /// Strips and triangles have their corners on the cylinders and the sphere. These touch the
+    /// facets at the radius's distance from the other two: what is left of a facet is its part
+    /// farther than that from both its edges (right angles).
     pub(super) fn rounded(legs: [DVec3; 3], radius: f64, strips: u32) -> Self {
         let next = |k: usize| (k + 1) % 3;
         let normals = [0, 1, 2].map(|k| legs[k].cross(legs[next(k)]).normalize());
         let rows = DMat3::from_cols(normals[0], normals[1], normals[2]).transpose();
         let centre = rows.inverse() * DVec3::splat(radius);
-        // From the middle of the sphere to its patch; `at` are three parts of `strips`, one for each facet.
+        // From the middle of the sphere to its patch; `at` are three parts of `strips`, one for
+        // each facet.
         let outward = |at: [u32; 3]| match [0, 1, 2].map(|k| at[k] == 0) {
             [true, false, false] => between(normals[1], normals[2], at[2], strips),
             [false, true, false] => between(normals[2], normals[0], at[0], strips),

@@ -1,8 +1,9 @@
 //! Parametric cells.
 //!
-//! All have their first apex at the origin and the cube's axes along x, y, z (where no dihedral error bends them), the
-//! light towards +x +y +z, and the vertices in the order apex, then the ends of its three edges. With the edge length
-//! of 3 that is the default, every coordinate of the ideal cells is an integer: exact in text and in f32.
+//! All have their first apex at the origin and the cube's axes along x, y, z (where no dihedral
+//! error bends them), the light towards +x +y +z, and the vertices in the order apex, then the ends
+//! of its three edges. With the edge length of 3 that is the default, every coordinate of the ideal
+//! cells is an integer: exact in text and in f32.
 
 use glam::{DMat3, DVec3};
 
@@ -20,7 +21,8 @@ use crate::mesh::mesh::{Mesh, sha256};
 pub enum Shape {
     /// One cube corner, triangular aperture through the ends of its edges.
     Triangular,
-    /// A cube corner and its copy turned by 180 degrees about the normal: a rhombic aperture that tiles the plane.
+    /// A cube corner and its copy turned by 180 degrees about the normal: a rhombic aperture that
+    /// tiles the plane.
     TriangularPair,
     /// Three square facets, hexagonal outline, rim not planar: one period of a lattice.
     FullCube,
@@ -55,7 +57,8 @@ impl Shape {
                 "a cube corner and its copy turned by 180 degrees: a rhombic aperture that tiles"
             }
             Self::FullCube => {
-                "three square facets with a hexagonal outline and a rim that is not planar, periodic"
+                "three square facets with a hexagonal outline and a rim that is not planar, \
+                periodic"
             }
             Self::Canted => {
                 "a pair of cube corners tilted against the sheet's normal, with a planar rim"
@@ -101,30 +104,34 @@ pub struct Design {
     pub shape: Shape,
     /// Length of the longest edge from the apex before truncation, file units; 3 by default.
     pub edge_length: f64,
-    /// Errors of the dihedral angles at edges 1, 2 and 3 (between the two facets that share the edge), rad; positive is
-    /// wider than 90 degrees. At most 0.1 either way.
+    /// Errors of the dihedral angles at edges 1, 2 and 3 (between the two facets that share the
+    /// edge), rad; positive is wider than 90 degrees. At most 0.1 either way.
     pub dihedral_error_rad: [f64; 3],
-    /// How much lower the top is than the ideal one, as a part of its height above the apex; from 0 to below 1, and
-    /// below 0.5 for the full cube, whose three top corners are cut off flat and closed by mirrors. The others keep
-    /// their shape and become smaller, which only the recorded edge length tells.
+    /// How much lower the top is than the ideal one, as a part of its height above the apex; from 0
+    /// to below 1, and below 0.5 for the full cube, whose three top corners are cut off flat and
+    /// closed by mirrors. The others keep their shape and become smaller, which only the recorded
+    /// edge length tells.
     pub truncation: f64,
     /// [`Shape::Canted`]: angle of the sheet's normal against the cube's axis, rad, towards edge 1 where positive;
     /// between -0.602 (-34.5 degrees) and 0.907 (52 degrees); 0.15 by default. Others: 0.
     pub cant_rad: f64,
-    /// How far the middle of each face bulges towards the light, edge lengths; at most 0.05 either way, 0 for planes. Not for
-    /// the full cube.
+    /// How far the middle of each face bulges towards the light, edge lengths; at most 0.05 either
+    /// way, 0 for planes. Not for the full cube.
     pub sag: f64,
     /// Facets along each edge of a face, whose number is the square of this; from 1 to 1000.
     pub segments: u32,
-    /// Radius of the cylinders that fill the three edges from the apex, and of the sphere that fills the apex, file units; up to a
-    /// fifth of the shortest edge. 0, a sharp edge, for [`Shape::FullCube`].
+    /// Radius of the cylinders that fill the three edges from the apex, and of the sphere that
+    /// fills the apex, file units; up to a fifth of the shortest edge. 0, a sharp edge, for
+    /// [`Shape::FullCube`].
     pub edge_radius: f64,
-    /// Planar strips that a cylinder is made of, 1 to 24; the sphere is made of their square of triangles.
+    /// Planar strips that a cylinder is made of, 1 to 24; the sphere is made of their square of
+    /// triangles.
     pub strips: u32,
-    /// Part of each edge from the apex that a flat facet cuts off; from 0 to 0.5. 0 with rounded edges and for [`Shape::FullCube`].
+    /// Part of each edge from the apex that a flat facet cuts off; from 0 to 0.5. 0 with rounded
+    /// edges and for [`Shape::FullCube`].
     pub apex_flat: f64,
-    /// Width of the land between neighbouring cubes, file units, up to ten edge lengths: a flat mirror in the plane of the rim, between
-    /// full cubes nothing.
+    /// Width of the land between neighbouring cubes, file units, up to ten edge lengths: a flat
+    /// mirror in the plane of the rim, between full cubes nothing.
     pub gap: f64,
 }
 
@@ -228,7 +235,8 @@ impl Design {
             _ => return unused("a sag together with an edge radius, a flat apex or a gap"),
         }
         if self.shape == Shape::Canted {
-            // Beyond, the sheet's normal comes near a facet (at -35.26 degrees) or an edge (at 54.74).
+            // Beyond, the sheet's normal comes near a facet (at -35.26 degrees) or an edge (at
+            // 54.74).
             return inside("cant in degrees", self.cant_rad.to_degrees(), -34.5, 52.0);
         }
         if self.cant_rad != 0.0 {
@@ -248,10 +256,12 @@ impl Design {
     }
 }
 
-/// Unit edges from the apex for the given dihedral errors: those nearest to x, y, z (symmetric square root).
+/// Unit edges from the apex for the given dihedral errors: those nearest to x, y, z (symmetric
+/// square root).
 ///
-/// Spherical trigonometry gives the angle between two edges from the three dihedral angles A = 90 deg + error:
-/// cos a = (cos A + cos B cos C) / (sin B sin C). That is the Gram matrix G of the edges; they are G^(1/2).
+/// Spherical trigonometry gives the angle between two edges from the three dihedral angles A = 90
+/// deg + error: cos a = (cos A + cos B cos C) / (sin B sin C). That is the Gram matrix G of the
+/// edges; they are G^(1/2).
 fn legs(error: [f64; 3]) -> [DVec3; 3] {
     let [a, b, c] = error;
     let between =
@@ -263,7 +273,8 @@ fn legs(error: [f64; 3]) -> [DVec3; 3] {
         DVec3::new(g12, 0.0, g23),
         DVec3::new(g31, g23, 0.0),
     );
-    // G^(1/2) = I + S with S = (E - S S) / 2, iterated on the excess E alone so that 1e-9 keeps its digits.
+    // G^(1/2) = I + S with S = (E - S S) / 2, iterated on the excess E alone so that 1e-9 keeps its
+    // digits.
     let mut root = excess * 0.5;
     for _ in 0..60 {
         root = (excess - root * root) * 0.5;
@@ -275,8 +286,8 @@ fn legs(error: [f64; 3]) -> [DVec3; 3] {
     ]
 }
 
-/// A normal of the plane through the ends of three edges, away from the apex. Not of unit length, which would turn
-/// integers into roots.
+/// A normal of the plane through the ends of three edges, away from the apex. Not of unit length,
+/// which would turn integers into roots.
 fn rim_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
@@ -313,7 +324,8 @@ fn full_cube([a, b, c]: [DVec3; 3], cut: f64, gap: f64) -> Mesh {
         positions.extend([u + v * keep, v + u * keep]);
         triangles.extend([[0, first, next], [0, next, next + 1], [0, next + 1, second]]);
     }
-    // The flat top over a + b: the third of its corners lies on the edge towards a + b - c, in a neighbouring cell.
+    // The flat top over a + b: the third of its corners lies on the edge towards a + b - c, in a
+    // neighbouring cell.
     let next = positions.len() as u32;
     positions.push(a + b - c * cut);
     triangles.push([5, 4, next]);

@@ -1,8 +1,9 @@
 //! Curved faces: each cut into many facets, with the normals of the curved face at their corners.
 //!
-//! A face bulges towards the light by 27 sag b0 b1 b2, b its barycentric coordinates: the sag in its middle, nothing along its
-//! edges, so that faces still meet, rims stay planar and cells still tile. Its slope is nothing at the corners and greatest
-//! on the edges: on an ideal cube 6.75 sag / edge length beside a leg, 9.5 at the rim.
+//! A face bulges towards the light by 27 sag b0 b1 b2, b its barycentric coordinates: the sag in
+//! its middle, nothing along its edges, so that faces still meet, rims stay planar and cells still
+//! tile. Its slope is nothing at the corners and greatest on the edges: on an ideal cube 6.75 sag /
+//! edge length beside a leg, 9.5 at the rim.
 
 use std::collections::HashMap;
 use std::num::NonZeroU32;
@@ -11,8 +12,9 @@ use glam::DVec3;
 
 use crate::mesh::mesh::Mesh;
 
-/// `mesh`, each triangle of which is a face: cut into `segments` x `segments` facets that bulge by `sag` (file units), with
-/// normals where that is not 0. Corners keep their numbers; neighbours share the points of an edge.
+/// `mesh`, each triangle of which is a face: cut into `segments` x `segments` facets that bulge by
+/// `sag` (file units), with normals where that is not 0. Corners keep their numbers; neighbours
+/// share the points of an edge.
 pub(super) fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
     let mut fine = Mesh {
         triangles: Vec::new(),
@@ -40,11 +42,12 @@ struct Face {
 }
 
 impl Face {
-    /// Appends the facets, and what they need of points and normals, to `fine`. `edges`: the first of the points between two
-    /// corners, in the order of their numbers.
+    /// Appends the facets, and what they need of points and normals, to `fine`. `edges`: the first
+    /// of the points between two corners, in the order of their numbers.
     fn cut(&self, edges: &mut HashMap<[u32; 2], u32>, fine: &mut Mesh) {
         let n = self.segments;
-        // Rows of steps (i, j) along the sides from corner 0 to 1 and to 2: j from 0, in each i from 0 to n - j.
+        // Rows of steps (i, j) along the sides from corner 0 to 1 and to 2: j from 0, in each i
+        // from 0 to n - j.
         let place = |i: u32, j: u32| (j * (2 * n + 3 - j) / 2 + i) as usize;
         let mut points = Vec::with_capacity(place(0, n) + 1);
         let first_normal = fine.normals.len() as u32 + 1;

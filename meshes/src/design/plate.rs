@@ -9,7 +9,8 @@ use crate::mesh::mesh::{Mesh, sha256};
 
 /// One period of the plate, the light towards +z: mirrors across x above, mirrors across y below.
 ///
-/// A mirror reflects on both sides and has a thickness; its upper edge is a mirror too, facing the light.
+/// A mirror reflects on both sides and has a thickness; its upper edge is a mirror too, facing the
+/// light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate {
     /// Distance from mirror to mirror in either layer, file units.
@@ -43,7 +44,8 @@ impl Plate {
             design: Self::NAME.to_owned(),
             ..Mesh::default()
         };
-        // Across x first: the lattice's first vector, which is azimuth 0, is the normal of the upper mirrors.
+        // Across x first: the lattice's first vector, which is azimuth 0, is the normal of the
+        // upper mirrors.
         let layers = [(DVec3::X, DVec3::Y, depth), (DVec3::Y, DVec3::NEG_X, 0.0)];
         for (across, along, bottom) in layers {
             let first = mesh.positions.len() as u32;

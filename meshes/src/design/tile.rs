@@ -9,8 +9,8 @@ use crate::mesh::mesh::Mesh;
 const SAME: f64 = 1e-9;
 
 impl Corner {
-    /// The corner with a flat land of the width `width` around its triangular aperture, whose corners are `ends`; and the corners of the
-    /// triangle that the land ends at.
+    /// The corner with a flat land of the width `width` around its triangular aperture, whose
+    /// corners are `ends`; and the corners of the triangle that the land ends at.
     pub(super) fn with_land(self, ends: [DVec3; 3], width: f64) -> (Self, [DVec3; 3]) {
         if width == 0.0 {
             return (self, ends);
@@ -47,8 +47,8 @@ impl Corner {
         }
     }
 
-    /// The corner and its copy, turned by 180 degrees about `normal` (any length) through the middle of the side that the two share,
-    /// from `a` to `b`.
+    /// The corner and its copy, turned by 180 degrees about `normal` (any length) through the
+    /// middle of the side that the two share, from `a` to `b`.
     pub(super) fn pair(self, [a, b, _]: [DVec3; 3], normal: DVec3) -> Mesh {
         // Not of unit length, which would turn integers into roots.
         let turned = |p: DVec3| normal * (2.0 * normal.dot(p) / normal.length_squared()) - p;
@@ -78,8 +78,8 @@ impl Corner {
     }
 }
 
-/// A triangle with an outer edge on which an outer vertex lies, and the two that it falls into there: cubes whose arcs differ share
-/// a part of the side between them.
+/// A triangle with an outer edge on which an outer vertex lies, and the two that it falls into
+/// there: cubes whose arcs differ share a part of the side between them.
 fn touched(mesh: &Mesh, same: f64) -> Option<(usize, [[u32; 3]; 2])> {
     let edges = |t: &[u32; 3]| [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]];
     let inner: std::collections::HashSet<[u32; 2]> = mesh

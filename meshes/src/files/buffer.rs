@@ -21,8 +21,8 @@ impl Buffers {
     /// Resolves all buffers: the binary chunk, base64 data URIs, and files in or below `folder`.
     ///
     /// # Errors
-    /// [`Fault::BufferUri`] (other schemes, paths that leave the folder, bad base64), [`Fault::BufferUnreadable`],
-    /// [`Fault::BufferShort`], [`Fault::TooLarge`].
+    /// [`Fault::BufferUri`] (other schemes, paths that leave the folder, bad base64),
+    /// [`Fault::BufferUnreadable`], [`Fault::BufferShort`], [`Fault::TooLarge`].
     pub(crate) fn resolve(
         document: &gltf::Document,
         binary: Option<&[u8]>,

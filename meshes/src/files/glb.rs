@@ -42,7 +42,8 @@ pub(crate) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
 /// A GLB file of a JSON text and a binary chunk, both padded to four bytes.
 ///
 /// # Panics
-/// If the file would be longer than its 32-bit length can say; meshes within [`crate::mesh::mesh::MAX_ELEMENTS`] are not.
+/// If the file would be longer than its 32-bit length can say; meshes within
+/// [`crate::mesh::mesh::MAX_ELEMENTS`] are not.
 pub(crate) fn file(json: &str, binary: &[u8]) -> Vec<u8> {
     let padded = |length: usize| length.div_ceil(4) * 4;
     let total = 12 + 8 + padded(json.len()) + 8 + padded(binary.len());

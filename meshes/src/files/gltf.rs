@@ -1,8 +1,9 @@
 //! glTF 2.0, as JSON with its buffers or as GLB.
 //!
-//! The `gltf` crate parses and validates the document; node transforms are accumulated here in f64 (its own product is
-//! f32), quaternions renormalised, and the winding turned over where a transform mirrors. Positions are kept relative
-//! to the origin of the first node that has a mesh: exact local vertices under a node translation of 10^6 stay exact.
+//! The `gltf` crate parses and validates the document; node transforms are accumulated here in f64
+//! (its own product is f32), quaternions renormalised, and the winding turned over where a
+//! transform mirrors. Positions are kept relative to the origin of the first node that has a mesh:
+//! exact local vertices under a node translation of 10^6 stay exact.
 
 use std::num::NonZeroU32;
 use std::path::Path;
@@ -25,14 +26,16 @@ struct Placement {
     translation: DVec3,
 }
 
-/// Parses the bytes of a .gltf or .glb file; `folder` is where buffers in files of their own are looked for.
+/// Parses the bytes of a .gltf or .glb file; `folder` is where buffers in files of their own are
+/// looked for.
 ///
-/// Only the default scene is read (the first one, where none is named), all its mesh nodes merged in depth-first
-/// order. Skins, morph targets and materials other than `KHR_materials_ior` and
+/// Only the default scene is read (the first one, where none is named), all its mesh nodes merged
+/// in depth-first order. Skins, morph targets and materials other than `KHR_materials_ior` and
 /// `KHR_materials_dispersion` do not shape a mirror and are ignored.
 ///
 /// # Errors
-/// Malformed containers, documents, buffers and accessors, cycles and scenes without triangles: see [`Fault`].
+/// Malformed containers, documents, buffers and accessors, cycles and scenes without triangles: see
+/// [`Fault`].
 pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     let (json, binary) = if glb::is_binary(bytes) {
         glb::chunks(bytes)?
@@ -64,8 +67,9 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     Ok(mesh)
 }
 
-/// Refuses JSON that would take far more memory than its bytes do: an object of two may become a node of hundreds, a
-/// number of one a value of 32. Long texts (buffers as data URIs) take what they are.
+/// Refuses JSON that would take far more memory than its bytes do: an object of two may become a
+/// node of hundreds, a number of one a value of 32. Long texts (buffers as data URIs) take what
+/// they are.
 fn light(json: &[u8]) -> Result<(), Fault> {
     let (mut objects, mut outside) = (0, 0);
     let (mut in_text, mut escaped) = (false, false);
@@ -90,8 +94,8 @@ fn light(json: &[u8]) -> Result<(), Fault> {
     }
 }
 
-/// The document, validated by the `gltf` crate. Its validation looks positions up before it checks their index, and
-/// panics on a wrong one: so that is checked first.
+/// The document, validated by the `gltf` crate. Its validation looks positions up before it checks
+/// their index, and panics on a wrong one: so that is checked first.
 fn validated(json: &[u8]) -> Result<Document, Fault> {
     let root = Gltf::from_slice_without_validation(json)
         .map_err(Fault::Gltf)?
@@ -165,7 +169,8 @@ fn placed(node: &Node<'_>, parent: Placement) -> Result<Placement, Fault> {
             rotation,
             scale,
         } => {
-            // f32 leaves a quaternion 1e-7 off unit length: a scale and shear that nobody asked for.
+            // f32 leaves a quaternion 1e-7 off unit length: a scale and shear that nobody asked
+            // for.
             let rotation = DQuat::from_array(rotation.map(f64::from)).normalize();
             (
                 DMat3::from_quat(rotation) * DMat3::from_diagonal(wide(scale)),
@@ -280,7 +285,8 @@ fn append(
     Ok(())
 }
 
-/// The normals of a primitive's vertices in the scene; `None` where it has none that are plain floats, as many as vertices.
+/// The normals of a primitive's vertices in the scene; `None` where it has none that are plain
+/// floats, as many as vertices.
 fn normals(
     primitive: &::gltf::Primitive<'_>,
     here: Placement,
@@ -336,7 +342,8 @@ fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, &'static str>
     })
 }
 
-/// Reads `lattice`, `design`, `edge_length` and `azimuth_zero` from the extras of the document, its asset or its scene, first found.
+/// Reads `lattice`, `design`, `edge_length` and `azimuth_zero` from the extras of the document, its
+/// asset or its scene, first found.
 fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
     let root = document.as_json();
     let scene = document

@@ -10,7 +10,8 @@ use crate::mesh::mesh::Mesh;
 /// Reads an OBJ, glTF or GLB file, by its extension.
 ///
 /// # Errors
-/// The file is missing, has another extension, is larger than 512 MiB or 2^23 vertices or triangles, or is malformed.
+/// The file is missing, has another extension, is larger than 512 MiB or 2^23 vertices or
+/// triangles, or is malformed.
 pub fn load(path: &Path) -> Result<Mesh, Error> {
     let extension = path
         .extension()

@@ -1,9 +1,10 @@
 //! Wavefront OBJ through `tobj`, in f64.
 //!
-//! `tobj` numbers vertices by their first use and forgets the file's order, cannot continue lines, and fans every
-//! polygon. So it is given only the `v` and `f` lines, continued lines joined, after one polygon that names all
-//! vertices in order; polygons are cut into triangles in `crate::mesh::polygon`. Normals are read here: `tobj` would refuse files
-//! for those that nobody asks for.
+//! `tobj` numbers vertices by their first use and forgets the file's order, cannot continue lines,
+//! and fans every polygon. So it is given only the `v` and `f` lines, continued lines joined, after
+//! one polygon that names all vertices in order; polygons are cut into triangles in
+//! `crate::mesh::polygon`. Normals are read here: `tobj` would refuse files for those that nobody
+//! asks for.
 
 use std::borrow::Cow;
 use std::num::NonZeroU32;
@@ -17,8 +18,8 @@ use crate::mesh::polygon;
 /// Parses an OBJ file.
 ///
 /// # Errors
-/// A line that is not OBJ, an index out of range, a face of fewer than three corners, or a polygon that is not flat or
-/// crosses itself.
+/// A line that is not OBJ, an index out of range, a face of fewer than three corners, or a polygon
+/// that is not flat or crosses itself.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = Mesh {
@@ -49,8 +50,9 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     Ok(mesh)
 }
 
-/// Reads the normals, and gives the number of that at each corner of each face, faces after each other; nothing where there
-/// are none. Those that are no three numbers are not finite, numbers of none are the greatest of all.
+/// Reads the normals, and gives the number of that at each corner of each face, faces after each
+/// other; nothing where there are none. Those that are no three numbers are not finite, numbers of
+/// none are the greatest of all.
 fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
     let mut numbers = Vec::new();
     if !text.lines().any(|line| keyword(line) == "vn") {
@@ -139,8 +141,8 @@ fn geometry(text: &str, vertices: usize) -> String {
     source
 }
 
-/// A vertex line up to its third number: a fourth is a rational weight or the first of a colour, and neither moves a
-/// polygon's corner.
+/// A vertex line up to its third number: a fourth is a rational weight or the first of a colour,
+/// and neither moves a polygon's corner.
 fn coordinates(content: &str) -> String {
     content
         .split_whitespace()
@@ -161,7 +163,8 @@ fn read(mut source: impl std::io::BufRead) -> Result<Option<tobj::Mesh>, tobj::L
     Ok(models.into_iter().next().map(|model| model.mesh))
 }
 
-/// Cuts the polygons, past the one that names all vertices, into the mesh's triangles. `normals`: at their corners, if any.
+/// Cuts the polygons, past the one that names all vertices, into the mesh's triangles. `normals`:
+/// at their corners, if any.
 fn triangulate(
     mesh: &mut Mesh,
     indices: &[u32],
@@ -222,8 +225,8 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L` and `# azimuth_zero x,y,z`; other comments say nothing
-/// to us.
+/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L` and `# azimuth_zero
+/// x,y,z`; other comments say nothing to us.
 fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
     let content = content.trim_start_matches('#').trim();
     let (key, value) = content
@@ -297,7 +300,8 @@ fn locate(reason: tobj::LoadError, text: &str, vertices: usize) -> Fault {
     Fault::Obj(reason)
 }
 
-/// First index of a face line that is out of range; negative ones count back from the `before` vertices above it.
+/// First index of a face line that is out of range; negative ones count back from the `before`
+/// vertices above it.
 fn wrong_index(content: &str, before: i64, vertices: usize) -> Option<i64> {
     let indices = content
         .split_whitespace()

@@ -33,9 +33,9 @@ fn joined(vectors: &[DVec3], separator: &str) -> String {
     words.join(separator)
 }
 
-/// The mesh as OBJ text: `# design`, `# lattice`, `# edge_length` and `# azimuth_zero` comments where the mesh has them, then
-/// `v` and `f` lines, `vn` lines where it has normals and `usemtl` lines where some faces are of glass. Every coordinate reads
-/// back as the same f64.
+/// The mesh as OBJ text: `# design`, `# lattice`, `# edge_length` and `# azimuth_zero` comments
+/// where the mesh has them, then `v` and `f` lines, `vn` lines where it has normals and `usemtl`
+/// lines where some faces are of glass. Every coordinate reads back as the same f64.
 pub fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
@@ -87,7 +87,8 @@ pub fn obj(mesh: &Mesh) -> String {
     text
 }
 
-/// The mesh with a vertex for each normal at it, and those normals; the mesh itself and none where not every corner has one.
+/// The mesh with a vertex for each normal at it, and those normals; the mesh itself and none where
+/// not every corner has one.
 fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     let corners = mesh.triangles.iter().zip(&mesh.corner_normals);
     let given = corners.flat_map(|(vertices, numbers)| vertices.iter().copied().zip(*numbers));
@@ -122,9 +123,10 @@ fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     (Cow::Owned(split), normals)
 }
 
-/// The mesh as a GLB file: one primitive, f32 positions, u32 indices, `extras` of the document for design, lattice,
-/// edge length and azimuth zero (f64), and `KHR_materials_ior` where there is a refractive index. Normals are written where every corner has
-/// one, each vertex as often as it has others.
+/// The mesh as a GLB file: one primitive, f32 positions, u32 indices, `extras` of the document for
+/// design, lattice, edge length and azimuth zero (f64), and `KHR_materials_ior` where there is a
+/// refractive index. Normals are written where every corner has one, each vertex as often as it has
+/// others.
 ///
 /// f32 keeps 6e-8 of a coordinate: dihedral errors below 1e-7 rad need OBJ.
 pub fn glb(mesh: &Mesh) -> Vec<u8> {
@@ -207,8 +209,8 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
     glb::file(&document.to_string(), &binary)
 }
 
-/// Writes the mesh to `path`, as OBJ or GLB by its extension, through a temporary file beside it: an interrupted write
-/// leaves an older file whole.
+/// Writes the mesh to `path`, as OBJ or GLB by its extension, through a temporary file beside it:
+/// an interrupted write leaves an older file whole.
 ///
 /// # Errors
 /// [`Fault::UnknownExtension`] and [`Fault::Unwritable`].

@@ -1,7 +1,7 @@
 //! What can be wrong with a mesh, where it is, and what to do about it.
 //!
-//! Vertices and faces are numbered from 1, in the order of the file: OBJ `v` and `f` lines; for glTF, vertices and
-//! triangles counted through the scene's nodes in depth-first order.
+//! Vertices and faces are numbered from 1, in the order of the file: OBJ `v` and `f` lines; for
+//! glTF, vertices and triangles counted through the scene's nodes in depth-first order.
 
 use std::path::{Path, PathBuf};
 
@@ -77,11 +77,13 @@ pub enum Fault {
     #[error("cannot be written ({0}); check the folder and its permissions")]
     Unwritable(#[source] std::io::Error),
     #[error(
-        "has the extension '{extension}', which is not a mesh format read here; convert it to .obj, .gltf or .glb"
+        "has the extension '{extension}', which is not a mesh format read here; convert it to \
+        .obj, .gltf or .glb"
     )]
     UnknownExtension { extension: String },
     #[error(
-        "holds {found} {what}, more than the limit of {limit}; reduce the mesh to one cell or one period"
+        "holds {found} {what}, more than the limit of {limit}; reduce the mesh to one cell or one \
+        period"
     )]
     TooLarge {
         what: Counted,
@@ -104,7 +106,8 @@ pub enum Fault {
     #[error("line {line} is a face of {corners} corners; give it three or more, or delete it")]
     FewCorners { line: usize, corners: usize },
     #[error(
-        "line {line} refers to vertex {index}, but the file has {vertices} vertices; correct the index"
+        "line {line} refers to vertex {index}, but the file has {vertices} vertices; correct the \
+        index"
     )]
     ObjIndex {
         line: usize,
@@ -112,19 +115,23 @@ pub enum Fault {
         vertices: usize,
     },
     #[error(
-        "line {line} is not a lattice ('{text}'); write '# lattice ax,ay,az,bx,by,bz' with six finite numbers"
+        "line {line} is not a lattice ('{text}'); write '# lattice ax,ay,az,bx,by,bz' with six \
+        finite numbers"
     )]
     LatticeComment { line: usize, text: String },
     #[error(
-        "line {line} is not an edge length ('{text}'); write '# edge_length L' with one positive number"
+        "line {line} is not an edge length ('{text}'); write '# edge_length L' with one positive \
+        number"
     )]
     EdgeLengthComment { line: usize, text: String },
     #[error(
-        "line {line} is not a direction ('{text}'); write '# azimuth_zero x,y,z' with three finite numbers"
+        "line {line} is not a direction ('{text}'); write '# azimuth_zero x,y,z' with three \
+        finite numbers"
     )]
     AzimuthZeroComment { line: usize, text: String },
     #[error(
-        "face {face} is not flat (a corner is {relative:.1e} of its size off its plane); split it into triangles"
+        "face {face} is not flat (a corner is {relative:.1e} of its size off its plane); split it \
+        into triangles"
     )]
     PolygonNotFlat { face: u32, relative: f64 },
     #[error("face {face} crosses itself; split it into triangles")]
@@ -140,11 +147,13 @@ pub enum Fault {
     #[error("reaches node {node} twice; give every node one parent, without cycles")]
     NodeRevisited { node: usize },
     #[error(
-        "has a node {node} whose transform is not finite or flattens the mesh; correct its matrix, rotation or scale"
+        "has a node {node} whose transform is not finite or flattens the mesh; correct its \
+        matrix, rotation or scale"
     )]
     NodeTransform { node: usize },
     #[error(
-        "has a buffer {buffer} whose URI '{uri}' cannot be resolved ({reason}); embed it or keep it beside the file"
+        "has a buffer {buffer} whose URI '{uri}' cannot be resolved ({reason}); embed it or keep \
+        it beside the file"
     )]
     BufferUri {
         buffer: usize,
@@ -152,7 +161,8 @@ pub enum Fault {
         reason: &'static str,
     },
     #[error(
-        "has a buffer {buffer} in '{}' that cannot be read ({source}); put that file beside this one",
+        "has a buffer {buffer} in '{}' that cannot be read ({source}); put that file beside this \
+        one",
         path.display()
     )]
     BufferUnreadable {
@@ -197,7 +207,8 @@ pub enum Fault {
     )]
     Extent { extent: f64, least: f64, most: f64 },
     #[error(
-        "face {face} is degenerate (height {height:.1e} on an edge of {edge:.1e}); delete it or merge its vertices"
+        "face {face} is degenerate (height {height:.1e} on an edge of {edge:.1e}); delete it or \
+        merge its vertices"
     )]
     DegenerateFace { face: u32, height: f64, edge: f64 },
     #[error(
@@ -205,11 +216,13 @@ pub enum Fault {
     )]
     DuplicateFace { face: u32, first: u32 },
     #[error(
-        "face {face} lies back to back on face {first} (same three vertices, other side); delete one of them"
+        "face {face} lies back to back on face {first} (same three vertices, other side); delete \
+        one of them"
     )]
     CoincidentFace { face: u32, first: u32 },
     #[error(
-        "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave two, deleting \
+        "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave \
+        two, deleting \
          faces that lie on others"
     )]
     NonManifoldEdge {
@@ -219,7 +232,8 @@ pub enum Fault {
         face: u32,
     },
     #[error(
-        "face {face} is flipped against its neighbours ({flipped} of {faces} faces are); make the winding agree"
+        "face {face} is flipped against its neighbours ({flipped} of {faces} faces are); make the \
+        winding agree"
     )]
     MixedWinding {
         face: u32,
@@ -227,13 +241,15 @@ pub enum Fault {
         faces: usize,
     },
     #[error(
-        "the surface at face {face} has one side only (a Moebius strip); cut it so that its winding can agree"
+        "the surface at face {face} has one side only (a Moebius strip); cut it so that its \
+        winding can agree"
     )]
     OneSided { face: u32 },
 
     // ---- materials
     #[error(
-        "has no face of the material \"glass\" (OBJ usemtl, glTF material name) for --glass-index; name it so where light goes \
+        "has no face of the material \"glass\" (OBJ usemtl, glTF material name) for \
+        --glass-index; name it so where light goes \
          through, or leave out --glass-index"
     )]
     NoGlass,
@@ -244,55 +260,65 @@ pub enum Fault {
 
     // ---- normals
     #[error(
-        "has no normals to interpolate (OBJ vn, glTF NORMAL); export it with smooth normals, or leave out --normals file"
+        "has no normals to interpolate (OBJ vn, glTF NORMAL); export it with smooth normals, or \
+        leave out --normals file"
     )]
     NoNormals,
     #[error("face {face} has normals at some of its corners only; give all of them one, or none")]
     NormalMissing { face: u32 },
     #[error(
-        "face {face} refers to a normal that is not among the {normals} of the file; correct the index"
+        "face {face} refers to a normal that is not among the {normals} of the file; correct the \
+        index"
     )]
     NormalOutOfRange { face: u32, normals: usize },
     #[error("face {face} has a normal that is zero or not finite; export the normals again")]
     NormalNoDirection { face: u32 },
     #[error(
-        "face {face} has a normal {degrees:.1} degrees off its front, on the other side than those of face {known}; compute the normals \
+        "face {face} has a normal {degrees:.1} degrees off its front, on the other side than \
+        those of face {known}; compute the normals \
          again from the faces"
     )]
     NormalBehind { face: u32, degrees: f64, known: u32 },
 
     // ---- the cell
     #[error(
-        "no apex was found (no inner vertex where three perpendicular facets meet, seen from the light): the cell \
+        "no apex was found (no inner vertex where three perpendicular facets meet, seen from the \
+        light): the cell \
          cannot be normalised; merge the facets' vertices, or give --edge-length and --azimuth-zero"
     )]
     NoApex,
     #[error(
-        "lies {distance:.1e} edge lengths from the origin, where f64 rounds to {left:.1e} of an edge; move it \
+        "lies {distance:.1e} edge lengths from the origin, where f64 rounds to {left:.1e} of an \
+        edge; move it \
          to the origin"
     )]
     DigitsLost { distance: f64, left: f64 },
     #[error(
-        "the rim is not planar (vertex {vertex} is {height:.3e} edge lengths off its plane); flatten it or give \
+        "the rim is not planar (vertex {vertex} is {height:.3e} edge lengths off its plane); \
+        flatten it or give \
          --lattice"
     )]
     RimNotPlanar { vertex: usize, height: f64 },
     #[error(
-        "has {loops} boundary loops (a second one at vertex {vertex}); close the holes, join the cells or \
+        "has {loops} boundary loops (a second one at vertex {vertex}); close the holes, join the \
+        cells or \
          give --lattice"
     )]
     SeveralRims { loops: usize, vertex: usize },
     #[error(
-        "the rim crosses or touches itself at vertex {vertex}; join the cells along whole edges or give --lattice"
+        "the rim crosses or touches itself at vertex {vertex}; join the cells along whole edges \
+        or give --lattice"
     )]
     RimCrossed { vertex: usize },
     #[error(
-        "vertex {vertex} stands {height:.3e} edge lengths above the rim; lower it, or raise the rim \
+        "vertex {vertex} stands {height:.3e} edge lengths above the rim; lower it, or raise the \
+        rim \
          to the highest vertex"
     )]
     AboveRim { vertex: usize, height: f64 },
     #[error(
-        "is closed but has no flat front face opposite its apex; flatten the front face, or delete it for a hollow cell"
+        "is closed but has no flat front face opposite its apex; flatten the front face, or \
+        delete it for a hollow cell"
     )]
     NoFrontFace,
     #[error(
@@ -300,27 +326,33 @@ pub enum Fault {
     )]
     SeveralBodies { bodies: usize, face: u32 },
     #[error(
-        "the lattice vectors are degenerate (parallel, zero or not finite); give two independent ones in file units"
+        "the lattice vectors are degenerate (parallel, zero or not finite); give two independent \
+        ones in file units"
     )]
     LatticeDegenerate,
     #[error(
-        "the lattice plane is {degrees:.2} degrees off the plane of the cell; give lattice vectors in the sheet's plane"
+        "the lattice plane is {degrees:.2} degrees off the plane of the cell; give lattice \
+        vectors in the sheet's plane"
     )]
     LatticeTilted { degrees: f64 },
     #[error(
-        "the facets cover {covered:.4} lattice cells, more than one; give one period and lattice vectors in file units"
+        "the facets cover {covered:.4} lattice cells, more than one; give one period and lattice \
+        vectors in file units"
     )]
     LatticeOverfull { covered: f64 },
     #[error(
-        "edge length {edge_length} is not usable; give a positive number of file units (--edge-length)"
+        "edge length {edge_length} is not usable; give a positive number of file units \
+        (--edge-length)"
     )]
     EdgeLength { edge_length: f64 },
     #[error(
-        "edge length {edge_length} does not fit a cell {extent} wide; give the length of an edge in file units (--edge-length)"
+        "edge length {edge_length} does not fit a cell {extent} wide; give the length of an edge \
+        in file units (--edge-length)"
     )]
     EdgeLengthScale { edge_length: f64, extent: f64 },
     #[error(
-        "azimuth zero {x},{y},{z} has no direction in the sheet's plane; give another one (--azimuth-zero)"
+        "azimuth zero {x},{y},{z} has no direction in the sheet's plane; give another one \
+        (--azimuth-zero)"
     )]
     AzimuthZero { x: f64, y: f64, z: f64 },
 

@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 
 /// Name of the material whose faces light goes through, where that is asked for.
 pub(crate) const GLASS: &str = "glass";
-/// Largest number of vertices and of triangles that is accepted: past it, memory rather than geometry decides.
+/// Largest number of vertices and of triangles that is accepted: past it, memory rather than
+/// geometry decides.
 pub(crate) const MAX_ELEMENTS: usize = 1 << 23;
 
 /// Triangles in file units and the file's own frame, with what the file says about them.
@@ -15,12 +16,15 @@ pub(crate) const MAX_ELEMENTS: usize = 1 << 23;
 pub struct Mesh {
     /// Vertex positions relative to `origin`, file units, in the order of the file.
     pub positions: Vec<DVec3>,
-    /// Where `positions` are counted from in the file's frame, file units. Zero for OBJ; the first mesh node's origin
-    /// for glTF, so that exact local vertices keep their digits under a large node translation.
+    /// Where `positions` are counted from in the file's frame, file units. Zero for OBJ; the first
+    /// mesh node's origin for glTF, so that exact local vertices keep their digits under a large
+    /// node translation.
     pub origin: DVec3,
-    /// Vertex indices, wound counter-clockwise seen from the light (hollow facets) or outward (closed prisms).
+    /// Vertex indices, wound counter-clockwise seen from the light (hollow facets) or outward
+    /// (closed prisms).
     pub triangles: Vec<[u32; 3]>,
-    /// Number (from 1) of the file's face that each triangle was cut from; empty where every face is a triangle.
+    /// Number (from 1) of the file's face that each triangle was cut from; empty where every face
+    /// is a triangle.
     pub faces: Vec<u32>,
     /// Normals that the file gives, of any length.
     pub normals: Vec<DVec3>,
@@ -30,10 +34,11 @@ pub struct Mesh {
     pub glass: Vec<bool>,
     /// Lattice vectors of a periodic cell, file units.
     pub lattice: Option<[DVec3; 2]>,
-    /// Edge length that the file states (`# edge_length` comment, `extras.edge_length`), file units: truncated cells.
+    /// Edge length that the file states (`# edge_length` comment, `extras.edge_length`), file
+    /// units: truncated cells.
     pub edge_length: Option<f64>,
-    /// Direction of azimuth 0 that the file states (`# azimuth_zero` comment, `extras.azimuth_zero`), file frame, any length: cells
-    /// without an apex.
+    /// Direction of azimuth 0 that the file states (`# azimuth_zero` comment,
+    /// `extras.azimuth_zero`), file frame, any length: cells without an apex.
     pub azimuth_zero: Option<DVec3>,
     /// Refractive index that the file gives (`KHR_materials_ior`).
     pub refractive_index: Option<f64>,
@@ -64,7 +69,8 @@ impl Mesh {
     /// Corners of triangle `triangle`, relative to `origin`, file units.
     ///
     /// # Panics
-    /// If the triangle or one of its indices is out of range; `crate::cell::check::vertices` excludes the latter.
+    /// If the triangle or one of its indices is out of range; `crate::cell::check::vertices`
+    /// excludes the latter.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|vertex| self.positions[vertex as usize])
     }

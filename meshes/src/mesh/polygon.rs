@@ -6,17 +6,20 @@ use crate::mesh::error::{Counted, Fault};
 
 /// Most corners of a polygon that is not a fan: ear clipping costs their square.
 pub(crate) const MAX_CORNERS: usize = 1024;
-/// How far a corner may be off the polygon's plane, in units of the polygon's extent. Files with six digits round
-/// corners by 1e-6; past 1e-4 the choice of the diagonals changes what the mirror does.
+/// How far a corner may be off the polygon's plane, in units of the polygon's extent. Files with
+/// six digits round corners by 1e-6; past 1e-4 the choice of the diagonals changes what the mirror
+/// does.
 pub(crate) const FLAT: f64 = 1e-4;
 
-/// Appends the triangles of the polygon `corners`, wound as it is, to `triangles`. `face` is its number in messages.
+/// Appends the triangles of the polygon `corners`, wound as it is, to `triangles`. `face` is its
+/// number in messages.
 ///
-/// Triangles are passed on as they are, degenerate or not. A fan from the first corner is used where it is valid (all
-/// convex polygons), else ears are clipped.
+/// Triangles are passed on as they are, degenerate or not. A fan from the first corner is used
+/// where it is valid (all convex polygons), else ears are clipped.
 ///
 /// # Errors
-/// The polygon is not flat to [`FLAT`], crosses itself, or is no fan and has more than [`MAX_CORNERS`] corners.
+/// The polygon is not flat to [`FLAT`], crosses itself, or is no fan and has more than
+/// [`MAX_CORNERS`] corners.
 ///
 /// # Panics
 /// If an index is out of range of `positions`.
@@ -66,7 +69,8 @@ pub(crate) fn cut(
     }
     let thin = 1e-12 * extent * extent;
     let fans = (1..corners.len() - 1).all(|i| (flat[i] - flat[0]).perp_dot(flat[i + 1] - flat[0]) > thin)
-        // A fan of positive triangles that turns once: the angles at the first corner stay below a full turn.
+        // A fan of positive triangles that turns once: the angles at the first corner stay below a
+        // full turn.
         && (flat[1] - flat[0]).perp_dot(flat[corners.len() - 1] - flat[0]) > thin;
     if fans {
         triangles.extend((1..corners.len() - 1).map(|i| [corners[0], corners[i], corners[i + 1]]));
@@ -83,8 +87,8 @@ pub(crate) fn cut(
     clip_ears(&flat, corners, thin, triangles).ok_or(Fault::PolygonCrossed { face })
 }
 
-/// Ear clipping of a simple polygon, counter-clockwise in `flat`; `None` where no ear is left, or the ears do not add
-/// up to the polygon: it crosses itself.
+/// Ear clipping of a simple polygon, counter-clockwise in `flat`; `None` where no ear is left, or
+/// the ears do not add up to the polygon: it crosses itself.
 fn clip_ears(
     flat: &[DVec2],
     corners: &[u32],
@@ -120,7 +124,8 @@ fn inside(p: DVec2, [a, b, c]: [DVec2; 3]) -> bool {
         && (a - c).perp_dot(p - c) >= 0.0
 }
 
-/// Whether two edges of a closed polygon that are not neighbours cross or touch; quadratic in its corners.
+/// Whether two edges of a closed polygon that are not neighbours cross or touch; quadratic in its
+/// corners.
 pub(crate) fn crosses(flat: &[DVec2]) -> bool {
     first_crossing(flat).is_some()
 }
@@ -145,9 +150,9 @@ pub(crate) fn first_crossing(flat: &[DVec2]) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// Random star-shaped polygons, mostly concave, somewhere in space: n - 2 triangles, all wound as the polygon,
-    /// their areas adding up to its area (so they neither overlap nor leave gaps). Areas are of order 1, rounding
-    /// below 1e-13.
+    /// Random star-shaped polygons, mostly concave, somewhere in space: n - 2 triangles, all wound
+    /// as the polygon, their areas adding up to its area (so they neither overlap nor leave gaps).
+    /// Areas are of order 1, rounding below 1e-13.
     #[test]
     fn concave_polygons_are_covered_once() {
         let mut state = 7_u64;

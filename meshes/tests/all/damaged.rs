@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use meshes::{CellOptions, Mesh, gltf, normalise, obj};
 
-/// Damaged copies of each file. The first run found a panic in the validation of the `gltf` crate; one of 20,000 copies
-/// of each (two million files) found none.
+/// Damaged copies of each file. The first run found a panic in the validation of the `gltf` crate;
+/// one of 20,000 copies of each (two million files) found none.
 const DAMAGES: usize = 150;
 
 fn files() -> Vec<PathBuf> {

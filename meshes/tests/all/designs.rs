@@ -22,7 +22,8 @@ fn area(cell: &Cell) -> f64 {
         .sum()
 }
 
-/// Dihedral angle less 90 degrees between two facets, from their unit normals: cos(90 + e) = -sin e of the outer angle.
+/// Dihedral angle less 90 degrees between two facets, from their unit normals: cos(90 + e) = -sin e
+/// of the outer angle.
 fn error_between(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let normal = |t: [DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize();
     // Inside normals at 90 deg + e enclose 90 deg - e.
@@ -57,7 +58,8 @@ fn ideal_cells_have_their_closed_forms() {
             assert_eq!(cell.design, shape.name());
             assert!(cell.azimuth_zero.distance(DVec3::X) < ROUNDING);
             for facet in &cell.facets {
-                // Counter-clockwise seen from the light: normals point up, each at 54.7 degrees from the sheet's.
+                // Counter-clockwise seen from the light: normals point up, each at 54.7 degrees
+                // from the sheet's.
                 let normal = (facet[1] - facet[0]).cross(facet[2] - facet[0]).normalize();
                 assert!((normal.z - 1.0 / root).abs() < ROUNDING);
             }
@@ -79,7 +81,8 @@ fn the_full_cube_tiles_by_its_lattice() {
             && (b.length() - 2_f64.sqrt()).abs() < ROUNDING
     );
     assert!((a.perp_dot(b) - 3_f64.sqrt()).abs() < ROUNDING);
-    // Every outer edge of the hexagon is an outer edge of a neighbour, at the same heights, run the other way.
+    // Every outer edge of the hexagon is an outer edge of a neighbour, at the same heights, run the
+    // other way.
     let outer: Vec<[DVec3; 2]> = cell.facets.iter().map(|f| [f[1], f[2]]).collect();
     let mut matched = 0;
     for [p, q] in &outer {
@@ -183,10 +186,11 @@ fn truncation_lowers_the_top_and_keeps_the_edge_length() {
     assert_eq!(cases, 12);
 }
 
-/// The files of the `designs` folder are what the code writes, and the folder's README has their hashes.
+/// The files of the `designs` folder are what the code writes, and the folder's README has their
+/// hashes.
 ///
-/// To make them anew after a wanted change: `UPDATE_DESIGNS=1 cargo test -p meshes --test all designs`, and copy the hashes
-/// that the test then prints.
+/// To make them anew after a wanted change: `UPDATE_DESIGNS=1 cargo test -p meshes --test all
+/// designs`, and copy the hashes that the test then prints.
 #[test]
 fn the_design_files_are_what_the_code_writes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");
@@ -231,8 +235,8 @@ fn the_design_files_are_what_the_code_writes() {
     assert_eq!(cases, 6);
 }
 
-/// Worn cells and those with land pass the same door as files do, in OBJ and in GLB: one planar rim, no warning, the edge length and the
-/// first edge of the sharp cell.
+/// Worn cells and those with land pass the same door as files do, in OBJ and in GLB: one planar
+/// rim, no warning, the edge length and the first edge of the sharp cell.
 #[test]
 fn worn_cells_and_land_are_cells() {
     let mut cases = 0;
@@ -275,7 +279,8 @@ fn worn_cells_and_land_are_cells() {
                 let expected = cubes * (facets + land) as usize;
                 assert!((expected..=expected + 4).contains(&mesh.triangles.len()));
                 let folder = tempfile::tempdir().expect("a temporary folder");
-                // Single precision rounds the rim by 1e-7 of its extent, more than it rounds the rest.
+                // Single precision rounds the rim by 1e-7 of its extent, more than it rounds the
+                // rest.
                 for (extension, rounding) in [("obj", 1e-13), ("glb", 3e-6)] {
                     let file = folder.path().join(format!("cell.{extension}"));
                     write::save(&mesh, &file).expect("a writable folder");
@@ -283,7 +288,8 @@ fn worn_cells_and_land_are_cells() {
                     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
                     assert!((found.edge_length / sharp.edge_length - 1.0).abs() < rounding);
                     assert!(found.azimuth_zero.distance(sharp.azimuth_zero) < rounding);
-                    // Each corner loses up to R^2 / 2 across the edge, over the cosine of its angle from the sheet's normal.
+                    // Each corner loses up to R^2 / 2 across the edge, over the cosine of its angle
+                    // from the sheet's normal.
                     let (wide, own) = (area(&found), area(&sharp));
                     let cosine = sharp.entrance.height / (1.0 - truncation);
                     let off = 1.5 * cubes as f64 * (edge_radius / 3.0_f64).powi(2) / cosine;

@@ -20,7 +20,8 @@ fn doubled([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Mirrors of both layers and sides, upper edges facing the light; coordinates to an ulp of the plate's height.
+/// Mirrors of both layers and sides, upper edges facing the light; coordinates to an ulp of the
+/// plate's height.
 #[test]
 fn a_plate_has_its_dimensions() {
     let plate = Plate {
@@ -58,8 +59,8 @@ fn a_plate_has_its_dimensions() {
     }
 }
 
-/// Vertices on the sphere, facets outward and closed, glass above the equator; the inscribed surface lacks some
-/// (pi / 2n)^2 of the sphere's.
+/// Vertices on the sphere, facets outward and closed, glass above the equator; the inscribed
+/// surface lacks some (pi / 2n)^2 of the sphere's.
 #[test]
 fn a_bead_is_a_sphere() {
     let mut cases = 0;

@@ -1,4 +1,5 @@
-//! Files that users might hand over: the bad ones with the message that each must get, the good ones with their cell.
+//! Files that users might hand over: the bad ones with the message that each must get, the good
+//! ones with their cell.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -106,7 +107,8 @@ fn a_missing_file_and_bad_options_are_told() {
     }
 }
 
-/// The facets of two cells, as sets, vertex sets compared: file order and triangulation starts do not matter.
+/// The facets of two cells, as sets, vertex sets compared: file order and triangulation starts do
+/// not matter.
 fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
     let near = |f: &[DVec3; 3], g: &[DVec3; 3]| {
         (0..3).any(|k| (0..3).all(|i| f[i].distance(g[(i + k) % 3]) <= tolerance))
@@ -125,9 +127,9 @@ fn every_good_file_is_its_cell() {
         design(Shape::TriangularPair),
         design(Shape::FullCube),
     );
-    // File, cell, edge length, warnings, closed. Exact f32 or decimal coordinates: rounding alone, 4e-15 (a few
-    // operations on numbers up to 2). The second node of the pair has an f32 quaternion with three equal entries,
-    // exact once renormalised.
+    // File, cell, edge length, warnings, closed. Exact f32 or decimal coordinates: rounding alone,
+    // 4e-15 (a few operations on numbers up to 2). The second node of the pair has an f32
+    // quaternion with three equal entries, exact once renormalised.
     let cases: [(&str, &Cell, f64, usize, bool); 21] = [
         ("quads.obj", &full, 3.0, 0, false),
         ("negative_indices.obj", &single, 3.0, 0, false),
@@ -225,8 +227,8 @@ fn the_hash_covers_external_buffers() {
     assert_ne!(before, hash());
 }
 
-/// An Abbe number (KHR_materials_dispersion holds 20 / V_d) makes the index one of the wavelength: the file's own at the d line,
-/// apart by (n - 1)/V_d between the F and C lines.
+/// An Abbe number (KHR_materials_dispersion holds 20 / V_d) makes the index one of the wavelength:
+/// the file's own at the d line, apart by (n - 1)/V_d between the F and C lines.
 #[test]
 fn dispersion_of_a_file() {
     let plain = std::fs::read_to_string(folder("good/prism_with_index.gltf")).expect("reads");

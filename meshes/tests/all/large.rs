@@ -58,7 +58,8 @@ fn a_patch_of_two_thousand_cubes_normalises() {
     assert!(cell.warnings.is_empty());
 }
 
-/// Every triangle cut into `parts` x `parts`, with vertices of its own; `bend` moves a point of the surface.
+/// Every triangle cut into `parts` x `parts`, with vertices of its own; `bend` moves a point of the
+/// surface.
 fn refined(mesh: &Mesh, parts: u32, bend: impl Fn(DVec3) -> DVec3) -> Mesh {
     let mut fine = Mesh {
         positions: Vec::new(),
@@ -72,7 +73,8 @@ fn refined(mesh: &Mesh, parts: u32, bend: impl Fn(DVec3) -> DVec3) -> Mesh {
                 f64::from(i) / f64::from(parts),
                 f64::from(j) / f64::from(parts),
             );
-            // Weighted sums are the same from both sides of an edge only to rounding: welding must bridge that.
+            // Weighted sums are the same from both sides of an edge only to rounding: welding must
+            // bridge that.
             bend(a * (1.0 - u - v) + b * u + c * v)
         };
         for j in 0..parts {
@@ -131,7 +133,8 @@ fn finely_triangulated_facets_keep_their_apex() {
     assert_eq!(cases, 3);
 }
 
-/// Facets bulged by a hundredth of an edge, the edges left straight: the apex and the edges are still there.
+/// Facets bulged by a hundredth of an edge, the edges left straight: the apex and the edges are
+/// still there.
 #[test]
 fn slightly_curved_facets_keep_their_apex() {
     let mesh = Design::new(Shape::Triangular).mesh().expect("a design");

@@ -1,4 +1,5 @@
-//! Tests of the crate from outside, in one program. `cargo test -p meshes --test all normals` runs those of one file.
+//! Tests of the crate from outside, in one program. `cargo test -p meshes --test all normals` runs
+//! those of one file.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

@@ -1,4 +1,5 @@
-//! Normals of the corners of facets: from every kind of file the same, and refused where they make no sense.
+//! Normals of the corners of facets: from every kind of file the same, and refused where they make
+//! no sense.
 
 use std::path::Path;
 
@@ -49,8 +50,8 @@ fn assert_alike(one: &Cell, other: &Cell, tolerance: f64, name: &str) {
     }
 }
 
-/// Text gives every digit back; f32 keeps 6e-8 of a coordinate of up to 3 units, three axes, over edges of 3 units, and as
-/// much of the apex and the axes.
+/// Text gives every digit back; f32 keeps 6e-8 of a coordinate of up to 3 units, three axes, over
+/// edges of 3 units, and as much of the apex and the axes.
 #[test]
 fn every_file_gives_the_same_normals() {
     let mut cases = 0;
@@ -122,8 +123,9 @@ fn every_file_gives_the_same_normals() {
     assert_eq!(cases, 15);
 }
 
-/// A node that mirrors and stretches: positions by the map, normals by its inverse transpose. The design stretched by the same
-/// map has normals of its own facets that the carried ones stay close to: within the half facet that they turn by.
+/// A node that mirrors and stretches: positions by the map, normals by its inverse transpose. The
+/// design stretched by the same map has normals of its own facets that the carried ones stay close
+/// to: within the half facet that they turn by.
 #[test]
 fn nodes_turn_normals() {
     let mesh = curved(Shape::Triangular);

@@ -24,8 +24,9 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
         let mesh = mesh(shape);
         let plain = cell(&mesh, CellOptions::default());
         for degrees in [-170.0_f64, -60.0, 0.0, 15.0, 90.0, 120.0] {
-            // A direction in the file that lies at this azimuth of the plain cell, and out of the sheet's plane too:
-            // the file's frame of the plain cell, from the first edge and the facets' common frame.
+            // A direction in the file that lies at this azimuth of the plain cell, and out of the
+            // sheet's plane too: the file's frame of the plain cell, from the first edge and the
+            // facets' common frame.
             let n = plain_normal(&mesh, &plain);
             let x = (plain.azimuth_zero - n * n.dot(plain.azimuth_zero)).normalize();
             let direction = DQuat::from_axis_angle(n, degrees.to_radians()) * x * 7.0 + n * 3.0;
@@ -56,7 +57,8 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
     assert_eq!(cases, 24);
 }
 
-/// The sheet's normal in the file: two vertices of the first facet, in both frames, and the rotation between them.
+/// The sheet's normal in the file: two vertices of the first facet, in both frames, and the
+/// rotation between them.
 fn plain_normal(mesh: &Mesh, cell: &Cell) -> DVec3 {
     let [_, p, q] = mesh.corners(0).map(|p| p / cell.edge_length);
     let [_, u, v] = cell.facets[0];

@@ -90,13 +90,15 @@ fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
     a.facets.len() == b.facets.len() && a.facets.iter().all(|f| b.facets.iter().any(|g| near(f, g)))
 }
 
-/// Random rigid placement, scale 1e-6 to 1e6, offset up to 1e6 edge lengths, vertex order; dihedral errors to 1e-2.
+/// Random rigid placement, scale 1e-6 to 1e6, offset up to 1e6 edge lengths, vertex order; dihedral
+/// errors to 1e-2.
 ///
-/// Tolerance: the test's own placement and the file round each coordinate to half a unit in the last place, 1.1e-16 of
-/// the distance from the origin r (edge lengths), in 3 axes: 1.9e-16 r for a vertex. A corner less the apex: twice
-/// that. The frame turns by the errors of its two directions, each at most 3 vertices' error over a lever of 0.7, seen
-/// at corners up to 2 away: at most 17 times a vertex's error. Together under 20 * 1.9e-16 r = 3.8e-15 r, plus
-/// 1e-14 for the arithmetic on numbers of order 1 (some forty operations).
+/// Tolerance: the test's own placement and the file round each coordinate to half a unit in the
+/// last place, 1.1e-16 of the distance from the origin r (edge lengths), in 3 axes: 1.9e-16 r for a
+/// vertex. A corner less the apex: twice that. The frame turns by the errors of its two directions,
+/// each at most 3 vertices' error over a lever of 0.7, seen at corners up to 2 away: at most 17
+/// times a vertex's error. Together under 20 * 1.9e-16 r = 3.8e-15 r, plus 1e-14 for the arithmetic
+/// on numbers of order 1 (some forty operations).
 #[test]
 fn a_cell_does_not_depend_on_its_placement() {
     let mut runner = TestRunner::new_with_rng(
@@ -177,8 +179,8 @@ fn a_cell_does_not_depend_on_its_placement() {
     assert_eq!(cases.get(), 400);
 }
 
-/// The ideal single cells look the same from each of their edges, so whichever comes first: the same facets. In the
-/// pair the shared edge turns with the choice, by a third of a turn.
+/// The ideal single cells look the same from each of their edges, so whichever comes first: the
+/// same facets. In the pair the shared edge turns with the choice, by a third of a turn.
 #[test]
 fn the_order_of_the_file_turns_an_ideal_cell_by_its_symmetry() {
     let mut cases = 0;
@@ -207,8 +209,8 @@ fn the_order_of_the_file_turns_an_ideal_cell_by_its_symmetry() {
     assert_eq!(cases, 150);
 }
 
-/// Two cubes that an f32 translation leaves 3e-8 of an edge apart are one cell, and nothing is pulled together: the
-/// second cube's facets are still exactly the first's, turned.
+/// Two cubes that an f32 translation leaves 3e-8 of an edge apart are one cell, and nothing is
+/// pulled together: the second cube's facets are still exactly the first's, turned.
 #[test]
 fn welding_moves_no_vertex() {
     let design = Design {
@@ -232,7 +234,8 @@ fn welding_moves_no_vertex() {
     let mut cases = 0;
     for (facet, expected) in found.facets.iter().zip(&joined.facets) {
         for side in 0..3 {
-            // Edge vectors: the rim's tilt of up to 1e-7 turns both cubes alike, so lengths are compared.
+            // Edge vectors: the rim's tilt of up to 1e-7 turns both cubes alike, so lengths are
+            // compared.
             let length = |f: &[DVec3; 3]| f[side].distance(f[(side + 1) % 3]);
             assert!((length(facet) - length(expected)).abs() < 1e-15);
             cases += 1;
@@ -291,7 +294,8 @@ fn files_read_back_what_was_written() {
                 if extension == "obj" {
                     assert_eq!(read.hash, mesh.hash);
                 }
-                // The frame doubles an f32 corner's error, at most three corners' over a lever of 0.7 (see above): 17.
+                // The frame doubles an f32 corner's error, at most three corners' over a lever of
+                // 0.7 (see above): 17.
                 let found = distance(&cell(&read), &cell(&mesh));
                 assert!(found <= 17.0 * tolerance, "{shape:?} {extension} {found:e}");
                 cases += 1;

@@ -1,4 +1,5 @@
-//! Closed prisms: the front face comes off, whatever its triangles, and the mirror facets are those of the hollow cell.
+//! Closed prisms: the front face comes off, whatever its triangles, and the mirror facets are those
+//! of the hollow cell.
 
 use std::path::Path;
 
@@ -11,7 +12,8 @@ fn cell(mesh: &Mesh) -> Cell {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The hollow cell wound outward, closed by a fan from the middle of its rim, or by two triangles or one.
+/// The hollow cell wound outward, closed by a fan from the middle of its rim, or by two triangles
+/// or one.
 fn closed(hollow: &Mesh, rim: &[u32], fan: bool) -> Mesh {
     let mut mesh = hollow.clone();
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));

@@ -11,7 +11,8 @@ use crate::error::output::OutputError;
 pub enum Error {
     /// Standard output is full or gone. A closed pipe is no error: its reader has seen enough.
     #[error(
-        "standard output cannot be written ({0}); check the pipe, free some space, or use -o where the verb has it"
+        "standard output cannot be written ({0}); check the pipe, free some space, or use -o \
+        where the verb has it"
     )]
     Stdout(std::io::Error),
     /// A file cannot be reserved or written.

@@ -19,8 +19,9 @@ pub enum ListError {
 
 /// Reads `0,5,10` or `start:stop:step`, in the order that was typed.
 ///
-/// The stop belongs to the range when a whole number of steps leads there. Whether one does is decided within the rounding of
-/// the three numbers, so that `0:0.3:0.1` has four values and `0:10:3.3334`, which would end beyond 10, has three.
+/// The stop belongs to the range when a whole number of steps leads there. Whether one does is
+/// decided within the rounding of the three numbers, so that `0:0.3:0.1` has four values and
+/// `0:10:3.3334`, which would end beyond 10, has three.
 ///
 /// # Errors
 /// Which part is wrong, as a sentence.
@@ -37,9 +38,9 @@ pub fn list(text: &str) -> Result<Vec<f64>, ListError> {
         return Err(ListError::Parts);
     };
     let count = (stop - start) / step;
-    // Each typed number is off by half a unit in the last place, each operation adds half a unit of its result. The
-    // numerator is so off by at most eps/2 (|start| + |stop| + |stop - start|), the quotient by that over the step and by
-    // eps of itself. The sum below is twice this.
+    // Each typed number is off by half a unit in the last place, each operation adds half a unit of
+    // its result. The numerator is so off by at most eps/2 (|start| + |stop| + |stop - start|), the
+    // quotient by that over the step and by eps of itself. The sum below is twice this.
     let rounding = f64::EPSILON * ((start.abs() + stop.abs()) / step + 3.0 * count);
     let steps = (count + rounding).floor();
     if !(step > 0.0 && (0.0..LONGEST_LIST as f64).contains(&steps)) {

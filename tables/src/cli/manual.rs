@@ -1,4 +1,5 @@
-//! What a shell and a reader of manual pages want of a program: its version, completions and pages, from clap's description.
+//! What a shell and a reader of manual pages want of a program: its version, completions and pages,
+//! from clap's description.
 
 use std::path::PathBuf;
 
@@ -9,7 +10,8 @@ use crate::cli::error::Error;
 use crate::cli::terminal::print;
 use crate::file::output::Outputs;
 
-/// Returns the text behind `--version`: the version, and the commit where the build was told of one.
+/// Returns the text behind `--version`: the version, and the commit where the build was told of
+/// one.
 pub fn version(version: &str, commit: Option<&str>) -> String {
     match commit.filter(|commit| !commit.is_empty()) {
         Some(commit) => format!("{version} ({commit})"),

@@ -8,7 +8,8 @@ use crate::cli::error::Error;
 use crate::cli::plot_format::PlotFormat;
 use crate::file::output::{Output, Outputs};
 
-/// Prints a result to standard output. A pipe that was closed (`... | head`) is its reader's wish and no error.
+/// Prints a result to standard output. A pipe that was closed (`... | head`) is its reader's wish
+/// and no error.
 ///
 /// # Errors
 /// [`Error::Stdout`] when the disk behind it is full, for example.
@@ -31,7 +32,8 @@ pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Error> {
     }
 }
 
-/// Prints each warning as a line `warning: ...` to standard error. A closed standard error is ignored.
+/// Prints each warning as a line `warning: ...` to standard error. A closed standard error is
+/// ignored.
 pub fn warn<W: Display>(warnings: impl IntoIterator<Item = W>) {
     for warning in warnings {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");

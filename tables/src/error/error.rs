@@ -29,7 +29,8 @@ pub enum Error {
     },
     /// The file does not start with the HDF5 signature.
     #[error(
-        "{}: is not an HDF5 file ({bytes} bytes, without the HDF5 signature); name a table written by `bake \
+        "{}: is not an HDF5 file ({bytes} bytes, without the HDF5 signature); name a table \
+        written by `bake \
          trace`",
         file.display()
     )]
@@ -54,7 +55,8 @@ pub enum Error {
     },
     /// The bytes are not those that were written.
     #[error(
-        "{}: is damaged (its bytes have SHA-256 {computed}, its seal says {stored}); copy it again or bake \
+        "{}: is damaged (its bytes have SHA-256 {computed}, its seal says {stored}); copy it \
+        again or bake \
          it again",
         file.display()
     )]
@@ -68,7 +70,8 @@ pub enum Error {
     },
     /// A structure that the HDF5 library would walk without end.
     #[error(
-        "{}: is damaged (the HDF5 global heap at byte {offset} does not add up); copy it again or bake it \
+        "{}: is damaged (the HDF5 global heap at byte {offset} does not add up); copy it again or \
+        bake it \
          again",
         file.display()
     )]
@@ -78,9 +81,11 @@ pub enum Error {
         /// Where the heap starts.
         offset: usize,
     },
-    /// The HDF5 library refuses an object: cut short, a checksum that fails, an unreadable structure.
+    /// The HDF5 library refuses an object: cut short, a checksum that fails, an unreadable
+    /// structure.
     #[error(
-        "{}: {place} cannot be read or written ({source}); the file is cut short or damaged, copy it again \
+        "{}: {place} cannot be read or written ({source}); the file is cut short or damaged, copy \
+        it again \
          or bake it again",
         file.display()
     )]
@@ -107,7 +112,8 @@ pub enum Error {
     },
     /// A version that this program does not know.
     #[error(
-        "{}: is of format version {found}, this program reads 1 to {newest}; update the program or bake the \
+        "{}: is of format version {found}, this program reads 1 to {newest}; update the program \
+        or bake the \
          table again",
         file.display()
     )]
@@ -182,7 +188,8 @@ pub enum Error {
     },
     /// A dataset claims more elements than any table holds.
     #[error(
-        "{}: dataset {dataset} claims {bytes} bytes, above the limit of {limit}; bake fewer directions or \
+        "{}: dataset {dataset} claims {bytes} bytes, above the limit of {limit}; bake fewer \
+        directions or \
          bins",
         file.display()
     )]
@@ -198,7 +205,8 @@ pub enum Error {
     },
     /// The file claims far more than it holds.
     #[error(
-        "{}: claims {claimed} bytes of content in a file of {bytes}, as a decompression bomb does; if you trust it, \
+        "{}: claims {claimed} bytes of content in a file of {bytes}, as a decompression bomb \
+        does; if you trust it, \
          store it uncompressed with `h5repack -f NONE`",
         file.display()
     )]
@@ -212,7 +220,8 @@ pub enum Error {
     },
     /// The process that reads tables did not come back with one.
     #[error(
-        "{}: cannot be read: the process that reads it with the HDF5 library {what}; the file is damaged or was made to \
+        "{}: cannot be read: the process that reads it with the HDF5 library {what}; the file is \
+        damaged or was made to \
          do harm, copy it again or bake it again",
         file.display()
     )]
@@ -225,8 +234,8 @@ pub enum Error {
     /// What the process that reads tables says: a sentence like the others here.
     #[error("{0}")]
     Told(String),
-    /// A dataset is stored in a way that a table never is (outside the file, an unknown filter, an inflated
-    /// chunk).
+    /// A dataset is stored in a way that a table never is (outside the file, an unknown filter, an
+    /// inflated chunk).
     #[error(
         "{}: dataset {dataset} is stored {found}; copy the table with h5repack or bake it again",
         file.display()
@@ -241,7 +250,8 @@ pub enum Error {
     },
     /// A scale does not agree with the axes that the attributes describe.
     #[error(
-        "{}: dataset {dataset} is {found} at index {index}, expected {expected}; bake the table again",
+        "{}: dataset {dataset} is {found} at index {index}, expected {expected}; bake the table \
+        again",
         file.display()
     )]
     Scale {
@@ -258,7 +268,8 @@ pub enum Error {
     },
     /// A derived dataset does not follow from the counts.
     #[error(
-        "{}: dataset {dataset} is {stored} at flat index {index}, the counts give {computed}; bake the table \
+        "{}: dataset {dataset} is {stored} at flat index {index}, the counts give {computed}; \
+        bake the table \
          again",
         file.display()
     )]
@@ -284,7 +295,8 @@ pub enum Error {
     },
     /// The content is not what was written.
     #[error(
-        "{}: the content has hash {computed}, attribute content_hash says {stored}; it was changed after the \
+        "{}: the content has hash {computed}, attribute content_hash says {stored}; it was \
+        changed after the \
          bake, copy it again or bake it again",
         file.display()
     )]
@@ -305,13 +317,16 @@ pub enum Error {
     /// A direction that the table neither holds nor brackets.
     #[error(transparent)]
     NoDirection(#[from] NoDirection),
-    /// Light that deviates so far, by the distance and the corner size asked for, that no table means it.
+    /// Light that deviates so far, by the distance and the corner size asked for, that no table
+    /// means it.
     #[error(
-        "at this distance and corner size light goes {edges:.1e} edge lengths astray, above 1e6: check the distance, and c_mm \
+        "at this distance and corner size light goes {edges:.1e} edge lengths astray, above 1e6: \
+        check the distance, and c_mm \
          of the result"
     )]
     Astray {
-        /// How far along an axis, edge lengths; infinite where the distance or the corner size is no number to divide.
+        /// How far along an axis, edge lengths; infinite where the distance or the corner size is
+        /// no number to divide.
         edges: f64,
     },
 }

@@ -10,7 +10,8 @@ pub enum Mismatch {
     Empty,
     /// A field that says what was baked is not the same.
     #[error(
-        "{field} of table {index} is {found}, that of the first is {expected}; merge tables of one design and method only"
+        "{field} of table {index} is {found}, that of the first is {expected}; merge tables of \
+        one design and method only"
     )]
     Field {
         /// Name of the field, as in the file.
@@ -24,7 +25,8 @@ pub enum Mismatch {
     },
     /// Both tables hold the same rays.
     #[error(
-        "tables {first} and {second} both hold {what} at direction {direction:?}, which would be counted twice; leave \
+        "tables {first} and {second} both hold {what} at direction {direction:?}, which would be \
+        counted twice; leave \
          one of them out, or bake it with another --seed"
     )]
     Overlap {
@@ -39,7 +41,8 @@ pub enum Mismatch {
     },
     /// The ranges of seeds do not follow one another.
     #[error(
-        "table {index} has seed {found}, expected {expected}, the one after the seeds of the other tables; bake it \
+        "table {index} has seed {found}, expected {expected}, the one after the seeds of the \
+        other tables; bake it \
          with --seed {expected}"
     )]
     Seed {
@@ -52,7 +55,8 @@ pub enum Mismatch {
     },
     /// The directions of the tables together are no grid.
     #[error(
-        "no table holds incidence {incidence_deg} deg, azimuth {azimuth_deg} deg of seed {seed}, which the directions \
+        "no table holds incidence {incidence_deg} deg, azimuth {azimuth_deg} deg of seed {seed}, \
+        which the directions \
          of the others ask for; bake it too"
     )]
     Gap {
@@ -65,7 +69,8 @@ pub enum Mismatch {
     },
     /// Directions of one seed that hold different samples.
     #[error(
-        "the tables of seed {seed} hold {found} at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg, and \
+        "the tables of seed {seed} hold {found} at incidence {incidence_deg} deg, azimuth \
+        {azimuth_deg} deg, and \
          {expected} at the first direction; merge the shards of every direction alike"
     )]
     Uneven {
@@ -82,7 +87,8 @@ pub enum Mismatch {
     },
     /// Some shards of one seed, and rays of another.
     #[error(
-        "shards {missing} of {} of seed {seed} are missing; merge all of one seed before rays of another are added",
+        "shards {missing} of {} of seed {seed} are missing; merge all of one seed before rays of \
+        another are added",
         shards.of
     )]
     Incomplete {

@@ -5,8 +5,10 @@
 pub enum NoDirection {
     /// The angle is outside of what the table covers.
     #[error(
-        "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the nearest direction in \
-         it is incidence {nearest_incidence_deg} deg, azimuth {nearest_azimuth_deg} deg: use that or bake the direction"
+        "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the \
+        nearest direction in \
+         it is incidence {nearest_incidence_deg} deg, azimuth {nearest_azimuth_deg} deg: use that \
+         or bake the direction"
     )]
     Outside {
         /// Incidence asked for, degrees.
@@ -20,7 +22,8 @@ pub enum NoDirection {
     },
     /// No azimuth was given, and the table is not a mean over azimuths.
     #[error(
-        "the table holds single azimuths ({first_deg} to {last_deg} deg); give azimuth_deg, or bake with --azimuth mean"
+        "the table holds single azimuths ({first_deg} to {last_deg} deg); give azimuth_deg, or \
+        bake with --azimuth mean"
     )]
     AzimuthNeeded {
         /// First azimuth of the table, degrees.
@@ -30,7 +33,8 @@ pub enum NoDirection {
     },
     /// An angle is NaN or infinite.
     #[error(
-        "incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is no direction; give finite angles"
+        "incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is no direction; give finite \
+        angles"
     )]
     NotFinite {
         /// Incidence asked for, degrees.

@@ -20,7 +20,8 @@ pub enum OutputError {
     },
     /// The folder cannot be written.
     #[error(
-        "{}: cannot be written: its folder takes no file ({source}); choose another output, or make the folder \
+        "{}: cannot be written: its folder takes no file ({source}); choose another output, or \
+        make the folder \
          and allow writing",
         file.display()
     )]
@@ -32,7 +33,8 @@ pub enum OutputError {
     },
     /// Writing failed; an old file of that name is untouched.
     #[error(
-        "{}: cannot be written ({source}), what was there before is unchanged; free some space or choose \
+        "{}: cannot be written ({source}), what was there before is unchanged; free some space or \
+        choose \
          another output",
         file.display()
     )]

@@ -1,9 +1,10 @@
 //! Reading in a process of its own.
 //!
-//! The HDF5 library is C that takes a file at its word: one made to do harm can crash it or keep it busy without end,
-//! whatever is checked before, for a stranger can compute every checksum and seal. So a program lets its own
-//! executable, started again, open the file under limits of memory and time ([`serve`]); what comes back is the content
-//! as it is hashed, which is read without the library. A crash over there is an error here.
+//! The HDF5 library is C that takes a file at its word: one made to do harm can crash it or keep it
+//! busy without end, whatever is checked before, for a stranger can compute every checksum and
+//! seal. So a program lets its own executable, started again, open the file under limits of memory
+//! and time ([`serve`]); what comes back is the content as it is hashed, which is read without the
+//! library. A crash over there is an error here.
 
 use std::ffi::OsStr;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -28,8 +29,8 @@ const MOST_WORDS: u64 = 1 << 16;
 
 static SERVED: AtomicBool = AtomicBool::new(false);
 
-/// To be called first in `main`: where this process was started to read a table, it does so and ends; else
-/// [`crate::read()`] starts such processes from now on.
+/// To be called first in `main`: where this process was started to read a table, it does so and
+/// ends; else [`crate::read()`] starts such processes from now on.
 ///
 /// Without this call tables are read in the process itself, under the same checks.
 pub fn serve() {

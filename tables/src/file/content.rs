@@ -1,8 +1,10 @@
-//! The content hash: what a table says, whatever the file, the threads or the shards that it came from.
+//! The content hash: what a table says, whatever the file, the threads or the shards that it came
+//! from.
 //!
-//! SHA-256 over items in a fixed order; an item is its name in UTF-8, a zero byte, the length of its value in
-//! bytes as a little-endian u64, and the value, little-endian (`FORMAT.md` lists the items). Derived datasets
-//! are left out: they follow from the counts and are checked against them on reading.
+//! SHA-256 over items in a fixed order; an item is its name in UTF-8, a zero byte, the length of
+//! its value in bytes as a little-endian u64, and the value, little-endian (`FORMAT.md` lists the
+//! items). Derived datasets are left out: they follow from the counts and are checked against them
+//! on reading.
 
 use sha2::{Digest, Sha256};
 
@@ -19,8 +21,9 @@ const TAG: &str = "retroreflective ray-shift table";
 impl Table {
     /// SHA-256 of the content, 64 lower-case hex digits.
     ///
-    /// Covers axes, counts and fates by randomisation (or, without counts, histogram, eta and fate fractions), the
-    /// polygons of an exact table and the whole provenance. Two tables of equal hash are equal.
+    /// Covers axes, counts and fates by randomisation (or, without counts, histogram, eta and fate
+    /// fractions), the polygons of an exact table and the whole provenance. Two tables of equal
+    /// hash are equal.
     pub fn content_hash(&self) -> String {
         let mut hash = Sha256::new();
         self.content(&mut |bytes| hash.update(bytes));

@@ -1,11 +1,12 @@
 //! A guard before the HDF5 library: the structure of its global heaps.
 //!
-//! Texts of variable length live in global heaps, the one structure of a version 1 table without a checksum of
-//! its own; the library walks a heap with a wrong object size without end. So every heap is walked here first.
+//! Texts of variable length live in global heaps, the one structure of a version 1 table without a
+//! checksum of its own; the library walks a heap with a wrong object size without end. So every
+//! heap is walked here first.
 //!
-//! On disk: `GCOL`, version 1, three zero bytes, u64 length of the heap; then objects: u16 index, u16
-//! references, four reserved bytes, u64 size, and for an index above 0 the data, padded to 8 bytes; index 0 is
-//! the free rest of the heap, whose size includes its head.
+//! On disk: `GCOL`, version 1, three zero bytes, u64 length of the heap; then objects: u16 index,
+//! u16 references, four reserved bytes, u64 size, and for an index above 0 the data, padded to 8
+//! bytes; index 0 is the free rest of the heap, whose size includes its head.
 
 const START: &[u8; 8] = b"GCOL\x01\0\0\0";
 const HEAD: usize = 16;
@@ -73,7 +74,8 @@ mod tests {
         assert_eq!(first_broken(&file), None);
         assert_eq!(first_broken(&file[..163]), Some(100), "cut short");
         let mut tried = 0;
-        // The length of the heap, the size of the object (beyond its padding) and that of the free space.
+        // The length of the heap, the size of the object (beyond its padding) and that of the free
+        // space.
         for (at, wrong) in [
             (108, 0),
             (108, 65),

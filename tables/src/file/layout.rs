@@ -1,5 +1,5 @@
-//! The round trip between a table and an HDF5 file: `names` holds every HDF5 name, `store` writes, `load` reads and believes
-//! nothing.
+//! The round trip between a table and an HDF5 file: `names` holds every HDF5 name, `store` writes,
+//! `load` reads and believes nothing.
 
 mod deviations;
 mod load;

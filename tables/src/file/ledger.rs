@@ -1,7 +1,8 @@
 //! What a file may cost: bytes of memory and seconds of the processor.
 //!
-//! Deflate packs zeros a thousandfold, so a small file may hold a large table, or claim one. Up to [`FREE`] bytes every
-//! claim is met; above, the file must be a [`PACKED`]th of it, which tables of a thousand rays a direction are.
+//! Deflate packs zeros a thousandfold, so a small file may hold a large table, or claim one. Up to
+//! [`FREE`] bytes every claim is met; above, the file must be a [`PACKED`]th of it, which tables of
+//! a thousand rays a direction are.
 
 use std::cell::Cell;
 use std::path::Path;
@@ -64,8 +65,9 @@ pub(crate) fn confine() {
     grant(0);
 }
 
-/// The limits for `claimed` bytes of content: half as much again for what follows from the counts, and 192 MiB for the
-/// program and one chunk; a second, and one more for every 32 MiB. The library inflates 200 MiB in a second.
+/// The limits for `claimed` bytes of content: half as much again for what follows from the counts,
+/// and 192 MiB for the program and one chunk; a second, and one more for every 32 MiB. The library
+/// inflates 200 MiB in a second.
 fn grant(claimed: u64) {
     let Some(start) = CONFINED.get() else { return };
     // More time has passed than the processor has spent here.

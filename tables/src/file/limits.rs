@@ -5,8 +5,8 @@ use rustix::process::{Resource, Rlimit, Signal, getrlimit, setrlimit};
 /// Signal of a process that has used up its time (SIGXCPU).
 pub(crate) const OUT_OF_TIME: i32 = Signal::XCPU.as_raw();
 
-/// Limits this process to so many bytes of address space and seconds of the processor, since its start; it leaves no
-/// core file. A system that refuses goes on without.
+/// Limits this process to so many bytes of address space and seconds of the processor, since its
+/// start; it leaves no core file. A system that refuses goes on without.
 pub(crate) fn set(bytes: u64, seconds: u64) {
     for (resource, wanted) in [
         (Resource::As, bytes),

@@ -1,4 +1,5 @@
-//! Files that appear whole or not at all: their places are checked before the work, they are written after it.
+//! Files that appear whole or not at all: their places are checked before the work, they are
+//! written after it.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -8,7 +9,8 @@ use tempfile::NamedTempFile;
 
 use crate::error::output::OutputError;
 
-/// A file to come. Until [`Output::commit`] nothing of it is on the disk, so that no interruption leaves a rest.
+/// A file to come. Until [`Output::commit`] nothing of it is on the disk, so that no interruption
+/// leaves a rest.
 #[derive(Debug)]
 #[must_use]
 pub struct Output {
@@ -16,7 +18,8 @@ pub struct Output {
 }
 
 impl Output {
-    /// Makes sure that a file can be written there. A symbolic link stays and the file that it names is replaced.
+    /// Makes sure that a file can be written there. A symbolic link stays and the file that it
+    /// names is replaced.
     ///
     /// # Errors
     /// [`OutputError::NotAFile`], [`OutputError::Protected`], [`OutputError::Folder`].
@@ -65,7 +68,8 @@ impl Output {
             file: self.target.clone(),
             source,
         })?;
-        // The rename itself must survive a power cut; a folder that cannot be opened is no reason to fail now.
+        // The rename itself must survive a power cut; a folder that cannot be opened is no reason
+        // to fail now.
         if let Ok(folder) = File::open(folder_of(&self.target)) {
             let _ = folder.sync_all();
         }
@@ -116,7 +120,8 @@ fn place(path: &Path) -> Option<PathBuf> {
     })
 }
 
-/// An empty file beside `target`, with the permissions of what it replaces or of any new file (the umask applies).
+/// An empty file beside `target`, with the permissions of what it replaces or of any new file (the
+/// umask applies).
 fn temporary(target: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".airr-").suffix(".partial");

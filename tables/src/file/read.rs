@@ -8,18 +8,19 @@ use crate::file::seal::Seal;
 use crate::file::{apart, seal};
 use crate::table::table::Table;
 
-/// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes before
-/// allocation, finite values, the rules of `crate::table::check`, counts against what is derived from them, and the
-/// content hash.
+/// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes
+/// before allocation, finite values, the rules of `crate::table::check`, counts against what is
+/// derived from them, and the content hash.
 ///
-/// The result follows from the counts where there are any, so that two readers hold the same bits. Links that
-/// leave the file, unknown filters and inflated chunks are refused.
+/// The result follows from the counts where there are any, so that two readers hold the same bits.
+/// Links that leave the file, unknown filters and inflated chunks are refused.
 ///
-/// In a program that calls [`crate::file::apart::serve`] first, the HDF5 library opens the file in a process of its own, and a
-/// crash of the library is an error here.
+/// In a program that calls [`crate::file::apart::serve`] first, the HDF5 library opens the file in
+/// a process of its own, and a crash of the library is an error here.
 ///
 /// # Errors
-/// A variant of [`Error`] for each of these, naming the file, the dataset or attribute and the remedy.
+/// A variant of [`Error`] for each of these, naming the file, the dataset or attribute and the
+/// remedy.
 ///
 /// ```
 /// let error = tables::read(std::path::Path::new("Cargo.toml")).unwrap_err();
@@ -29,8 +30,9 @@ pub fn read(path: &Path) -> Result<Table, Error> {
     apart::read(path).unwrap_or_else(|| here(path))
 }
 
-/// Whether the file still ends with the seal that [`crate::write()`] puts there. A program that opens the table for
-/// writing takes it off; what the table holds is then vouched for by its content hash alone.
+/// Whether the file still ends with the seal that [`crate::write()`] puts there. A program that
+/// opens the table for writing takes it off; what the table holds is then vouched for by its
+/// content hash alone.
 ///
 /// # Errors
 /// [`Error::Open`].

@@ -1,7 +1,8 @@
-//! A table from its content: the items of the content hash, in their order, as another process sends them.
+//! A table from its content: the items of the content hash, in their order, as another process
+//! sends them.
 //!
-//! Nothing is believed: lengths are compared with one another and limited, and the table obeys the rules of
-//! [`crate::table::check`] at the end.
+//! Nothing is believed: lengths are compared with one another and limited, and the table obeys the
+//! rules of [`crate::table::check`] at the end.
 
 use std::io::{self, BufRead, Read};
 

@@ -1,8 +1,8 @@
 //! The one fence around unsafe code: what the HDF5 library offers and its Rust crate does not.
 //!
-//! Dimension scales (the H5DS calls of libhdf5_hl) and the image of a file that lives in memory. Every call
-//! runs inside `hdf5::sync::sync`, because the library is not safe for several threads, on handles that the
-//! borrowed objects keep open for its duration.
+//! Dimension scales (the H5DS calls of libhdf5_hl) and the image of a file that lives in memory.
+//! Every call runs inside `hdf5::sync::sync`, because the library is not safe for several threads,
+//! on handles that the borrowed objects keep open for its duration.
 
 #![allow(unsafe_code, reason = "calls into the C library")]
 

@@ -1,10 +1,12 @@
-//! The seal: a SHA-256 of the whole file behind its end, found wrong when any bit of it has changed.
+//! The seal: a SHA-256 of the whole file behind its end, found wrong when any bit of it has
+//! changed.
 //!
-//! HDF5 readers stop at the end that the superblock states and never see the seal. A program that opens the
-//! file for writing cuts it off; such a file is read on the strength of its content hash alone.
+//! HDF5 readers stop at the end that the superblock states and never see the seal. A program that
+//! opens the file for writing cuts it off; such a file is read on the strength of its content hash
+//! alone.
 //!
-//! On disk, behind the HDF5 part: `AIRRSEAL` (8 bytes), then the 32 bytes of SHA-256 of everything before the
-//! seal.
+//! On disk, behind the HDF5 part: `AIRRSEAL` (8 bytes), then the 32 bytes of SHA-256 of everything
+//! before the seal.
 
 use sha2::{Digest, Sha256};
 
@@ -44,7 +46,8 @@ pub(crate) fn check(bytes: &[u8]) -> Seal {
     let Some((before, seal)) = bytes.split_last_chunk::<LENGTH>() else {
         return Seal::Absent;
     };
-    // A mark with a few wrong bits is a damaged one: chance gives 8 bytes so alike to one file in 2^30.
+    // A mark with a few wrong bits is a damaged one: chance gives 8 bytes so alike to one file in
+    // 2^30.
     let wrong: u32 = seal
         .iter()
         .zip(MARK)

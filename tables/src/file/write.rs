@@ -18,11 +18,12 @@ pub fn write(table: &Table, path: &Path) -> Result<(), Error> {
     commit(table, Output::reserve(path)?)
 }
 
-/// Writes a table to the place that was reserved for it; the same table always gives the same bytes.
+/// Writes a table to the place that was reserved for it; the same table always gives the same
+/// bytes.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the table breaks a rule, [`Error::Output`] where the disk is full or the file cannot be
-/// replaced. What was there before is unchanged then.
+/// [`Error::Invalid`] where the table breaks a rule, [`Error::Output`] where the disk is full or
+/// the file cannot be replaced. What was there before is unchanged then.
 pub fn commit(table: &Table, output: Output) -> Result<(), Error> {
     let bytes = image(table, output.path())?;
     Ok(output.commit(&bytes)?)

@@ -1,17 +1,21 @@
 //! Paths between the directions of a table: the polygons of an exact table, interpolated.
 //!
-//! What is interpolated are the lines that the edges of a polygon lie on. With tau = tan(incidence inside) (cos azimuth,
-//! sin azimuth) the corners of a planar facet, however unfolded, cast a shadow on the entrance plane that is linear in
-//! tau, and so is the line through two of them, up to a factor; for an ideal cube it keeps its slope. Between corners there
-//! is no such law: they come and go as lines pass each other. So an edge that a direction lacks, because others lie
-//! before it, is taken from the directions that have it, and a path that ends on the way ends where its lines leave nothing.
+//! What is interpolated are the lines that the edges of a polygon lie on. With tau = tan(incidence
+//! inside) (cos azimuth, sin azimuth) the corners of a planar facet, however unfolded, cast a
+//! shadow on the entrance plane that is linear in tau, and so is the line through two of them, up
+//! to a factor; for an ideal cube it keeps its slope. Between corners there is no such law: they
+//! come and go as lines pass each other. So an edge that a direction lacks, because others lie
+//! before it, is taken from the directions that have it, and a path that ends on the way ends where
+//! its lines leave nothing.
 //!
-//! Lines, maps and weights go by moving least squares: the value of the affine function of tau that fits them best in the
-//! directions around, by weights of the inverse fourth power of the distance. It is what the table says in its own
-//! directions, and the truth wherever that is affine; elsewhere the error is of second order in the spacing.
+//! Lines, maps and weights go by moving least squares: the value of the affine function of tau that
+//! fits them best in the directions around, by weights of the inverse fourth power of the distance.
+//! It is what the table says in its own directions, and the truth wherever that is affine;
+//! elsewhere the error is of second order in the spacing.
 //!
-//! Polygons are taken relative to the fixed point of their map, which leaves no offset: so cubes that lie elsewhere, as the
-//! images of symmetry and of a lattice do, are the same cube. The result is put where the steepest direction has it.
+//! Polygons are taken relative to the fixed point of their map, which leaves no offset: so cubes
+//! that lie elsewhere, as the images of symmetry and of a lattice do, are the same cube. The result
+//! is put where the steepest direction has it.
 
 use crate::table::exact::Path;
 use crate::table::polygon::{self, area};
@@ -28,7 +32,8 @@ pub(crate) struct Node {
     pub share: f64,
 }
 
-/// Slope of lines against each other, as the distance of unit normals, up to which they may be one line that turned.
+/// Slope of lines against each other, as the distance of unit normals, up to which they may be one
+/// line that turned.
 const SAME_SLOPE: f64 = 0.3;
 
 /// Edges shorter than this, edge lengths, have no direction to speak of.
@@ -37,15 +42,17 @@ const SHORT: f64 = 1e-6;
 /// Areas below this are rounding, square edge lengths.
 const NO_AREA: f64 = 1e-12;
 
-/// No line moves by more edge lengths for each unit of tau: light in a cube goes down and up its height of 0.6 twice.
+/// No line moves by more edge lengths for each unit of tau: light in a cube goes down and up its
+/// height of 0.6 twice.
 const FASTEST: f64 = 4.0;
 
-/// A path that a direction lacks, although its lines would leave it that part of its area there, ends by a jump, as at the
-/// limit of total reflection.
+/// A path that a direction lacks, although its lines would leave it that part of its area there,
+/// ends by a jump, as at the limit of total reflection.
 const JUMP: f64 = 0.25;
 
-/// The paths at `tau` in the frame of `azimuth_rad`, from the nodes around it in a sheet of refractive index `index`; `None` where the nodes' paths do not tell:
-/// polygons that are not convex, maps that cannot be inverted.
+/// The paths at `tau` in the frame of `azimuth_rad`, from the nodes around it in a sheet of
+/// refractive index `index`; `None` where the nodes' paths do not tell: polygons that are not
+/// convex, maps that cannot be inverted.
 pub(crate) fn paths(
     nodes: &[Node],
     tau: [f64; 2],
@@ -123,13 +130,15 @@ fn back(tau: [f64; 2], index: f64) -> (f64, f64, f64) {
     (-along, (1.0 - along * along).max(0.0).sqrt(), steep)
 }
 
-/// From the tangents outside by which a path is off ([`Path::deviation`], incidence frame) to what is affine in tau.
+/// From the tangents outside by which a path is off ([`Path::deviation`], incidence frame) to what
+/// is affine in tau.
 fn astray(deviation: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
     if deviation == [0.0; 2] {
         return deviation;
     }
     let (along, up, steep) = back(tau, index);
-    // Straight back + tangents across it, as `bake` took them apart; Snell keeps what is along the sheet times the index.
+    // Straight back + tangents across it, as `bake` took them apart; Snell keeps what is along the
+    // sheet times the index.
     let [across, v] = deviation;
     let length = (1.0 + across * across + v * v).sqrt();
     let left = [along + across * up, v].map(|x| x / (length * index));
@@ -183,7 +192,8 @@ struct Shape {
     fixed: [f64; 2],
     matrix: [[f64; 2]; 2],
     weight: f64,
-    /// What the path's linear map inside, plus 1, makes of (tau, -1), along the sheet: affine in tau, 0 for an ideal cube.
+    /// What the path's linear map inside, plus 1, makes of (tau, -1), along the sheet: affine in
+    /// tau, 0 for an ideal cube.
     astray: [f64; 2],
 }
 
@@ -260,9 +270,9 @@ fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// The paths that are one, (node, path) by (node, path). Each begins at a corner of the cell, at the steepest one that has
-/// it, and goes on from there to the next nodes: at normal incidence cubes of all orientations look alike, and a wide turn
-/// makes one look like the other.
+/// The paths that are one, (node, path) by (node, path). Each begins at a corner of the cell, at
+/// the steepest one that has it, and goes on from there to the next nodes: at normal incidence
+/// cubes of all orientations look alike, and a wide turn makes one look like the other.
 fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
     let steepness = |index: usize| dot(nodes[index].tau, nodes[index].tau);
     let (mut order, mut rest): (Vec<usize>, Vec<usize>) =
@@ -346,8 +356,8 @@ fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
     courses
 }
 
-/// Where a member is without the line, the line lies beyond its polygon: if the others would lead it through, it is held
-/// to where it touches.
+/// Where a member is without the line, the line lies beyond its polygon: if the others would lead
+/// it through, it is held to where it touches.
 fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize]) {
     let without = (0..members.len()).filter(|member| !holders.contains(member));
     let touching: Course = without
@@ -396,8 +406,8 @@ fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
     polygon::clip(polygon, beyond, on)
 }
 
-/// The shares of values at `places` in the value at `tau`: of the best affine function by weights 1 / distance^4. Across
-/// places in one line the function does not change.
+/// The shares of values at `places` in the value at `tau`: of the best affine function by weights 1
+/// / distance^4. Across places in one line the function does not change.
 fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
     let nearest = places
         .iter()
@@ -426,7 +436,8 @@ fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
             }
         }
     }
-    // Slopes that nothing determines are 0. Close to a direction the weights of the others are small, and the slopes still theirs.
+    // Slopes that nothing determines are 0. Close to a direction the weights of the others are
+    // small, and the slopes still theirs.
     let ridge = 1e-12 * normal[0][0];
     normal[1][1] += ridge;
     normal[2][2] += ridge;
@@ -445,7 +456,8 @@ fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// The aperture of an ideal cube of edge 1, its centroid in the origin, first corner at azimuth 0.
+    /// The aperture of an ideal cube of edge 1, its centroid in the origin, first corner at azimuth
+    /// 0.
     fn triangle() -> Vec<[f64; 2]> {
         let radius = (2.0_f64 / 3.0).sqrt();
         let corner = |k: u32| turned([radius, 0.0], f64::from(k) * 120_f64.to_radians());
@@ -457,7 +469,8 @@ mod tests {
         turned([tangent, 0.0], azimuth_deg.to_radians())
     }
 
-    /// The closed form: what enters at p in T leaves at 2 q - p in T, q the apex seen along the light.
+    /// The closed form: what enters at p in T leaves at 2 q - p in T, q the apex seen along the
+    /// light.
     fn path(tau: [f64; 2], turn: f64) -> Option<Path> {
         let q = tau.map(|x| -x / 3_f64.sqrt());
         let corners: Vec<[f64; 2]> = triangle().iter().map(|&p| turned(p, turn)).collect();
@@ -525,7 +538,8 @@ mod tests {
         (45.0, 90.0, 0.0),
     ];
 
-    /// Hexagons lose corners at 19.47 deg and paths end at 35.26 deg: neither is a direction of the table.
+    /// Hexagons lose corners at 19.47 deg and paths end at 35.26 deg: neither is a direction of the
+    /// table.
     #[test]
     fn an_ideal_cube_is_exact_between_few_directions() {
         let whole = area(&triangle());
@@ -609,11 +623,13 @@ mod tests {
         assert!((paths[0].weight - 11.0 / 12.0).abs() < 1e-9);
     }
 
-    /// A path's light is off by a rotation: the same at every direction, seen from each through the front face.
+    /// A path's light is off by a rotation: the same at every direction, seen from each through the
+    /// front face.
     #[test]
     fn deviations_are_exact_between_directions() {
         let (index, axis) = (1.49, [3e-3, -2e-3, 5e-3]);
-        // (M + 1) d for M = -(1 + axis x), a rotation by the angles of `axis` to first order: any linear map would do.
+        // (M + 1) d for M = -(1 + axis x), a rotation by the angles of `axis` to first order: any
+        // linear map would do.
         let off = |tau: [f64; 2]| {
             let [x, y, z] = [tau[0], tau[1], -1.0];
             [axis[2] * y - axis[1] * z, axis[0] * z - axis[2] * x]

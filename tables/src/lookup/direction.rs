@@ -1,9 +1,10 @@
 //! One direction of a table: exactly, or interpolated between those around it.
 //!
-//! The paths of an exact table are interpolated as polygons (`between`), and eta is theirs. Bins are a mixture:
-//! eta x histogram, bilinear in the two angles (model: across a cutoff the conditional histogram jumps, eta x histogram
-//! does not), each of the neighbouring distributions in its own incidence frame. The error of either is that of the
-//! table's spacing, which the standard error does not include.
+//! The paths of an exact table are interpolated as polygons (`between`), and eta is theirs. Bins
+//! are a mixture: eta x histogram, bilinear in the two angles (model: across a cutoff the
+//! conditional histogram jumps, eta x histogram does not), each of the neighbouring distributions
+//! in its own incidence frame. The error of either is that of the table's spacing, which the
+//! standard error does not include.
 
 use ndarray::Array2;
 
@@ -29,12 +30,13 @@ pub struct Direction {
     pub azimuth_deg: f64,
     /// Retroreflected fraction, `out_of_range` included; 0 is a legal answer.
     pub eta: f64,
-    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`; of an interpolated direction the mixture of
-    /// its neighbours, even where `paths` say more.
+    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`; of an interpolated
+    /// direction the mixture of its neighbours, even where `paths` say more.
     pub probability: Array2<f64>,
     /// The histogram covers u, v in [-range, range], edge lengths.
     pub range: f64,
-    /// Standard error of `eta` from the numbers of rays; the error of the interpolation is not in it.
+    /// Standard error of `eta` from the numbers of rays; the error of the interpolation is not in
+    /// it.
     pub standard_error: f64,
     /// Whether the table holds the direction only by interpolation.
     pub interpolated: bool,
@@ -84,14 +86,16 @@ impl Table {
     /// The direction of that incidence and azimuth, degrees: the table's own within 1e-9 deg, else
     /// interpolated between its neighbours.
     ///
-    /// Azimuths are periodic in 360 deg, and those of a symmetric table ([`crate::Symmetry`]) stand for their images too.
-    /// Between the last and the first azimuth, and between images, there is interpolation only where that gap is no wider
-    /// than the widest one of the table's own azimuths, that is, where the table goes all around. A table of the mean over
-    /// azimuths answers every azimuth, or none, with the mean.
+    /// Azimuths are periodic in 360 deg, and those of a symmetric table ([`crate::Symmetry`]) stand
+    /// for their images too. Between the last and the first azimuth, and between images, there is
+    /// interpolation only where that gap is no wider than the widest one of the table's own
+    /// azimuths, that is, where the table goes all around. A table of the mean over azimuths
+    /// answers every azimuth, or none, with the mean.
     ///
     /// # Errors
-    /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that it holds;
-    /// where the azimuth is left out and the table is not a mean; where an angle is not finite.
+    /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that
+    /// it holds; where the azimuth is left out and the table is not a mean; where an angle is not
+    /// finite.
     ///
     /// ```
     /// # use ndarray::{Array4, Array5};
@@ -188,7 +192,8 @@ impl Table {
         images
     }
 
-    /// The widest gap between neighbours of the azimuth axis, degrees: wider ones are not interpolated across.
+    /// The widest gap between neighbours of the azimuth axis, degrees: wider ones are not
+    /// interpolated across.
     fn widest_gap_deg(&self) -> f64 {
         let gaps = self.axes.azimuth_deg.windows(2);
         gaps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
@@ -222,7 +227,8 @@ impl Table {
     }
 }
 
-/// Two places of an axis and the share of the second; twice the same place where the axis holds the value.
+/// Two places of an axis and the share of the second; twice the same place where the axis holds the
+/// value.
 type Bracket = (usize, usize, f64);
 
 /// The share of a place, 0 beyond the bracket.
@@ -293,7 +299,8 @@ impl Cell<'_> {
                 mixed.push((place, share * entry.rays as f64 / launched));
             }
         }
-        // The corners' entries ascend: sorted runs, which are merged in their order, so that sums are too.
+        // The corners' entries ascend: sorted runs, which are merged in their order, so that sums
+        // are too.
         mixed.sort_by_key(|(place, _)| *place);
         mixed.dedup_by(|next, kept| {
             let same = next.0 == kept.0;
@@ -372,7 +379,8 @@ impl Cell<'_> {
     }
 }
 
-/// The places of an ascending axis around `x` and the share of the second, if `x` is in it or between two of its values.
+/// The places of an ascending axis around `x` and the share of the second, if `x` is in it or
+/// between two of its values.
 fn between(axis: &[f64], x: f64) -> Option<Bracket> {
     if let Some(held) = axis.iter().position(|&held| (held - x).abs() <= SAME_DEG) {
         return Some((held, held, 0.0));
@@ -386,8 +394,8 @@ fn between(axis: &[f64], x: f64) -> Option<Bracket> {
     ))
 }
 
-/// The places of the images around an azimuth and the share of the second, where they are no further apart than
-/// `widest_deg`.
+/// The places of the images around an azimuth and the share of the second, where they are no
+/// further apart than `widest_deg`.
 fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<Bracket> {
     let held = |image: &Image| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
     if let Some(held) = images.iter().position(held) {

@@ -1,4 +1,5 @@
-//! Deviations as a part of the shift: what light is off by at one distance and one size of the cells.
+//! Deviations as a part of the shift: what light is off by at one distance and one size of the
+//! cells.
 
 use ndarray::Array2;
 
@@ -13,16 +14,18 @@ const MOST_BINS: usize = 2048;
 /// Empty bins at each end: light is shared out to the neighbours of its bin.
 const MARGIN: usize = 2;
 
-/// Edge lengths that light may be off: 10 m away by half a radian with corners of 5 um. More is a slip in a file.
+/// Edge lengths that light may be off: 10 m away by half a radian with corners of 5 um. More is a
+/// slip in a file.
 const FARTHEST: f64 = 1e6;
 
 impl Direction {
-    /// The direction whose light, straight back, is shifted by `per_tangent` (u, v; edge lengths) times its deviation besides its
-    /// own shift.
+    /// The direction whose light, straight back, is shifted by `per_tangent` (u, v; edge lengths)
+    /// times its deviation besides its own shift.
     ///
-    /// Polygons are moved. Bins are moved onto a wider histogram and shared out among the four around their place, which
-    /// takes (2 pi kappa width)^2/12 from an OTF at kappa per edge length, half of what the bins themselves take; beyond about
-    /// a thousand bins from the middle the width is that of the pooled ones, a thousandth of the farthest shift.
+    /// Polygons are moved. Bins are moved onto a wider histogram and shared out among the four
+    /// around their place, which takes (2 pi kappa width)^2/12 from an OTF at kappa per edge
+    /// length, half of what the bins themselves take; beyond about a thousand bins from the middle
+    /// the width is that of the pooled ones, a thousandth of the farthest shift.
     ///
     /// # Errors
     /// [`Error::Astray`] where light would be off by more than a million edge lengths.
@@ -54,8 +57,8 @@ impl Direction {
         })
     }
 
-    /// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light deviates by there is part of
-    /// its shift. `cosine` is that of the outside incidence.
+    /// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light
+    /// deviates by there is part of its shift. `cosine` is that of the outside incidence.
     ///
     /// # Errors
     /// [`Error::Astray`], of a distance or corner size beyond reason.
@@ -63,7 +66,8 @@ impl Direction {
         self.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
     }
 
-    /// The largest component of what any light is moved by, edge lengths; infinite where `per_tangent` is not finite.
+    /// The largest component of what any light is moved by, edge lengths; infinite where
+    /// `per_tangent` is not finite.
     fn farthest_move(&self, per_tangent: [f64; 2]) -> f64 {
         if !per_tangent.iter().all(|by| by.is_finite()) {
             return f64::INFINITY;
@@ -81,8 +85,8 @@ impl Direction {
     }
 }
 
-/// The histogram of shifts with deviations in it, and its range; `per_tangent` in edge lengths, (u, v), which moves light by at
-/// most `farthest` along an axis.
+/// The histogram of shifts with deviations in it, and its range; `per_tangent` in edge lengths, (u,
+/// v), which moves light by at most `farthest` along an axis.
 fn bins(
     direction: &Direction,
     exits: &Exits,
@@ -197,7 +201,8 @@ mod tests {
         }
     }
 
-    /// Moved so far that bins are pooled, light is still all there, about the place that it had; up to what is refused.
+    /// Moved so far that bins are pooled, light is still all there, about the place that it had; up
+    /// to what is refused.
     #[test]
     fn pooled_bins_lose_nothing() {
         let (mut cases, mut widest) = (0, 0.0_f64);

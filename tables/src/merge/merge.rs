@@ -1,11 +1,14 @@
 //! Adding the rays and the directions of tables.
 //!
-//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each randomisation. So tables
-//! of one cell are put together in three ways, all of them at once if need be:
-//! - **shards** of one bake, equal shares of its samples ([`Shards`]): counts are added place by place;
-//! - **directions**: those of a bake of all of them, because samples depend on the angles, not on their place in a list;
-//! - **more rays**: ranges of seeds that follow one another are put side by side along the randomisation axis, which is
-//!   the bake of the first seed with all the randomisations.
+//! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each
+//! randomisation. So tables of one cell are put together in three ways, all of them at once if need
+//! be:
+//! - **shards** of one bake, equal shares of its samples ([`Shards`]): counts are added place by
+//!   place;
+//! - **directions**: those of a bake of all of them, because samples depend on the angles, not on
+//!   their place in a list;
+//! - **more rays**: ranges of seeds that follow one another are put side by side along the
+//!   randomisation axis, which is the bake of the first seed with all the randomisations.
 //!
 //! All are sums of integers, so that the order and the grouping of the merges do not change a bit.
 
@@ -23,8 +26,8 @@ use crate::table::provenance::level;
 use crate::table::shards::Shards;
 use crate::table::table::Table;
 
-/// Puts tables of one cell together; the order of the list does not matter. The shards of a bake, or tables of its
-/// directions, give the table of the whole bake, bit for bit.
+/// Puts tables of one cell together; the order of the list does not matter. The shards of a bake,
+/// or tables of its directions, give the table of the whole bake, bit for bit.
 ///
 /// Exact tables have no rays to add; only their directions are joined.
 ///
@@ -42,7 +45,8 @@ use crate::table::table::Table;
 /// ```
 ///
 /// # Errors
-/// [`Error::Merge`] with the field that differs, the overlap, the direction, seed or shard that is missing.
+/// [`Error::Merge`] with the field that differs, the overlap, the direction, seed or shard that is
+/// missing.
 pub fn merge(tables: &[Table]) -> Result<Table, Error> {
     let first = tables.first().ok_or(Mismatch::Empty)?;
     for (index, table) in tables.iter().enumerate() {
@@ -150,7 +154,8 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
 /// The sum of all tables that start at `seed`, over `axes`.
 fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismatch> {
     let mut sum: Option<Table> = None;
-    // What each direction holds: nothing yet, or shards (`None`: the whole bake) and the table that brought them.
+    // What each direction holds: nothing yet, or shards (`None`: the whole bake) and the table that
+    // brought them.
     let (incidences, azimuths) = axes.shape();
     let mut held: Vec<Vec<(usize, Option<&Shards>)>> = vec![Vec::new(); incidences * azimuths];
     for (index, table) in tables.iter().enumerate() {

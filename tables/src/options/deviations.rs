@@ -6,7 +6,8 @@ use std::str::FromStr;
 /// What `--deviations` asks for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Record {
-    /// A histogram of exit directions where the cell is not ideal, as wide as the cell and the angular tolerance ask for.
+    /// A histogram of exit directions where the cell is not ideal, as wide as the cell and the
+    /// angular tolerance ask for.
     #[default]
     Auto,
     /// None.

@@ -22,7 +22,8 @@ pub struct Roughness {
 /// A roughness that is none.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "give ALPHA or ggx:ALPHA, such as 0.001, with ALPHA above 0 and at most 1 (sqrt 2 times the rms slope); leave it out \
+    "give ALPHA or ggx:ALPHA, such as 0.001, with ALPHA above 0 and at most 1 (sqrt 2 times the \
+    rms slope); leave it out \
      where facets are smooth"
 )]
 pub struct NoRoughness;

@@ -1,4 +1,5 @@
-//! Options that a scene names only where it has what they are for. Each costs nothing where it is left out.
+//! Options that a scene names only where it has what they are for. Each costs nothing where it is
+//! left out.
 
 use std::fmt;
 
@@ -13,22 +14,23 @@ pub struct SceneOptions {
     /// Which normals facets reflect about
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = NormalsFrom::Facets))]
     pub normals: NormalsFrom,
-    /// Roughness of the facets, whose normals are drawn at each reflection: alpha of Beckmann's slopes (sqrt 2 times their rms)
-    /// or ggx:ALPHA
+    /// Roughness of the facets, whose normals are drawn at each reflection: alpha of Beckmann's
+    /// slopes (sqrt 2 times their rms) or ggx:ALPHA
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "ALPHA", allow_negative_numbers = true)
     )]
     pub roughness: Option<Roughness>,
-    /// Records where the light of rays goes, jointly with its shift: auto where the cell is not ideal, off, or bins over plus and
-    /// minus so many mrad
+    /// Records where the light of rays goes, jointly with its shift: auto where the cell is not
+    /// ideal, off, or bins over plus and minus so many mrad
     #[cfg_attr(feature = "cli", arg(long, value_name = "MRAD", default_value_t = Record::Auto))]
     pub deviations: Record,
     /// What the mesh is to do with light
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Element::Retroreflector))]
     pub element: Element,
-    /// Refractive index of bodies of glass: light goes through faces of the material named glass, wound outward, and every other
-    /// face is a mirror on both sides. Retroreflected is then what leaves straight back within --angular-tolerance
+    /// Refractive index of bodies of glass: light goes through faces of the material named glass,
+    /// wound outward, and every other face is a mirror on both sides. Retroreflected is then what
+    /// leaves straight back within --angular-tolerance
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "M", allow_negative_numbers = true)

@@ -7,7 +7,8 @@ use crate::options::scene::{DEVIATIONS, ELEMENT, GLASS_INDEX, NORMALS, ROUGHNESS
 use crate::options::values::{Element, NormalsFrom};
 use crate::options::word::{Named, Word};
 
-/// The options that a table states: the text, which is kept as it is, and what this version understands of it.
+/// The options that a table states: the text, which is kept as it is, and what this version
+/// understands of it.
 #[derive(Debug, Clone)]
 pub struct StatedOptions {
     text: String,
@@ -50,7 +51,8 @@ impl StatedOptions {
         words.any(|word| word == GLASS_INDEX) || self.understood.glass_index.is_some()
     }
 
-    /// The text without the options that say how light is recorded, not where it goes: those that make a cell.
+    /// The text without the options that say how light is recorded, not where it goes: those that
+    /// make a cell.
     pub fn of_the_cell(&self) -> String {
         let mut left_out = false;
         let kept = self.text.split_whitespace().filter(|word| {

@@ -55,7 +55,8 @@ pub enum Element {
     /// Sends light back: the image is where the object is
     #[default]
     Retroreflector,
-    /// Lets light through, as a micro-mirror array plate: the image is the object's mirror image behind the plate
+    /// Lets light through, as a micro-mirror array plate: the image is the object's mirror image
+    /// behind the plate
     Plate,
 }
 
@@ -66,7 +67,8 @@ pub enum NormalsFrom {
     /// Their own: facets are planes.
     #[default]
     Facets,
-    /// Those of the mesh file, interpolated between a facet's corners: facets stand for a curved face.
+    /// Those of the mesh file, interpolated between a facet's corners: facets stand for a curved
+    /// face.
     File,
 }
 

@@ -32,8 +32,8 @@ where
         self.step * (self.values.len() - 1) as f64
     }
 
-    /// Value and slope at `x` >= 0; the last interval is extended beyond the end. Error of the value at most
-    /// step^4 / 384 x the greatest fourth derivative.
+    /// Value and slope at `x` >= 0; the last interval is extended beyond the end. Error of the
+    /// value at most step^4 / 384 x the greatest fourth derivative.
     pub fn at(&self, x: f64) -> (T, T) {
         let i = ((x / self.step) as usize).min(self.values.len() - 2);
         let t = x / self.step - i as f64;

@@ -1,16 +1,16 @@
 //! The Fourier transform of a polygon of the entrance plane along a line.
 //!
-//! Model: a uniform polygon of area A, edges e_j and their midpoints m_j, counter-clockwise, has the transform
-//! `Phi(k) = i/(A |k|^2) sum_j (k_x e_jy - k_y e_jx) sinc(k.e_j/2) exp(-i k.m_j)`, which cancels near k = 0.
-//! There the moments of the polygon along the line take over; about the centroid, so that a polygon far from
-//! the origin keeps its digits.
+//! Model: a uniform polygon of area A, edges e_j and their midpoints m_j, counter-clockwise, has
+//! the transform `Phi(k) = i/(A |k|^2) sum_j (k_x e_jy - k_y e_jx) sinc(k.e_j/2) exp(-i k.m_j)`,
+//! which cancels near k = 0. There the moments of the polygon along the line take over; about the
+//! centroid, so that a polygon far from the origin keeps its digits.
 
 use num_complex::Complex64;
 
 use crate::table::polygon::{area, centroid};
 
-/// `extent * kappa` up to which the moments are used. At 1.5 the closed form has lost less than one digit and
-/// the term that the series leaves out, 1.5^24/24!, is 3e-20.
+/// `extent * kappa` up to which the moments are used. At 1.5 the closed form has lost less than one
+/// digit and the term that the series leaves out, 1.5^24/24!, is 3e-20.
 const SERIES: f64 = 1.5;
 
 /// Terms of the series.
@@ -64,7 +64,8 @@ impl PolygonWave {
                 0.5 * (t - s),
                 0.5 * (t + s),
             ]);
-            // The triangle (centroid, p, q): mean of s^n is 2 n!/(n+2)! times the sum over a + b = n of s^a t^b.
+            // The triangle (centroid, p, q): mean of s^n is 2 n!/(n+2)! times the sum over a + b =
+            // n of s^a t^b.
             let share = 0.5 * (p[0] * q[1] - p[1] * q[0]) / area;
             let (s, t) = (s / extent, t / extent);
             let (mut power, mut complete) = (1.0, 1.0);
@@ -82,8 +83,8 @@ impl PolygonWave {
         })
     }
 
-    /// Mean of `exp(-i kappa g.p)` over the polygon, and its derivative by kappa. Accuracy: 1e-14 of 1, and of the
-    /// extent.
+    /// Mean of `exp(-i kappa g.p)` over the polygon, and its derivative by kappa. Accuracy: 1e-14
+    /// of 1, and of the extent.
     pub(crate) fn at(&self, kappa: f64) -> (Complex64, Complex64) {
         let (value, slope) = if self.extent * kappa.abs() <= SERIES {
             self.series(kappa)
@@ -172,7 +173,8 @@ pub(crate) mod tests {
             .collect()
     }
 
-    /// The mean of exp(-i k.p) by quadrature over the fan of triangles: 40 x 40 nodes are exact to rounding for
+    /// The mean of exp(-i k.p) by quadrature over the fan of triangles: 40 x 40 nodes are exact to
+    /// rounding for
     /// |k| x size < 30 (the error of n nodes falls like (phase/4n)^2n).
     pub(crate) fn quadrature(corners: &[[f64; 2]], k: [f64; 2]) -> Complex64 {
         let nodes = gauss(40);
@@ -232,7 +234,8 @@ pub(crate) mod tests {
             let line = PolygonWave::new(&corners, [1.2, -0.7]).unwrap();
             for kappa in [0.0, 0.3, 1.2, 1.6, 5.0, 12.0] {
                 let h = 1e-3;
-                // Fourth-order differences: error extent^5 h^4 / 30 < 3e-12 with an extent below 3, rounding 1e-16/h.
+                // Fourth-order differences: error extent^5 h^4 / 30 < 3e-12 with an extent below 3,
+                // rounding 1e-16/h.
                 let f = |steps: f64| line.at(kappa + steps * h).0;
                 let expected = ((f(1.0) - f(-1.0)) * 8.0 - (f(2.0) - f(-2.0))) / (12.0 * h);
                 let (_, slope) = line.at(kappa);

@@ -9,8 +9,8 @@ use crate::table::exact::Path;
 
 /// Spacing in kappa = c f (dimensionless) where shifts are near.
 ///
-/// With shifts up to [`NEAR`] the fourth derivative is below (2 pi 2.83)^4 and the interpolation error below
-/// 1e5 x step^4 / 384 = 1.6e-5; for the cells of model facts (reach 1.42) it is 1e-6.
+/// With shifts up to [`NEAR`] the fourth derivative is below (2 pi 2.83)^4 and the interpolation
+/// error below 1e5 x step^4 / 384 = 1.6e-5; for the cells of model facts (reach 1.42) it is 1e-6.
 pub(crate) const STEP: f64 = 1.0 / 64.0;
 
 /// End in kappa.
@@ -19,11 +19,12 @@ const END: f64 = 16.0;
 /// Edge lengths that light is shifted by at most in cubes: 2 sqrt 2.
 const NEAR: f64 = 2.83;
 
-/// The spacing is divided by this at most: shifts that lie 360 edge lengths apart still have the error above.
+/// The spacing is divided by this at most: shifts that lie 360 edge lengths apart still have the
+/// error above.
 const FINEST: f64 = 64.0;
 
-/// The shifts along a line as they are tabulated: farther ones about their middle, as finely as their distance from it asks for.
-/// Near ones are tabulated as they are.
+/// The shifts along a line as they are tabulated: farther ones about their middle, as finely as
+/// their distance from it asks for. Near ones are tabulated as they are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ruling {
     /// Shift that is left out of the samples, edge lengths along the line.

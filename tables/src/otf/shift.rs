@@ -1,8 +1,8 @@
 //! Ray shift in the aerial image: a table's direction seen along an edge normal.
 //!
-//! Light of cubes that are not exact leaves in directions of its own, and meets the image plane off by R times its deviation
-//! besides the shift: an angle, which grows with the distance and not with the corner size. Polygons have one each; of a table
-//! of rays the bins do (`spots`).
+//! Light of cubes that are not exact leaves in directions of its own, and meets the image plane off
+//! by R times its deviation besides the shift: an angle, which grows with the distance and not with
+//! the corner size. Polygons have one each; of a table of rays the bins do (`spots`).
 
 use std::f64::consts::TAU;
 
@@ -25,8 +25,9 @@ pub struct ShiftLine {
 }
 
 impl ShiftLine {
-    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal); `incidence_rad` the outside
-    /// incidence, which foreshortens the tangential shift. `None` where nothing is retroreflected.
+    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal);
+    /// `incidence_rad` the outside incidence, which foreshortens the tangential shift. `None` where
+    /// nothing is retroreflected.
     pub fn new(direction: &Direction, incidence_rad: f64, normal: [f64; 2]) -> Option<ShiftLine> {
         if direction.eta <= 0.0 {
             return None;
@@ -74,8 +75,9 @@ impl ShiftLine {
         Some(ShiftLine { spots })
     }
 
-    /// OTF and its derivative by `c` (mm) at a frequency in 1/mm, at the distance `r_mm`. Beyond c f = 16 it is 0: lobes and
-    /// cameras are dark there for cells up to 1 mm and frequencies up to 16 /mm. Good to 1.6e-5 (`ruling`).
+    /// OTF and its derivative by `c` (mm) at a frequency in 1/mm, at the distance `r_mm`. Beyond c
+    /// f = 16 it is 0: lobes and cameras are dark there for cells up to 1 mm and frequencies up to
+    /// 16 /mm. Good to 1.6e-5 (`ruling`).
     pub fn otf(&self, c: f64, r_mm: f64, frequency: f64) -> (Complex64, Complex64) {
         let kappa = c * frequency;
         let (mut value, mut by_c) = (Complex64::ZERO, Complex64::ZERO);
@@ -137,8 +139,9 @@ mod tests {
         }
     }
 
-    /// Three triangles, two of which leave alike. Spots in turn, and deviations made part of the shift at one distance and
-    /// corner size, are two ways to the same OTF; its derivative against differences.
+    /// Three triangles, two of which leave alike. Spots in turn, and deviations made part of the
+    /// shift at one distance and corner size, are two ways to the same OTF; its derivative against
+    /// differences.
     #[test]
     fn deviations_are_shifts_that_grow_with_the_distance() {
         let path = |x: f64, weight: f64, deviation: [f64; 2]| Path {
@@ -169,7 +172,8 @@ mod tests {
                     let step = 1e-5;
                     let slope =
                         (line.otf(c + step, r, f).0 - line.otf(c - step, r, f).0) / (2.0 * step);
-                    // Differences of a cubic: f^3 step^2 x (2 pi 2.83)^3/6, and rounding over the step.
+                    // Differences of a cubic: f^3 step^2 x (2 pi 2.83)^3/6, and rounding over the
+                    // step.
                     assert!((by_c - slope).norm() < 1e-5, "{by_c} {slope}");
                     cases += 1;
                 }
@@ -178,7 +182,8 @@ mod tests {
         assert_eq!(cases, 16);
     }
 
-    /// Light that is shifted by up to 30 edge lengths, together or apart, has the OTF of its polygons; bins theirs.
+    /// Light that is shifted by up to 30 edge lengths, together or apart, has the OTF of its
+    /// polygons; bins theirs.
     #[test]
     fn far_shifts_are_as_good_as_near_ones() {
         let path = |offset: [f64; 2]| Path {
@@ -212,8 +217,9 @@ mod tests {
                     let (value, by_c) = line.otf(c, 300.0, f);
                     let (expected, slope) = direction.otf_and_slope_along(along, &[c * f]);
                     worst = worst.max((value - expected[0]).norm());
-                    // Slopes are up to 2 pi 32. That of a cubic errs by (2 pi 2.83)^4 x step^3 x sqrt 3/216, 3.1e-3, times 12
-                    // where light 64 apart has a twelfth of the step; that of the phase by 2 pi 32 x 1.6e-5.
+                    // Slopes are up to 2 pi 32. That of a cubic errs by (2 pi 2.83)^4 x step^3 x
+                    // sqrt 3/216, 3.1e-3, times 12 where light 64 apart has a twelfth of the step;
+                    // that of the phase by 2 pi 32 x 1.6e-5.
                     let off = (by_c - slope[0] * f).norm();
                     assert!(off <= 0.041 * f, "{normal:?} {f}: {by_c} {slope:?}");
                     cases += 1;

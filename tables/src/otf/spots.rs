@@ -1,11 +1,13 @@
-//! The exit directions of a table of rays along a line: spots, or a row of them that stands for a lobe.
+//! The exit directions of a table of rays along a line: spots, or a row of them that stands for a
+//! lobe.
 //!
-//! The bins of shift that go with a spot are put along the line first, onto a fine grid, and one FFT gives their OTF: with as many
-//! as [`MOST_SPOTS`] spots the transform of all bins in two dimensions would take a second a photograph.
+//! The bins of shift that go with a spot are put along the line first, onto a fine grid, and one
+//! FFT gives their OTF: with as many as [`MOST_SPOTS`] spots the transform of all bins in two
+//! dimensions would take a second a photograph.
 //!
-//! Rays of one cell of shifts have its histogram whatever their deviation: exact where cells are bins, as they are of planar
-//! facets. A deviation is known to a bin, w wide, so that at the frequency f and the distance R a lobe's OTF lacks a factor of
-//! sinc(f R w), 1 - 1.6 (f R w)^2.
+//! Rays of one cell of shifts have its histogram whatever their deviation: exact where cells are
+//! bins, as they are of planar facets. A deviation is known to a bin, w wide, so that at the
+//! frequency f and the distance R a lobe's OTF lacks a factor of sinc(f R w), 1 - 1.6 (f R w)^2.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -24,15 +26,16 @@ use crate::table::deviation::Exits;
 /// Directions that each have a spot of their own; more are a row of evenly spaced ones.
 const MOST_SPOTS: usize = 96;
 
-/// Spots of such a row: a lobe as wide as it turns by 2 pi f R w/192 from one to the next, w its width, of which Lagrange's cubic
-/// loses the fourth power times 3/128: 2e-5 where f R w is 5.
+/// Spots of such a row: a lobe as wide as it turns by 2 pi f R w/192 from one to the next, w its
+/// width, of which Lagrange's cubic loses the fourth power times 3/128: 2e-5 where f R w is 5.
 const MOST_IN_A_ROW: usize = 192;
 
-/// Points of the grid of shifts along the line, where shifts are near; as many times more as the spacing in kappa is finer.
+/// Points of the grid of shifts along the line, where shifts are near; as many times more as the
+/// spacing in kappa is finer.
 ///
-/// It covers 1/step edge lengths: at the tabulated kappa, multiples of the step, a shift beyond is the same as one within. A
-/// shift is put on four points by Lagrange's cubic, which errs by (TAU kappa spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at
-/// the end.
+/// It covers 1/step edge lengths: at the tabulated kappa, multiples of the step, a shift beyond is
+/// the same as one within. A shift is put on four points by Lagrange's cubic, which errs by (TAU
+/// kappa spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at the end.
 const POINTS: usize = 1 << 15;
 
 /// Plans are made once for all photographs.
@@ -45,7 +48,8 @@ fn plan(length: usize) -> Arc<dyn RealToComplex<f64>> {
     planner.plan_fft_forward(length)
 }
 
-/// A place along a line as four places of an even grid of this spacing: the first of them, and their weights.
+/// A place along a line as four places of an even grid of this spacing: the first of them, and
+/// their weights.
 fn on_grid(x: f64, spacing: f64) -> (i64, [f64; 4]) {
     let at = x / spacing;
     let t = at - at.floor();
@@ -58,7 +62,8 @@ fn on_grid(x: f64, spacing: f64) -> (i64, [f64; 4]) {
     (at.floor() as i64 - 1, weights)
 }
 
-/// The spots of a direction. `normal` is the edge normal, `along` the same foreshortened for shifts.
+/// The spots of a direction. `normal` is the edge normal, `along` the same foreshortened for
+/// shifts.
 pub(crate) fn spots(
     direction: &Direction,
     exits: &Exits,
@@ -299,7 +304,8 @@ mod tests {
         }
     }
 
-    /// The OTF as a plain sum over bins of shift and of deviation, and its derivative by c from differences.
+    /// The OTF as a plain sum over bins of shift and of deviation, and its derivative by c from
+    /// differences.
     #[test]
     fn spots_and_rows_are_the_plain_sum() {
         let incidence = 20_f64.to_radians();

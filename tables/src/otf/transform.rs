@@ -1,14 +1,15 @@
-//! The Fourier transform of a ray-shift distribution along a line: the optical transfer function of the ray shift.
+//! The Fourier transform of a ray-shift distribution along a line: the optical transfer function of
+//! the ray shift.
 //!
-//! With `w` the vector that turns a shift r = (u, v) in edge lengths into a position x = w.r on the line,
-//! `S(kappa) = E[exp(-2 pi i kappa w.r)]` over the retroreflected rays, kappa in cycles per unit of x. For the
-//! image plane of the model, w = c (cos(theta) cos(alpha), sin(alpha)) with c in mm makes x mm and kappa
-//! cycles per mm; then dS/dc = (kappa / c) dS/dkappa.
+//! With `w` the vector that turns a shift r = (u, v) in edge lengths into a position x = w.r on the
+//! line, `S(kappa) = E[exp(-2 pi i kappa w.r)]` over the retroreflected rays, kappa in cycles per
+//! unit of x. For the image plane of the model, w = c (cos(theta) cos(alpha), sin(alpha)) with c in
+//! mm makes x mm and kappa cycles per mm; then dS/dc = (kappa / c) dS/dkappa.
 //!
-//! Two ways: from the bins, each a uniform box (exact for the histogram, which itself blurs by one bin); or,
-//! where the direction carries its polygons, from their closed form, which has no bins at all. A path maps its
-//! polygon p by `M p + o`, so its transform is `exp(-i k.o) Phi(transpose(M) k)`: a map that collapses the
-//! polygon to a segment or a point needs no case of its own.
+//! Two ways: from the bins, each a uniform box (exact for the histogram, which itself blurs by one
+//! bin); or, where the direction carries its polygons, from their closed form, which has no bins at
+//! all. A path maps its polygon p by `M p + o`, so its transform is `exp(-i k.o) Phi(transpose(M)
+//! k)`: a map that collapses the polygon to a segment or a point needs no case of its own.
 
 use std::f64::consts::TAU;
 
@@ -23,9 +24,9 @@ use crate::table::polygon::area;
 impl Direction {
     /// S at each frequency: from the polygons where there are any, else from the bins. S(0) = 1.
     ///
-    /// Where nothing returns (eta 0) there is no distribution: all values are 0. Polygons hold also the shifts
-    /// outside of the histogram's range, bins do not. Values are good to 1e-13; 16384 bins take about 10 us a
-    /// frequency.
+    /// Where nothing returns (eta 0) there is no distribution: all values are 0. Polygons hold also
+    /// the shifts outside of the histogram's range, bins do not. Values are good to 1e-13; 16384
+    /// bins take about 10 us a frequency.
     ///
     /// ```
     /// # use ndarray::Array2;
@@ -48,7 +49,8 @@ impl Direction {
         }
     }
 
-    /// S and dS/dkappa at each frequency; otherwise as [`Direction::otf_along`], at twice the time from bins.
+    /// S and dS/dkappa at each frequency; otherwise as [`Direction::otf_along`], at twice the time
+    /// from bins.
     pub fn otf_and_slope_along(
         &self,
         w: [f64; 2],
@@ -210,7 +212,8 @@ mod tests {
                         }
                     }
                 }
-                // Phases reach 2 pi 3 x 2.8 = 53, each rounded to 53 x 1e-16; 16 nodes are exact over one bin.
+                // Phases reach 2 pi 3 x 2.8 = 53, each rounded to 53 x 1e-16; 16 nodes are exact
+                // over one bin.
                 assert!(
                     (value - expected).norm() < 5e-14,
                     "{w:?} {kappa}: {value} {expected}"
@@ -294,7 +297,8 @@ mod tests {
                 let [a, b, c, d] = [f(1.0), f(-1.0), f(2.0), f(-2.0)];
                 for i in 0..KAPPA.len() {
                     let expected = ((a[i] - b[i]) * 8.0 - (c[i] - d[i])) / (12.0 * h);
-                    // Fourth order: (2 pi 3)^5 h^4 / 30 = 8e-12; rounding of values 5e-14 / h = 5e-10.
+                    // Fourth order: (2 pi 3)^5 h^4 / 30 = 8e-12; rounding of values 5e-14 / h =
+                    // 5e-10.
                     assert!(
                         (slopes[i] - expected).norm() < 1e-9,
                         "{w:?} {}: {} {expected}",
@@ -337,7 +341,8 @@ mod tests {
             })
             .min();
         println!("16384 bins x 1000 frequencies with slope: {quickest:?}");
-        // Measured 9 to 13 ms; ten times that on a busy machine is still a sign of a lost order of magnitude.
+        // Measured 9 to 13 ms; ten times that on a busy machine is still a sign of a lost order of
+        // magnitude.
         assert!(
             quickest.is_some_and(|time| time.as_millis() < 120),
             "{quickest:?}"

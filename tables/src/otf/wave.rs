@@ -1,18 +1,20 @@
-//! Scalar wave optics of the effective aperture, the `wave` kernel: ray shift and diffraction as one, no free parameter
-//! but c. Goes beyond the paper.
+//! Scalar wave optics of the effective aperture, the `wave` kernel: ray shift and diffraction as
+//! one, no free parameter but c. Goes beyond the paper.
 //!
-//! A corner cube turns the light on its effective aperture K about the foot q of its apex. Seen from the image, at the
-//! distance R, the aperture K' (K times c, the tangential axis times the cosine of the incidence) then carries the phase
-//! 2 pi |y|^2/(lambda R) about q, and the OTF is its autocorrelation at the lag s = lambda R nu:
+//! A corner cube turns the light on its effective aperture K about the foot q of its apex. Seen
+//! from the image, at the distance R, the aperture K' (K times c, the tangential axis times the
+//! cosine of the incidence) then carries the phase 2 pi |y|^2/(lambda R) about q, and the OTF is
+//! its autocorrelation at the lag s = lambda R nu:
 //!
 //! `OTF(nu) = 1/|K'| int over (K' and K' + s) of cos(4 pi nu.(y - s/2)) dy`.
 //!
-//! lambda -> 0 leaves the ray shift, a small K' the autocorrelation of the aperture. Along an edge normal the integrand
-//! depends on one coordinate, so K is cut across into strips between its corners: chords whose ends are straight lines,
-//! and over those the integral is a sinc. No polygon is clipped and nothing cancels at nu = 0.
+//! lambda -> 0 leaves the ray shift, a small K' the autocorrelation of the aperture. Along an edge
+//! normal the integrand depends on one coordinate, so K is cut across into strips between its
+//! corners: chords whose ends are straight lines, and over those the integral is a sinc. No polygon
+//! is clipped and nothing cancels at nu = 0.
 //!
-//! Cubes add without coherence, weighted by what they return; the pieces of one cube (one map) add coherently. A
-//! spectrum is the weighted sum over its lines.
+//! Cubes add without coherence, weighted by what they return; the pieces of one cube (one map) add
+//! coherently. A spectrum is the weighted sum over its lines.
 
 use std::f64::consts::PI;
 
@@ -20,8 +22,8 @@ use crate::lookup::direction::Direction;
 use crate::otf::polygon_wave::sinc;
 use crate::table::exact::Path;
 
-/// Largest difference of a path's map from a point reflection, and of two maps of one cube: far above rounding (1e-12),
-/// far below any dihedral error that matters (1e-6 rad).
+/// Largest difference of a path's map from a point reflection, and of two maps of one cube: far
+/// above rounding (1e-12), far below any dihedral error that matters (1e-6 rad).
 const SAME_MAP: f64 = 1e-9;
 
 /// Corners closer than this, in edge lengths, bound no strip.
@@ -33,7 +35,8 @@ const SAME_CORNER: f64 = 1e-12;
 pub enum NoWaves {
     /// Only a histogram.
     #[error(
-        "the wave kernel needs the polygons of the aperture, which the table does not hold at incidence \
+        "the wave kernel needs the polygons of the aperture, which the table does not hold at \
+        incidence \
          {incidence_deg} deg; bake that very direction with `bake trace --method exact`"
     )]
     NoPolygons {
@@ -42,7 +45,8 @@ pub enum NoWaves {
     },
     /// Powers of paths that are interpolated.
     #[error(
-        "the wave kernel needs every path of a cube where it is, but the table, which has losses, does not hold incidence \
+        "the wave kernel needs every path of a cube where it is, but the table, which has losses, \
+        does not hold incidence \
          {incidence_deg} deg at this azimuth; bake that very direction"
     )]
     LossesBetween {
@@ -51,8 +55,10 @@ pub enum NoWaves {
     },
     /// Cubes that are not exact.
     #[error(
-        "the wave kernel needs corner cubes with exact right angles, but the table's at incidence {incidence_deg} deg \
-         do not turn the light about a point; bake them without dihedral errors, or name another --kernel"
+        "the wave kernel needs corner cubes with exact right angles, but the table's at incidence \
+        {incidence_deg} deg \
+         do not turn the light about a point; bake them without dihedral errors, or name another \
+         --kernel"
     )]
     NoPointReflection {
         /// Incidence, degrees.
@@ -68,7 +74,8 @@ type Side = [f64; 2];
 struct Strip {
     /// Width across the normal.
     width: f64,
-    /// Chords along the normal, from the cube's q: both ends, and the square root of the power that returns.
+    /// Chords along the normal, from the cube's q: both ends, and the square root of the power that
+    /// returns.
     chords: Vec<(Side, Side, f64)>,
 }
 
@@ -88,9 +95,10 @@ pub struct WaveLine {
 }
 
 impl WaveLine {
-    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal); `incidence_rad` the outside
-    /// incidence, which foreshortens the aperture. `direction` returns light (eta > 0). `spectrum` is the source's lines: each a
-    /// wavelength, nm, and its weight, which are normalised here.
+    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal);
+    /// `incidence_rad` the outside incidence, which foreshortens the aperture. `direction` returns
+    /// light (eta > 0). `spectrum` is the source's lines: each a wavelength, nm, and its weight,
+    /// which are normalised here.
     ///
     /// # Errors
     /// [`NoWaves`] where the table holds no polygons of corner cubes for the direction.
@@ -141,7 +149,8 @@ impl WaveLine {
         Ok(line)
     }
 
-    /// OTF and its derivative by ln c, for `c` and the floating distance in mm, at a frequency >= 0 in 1/mm: real, 1 at
+    /// OTF and its derivative by ln c, for `c` and the floating distance in mm, at a frequency >= 0
+    /// in 1/mm: real, 1 at
     /// 0. Rounding only, about 1e-14; 1 us for a cube and a line of the spectrum.
     pub fn otf(&self, c_mm: f64, r_mm: f64, frequency: f64) -> (f64, f64) {
         let wave = 4.0 * PI * c_mm * frequency;
@@ -163,8 +172,8 @@ impl WaveLine {
         self.kink * mean_mm * r_mm / c_mm
     }
 
-    /// Integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the normal, over their power, with its
-    /// derivatives by lag and by wave; edge lengths.
+    /// Integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the normal, over
+    /// their power, with its derivatives by lag and by wave; edge lengths.
     fn overlap(&self, lag: f64, wave: f64) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for strip in self.cubes.iter().flatten() {
@@ -243,8 +252,9 @@ fn extent(cube: &[Strip]) -> f64 {
     within.fold(0.0, f64::max)
 }
 
-/// Mean over a strip of the integral of cos(wave a) from where both chords have begun to where one ends, the chord
-/// `ahead` moved by +lag/2, the other by -lag/2; with its derivatives by lag and by wave.
+/// Mean over a strip of the integral of cos(wave a) from where both chords have begun to where one
+/// ends, the chord `ahead` moved by +lag/2, the other by -lag/2; with its derivatives by lag and by
+/// wave.
 fn common(ahead: &(Side, Side, f64), behind: &(Side, Side, f64), lag: f64, wave: f64) -> [f64; 3] {
     let moved = |side: Side, by: f64| side.map(|end| end + by * lag);
     // Beginnings and ends, each with its motion by lag.

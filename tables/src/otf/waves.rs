@@ -1,7 +1,7 @@
 //! Sums of a histogram times plane waves, for a block of frequencies at a time.
 //!
-//! A wave over bins is a product of one along u and one along v, so a frequency costs one multiplication a bin and no
-//! trigonometry.
+//! A wave over bins is a product of one along u and one along v, so a frequency costs one
+//! multiplication a bin and no trigonometry.
 
 use std::f64::consts::TAU;
 
@@ -31,8 +31,8 @@ impl Waves {
         }
     }
 
-    /// By the recurrence exp(i(x + h)) = exp(ix) exp(ih), restarted every 16 bins: its error stays below 16 x
-    /// 2e-16.
+    /// By the recurrence exp(i(x + h)) = exp(ix) exp(ih), restarted every 16 bins: its error stays
+    /// below 16 x 2e-16.
     pub(crate) fn fill(&mut self, kappa: &[f64], w: f64, centres: &[f64], width: f64) {
         for (lane, &kappa) in kappa.iter().enumerate() {
             let step = Complex64::cis(-TAU * kappa * w * width);
@@ -49,7 +49,8 @@ impl Waves {
     }
 }
 
-/// The rows of a histogram without the zeros at their ends; shifts fill a third of the range or less.
+/// The rows of a histogram without the zeros at their ends; shifts fill a third of the range or
+/// less.
 pub(crate) struct Rows {
     rows: Vec<Row>,
 }
@@ -96,8 +97,8 @@ impl Rows {
         Rows { rows }
     }
 
-    /// Sums over bins of P x wave, P u x wave and P v x wave (the last two for the slope), as real and
-    /// imaginary parts.
+    /// Sums over bins of P x wave, P u x wave and P v x wave (the last two for the slope), as real
+    /// and imaginary parts.
     pub(crate) fn sums<const SLOPE: bool>(
         &self,
         along_u: &Waves,
@@ -141,8 +142,8 @@ impl Rows {
     }
 }
 
-/// Sum of weight x wave, lane by lane; four weights a pass, which the compiler turns into vector code where
-/// one weight a pass with the sums in registers stays scalar (2 times slower).
+/// Sum of weight x wave, lane by lane; four weights a pass, which the compiler turns into vector
+/// code where one weight a pass with the sums in registers stays scalar (2 times slower).
 fn transform(weights: &[[f64; STEP]], waves: &[Lanes]) -> Lanes {
     let mut sum = [0.0; LANES];
     for ([a, b, c, d], [wa, wb, wc, wd]) in weights.iter().zip(waves.as_chunks::<STEP>().0) {

@@ -51,7 +51,8 @@ impl Axes {
         (self.incidence_deg.len(), self.azimuth_deg.len())
     }
 
-    /// All directions (incidence, azimuth), degrees, in the order of the arrays: incidence slow, azimuth fast.
+    /// All directions (incidence, azimuth), degrees, in the order of the arrays: incidence slow,
+    /// azimuth fast.
     pub fn directions(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let azimuths = move |&i| self.azimuth_deg.iter().map(move |&a| (i, a));
         self.incidence_deg.iter().flat_map(azimuths)

@@ -1,8 +1,9 @@
 //! The rules that every table obeys, in memory and on disk.
 //!
-//! Tolerance: a fraction is rounded to 2^-53 of itself, so a sum of n fractions that should be 1 is off by at most
-//! about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows 1e-9, which is also what the
-//! areas of polygons with coordinates of some edge lengths keep with room to spare.
+//! Tolerance: a fraction is rounded to 2^-53 of itself, so a sum of n fractions that should be 1 is
+//! off by at most about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows
+//! 1e-9, which is also what the areas of polygons with coordinates of some edge lengths keep with
+//! room to spare.
 
 use ndarray::{Array2, Array4, Array5, Axis, s};
 
@@ -22,7 +23,8 @@ pub(crate) const SUM: f64 = 1e-9;
 /// More rays than this are not exact in f64.
 pub(crate) const MOST_RAYS: u64 = 1 << 53;
 
-/// Checks every rule; `Ok` says that the table can be written, read and used without further checks.
+/// Checks every rule; `Ok` says that the table can be written, read and used without further
+/// checks.
 pub fn check(table: &Table) -> Result<(), Invalid> {
     axes(&table.axes)?;
     shapes(table)?;

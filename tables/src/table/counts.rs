@@ -1,7 +1,7 @@
 //! From counts to probabilities and their standard errors, and the distance between two tables.
 //!
-//! A table carries the numbers of rays; histogram, eta and errors follow from them by the rules here and
-//! nowhere else, so that merging is adding and a reader can check what it was given.
+//! A table carries the numbers of rays; histogram, eta and errors follow from them by the rules
+//! here and nowhere else, so that merging is adding and a reader can check what it was given.
 
 use ndarray::{Array2, Array3, Array4, Array5, ArrayView2, Axis};
 
@@ -18,16 +18,19 @@ impl Table {
     ///
     /// - `histogram` = counts / their sum, all 0 where nothing returned inside the histogram;
     /// - `retroreflected` = (retroreflected + out_of_range) / rays, 0 where no ray was launched;
-    /// - `standard_error`: for the `random` sampler, and where a single randomisation has rays, the binomial
-    ///   `sqrt(eta (1 - eta) / rays)` (for a low-discrepancy sequence an upper bound in practice); otherwise
-    ///   that of the mean over the R >= 2 randomisations that have rays, `sqrt(R/(R-1) sum (n_r/n)^2 (eta_r -
-    ///   eta)^2)`, which is the sample standard deviation / sqrt(R) when all have the same rays.
+    /// - `standard_error`: for the `random` sampler, and where a single randomisation has rays, the
+    ///   binomial `sqrt(eta (1 - eta) / rays)` (for a low-discrepancy sequence an upper bound in
+    ///   practice); otherwise that of the mean over the R >= 2 randomisations that have rays,
+    ///   `sqrt(R/(R-1) sum (n_r/n)^2 (eta_r - eta)^2)`, which is the sample standard deviation /
+    ///   sqrt(R) when all have the same rays.
     ///
-    /// The error is 0 where eta is exactly 0 or 1; that is not certainty. With `n` random rays the 95 % bound
-    /// there is about `3 / n` (the rule of three): eta < 3/n where none returned, eta > 1 - 3/n where all did.
+    /// The error is 0 where eta is exactly 0 or 1; that is not certainty. With `n` random rays the
+    /// 95 % bound there is about `3 / n` (the rule of three): eta < 3/n where none returned, eta >
+    /// 1 - 3/n where all did.
     ///
     /// # Panics
-    /// If the shapes disagree with the axes: that is the caller's mistake, [`crate::read()`] checks them before.
+    /// If the shapes disagree with the axes: that is the caller's mistake, [`crate::read()`] checks
+    /// them before.
     pub fn from_counts(
         axes: Axes,
         counts: Array5<u64>,
@@ -133,11 +136,12 @@ fn returned(fates: ArrayView2<u64>, random: bool) -> (f64, f64) {
     )
 }
 
-/// Distance of two tables per direction: the sum over bins of |eta_a histogram_a - eta_b histogram_b|,
-/// `[incidence, azimuth]`.
+/// Distance of two tables per direction: the sum over bins of |eta_a histogram_a - eta_b
+/// histogram_b|, `[incidence, azimuth]`.
 ///
-/// In probability per launched ray, so that empty and nearly empty directions are well defined: 0 for equal
-/// tables, at most 2; the total variation is half of it. Directions are compared by position.
+/// In probability per launched ray, so that empty and nearly empty directions are well defined: 0
+/// for equal tables, at most 2; the total variation is half of it. Directions are compared by
+/// position.
 ///
 /// # Panics
 /// If the tables have different axes; compare `a.axes == b.axes` before.

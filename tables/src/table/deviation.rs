@@ -1,18 +1,21 @@
-//! Where the light of a table of rays goes: numbers of rays by the direction that they leave in, jointly with their shift.
+//! Where the light of a table of rays goes: numbers of rays by the direction that they leave in,
+//! jointly with their shift.
 //!
-//! Both come from the point of entry: in a cube with a dihedral error every sextant has shifts of its own and a spot of its
-//! own, which the two distributions apart do not tell. Nearly all pairs of a shift and a direction are empty, so that only the
-//! others are kept, in ascending order; numbers of rays are added, as all counts are.
+//! Both come from the point of entry: in a cube with a dihedral error every sextant has shifts of
+//! its own and a spot of its own, which the two distributions apart do not tell. Nearly all pairs
+//! of a shift and a direction are empty, so that only the others are kept, in ascending order;
+//! numbers of rays are added, as all counts are.
 
 use std::cmp::Ordering;
 
-/// Pools of shifts, and bins of the deviation: tangents of the angles from straight back, outside, as
-/// [`crate::Path::deviation`] has them.
+/// Pools of shifts, and bins of the deviation: tangents of the angles from straight back, outside,
+/// as [`crate::Path::deviation`] has them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     /// Cells along each of u and v over the histogram's range; divides the number of its bins.
     pub cells: usize,
-    /// Bins along each of the deviation's two components. Where their number is odd, straight back is in the middle of one.
+    /// Bins along each of the deviation's two components. Where their number is odd, straight back
+    /// is in the middle of one.
     pub bins: usize,
     /// They cover [-range, range]; the outermost also hold what lies beyond.
     pub range: f64,

@@ -16,7 +16,8 @@ pub enum Fate {
     Deviated,
     /// Went through a facet where total internal reflection failed.
     Transmitted,
-    /// Absorbed by a facet, met one from behind, or was reflected by the front face on the way in or out.
+    /// Absorbed by a facet, met one from behind, or was reflected by the front face on the way in
+    /// or out.
     Absorbed,
     /// Hit nothing.
     Missed,

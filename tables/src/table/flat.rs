@@ -26,7 +26,8 @@ impl FlatEntries {
         }
     }
 
-    /// The lists again. The first start that does not fit, where one does not; `place` and `rays` are equally long.
+    /// The lists again. The first start that does not fit, where one does not; `place` and `rays`
+    /// are equally long.
     pub(crate) fn entries(&self) -> Result<Vec<Vec<Entry>>, usize> {
         let mut entries = Vec::new();
         let mut end = 0;
@@ -96,8 +97,8 @@ impl FlatPaths {
     /// The paths again, by direction.
     ///
     /// # Errors
-    /// The first entry that does not fit the others. The arrays of a path have its numbers of elements: callers see
-    /// to that.
+    /// The first entry that does not fit the others. The arrays of a path have its numbers of
+    /// elements: callers see to that.
     pub(crate) fn paths(&self, directions: usize) -> Result<Vec<Vec<Path>>, Misfit> {
         let (vertices, _) = self.vertex.as_chunks::<2>();
         let (matrices, _) = self.matrix.as_chunks::<4>();

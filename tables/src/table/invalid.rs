@@ -77,7 +77,8 @@ pub enum Invalid {
     },
     /// eta is not what the fates say.
     #[error(
-        "retroreflected is {eta} at direction {direction:?}, fate retroreflected + out_of_range is {fates}"
+        "retroreflected is {eta} at direction {direction:?}, fate retroreflected + out_of_range \
+        is {fates}"
     )]
     EtaOfFates {
         /// The direction.
@@ -122,7 +123,8 @@ pub enum Invalid {
     },
     /// Rays by deviation that the histogram does not have, or has more of.
     #[error(
-        "the deviations of direction {direction} have {deviations} rays in the cell (v, u) = {cell:?}, counts has {counts}"
+        "the deviations of direction {direction} have {deviations} rays in the cell (v, u) = \
+        {cell:?}, counts has {counts}"
     )]
     DeviationSum {
         /// Index of the direction, incidence * azimuths + azimuth.
@@ -136,7 +138,8 @@ pub enum Invalid {
     },
     /// An entry out of place, or without rays.
     #[error(
-        "entry {entry} of the deviations of direction {direction} has the place {place} and {rays} rays; places ascend below \
+        "entry {entry} of the deviations of direction {direction} has the place {place} and \
+        {rays} rays; places ascend below \
          {places}, and rays are at least 1"
     )]
     DeviationEntry {
@@ -175,7 +178,8 @@ pub enum Invalid {
     },
     /// Polygons whose areas do not sum to eta.
     #[error(
-        "polygons of direction {direction:?} return {polygons} of the power, retroreflected says {eta}"
+        "polygons of direction {direction:?} return {polygons} of the power, retroreflected says \
+        {eta}"
     )]
     PolygonSum {
         /// The direction.

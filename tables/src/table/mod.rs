@@ -1,7 +1,8 @@
-//! A ray-shift table in memory: axes, counts, fates, polygons, deviations, provenance, and the rules that they obey.
+//! A ray-shift table in memory: axes, counts, fates, polygons, deviations, provenance, and the
+//! rules that they obey.
 //!
-//! Counts or polygons enter; a [`table::Table`] leaves whose every number follows from them. It touches the options that its
-//! provenance states, and no other room.
+//! Counts or polygons enter; a [`table::Table`] leaves whose every number follows from them. It
+//! touches the options that its provenance states, and no other room.
 
 pub(crate) mod axes;
 pub(crate) mod check;

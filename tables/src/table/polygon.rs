@@ -1,10 +1,11 @@
-//! Area and centroid of polygons, and the cutting of convex ones along a line (Sutherland and Hodgman 1974).
+//! Area and centroid of polygons, and the cutting of convex ones along a line (Sutherland and
+//! Hodgman 1974).
 //!
-//! Points are of any type: `bake` has vectors, tables have pairs of numbers. Whoever cuts says how a point is made on an edge, so
-//! that neighbours who share it get the same bits.
+//! Points are of any type: `bake` has vectors, tables have pairs of numbers. Whoever cuts says how
+//! a point is made on an edge, so that neighbours who share it get the same bits.
 
-/// Signed area of a polygon, positive when it is counter-clockwise; relative to its first corner, so that a
-/// polygon far from the origin loses no digits.
+/// Signed area of a polygon, positive when it is counter-clockwise; relative to its first corner,
+/// so that a polygon far from the origin loses no digits.
 pub(crate) fn area(corners: &[[f64; 2]]) -> f64 {
     0.5 * fan(corners).map(|(_, _, twice)| twice).sum::<f64>()
 }
@@ -37,7 +38,8 @@ pub(crate) fn fan(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64;
     })
 }
 
-/// What a walk around a polygon meets, where a line cuts it: points with their value, which is 0 on the line.
+/// What a walk around a polygon meets, where a line cuts it: points with their value, which is 0 on
+/// the line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Met<P> {
     /// A corner.
@@ -46,7 +48,8 @@ pub enum Met<P> {
     Crossing([(P, f64); 2]),
 }
 
-/// Walks once around a convex polygon, from its last corner to its first and on. `value` has a sign for each side of the line.
+/// Walks once around a convex polygon, from its last corner to its first and on. `value` has a sign
+/// for each side of the line.
 #[inline]
 pub fn walk<P: Copy>(corners: &[P], value: impl Fn(P) -> f64, mut meet: impl FnMut(Met<P>)) {
     let Some(&last) = corners.last() else { return };
@@ -61,8 +64,8 @@ pub fn walk<P: Copy>(corners: &[P], value: impl Fn(P) -> f64, mut meet: impl FnM
     }
 }
 
-/// The part of a convex polygon where `value` is not positive, its corners in their order. `on` makes the point at a part of the
-/// way from one corner to the next.
+/// The part of a convex polygon where `value` is not positive, its corners in their order. `on`
+/// makes the point at a part of the way from one corner to the next.
 pub fn clip<P: Copy>(
     corners: &[P],
     value: impl Fn(P) -> f64,

@@ -6,8 +6,9 @@ use crate::table::symmetry::Symmetry;
 
 /// What a bake writes as the generator of its tables.
 ///
-/// It names how options become numbers, not the program or its version: it rises when the same options give other numbers, so
-/// that tables of two versions of a program add up as long as their rays are of one kind.
+/// It names how options become numbers, not the program or its version: it rises when the same
+/// options give other numbers, so that tables of two versions of a program add up as long as their
+/// rays are of one kind.
 pub const GENERATOR: &str = "airr ray-shift table 1";
 
 /// What programs before this name wrote for the same numbers.
@@ -50,7 +51,8 @@ pub struct Provenance {
     pub back: Word<Back>,
     /// What surfaces take from the light.
     pub losses: Word<Losses>,
-    /// Reflectance of each mirror facet, 1 where losses are left out or a metal or a bare back decides.
+    /// Reflectance of each mirror facet, 1 where losses are left out or a metal or a bare back
+    /// decides.
     pub reflectance: f64,
     /// How the distribution was found: [`Method::Rays`] or [`Method::Exact`].
     pub method: Word<Method>,
@@ -66,13 +68,15 @@ pub struct Provenance {
     pub lattice: Option<[[f64; 2]; 2]>,
     /// Vacuum wavelength that the bake was told, nm; `None` where it was not.
     pub wavelength_nm: Option<f64>,
-    /// Complex refractive index n + ik, as [n, k], of the metal behind each facet, where there is one.
+    /// Complex refractive index n + ik, as [n, k], of the metal behind each facet, where there is
+    /// one.
     pub metal_index: Option<[f64; 2]>,
     /// Which shards of a bake these are; `None` for a whole one.
     pub shards: Option<Shards>,
     /// What the azimuths stand for besides themselves.
     pub symmetry: Symmetry,
-    /// Total variation of eta x histogram that interpolated polygons are within, where the directions were chosen for it.
+    /// Total variation of eta x histogram that interpolated polygons are within, where the
+    /// directions were chosen for it.
     pub direction_tolerance: Option<f64>,
     /// What else the rays obeyed.
     pub options: StatedOptions,
@@ -100,7 +104,8 @@ impl Provenance {
         sampler.is_some_and(|sampler| sampler.is(Sampler::Random))
     }
 
-    /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets are made of.
+    /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets
+    /// are made of.
     pub fn losses_text(&self) -> String {
         match self.metal_index {
             _ if self.losses.is(Losses::None) => self.losses.to_string(),
@@ -115,7 +120,8 @@ impl Provenance {
         }
     }
 
-    /// Whether this is the provenance of the same bake: equal, but that an earlier program may have named the generator.
+    /// Whether this is the provenance of the same bake: equal, but that an earlier program may have
+    /// named the generator.
     pub fn is_of_the_bake(&self, other: &Provenance) -> bool {
         let named = |from: &Provenance| Provenance {
             generator: level(&from.generator).to_owned(),

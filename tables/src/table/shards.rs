@@ -8,9 +8,11 @@ use std::str::FromStr;
 /// Most shards of a bake.
 pub const MOST_SHARDS: u32 = 65_536;
 
-/// Some shards of a bake: equal shares of the samples of every randomisation. A whole bake has no such record.
+/// Some shards of a bake: equal shares of the samples of every randomisation. A whole bake has no
+/// such record.
 ///
-/// As text: the numbers held, from 1, the shards in all, and the rays of the whole bake, `1-3,7/8 of 4194304 rays`.
+/// As text: the numbers held, from 1, the shards in all, and the rays of the whole bake, `1-3,7/8
+/// of 4194304 rays`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shards {
     /// Shards of the bake, 2 to [`MOST_SHARDS`].
@@ -22,7 +24,8 @@ pub struct Shards {
 }
 
 impl Shards {
-    /// The samples of shard `number` of `of`, where there are `samples` in all. Shards cover them without overlap.
+    /// The samples of shard `number` of `of`, where there are `samples` in all. Shards cover them
+    /// without overlap.
     pub fn samples(number: u32, of: u32, samples: u64) -> Range<u64> {
         let end = |k: u32| (u128::from(samples) * u128::from(k) / u128::from(of)) as u64;
         end(number - 1)..end(number)

@@ -9,13 +9,15 @@ pub(crate) const MOST_ROTATIONS: u32 = 360;
 
 /// The symmetry of a sheet about its normal, as far as ray shifts see it.
 ///
-/// In the incidence frame a rotated direction has the same distribution, and a mirrored one the same with v turned
-/// over; so no value is computed, only looked up at another azimuth.
+/// In the incidence frame a rotated direction has the same distribution, and a mirrored one the
+/// same with v turned over; so no value is computed, only looked up at another azimuth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Symmetry {
-    /// Azimuths that differ by 360 / `rotations` degrees have one distribution; 1 where no two have.
+    /// Azimuths that differ by 360 / `rotations` degrees have one distribution; 1 where no two
+    /// have.
     pub rotations: u32,
-    /// Azimuth of a mirror plane, degrees: azimuths at equal angles on both sides of it have mirrored distributions.
+    /// Azimuth of a mirror plane, degrees: azimuths at equal angles on both sides of it have
+    /// mirrored distributions.
     pub mirror_deg: Option<f64>,
 }
 
@@ -26,8 +28,8 @@ impl Symmetry {
         mirror_deg: None,
     };
 
-    /// The smallest sector that stands for all azimuths: its first azimuth and its width, degrees. With a mirror both of
-    /// its ends are mirror planes; without, its end is its beginning again.
+    /// The smallest sector that stands for all azimuths: its first azimuth and its width, degrees.
+    /// With a mirror both of its ends are mirror planes; without, its end is its beginning again.
     ///
     /// ```
     /// let six = tables::Symmetry { rotations: 6, mirror_deg: Some(0.0) };
@@ -41,7 +43,8 @@ impl Symmetry {
         }
     }
 
-    /// The azimuths that have the distribution of `azimuth_deg`, in [0, 360), and whether it is mirrored there.
+    /// The azimuths that have the distribution of `azimuth_deg`, in [0, 360), and whether it is
+    /// mirrored there.
     pub fn images(&self, azimuth_deg: f64) -> impl Iterator<Item = (f64, bool)> + use<> {
         let turn = 360.0 / f64::from(self.rotations);
         let mirrored = self.mirror_deg.map(|mirror| 2.0 * mirror - azimuth_deg);
@@ -60,7 +63,8 @@ pub(crate) fn mirrored(probability: Array2<f64>) -> Array2<f64> {
     probability.slice_move(s![..;-1, ..])
 }
 
-/// Paths seen in a mirror that holds the plane of incidence: v is turned over, and with it the sense of a polygon.
+/// Paths seen in a mirror that holds the plane of incidence: v is turned over, and with it the
+/// sense of a polygon.
 pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
     let mirrored = |path: &Path| {
         let ([[uu, uv], [vu, vv]], [u, v]) = (path.matrix, path.offset);

@@ -1,7 +1,8 @@
 //! A ray-shift table in memory.
 //!
-//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane travel
-//! direction, v = n x u, in edge lengths. Array axes are `[incidence, azimuth, shift_v, shift_u]`.
+//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane
+//! travel direction, v = n x u, in edge lengths. Array axes are `[incidence, azimuth, shift_v,
+//! shift_u]`.
 
 use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
@@ -16,8 +17,8 @@ use crate::table::provenance::Provenance;
 pub struct Table {
     /// Directions and bins.
     pub axes: Axes,
-    /// Conditional probability `[incidence, azimuth, v, u]`: sums to 1 per direction, or all 0 where nothing
-    /// returns.
+    /// Conditional probability `[incidence, azimuth, v, u]`: sums to 1 per direction, or all 0
+    /// where nothing returns.
     pub histogram: Array4<f64>,
     /// Rays per bin `[incidence, azimuth, randomisation, v, u]`; `None` for an exact table.
     pub counts: Option<Array5<u64>>,
@@ -25,8 +26,8 @@ pub struct Table {
     pub retroreflected: Array2<f64>,
     /// Standard error of `retroreflected`; 0 for an exact table.
     pub standard_error: Array2<f64>,
-    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of `Fate::ALL`; sums
-    /// to 1.
+    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of
+    /// `Fate::ALL`; sums to 1.
     pub fate: Array3<f64>,
     /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.
     pub fate_counts: Option<Array4<u64>>,
@@ -34,7 +35,8 @@ pub struct Table {
     pub rays: Array2<u64>,
     /// Polygons and maps of an exact table.
     pub exact: Option<Exact>,
-    /// Rays by shift and by the direction that they leave in, where the cell is not ideal; `None` of an exact table.
+    /// Rays by shift and by the direction that they leave in, where the cell is not ideal; `None`
+    /// of an exact table.
     pub deviations: Option<Deviations>,
     /// Where it comes from.
     pub provenance: Provenance,

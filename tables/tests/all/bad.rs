@@ -1,4 +1,5 @@
-//! Damaged and strangers' files: each is refused with the message that says what, where and what to do.
+//! Damaged and strangers' files: each is refused with the message that says what, where and what to
+//! do.
 
 use crate::sample;
 
@@ -35,7 +36,8 @@ impl Bench {
         refusal(&self.path())
     }
 
-    /// Opens the good table for writing with the HDF5 library, which cuts the seal off, and spoils it.
+    /// Opens the good table for writing with the HDF5 library, which cuts the seal off, and spoils
+    /// it.
     fn spoilt(&self, spoil: impl FnOnce(&hdf5::File)) -> String {
         fs::write(self.path(), &self.good).unwrap();
         let file = hdf5::File::open_rw(self.path()).unwrap();
@@ -505,7 +507,8 @@ fn bad_polygons_are_refused() {
     assert_eq!(cases.len(), 11);
 }
 
-/// Another program may rewrite the texts at a fixed length or the numbers big-endian: the content is the same.
+/// Another program may rewrite the texts at a fixed length or the numbers big-endian: the content
+/// is the same.
 #[test]
 fn bad_deviations_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -75,7 +75,8 @@ fn every_flipped_bit_is_found() {
             "{kind}"
         );
         println!(
-            "{kind}, sealed: 1000 of 1000 flips found, {inside} of them in the payload ({length} of {} bytes)",
+            "{kind}, sealed: 1000 of 1000 flips found, {inside} of them in the payload ({length} \
+            of {} bytes)",
             sealed.len()
         );
 

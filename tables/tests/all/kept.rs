@@ -1,5 +1,5 @@
-//! Tables of versions 1 and 2, as bake 0.1.0 wrote them. Every later version must read them and give these numbers: never
-//! replace the files, add those of a new version beside them.
+//! Tables of versions 1 and 2, as bake 0.1.0 wrote them. Every later version must read them and
+//! give these numbers: never replace the files, add those of a new version beside them.
 
 use std::path::{Path, PathBuf};
 
@@ -46,7 +46,8 @@ fn a_table_of_rays_of_version_1() {
     assert_eq!((provenance.seed, provenance.refractive_index), (3, 1.49));
 }
 
-/// `bake trace triangular-pair.obj --bins 16 --incidence 0,20 --azimuth 0,30 --refractive-index 1.49`
+/// `bake trace triangular-pair.obj --bins 16 --incidence 0,20 --azimuth 0,30 --refractive-index
+/// 1.49`
 #[test]
 fn an_exact_table_of_version_1() {
     let file = kept("version_1_exact.h5");
@@ -71,8 +72,9 @@ fn an_exact_table_of_version_1() {
     assert_eq!((table.rays.sum(), table.counts), (0, None));
 }
 
-/// `bake trace uneven.obj --method rays --rays 16384 --bins 16 --incidence 0,20 --azimuth 0,30 --refractive-index 1.49 --seed 3`, of
-/// `bake design triangular --dihedral-error-mrad 0.4,0,-0.2 -o uneven.obj`
+/// `bake trace uneven.obj --method rays --rays 16384 --bins 16 --incidence 0,20 --azimuth 0,30
+/// --refractive-index 1.49 --seed 3`, of `bake design triangular --dihedral-error-mrad 0.4,0,-0.2
+/// -o uneven.obj`
 #[test]
 fn a_table_of_rays_of_version_2() {
     let file = kept("version_2_deviations.h5");

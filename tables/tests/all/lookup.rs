@@ -112,7 +112,8 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
         assert_eq!(image.eta, own.eta);
         let turned = own.probability.slice(ndarray::s![..;-1, ..]);
         assert_eq!(image.probability, turned);
-        // The transform follows: the mirrored distribution along (x, y) is the own one along (x, -y).
+        // The transform follows: the mirrored distribution along (x, y) is the own one along (x,
+        // -y).
         let line = image.otf_along([0.7, 0.4], &[0.3, 1.1]);
         let expected = own.otf_along([0.7, -0.4], &[0.3, 1.1]);
         for (a, b) in line.iter().zip(&expected) {
@@ -120,7 +121,8 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
         }
         cases += 1;
     }
-    // Between 30 and 50 deg, as between 10 and 30: no wider than the table's own gap. Those from -10 to 10 deg too.
+    // Between 30 and 50 deg, as between 10 and 30: no wider than the table's own gap. Those from
+    // -10 to 10 deg too.
     table.exact = None;
     let middle = table.direction(10.0, Some(40.0)).unwrap();
     assert!((middle.eta - 0.5 * (own.eta + table.retroreflected[[1, 1]])).abs() < 1e-15);

@@ -36,7 +36,8 @@ fn mismatch(tables: &[Table]) -> Mismatch {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
-    /// Any split of directions and randomisations gives back the whole, bit for bit, in any order and grouping.
+    /// Any split of directions and randomisations gives back the whole, bit for bit, in any order
+    /// and grouping.
     #[test]
     fn any_split_merges_to_the_whole(owner in prop::collection::vec(0..4_usize, 3 * 2 * 3), turn in 0..4_usize) {
         let whole = sample::rays(3, 7);
@@ -253,7 +254,8 @@ fn shard(table: &Table, k: u32, of: u32) -> Table {
     };
     let mut fates = table.fate_counts.clone().unwrap().mapv(|n| share(&n));
     let counts = table.counts.clone().unwrap().mapv(|n| share(&n));
-    // A share of a sum is not the sum of the shares: the counts of a direction are what its rays say.
+    // A share of a sum is not the sum of the shares: the counts of a direction are what its rays
+    // say.
     let (i, j, r, _) = fates.dim();
     for (i, j, r) in (0..i).flat_map(|i| (0..j).flat_map(move |j| (0..r).map(move |r| (i, j, r)))) {
         fates[[i, j, r, Fate::Retroreflected as usize]] = counts.slice(s![i, j, r, .., ..]).sum();

@@ -1,4 +1,5 @@
-//! Tables that other programs wrote again: by what they hold they are the same tables, without their seal.
+//! Tables that other programs wrote again: by what they hold they are the same tables, without
+//! their seal.
 
 use crate::sample;
 
@@ -7,7 +8,8 @@ use std::process::Command;
 
 use tables::{Table, is_sealed, read, write};
 
-/// h5py copies every object into a new file: of the oldest structures that HDF5 knows, or of the newest.
+/// h5py copies every object into a new file: of the oldest structures that HDF5 knows, or of the
+/// newest.
 const H5PY: &str = "import h5py, sys\n\
 with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w', libver=sys.argv[3]) as old:\n\
 \x20   for name in new: new.copy(name, old)\n\
@@ -65,7 +67,8 @@ fn tables_from_h5py_and_xarray_are_read() {
                     assert_eq!(back, *table, "{kind} {option}");
                     assert_eq!(back.content_hash(), table.content_hash());
                 }
-                // xarray leaves groups out: a table without its polygons or its deviations is another one.
+                // xarray leaves groups out: a table without its polygons or its deviations is
+                // another one.
                 Err(error) => {
                     assert!(matches!(*kind, "exact" | "deviations"), "{kind}: {error}");
                     assert_eq!(script, XARRAY, "{error}");

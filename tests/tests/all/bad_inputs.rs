@@ -1,5 +1,6 @@
-//! Bad files and wrong options, end to end: one sentence on standard error, the right exit code, and what stood at the
-//! output's place still stands there, byte for byte, with nothing half-written beside it.
+//! Bad files and wrong options, end to end: one sentence on standard error, the right exit code,
+//! and what stood at the output's place still stands there, byte for byte, with nothing
+//! half-written beside it.
 
 use std::path::Path;
 
@@ -29,8 +30,9 @@ impl Bench {
         self.folder.path()
     }
 
-    /// Runs a command line that must be refused with `code` and a sentence that holds all of `parts`. `from` is the
-    /// folder to run in; the output `OUT` stands for a file that exists already.
+    /// Runs a command line that must be refused with `code` and a sentence that holds all of
+    /// `parts`. `from` is the folder to run in; the output `OUT` stands for a file that exists
+    /// already.
     fn refuses(
         &mut self,
         from: &Path,

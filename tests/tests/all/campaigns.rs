@@ -1,4 +1,5 @@
-//! The whole way with the real programs: a design, its table, and a, c and mu from photographs whose truth is known.
+//! The whole way with the real programs: a design, its table, and a, c and mu from photographs
+//! whose truth is known.
 
 use std::path::Path;
 
@@ -42,7 +43,8 @@ const CAMPAIGNS: [Campaign; 3] = [
         a_within: 0.005,
         numbers: 3,
     },
-    // One cube off its symmetry axes, edges in four directions: a wrong sign of an axis is seen here alone.
+    // One cube off its symmetry axes, edges in four directions: a wrong sign of an axis is seen
+    // here alone.
     Campaign {
         name: "public_axes",
         design: "triangular",
@@ -55,9 +57,10 @@ const CAMPAIGNS: [Campaign; 3] = [
     },
 ];
 
-/// 54 numbers are compared. Were they independent and normal, one of them would lie 4.5 standard errors off in one
-/// of 2,700 sets of photographs; these are one fixed set, so the limit rejects errors that are reported too small,
-/// not luck. The table is baked as a user would, by the method that `auto` takes.
+/// 54 numbers are compared. Were they independent and normal, one of them would lie 4.5 standard
+/// errors off in one of 2,700 sets of photographs; these are one fixed set, so the limit rejects
+/// errors that are reported too small, not luck. The table is baked as a user would, by the method
+/// that `auto` takes.
 const STANDARD_ERRORS: f64 = 4.5;
 
 #[test]
@@ -102,7 +105,8 @@ fn compare(folder: &Path, campaign: &Campaign, table: &str, options: &[&str]) ->
     ];
     let run = fit(folder, &[&files[..], options].concat());
     assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
-    // Left open at a single distance, the scaling of a with it is guessed, and the user told so; else nothing is said.
+    // Left open at a single distance, the scaling of a with it is guessed, and the user told so;
+    // else nothing is said.
     let guessed = campaign.name == "public_axes" && !options.contains(&"--kernel");
     let said = run.err.lines().count() == 1 && run.err.contains("one floating distance");
     assert_eq!(

@@ -1,4 +1,5 @@
-//! One fit per channel of coloured photographs, as the program does it: a result by channel, each of its own light.
+//! One fit per channel of coloured photographs, as the program does it: a result by channel, each
+//! of its own light.
 
 use std::path::Path;
 
@@ -14,13 +15,16 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 fn parameters((a, mu): (f64, f64)) -> String {
     let capture = |distance: f64, normal: f64| {
         format!(
-            "[[capture]]\nfloating_distance_mm = {distance:?}\nincidence_deg = 10.0\nazimuth_deg = 20.0\n\
+            "[[capture]]\nfloating_distance_mm = {distance:?}\nincidence_deg = 10.0\nazimuth_deg \
+            = 20.0\n\
              edge_normal_deg = {normal:?}\nexposure = 4.0\n"
         )
     };
     format!(
-        "seed = 3\n[camera]\nwidth = 192\nheight = 128\npixel_pitch_mm = 0.08\nfull_well_e = 20000.0\n\
-         [truth]\nkernel = \"eq1\"\nlobe = \"radial\"\nior = 1.49\npair = true\na = {a:?}\nc = 0.2\nmu = {mu:?}\n{}{}",
+        "seed = 3\n[camera]\nwidth = 192\nheight = 128\npixel_pitch_mm = 0.08\nfull_well_e = \
+        20000.0\n\
+         [truth]\nkernel = \"eq1\"\nlobe = \"radial\"\nior = 1.49\npair = true\na = {a:?}\nc = \
+         0.2\nmu = {mu:?}\n{}{}",
         capture(200.0, 5.0),
         capture(300.0, 7.0)
     )

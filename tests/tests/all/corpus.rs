@@ -1,5 +1,5 @@
-//! The kept corpus of the fuzz targets, given to the same functions: each file ends in a value or an error, without a
-//! panic, and none takes long.
+//! The kept corpus of the fuzz targets, given to the same functions: each file ends in a value or
+//! an error, without a panic, and none takes long.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,8 @@ use tests::files::project;
 #[path = "../../../fuzz/src/lib.rs"]
 mod fuzz;
 
-/// A watchdog: what takes a second under the fuzzer is a finding, and a test machine may be ten times slower.
+/// A watchdog: what takes a second under the fuzzer is a finding, and a test machine may be ten
+/// times slower.
 const MOST: Duration = Duration::from_secs(10);
 
 type Target = (&'static str, fn(&[u8]));

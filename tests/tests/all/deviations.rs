@@ -1,5 +1,5 @@
-//! Cubes with errors of their right angles, from the mesh to the estimate: tables of beams and of rays say the same, and
-//! photographs of such a sheet give back what was planted.
+//! Cubes with errors of their right angles, from the mesh to the estimate: tables of beams and of
+//! rays say the same, and photographs of such a sheet give back what was planted.
 
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
@@ -9,7 +9,8 @@ use tables::Table;
 use tests::estimate::{json, numbers};
 use tests::program::{bake, fit};
 
-/// Bakes the pair with errors of 0.5 and -0.3 mrad, index 1.49, at incidence 0, 20 and 40 and azimuth 10.
+/// Bakes the pair with errors of 0.5 and -0.3 mrad, index 1.49, at incidence 0, 20 and 40 and
+/// azimuth 10.
 fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
     let design = ["design", "triangular-pair", "-o", "uneven.obj"];
     let errors = ["--dihedral-error-mrad", "0.5,0,-0.3"];
@@ -27,7 +28,8 @@ fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
     tables::read(&here.join(file)).expect("a table")
 }
 
-/// The OTF of shift and deviation, by beams and by rays: counting, bins of shift and bins of deviation part them, no more.
+/// The OTF of shift and deviation, by beams and by rays: counting, bins of shift and bins of
+/// deviation part them, no more.
 #[test]
 fn rays_and_beams_have_one_otf() {
     let folder = tempfile::tempdir().unwrap();
@@ -54,7 +56,8 @@ fn rays_and_beams_have_one_otf() {
                 for f in [0.3, 1.0, 2.5] {
                     let of = |line: &ShiftLine| line.otf(c, r, f).0;
                     let off = (of(&beams) - of(&rays)).norm();
-                    // Five standard deviations of a mean of unit phasors, which Sobol points stay below.
+                    // Five standard deviations of a mean of unit phasors, which Sobol points stay
+                    // below.
                     let counting = 5.0 / returned.sqrt();
                     // Bins blur twice: (pi kappa w)^2/6 along each axis, twice.
                     let kappa = c * f * width * PI;
@@ -74,7 +77,8 @@ fn rays_and_beams_have_one_otf() {
         }
     }
     println!(
-        "{cases} values: within {:.1e}, {:.2} of what is allowed; without deviations {without:.2} off",
+        "{cases} values: within {:.1e}, {:.2} of what is allowed; without deviations {without:.2} \
+        off",
         worst[0], worst[1]
     );
     assert!(without > 0.3, "deviations hardly matter here: {without}");
@@ -103,7 +107,8 @@ fn photographed(here: &Path, table: &str) {
     for (k, incidence) in [0, 20, 40].into_iter().enumerate() {
         for (distance, normal) in [(100, 5.0), (250, 97.0)] {
             params += &format!(
-                "[[capture]]\nfloating_distance_mm = {distance}\nincidence_deg = {incidence}\nazimuth_deg = 10\n\
+                "[[capture]]\nfloating_distance_mm = {distance}\nincidence_deg = \
+                {incidence}\nazimuth_deg = 10\n\
                  edge_normal_deg = {}\nexposure = 6.0\n",
                 normal + 0.7 * k as f64
             );
@@ -140,7 +145,8 @@ fn estimated(here: &Path, table: &str, options: &[&str]) -> Value {
     json(&here.join("r.json"))
 }
 
-/// Images of the last result by either table are alike, and unlike those of a table that leaves the deviations out.
+/// Images of the last result by either table are alike, and unlike those of a table that leaves the
+/// deviations out.
 fn images(here: &Path) {
     let place = ["--distance", "250", "--incidence", "20", "--azimuth", "10"];
     for table in ["beams", "rays", "straight"] {
@@ -163,7 +169,8 @@ fn images(here: &Path) {
     assert!(rays > 60.0 && straight < 50.0, "{rays} {straight}");
 }
 
-/// Both kinds of tables give back a, c and mu, in closed form and by samples; a table that leaves the deviations out does not.
+/// Both kinds of tables give back a, c and mu, in closed form and by samples; a table that leaves
+/// the deviations out does not.
 #[test]
 fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! `fit mtf` on edges whose MTF is known: noise-free, so that what is left is the estimator's own error.
+//! `fit mtf` on edges whose MTF is known: noise-free, so that what is left is the estimator's own
+//! error.
 
 use std::path::Path;
 
@@ -15,8 +16,9 @@ fn rows(text: &str) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The signed truth between its rows, by the cubic through four of them: its error is 3/128 h^4 f'''' for rows h apart.
-/// A mid-air edge 1 mm wide has f'''' of at most (2 pi 0.5 mm)^4 = 97, h = 0.1 per mm: 2.3e-4 at worst, a tenth of the limit.
+/// The signed truth between its rows, by the cubic through four of them: its error is 3/128 h^4
+/// f'''' for rows h apart. A mid-air edge 1 mm wide has f'''' of at most (2 pi 0.5 mm)^4 = 97, h =
+/// 0.1 per mm: 2.3e-4 at worst, a tenth of the limit.
 fn cubic(truth: &[Vec<f64>], frequency: f64) -> f64 {
     let step = truth[1][0] - truth[0][0];
     let first = ((frequency / step) as usize)

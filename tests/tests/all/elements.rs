@@ -5,8 +5,9 @@ use tests::files::argument;
 use tests::page::commands;
 use tests::program::{bake, run};
 
-/// A plate at azimuth 45: the shifts fill a square whose sides are across the two layers' mirrors, each 2 w P(s) pitches long
-/// (`bake/src/tests/elements/plate.rs`), so that the OTF of the shift is a product of two sincs of what the image shows of them.
+/// A plate at azimuth 45: the shifts fill a square whose sides are across the two layers' mirrors,
+/// each 2 w P(s) pitches long (`bake/src/tests/elements/plate.rs`), so that the OTF of the shift is
+/// a product of two sincs of what the image shows of them.
 #[test]
 fn a_plate_blurs_as_its_slits_do() {
     let folder = tempfile::tempdir().unwrap();

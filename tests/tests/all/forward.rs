@@ -1,5 +1,6 @@
-//! The published loop by samples, with the real program on photographs whose truth is known: it lands where the closed form
-//! does, within the error that its samples have, whether MTF differences are weighed by their noise or, as published, all alike.
+//! The published loop by samples, with the real program on photographs whose truth is known: it
+//! lands where the closed form does, within the error that its samples have, whether MTF
+//! differences are weighed by their noise or, as published, all alike.
 
 use serde_json::Value;
 use tests::estimate::{json, numbers};
@@ -45,8 +46,9 @@ fn values(result: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// Five standard deviations, which 8 randomisations tell to 27 %, for 24 numbers (Student's t with 7 degrees of freedom:
-/// 0.0016 each, on samples that are fixed); and 5e-5 for what else the two models differ by.
+/// Five standard deviations, which 8 randomisations tell to 27 %, for 24 numbers (Student's t with
+/// 7 degrees of freedom: 0.0016 each, on samples that are fixed); and 5e-5 for what else the two
+/// models differ by.
 #[test]
 fn the_render_lands_on_the_closed_form() {
     let folder = tempfile::tempdir().unwrap();
@@ -81,8 +83,9 @@ fn the_render_lands_on_the_closed_form() {
             let truth = argument(&format!("tests/captures/{}/truth.json", campaign.name));
             let scored = numbers(&closed, &json(std::path::Path::new(&truth)));
             for number in &scored {
-                // As in the test of the campaigns: one fixed set of photographs, so a limit for errors that are reported too
-                // small; and one for those that would cover anything (`mse` has up to 4 times the errors of `mtf`).
+                // As in the test of the campaigns: one fixed set of photographs, so a limit for
+                // errors that are reported too small; and one for those that would cover anything
+                // (`mse` has up to 4 times the errors of `mtf`).
                 assert!(number.score().abs() < 4.5, "{loss}: {number:?}");
                 assert!(
                     number.standard_error < 0.02 * number.truth,

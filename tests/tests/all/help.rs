@@ -1,4 +1,5 @@
-//! Help that works: every verb shows an example, every example runs as printed, and exit codes mean what they say.
+//! Help that works: every verb shows an example, every example runs as printed, and exit codes mean
+//! what they say.
 
 use std::path::Path;
 
@@ -23,7 +24,8 @@ fn verbs(program: &str) -> Vec<String> {
         .collect()
 }
 
-/// The command lines of a help text's examples; a line that the terminal's width broke is joined again.
+/// The command lines of a help text's examples; a line that the terminal's width broke is joined
+/// again.
 fn examples(help: &str) -> Vec<Vec<String>> {
     let mut lines: Vec<String> = Vec::new();
     let mut inside = false;

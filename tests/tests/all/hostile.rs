@@ -10,10 +10,12 @@ use tests::program::{python, run_by};
 /// Most memory of any process of a command, bytes.
 const MOST_BYTES: u64 = 500_000_000;
 
-/// A watchdog against work without end; the target of 2 s is printed, not asserted: the machine may be busy.
+/// A watchdog against work without end; the target of 2 s is printed, not asserted: the machine may
+/// be busy.
 const MOST_SECONDS: f64 = 30.0;
 
-/// Runs its arguments and prints, after what they print, the greatest memory of any of their processes, KiB.
+/// Runs its arguments and prints, after what they print, the greatest memory of any of their
+/// processes, KiB.
 const MEASURE: &str = "import resource, subprocess, sys\n\
     code = subprocess.run(sys.argv[1:]).returncode\n\
     print('\\npeak', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)\n\
@@ -94,15 +96,16 @@ fn every_hostile_file_is_refused_in_little_time_and_memory() {
     println!("slowest {slowest:?}, largest {largest:?}");
 }
 
-/// What a stranger can do to the structures that have no checksum: any change ends in a table or in an error, never in
-/// the end of the program by a signal.
+/// What a stranger can do to the structures that have no checksum: any change ends in a table or in
+/// an error, never in the end of the program by a signal.
 #[test]
 fn a_crash_of_the_hdf5_library_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     table(folder.path());
     let old = folder.path().join("old.h5");
     let script = "import h5py, sys\n\
-        with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w', libver='earliest') as old:\n\
+        with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w', libver='earliest') as \
+        old:\n\
         \x20   for name in new: new.copy(name, old)\n\
         \x20   old.attrs.update(new.attrs)";
     let status = Command::new(python())

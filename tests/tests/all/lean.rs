@@ -1,5 +1,5 @@
-//! The lean fitter, `fit --no-default-features`: photographs, model, estimate, result and prediction, and nothing that
-//! draws, compares pictures or wants a C++ compiler.
+//! The lean fitter, `fit --no-default-features`: photographs, model, estimate, result and
+//! prediction, and nothing that draws, compares pictures or wants a C++ compiler.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

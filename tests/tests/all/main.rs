@@ -1,4 +1,5 @@
-//! Both programs and the whole project from outside: one test program, so that the crates are linked once.
+//! Both programs and the whole project from outside: one test program, so that the crates are
+//! linked once.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

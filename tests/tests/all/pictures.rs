@@ -1,4 +1,5 @@
-//! Mid-air images of pictures of every kind with the real program: light is conserved, and both forward models agree.
+//! Mid-air images of pictures of every kind with the real program: light is conserved, and both
+//! forward models agree.
 
 use std::path::Path;
 
@@ -11,8 +12,8 @@ use tests::program::fit;
 
 const SIZE: [u32; 2] = [224, 192];
 
-/// Wider than the blur: the radial lobe ends 7.54 / a = 2 mm away, the shift of c below 0.5 mm; 64 pixels are 3.2 mm. Blocks of JPEG
-/// are 8 x 8, so that its margin is black too.
+/// Wider than the blur: the radial lobe ends 7.54 / a = 2 mm away, the shift of c below 0.5 mm; 64
+/// pixels are 3.2 mm. Blocks of JPEG are 8 x 8, so that its margin is black too.
 const MARGIN: u32 = 64;
 
 /// Light of a pixel in 0..1, black in the margin.
@@ -132,12 +133,13 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
         let count = (image.planes.len() * image.planes[0].len()) as f64;
         let ratio = (squares / count).sqrt() / error;
         println!("{source}: samples are {ratio:.3} of their error off");
-        // Pixels share 32,768 / 8 blocks of samples: a mean square of 4,096 errors beside one by 8 randomisations is known to
-        // sqrt(2/n + 2/7n), its root to half of that, 1.2 %; 4.5 times.
+        // Pixels share 32,768 / 8 blocks of samples: a mean square of 4,096 errors beside one by 8
+        // randomisations is known to sqrt(2/n + 2/7n), its root to half of that, 1.2 %; 4.5 times.
         assert!((ratio - 1.0).abs() < 0.054, "{source}: {ratio}");
         cases += 1;
 
-        // Light from behind is added everywhere, then exposed; the contrast is of the image alone against it.
+        // Light from behind is added everywhere, then exposed; the contrast is of the image alone
+        // against it.
         let (report, lit) = render("lit.exr", &["--ambient", "0.002", "--exposure", "3"]);
         for (own, lit) in image
             .planes

@@ -1,12 +1,14 @@
-//! `fit simulate` and then `fit estimate`: photographs made in the spatial domain from the closed form of the ideal
-//! cube, and numbers found in the frequency domain from a traced table. The two share no formula of blur.
+//! `fit simulate` and then `fit estimate`: photographs made in the spatial domain from the closed
+//! form of the ideal cube, and numbers found in the frequency domain from a traced table. The two
+//! share no formula of blur.
 
 use tests::estimate::{json, numbers};
 use tests::files::{argument, bake_table};
 use tests::program::fit;
 
-/// 13 numbers are compared: were they independent and normal, one of them would lie 4.5 standard errors off in one
-/// of 11,000 draws of the noise; the seeds are fixed, so this rejects errors that are reported too small, not luck.
+/// 13 numbers are compared: were they independent and normal, one of them would lie 4.5 standard
+/// errors off in one of 11,000 draws of the noise; the seeds are fixed, so this rejects errors that
+/// are reported too small, not luck.
 const STANDARD_ERRORS: f64 = 4.5;
 
 #[test]

@@ -1,4 +1,5 @@
-//! A prediction with a table of the fitted cell that holds other directions than the fit's, and with one of another cell.
+//! A prediction with a table of the fitted cell that holds other directions than the fit's, and
+//! with one of another cell.
 
 use serde_json::Value;
 use tests::files::{argument, bake_table};
@@ -66,6 +67,7 @@ fn any_table_of_the_fitted_cell_predicts() {
     named("proposed").done();
     let refused = named("saito");
     assert_eq!(refused.code, Some(1));
-    let remedy = "r.json: is the fit of another model; fit this one: fit estimate captures.toml --table table.h5 --model saito";
+    let remedy = "r.json: is the fit of another model; fit this one: fit estimate captures.toml \
+    --table table.h5 --model saito";
     assert!(refused.err.contains(remedy), "{}", refused.err);
 }

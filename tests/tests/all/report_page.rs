@@ -14,8 +14,9 @@ use tests::program::fit;
 /// A file name that would be markup if it reached the page as it is.
 const HOSTILE: &str = "<script>alert('1')&\"<b>.exr";
 
-/// A campaign of six photographs, each a pair at 0, 20 and 40 degrees, with things to warn about: a half mirror that makes mu
-/// larger than 1; one photograph at 20 degrees has a hostile name and a region.
+/// A campaign of six photographs, each a pair at 0, 20 and 40 degrees, with things to warn about: a
+/// half mirror that makes mu larger than 1; one photograph at 20 degrees has a hostile name and a
+/// region.
 fn doubtful_campaign(here: &Path) -> String {
     let parameters = argument("tests/tests/all/planted/eq1.toml");
     fit(
@@ -124,8 +125,8 @@ fn the_page_is_whole_and_escaped() {
     assert_eq!((named.len(), wanted[1]), (6, HOSTILE));
     assert_eq!(named, wanted);
 
-    // Every number of the result is in a table: c, and a and mu at three angles. Two digits of the error are shown, so that
-    // rounding takes at most 0.05 of it.
+    // Every number of the result is in a table: c, and a and mu at three angles. Two digits of the
+    // error are shown, so that rounding takes at most 0.05 of it.
     let rows: Vec<Vec<String>> = all(&tree, "tr")
         .map(|row| row.children().filter(Node::is_element).map(text).collect())
         .collect();
@@ -248,9 +249,11 @@ fn a_crop_shows_the_photograph_that_is_warned_about() {
     let crops: Vec<Node> = all(&tree, "svg")
         .filter(|svg| svg.attribute("class") == Some("photo"))
         .collect();
-    // The two photographs at 20 degrees: this table brackets that angle and lacks it, which is warned about.
+    // The two photographs at 20 degrees: this table brackets that angle and lacks it, which is
+    // warned about.
     assert_eq!(crops.len(), 2);
-    // Blocks of 2 pixels: the region of 240 x 200 at (40, 30) with a margin of 36, and the whole picture of 320 x 256.
+    // Blocks of 2 pixels: the region of 240 x 200 at (40, 30) with a margin of 36, and the whole
+    // picture of 320 x 256.
     let label = crops[0].attribute("aria-label").unwrap();
     assert!(label.starts_with(HOSTILE), "{label}");
     let sizes = [(156, 128), (160, 128)];
@@ -373,7 +376,8 @@ fn a_browser_shows_the_page_at_every_width_and_on_paper() {
         // Nothing but the tables, which scroll by themselves, is wider than the window.
         assert_eq!(number("page"), f64::from(width), "{found}");
         assert_eq!(found["wide"], serde_json::json!([]), "{width}");
-        // The flattest chart is 196 high where it is 360 wide, and a phone leaves 390 - 2 x 16 to it.
+        // The flattest chart is 196 high where it is 360 wide, and a phone leaves 390 - 2 x 16 to
+        // it.
         assert!(number("smallest_chart") > 190.0, "{found}");
         assert!(number("smallest_text") >= 9.0, "{found}");
         // WCAG 2.2, 1.4.3 (AA).

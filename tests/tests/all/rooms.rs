@@ -162,7 +162,8 @@ fn planted(text: &str) -> Vec<String> {
 
 #[test]
 fn a_planted_violation_is_found_however_it_is_written() {
-    let roof = "below/other.rs imports above/roof.rs, which stands above it; that is a circle between rooms, for above/roof.rs \
+    let roof = "below/other.rs imports above/roof.rs, which stands above it; that is a circle \
+    between rooms, for above/roof.rs \
                 imports below/ground.rs";
     let tower = roof.replacen("above/roof.rs", "above/tower.rs", 1);
     let root = "below/other.rs imports lib.rs, which stands above it";

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use tests::files::{argument, bake_table};
 use tests::program::{bake, fit};
 
-/// Three perpendicular facets of roughness alpha spread light by s = 2 m alpha R across the plane of incidence and by cos inside over
-/// cos outside times that within it: the MTF of smooth facets times exp(-2 (pi s f)^2).
+/// Three perpendicular facets of roughness alpha spread light by s = 2 m alpha R across the plane
+/// of incidence and by cos inside over cos outside times that within it: the MTF of smooth facets
+/// times exp(-2 (pi s f)^2).
 #[test]
 fn the_blur_of_rough_facets_grows_with_the_distance() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,9 +84,10 @@ fn the_blur_of_rough_facets_grows_with_the_distance() {
         }
     }
     println!("{cases} values of 12 curves, within {worst:.4} of the closed form");
-    // The factor exp(-x) changes by x exp(-x) <= 0.37 times what x is off by: the variance of 700,000 rays by 4.5 sqrt(2 / N) = 0.8 %
-    // and some alpha for light near edges; bins of an eighth of the spread, whose width^2 / 12 is 0.13 % of the variance. In all
-    // 1.2 % x 0.37, and what alpha adds.
+    // The factor exp(-x) changes by x exp(-x) <= 0.37 times what x is off by: the variance of
+    // 700,000 rays by 4.5 sqrt(2 / N) = 0.8 % and some alpha for light near edges; bins of an
+    // eighth of the spread, whose width^2 / 12 is 0.13 % of the variance. In all 1.2 % x 0.37, and
+    // what alpha adds.
     assert!(worst < 0.005, "{worst}");
     assert!(cases >= 12 * 50, "{cases}");
 }

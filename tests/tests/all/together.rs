@@ -1,4 +1,5 @@
-//! Two bakes to one file at the same time, and readers meanwhile: both end well, the later one stays.
+//! Two bakes to one file at the same time, and readers meanwhile: both end well, the later one
+//! stays.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,4 +1,5 @@
-//! The wave kernel from the command line: estimated, predicted with, and refused where something is missing.
+//! The wave kernel from the command line: estimated, predicted with, and refused where something is
+//! missing.
 
 use serde_json::Value;
 use tests::estimate::{json, numbers};

@@ -12,8 +12,8 @@ use tables::options::Sampler;
 const INCIDENCE_RAD: f64 = 0.35;
 const AZIMUTH_RAD: f64 = 0.5;
 
-/// Differences from the oracle over rays of the same fate: medians of direction (rad) and shift (edge lengths), for where facets
-/// meet some take another face first; and that of eta.
+/// Differences from the oracle over rays of the same fate: medians of direction (rad) and shift
+/// (edge lengths), for where facets meet some take another face first; and that of eta.
 struct Errors {
     direction: f64,
     shift: f64,
@@ -70,8 +70,9 @@ fn of_segments(shape: Shape, sag: f64, rays: u64, segments: &[u32]) -> Vec<[Erro
     segments.iter().map(of).collect()
 }
 
-/// Halving the facets halves the error of planes and quarters that of interpolated normals, in the limit; what the next order
-/// adds falls with it, and a factor within a quarter of the limit is asked for between 16, 32 and 64 segments.
+/// Halving the facets halves the error of planes and quarters that of interpolated normals, in the
+/// limit; what the next order adds falls with it, and a factor within a quarter of the limit is
+/// asked for between 16, 32 and 64 segments.
 #[test]
 fn interpolated_normals_converge_with_the_square_of_the_facets() {
     let mut cases = 0;
@@ -86,7 +87,8 @@ fn interpolated_normals_converge_with_the_square_of_the_facets() {
                 let (coarse, fine) = (&pair[0][kind], &pair[1][kind]);
                 let falls = [coarse.direction / fine.direction, coarse.shift / fine.shift];
                 println!(
-                    "{shape:?} {sag}, {}: direction {:.2e} rad, shift {:.2e}, falls by {falls:.2?}; {:.1e} of the rays go elsewhere",
+                    "{shape:?} {sag}, {}: direction {:.2e} rad, shift {:.2e}, falls by \
+                    {falls:.2?}; {:.1e} of the rays go elsewhere",
                     ["planes", "normals"][kind],
                     fine.direction,
                     fine.shift,
@@ -113,7 +115,8 @@ fn table_of_convergence() {
     for sag in [1e-4, 0.01] {
         println!("\nsag {sag}\n");
         println!(
-            "| segments | facets | direction, planes (rad) | normals | shift, planes | normals | eta, planes | normals |"
+            "| segments | facets | direction, planes (rad) | normals | shift, planes | normals | \
+            eta, planes | normals |"
         );
         println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
         let found = of_segments(Shape::TriangularPair, sag, 200_000, &segments);

@@ -1,4 +1,5 @@
-//! Curved faces: facets with interpolated normals against the curved face itself, and what is refused or said of them.
+//! Curved faces: facets with interpolated normals against the curved face itself, and what is
+//! refused or said of them.
 
 pub(crate) mod convergence;
 pub(crate) mod oracle;

@@ -43,8 +43,9 @@ impl Face {
         [[1.0 - b1[0] - b2[0], -b1[1] - b2[1]], b1, b2]
     }
 
-    /// The distance to the face: the least root past `start` of a cubic, between the ends of the ray's way over the triangle and
-    /// the turning points of the cubic, between which it has one root at most.
+    /// The distance to the face: the least root past `start` of a cubic, between the ends of the
+    /// ray's way over the triangle and the turning points of the cubic, between which it has one
+    /// root at most.
     fn meet(&self, origin: DVec3, direction: DVec3, start: f64) -> Option<f64> {
         let b = self.coordinates(origin, direction);
         let (mut from, mut to) = (start, 10.0_f64);

@@ -44,8 +44,8 @@ fn loop_and_hierarchy_agree_to_the_last_bit() {
     assert!(fates[Fate::Retroreflected as usize] > 1000);
 }
 
-/// Normals that are those of the facets change nothing but rounding: three reflections about vectors that are known to 4e-16,
-/// over paths of at most three edges.
+/// Normals that are those of the facets change nothing but rounding: three reflections about
+/// vectors that are known to 4e-16, over paths of at most three edges.
 #[test]
 fn normals_of_planes_are_planes() {
     let mut flat = design(Shape::TriangularPair, 0.0, 4);
@@ -67,7 +67,8 @@ fn normals_of_planes_are_planes() {
     assert_eq!(cases, RAYS);
 }
 
-/// Two facets of one period, each moved to another period: the same sheet, whose copies have the same normals.
+/// Two facets of one period, each moved to another period: the same sheet, whose copies have the
+/// same normals.
 #[test]
 fn copies_of_a_periodic_cell_have_its_normals() {
     let e = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
@@ -140,7 +141,8 @@ fn copies_of_a_periodic_cell_have_its_normals() {
     assert!(returned > 1000);
 }
 
-/// The normal at a point is the mean of the corners' by the areas opposite, which Cramer's rule gives as well.
+/// The normal at a point is the mean of the corners' by the areas opposite, which Cramer's rule
+/// gives as well.
 #[test]
 fn normals_are_interpolated_by_area() {
     let cell = cell(&design(Shape::Triangular, 0.03, 3), true);
@@ -174,7 +176,8 @@ fn normals_are_interpolated_by_area() {
     assert_eq!(cases, 81);
 }
 
-/// A flat mirror whose normals lean by 60 degrees sends level light below itself, where there is nothing to be met.
+/// A flat mirror whose normals lean by 60 degrees sends level light below itself, where there is
+/// nothing to be met.
 #[test]
 fn light_sent_behind_its_facet_is_absorbed() {
     let facet = [
@@ -205,7 +208,8 @@ fn light_sent_behind_its_facet_is_absorbed() {
         let scene = Scene::new(&cell, Index::Loop);
         trace(&scene, &RULES, &light, DVec2::new(-0.4, -0.4), 0.5).fate
     };
-    // Up to a lean of 5 degrees away the light leaves above the mirror; past it, and past its own angle, it does not.
+    // Up to a lean of 5 degrees away the light leaves above the mirror; past it, and past its own
+    // angle, it does not.
     let cases = [
         (-40, false),
         (0, false),

@@ -1,6 +1,7 @@
-//! A glass bead on its mirror, in closed form. A sphere of radius r and index n that light meets at b off its centre turns it by
-//! refraction at theta = asin(b / r) into theta' = asin(b / (r n)), one reflection and refraction again: it leaves at
-//! 2 theta - 4 theta' from straight back, away from the axis where positive, on a line that is b off the centre too.
+//! A glass bead on its mirror, in closed form. A sphere of radius r and index n that light meets at
+//! b off its centre turns it by refraction at theta = asin(b / r) into theta' = asin(b / (r n)),
+//! one reflection and refraction again: it leaves at 2 theta - 4 theta' from straight back, away
+//! from the axis where positive, on a line that is b off the centre too.
 
 use crate::optics::{Incidence, Rules};
 use crate::plan::{Plan, Request};
@@ -32,8 +33,8 @@ fn turn(b: f64, index: f64) -> f64 {
     2.0 * b.asin() - 4.0 * (b / index).asin()
 }
 
-/// Incidence and point of leaving at height `top` above the centre of a bead of radius `r` for light that travels along `travel`
-/// on a line `beside` its centre.
+/// Incidence and point of leaving at height `top` above the centre of a bead of radius `r` for
+/// light that travels along `travel` on a line `beside` its centre.
 fn leaving(travel: DVec3, beside: DVec3, r: f64, index: f64, top: f64) -> (DVec3, DVec2) {
     let b = beside.length();
     let outward = beside / b;
@@ -46,10 +47,11 @@ fn leaving(travel: DVec3, beside: DVec3, r: f64, index: f64, top: f64) -> (DVec3
     )
 }
 
-/// Ray by ray, of sparse beads, and of dense ones, which overlap the walls of their lattice's prisms, where light passes between
-/// neighbours: where it leaves and which way. Both are off by the square of the facets' size (a facet's sag and the error of an
-/// interpolated normal), so that a quarter of the size leaves a 16th of the rms: between 1/12 and 1/20, for a cap of some facets sees
-/// one pattern of them.
+/// Ray by ray, of sparse beads, and of dense ones, which overlap the walls of their lattice's
+/// prisms, where light passes between neighbours: where it leaves and which way. Both are off by
+/// the square of the facets' size (a facet's sag and the error of an interpolated normal), so that
+/// a quarter of the size leaves a 16th of the rms: between 1/12 and 1/20, for a cap of some facets
+/// sees one pattern of them.
 #[test]
 fn rays_converge_to_the_meridional_trace() {
     let index = 1.93;
@@ -76,7 +78,8 @@ fn rays_converge_to_the_meridional_trace() {
             let centre = DVec3::new(0.0, 0.0, r);
             let (mut sum, mut rays) = (0.0, 0);
             for k in 0..4000 {
-                // The first goes, at normal incidence, along an edge of facets. Over the disc of the bead, evenly, but for its rim, which at 30 degrees is behind the equator.
+                // The first goes, at normal incidence, along an edge of facets. Over the disc of
+                // the bead, evenly, but for its rim, which at 30 degrees is behind the equator.
                 let b = part * r * ((f64::from(k) + 0.5) / 4000.0).sqrt();
                 let around = f64::from(k) * 2.399_963;
                 let across = direction.travel.any_orthonormal_pair();
@@ -109,8 +112,9 @@ fn rays_converge_to_the_meridional_trace() {
     assert!(checked > 20_000);
 }
 
-/// The share within the angular tolerance at normal incidence, from the intervals of b where |2 theta - 4 theta'| is below it, of
-/// beads as dense as they come, for several indices: within 4.5 sigma of the count and what the facets are off.
+/// The share within the angular tolerance at normal incidence, from the intervals of b where |2
+/// theta - 4 theta'| is below it, of beads as dense as they come, for several indices: within 4.5
+/// sigma of the count and what the facets are off.
 #[test]
 fn shares_are_those_of_rings() {
     let (diameter, rays) = (0.95, 1 << 15);
@@ -143,7 +147,8 @@ fn shares_are_those_of_rings() {
         let expected = part * std::f64::consts::PI * r * r / area;
         let found = table.retroreflected[[0, 0]];
         let sigma = (expected * (1.0 - expected) / rays as f64).sqrt();
-        // A direction is off by some (pi / 2 / 64)^2 / 2 = 3e-4 rad, 2 % of the narrowest tolerance.
+        // A direction is off by some (pi / 2 / 64)^2 / 2 = 3e-4 rad, 2 % of the narrowest
+        // tolerance.
         let facets = 3e-4 / f64::to_radians(tolerance_deg) * expected;
         assert!(
             (found - expected).abs() < 4.5 * sigma + facets,

@@ -1,7 +1,8 @@
-//! A micro-mirror array plate, unfolded by hand. In a layer of slits of clear width w and depth h light goes s w along the
-//! mirrors' normal, s = h tan(theta) |cos phi| / w. Unfolded, what enters at x in (0, w) arrives at X = x + s w, past m mirrors
-//! for X in (m w, (m + 1) w). Odd m turn it round, at (m + 1) w - X in the slit: a share 1 - |1 - (s mod 2)| of it. The lines
-//! extended to the layer's lower end are (m + 1) w - 2 X apart, to its upper end 2 s w more.
+//! A micro-mirror array plate, unfolded by hand. In a layer of slits of clear width w and depth h
+//! light goes s w along the mirrors' normal, s = h tan(theta) |cos phi| / w. Unfolded, what enters
+//! at x in (0, w) arrives at X = x + s w, past m mirrors for X in (m w, (m + 1) w). Odd m turn it
+//! round, at (m + 1) w - X in the slit: a share 1 - |1 - (s mod 2)| of it. The lines extended to
+//! the layer's lower end are (m + 1) w - 2 X apart, to its upper end 2 s w more.
 
 use crate::plan::{Plan, Request};
 use crate::tests::bakes;
@@ -42,8 +43,8 @@ fn bake(cell: &Cell, request: Request) -> Table {
     bakes::bake(cell, &plan).expect("bakes")
 }
 
-/// Share of a layer's light that is turned round (mirrors' edges included), that goes straight through, and the shift's range on
-/// the plane of the layer's lower end, along the light.
+/// Share of a layer's light that is turned round (mirrors' edges included), that goes straight
+/// through, and the shift's range on the plane of the layer's lower end, along the light.
 fn layer(depth: f64, thickness: f64, slope: f64) -> (f64, f64, [f64; 2]) {
     let w = 1.0 - thickness;
     let s = depth * slope.abs() / w;
@@ -60,8 +61,9 @@ fn layer(depth: f64, thickness: f64, slope: f64) -> (f64, f64, [f64; 2]) {
     (w * odd, w * (1.0 - s).max(0.0), [shift(high), shift(low)])
 }
 
-/// Exact tables of four plates: share, straight light and the box that the shifts fill evenly. Rounding is some ulp of the way
-/// through the plate, 2 h tan(inside) up to 22 here, over areas of 1.
+/// Exact tables of four plates: share, straight light and the box that the shifts fill evenly.
+/// Rounding is some ulp of the way through the plate, 2 h tan(inside) up to 22 here, over areas of
+/// 1.
 #[test]
 fn exact_tables_are_the_unfolded_slits() {
     let (mut cases, mut imaged) = (0, 0);
@@ -122,7 +124,8 @@ fn exact_tables_are_the_unfolded_slits() {
                     }
                 }
             }
-            // The map doubles both sides: the paths' images fill the box, which has four times their area.
+            // The map doubles both sides: the paths' images fill the box, which has four times
+            // their area.
             assert!((area - eta).abs() < 1e-11, "{name}");
             let [[a, b], [c, d]] = expected;
             assert!(
@@ -138,8 +141,9 @@ fn exact_tables_are_the_unfolded_slits() {
     assert!(imaged > 80, "{imaged}");
 }
 
-/// Rays go one by one, by a tracer of their own: each fate of each direction within 4.5 sigma of the exact share (one of 1,440
-/// comparisons is beyond by chance once in a hundred runs, and the seed is fixed), with and without losses.
+/// Rays go one by one, by a tracer of their own: each fate of each direction within 4.5 sigma of
+/// the exact share (one of 1,440 comparisons is beyond by chance once in a hundred runs, and the
+/// seed is fixed), with and without losses.
 #[test]
 fn rays_agree_with_beams() {
     let plate = cell(3.0, 0.02);
@@ -192,7 +196,8 @@ fn rays_agree_with_beams() {
             };
             for v in [false, true] {
                 let off = (mean(&exact, v) - mean(&traced, v)).abs();
-                // A box of up to 2 pitches along x and along y: a standard deviation of at most 0.82.
+                // A box of up to 2 pitches along x and along y: a standard deviation of at most
+                // 0.82.
                 assert!(
                     *eta < 1e-3 || off < 4.5 * 0.82 / (eta * rays as f64).sqrt(),
                     "{at:?}: {off}"

@@ -1,4 +1,5 @@
-//! Periodic cells: effective areas, neighbours against a patch of copies, several cells in one period.
+//! Periodic cells: effective areas, neighbours against a patch of copies, several cells in one
+//! period.
 
 use crate::optics::{Incidence, Rules};
 use crate::plan::{Plan, Request};
@@ -18,7 +19,8 @@ fn cell(design: Design) -> Cell {
     meshes::normalise(&mesh, Path::new("design.obj"), &CellOptions::default()).expect("a cell")
 }
 
-/// Effective areas perpendicular to the light by its cosines p <= q <= r on the cube's axes: triangular aperture, square faces.
+/// Effective areas perpendicular to the light by its cosines p <= q <= r on the cube's axes:
+/// triangular aperture, square faces.
 fn effective_area(shape: Shape, travel: DVec3) -> f64 {
     let mut cosines = ideal_edges().map(|edge| -edge.dot(travel));
     cosines.sort_by(f64::total_cmp);
@@ -79,8 +81,8 @@ fn effective_areas_are_those_of_the_model() {
     assert!(beams == 600 && rays == 60 && returning > 300);
 }
 
-/// Rays that enter the middle cell of 7 x 7 copies without a lattice have the fates and shifts that they have in the periodic cell, and
-/// fates are as frequent as the exact method says.
+/// Rays that enter the middle cell of 7 x 7 copies without a lattice have the fates and shifts that
+/// they have in the periodic cell, and fates are as frequent as the exact method says.
 #[test]
 fn neighbours_are_those_of_a_patch() {
     const RAYS: u32 = 4000;
@@ -154,7 +156,8 @@ fn neighbours_are_those_of_a_patch() {
         }
     }
     println!(
-        "{compared} rays compared, {sideways} leave the patch, {crossed} return farther off than half a period"
+        "{compared} rays compared, {sideways} leave the patch, {crossed} return farther off than \
+        half a period"
     );
     assert_eq!(compared + sideways, 4 * 4 * RAYS);
     assert!(
@@ -163,8 +166,8 @@ fn neighbours_are_those_of_a_patch() {
     );
 }
 
-/// A pair, the same turned, one of another size and a canted one, apart in one period: what returns is the sum of what each returns
-/// alone, by its share of the area.
+/// A pair, the same turned, one of another size and a canted one, apart in one period: what returns
+/// is the sum of what each returns alone, by its share of the area.
 #[test]
 fn a_period_of_several_cells_is_their_mean() {
     let pair = cell(Design::new(Shape::TriangularPair));
@@ -209,7 +212,8 @@ fn a_period_of_several_cells_is_their_mean() {
             let mut histogram = vec![0.0; bins * bins];
             for (cell, size, turn) in parts {
                 let alone = bakes::exact(cell).expect("planar");
-                // Shifts of a smaller cell are smaller: the same bins over a wider range, of its own edges.
+                // Shifts of a smaller cell are smaller: the same bins over a wider range, of its
+                // own edges.
                 let range = 2.0 / size;
                 let share = alone.direction(incidence, azimuth - turn, bins, range, &rules(index));
                 let weight = alone.entrance_area() * size * size / period;

@@ -92,8 +92,9 @@ pub(crate) fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
     )
 }
 
-/// Full cubes: three square faces, hexagonal non-planar rim, periodic. `dihedral` bends each second half-square about
-/// its diagonal by that many radians, which leaves the rim and so the neighbours' fit almost untouched.
+/// Full cubes: three square faces, hexagonal non-planar rim, periodic. `dihedral` bends each second
+/// half-square about its diagonal by that many radians, which leaves the rim and so the neighbours'
+/// fit almost untouched.
 pub(crate) fn full_cube() -> Cell {
     let edges = ideal_edges();
     let facets = (0..3)
@@ -114,8 +115,8 @@ pub(crate) fn canted_edges(tilt_rad: f64, height: f64) -> [DVec3; 3] {
     ideal_edges().map(|e| lean * e).map(|e| e * (height / e.z))
 }
 
-/// Edges leaning together or apart so that each dihedral angle is wider than 90 deg by `errors_rad` (first order), the
-/// edge ends at one height.
+/// Edges leaning together or apart so that each dihedral angle is wider than 90 deg by `errors_rad`
+/// (first order), the edge ends at one height.
 pub(crate) fn bent_edges(errors_rad: [f64; 3]) -> [DVec3; 3] {
     let ideal = ideal_edges();
     // Normals of the faces; widening the angle at edge i turns its two faces apart.
@@ -131,7 +132,8 @@ pub(crate) fn bent_edges(errors_rad: [f64; 3]) -> [DVec3; 3] {
     [edge(0), edge(1), edge(2)].map(|e| e * (1.0 / (3_f64.sqrt() * e.z)))
 }
 
-/// A cube whose apex was cut off by a flat facet at `share` of the height: a flat gap at the bottom.
+/// A cube whose apex was cut off by a flat facet at `share` of the height: a flat gap at the
+/// bottom.
 pub(crate) fn blunt(share: f64) -> Cell {
     let edges = ideal_edges();
     let cut = edges.map(|e| e * share);
@@ -150,7 +152,8 @@ pub(crate) fn blunt(share: f64) -> Cell {
     )
 }
 
-/// A cube whose aperture triangle lost its three corners: the rim is a hexagon, closed by upright walls.
+/// A cube whose aperture triangle lost its three corners: the rim is a hexagon, closed by upright
+/// walls.
 pub(crate) fn truncated(share: f64) -> Cell {
     let edges = ideal_edges();
     let height = edges[0].z;
@@ -158,7 +161,8 @@ pub(crate) fn truncated(share: f64) -> Cell {
     let mut rim = Vec::new();
     for i in 0..3 {
         let (here, next, before) = (edges[i], edges[(i + 1) % 3], edges[(i + 2) % 3]);
-        // Points on the rim near the corner, and where the upright wall through them meets the edge.
+        // Points on the rim near the corner, and where the upright wall through them meets the
+        // edge.
         let (left, right) = (here.lerp(before, share), here.lerp(next, share));
         let middle = 0.5 * (left + right);
         let foot = here * (middle.truncate().length() / here.truncate().length());

@@ -1,8 +1,8 @@
 //! Ideal cubes: the whole distribution is known.
 //!
-//! Oracle: q = the apex carried along the light to the aperture plane; light entering at p leaves at 2q - p, so that
-//! the shift is uniform over 2(q - K), K = T and its point reflection through q. Its own polygon code and bins by clipping
-//! each bin's square: nothing is shared with the crate.
+//! Oracle: q = the apex carried along the light to the aperture plane; light entering at p leaves
+//! at 2q - p, so that the shift is uniform over 2(q - K), K = T and its point reflection through q.
+//! Its own polygon code and bins by clipping each bin's square: nothing is shared with the crate.
 
 use crate::beams::bake;
 use crate::optics::Rules;
@@ -114,14 +114,16 @@ fn closed_form(inside_rad: f64, azimuth_rad: f64, is_pair: bool) -> (f64, Vec<f6
 /// Inside angle at which a cube cuts off: where q leaves the triangle. q moves along -u.
 fn cutoff_rad(azimuth_rad: f64) -> f64 {
     let inradius = 1.0 / 6_f64.sqrt();
-    // Outward normals of the triangle's sides, in the incidence frame; -u has component -cos on each.
+    // Outward normals of the triangle's sides, in the incidence frame; -u has component -cos on
+    // each.
     let steepest = (0..3)
         .map(|k| -((2 * k + 1) as f64 * std::f64::consts::FRAC_PI_3 - azimuth_rad).cos())
         .fold(f64::MIN, f64::max);
     (inradius / steepest * 3_f64.sqrt()).atan()
 }
 
-/// Largest total variation over 500 directions, of which a third lie within 1e-9 to 1e-3 deg of a cutoff.
+/// Largest total variation over 500 directions, of which a third lie within 1e-9 to 1e-3 deg of a
+/// cutoff.
 fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f64 {
     let exact = bakes::exact(cell).unwrap();
     let rules = rules(index);
@@ -329,8 +331,8 @@ fn means_over_azimuths_are_those_of_the_model() {
     }
 }
 
-/// Where total reflection fails light jumps, from all to nothing at once: up to 19.47 deg inside a cube returns
-/// (2/3)(1 - 2 tan^2) at every azimuth, or nothing where a face transmits.
+/// Where total reflection fails light jumps, from all to nothing at once: up to 19.47 deg inside a
+/// cube returns (2/3)(1 - 2 tan^2) at every azimuth, or nothing where a face transmits.
 #[test]
 fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
     let prism = Rules {

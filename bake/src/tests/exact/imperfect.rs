@@ -1,7 +1,8 @@
 //! Rounded edges, flat apexes and land between cubes: what still returns has a closed form.
 //!
-//! Reflected in the faces, a path through an ideal cube is a straight line through its apex's eight octants. It meets only what is left
-//! of the facets if it keeps clear of what fills edges and apex, and then returns as it did.
+//! Reflected in the faces, a path through an ideal cube is a straight line through its apex's eight
+//! octants. It meets only what is left of the facets if it keeps clear of what fills edges and
+//! apex, and then returns as it did.
 
 use crate::beams::Share;
 use crate::tests::bakes;
@@ -68,7 +69,8 @@ impl Light {
         Light { travel, apex }
     }
 
-    /// Where an ideal cube's light enters that returns: the aperture and its point reflection through the apex's image.
+    /// Where an ideal cube's light enters that returns: the aperture and its point reflection
+    /// through the apex's image.
     fn kept(&self) -> Vec<DVec2> {
         let triangle = ideal_edges().map(DVec3::truncate);
         let mut kept = triangle.to_vec();
@@ -98,9 +100,10 @@ fn at(cell: &Cell, (incidence, azimuth): (f64, f64)) -> (Share, f64) {
     (found, exact.entrance_area())
 }
 
-/// Light returns that meets each facet farther than the radius R from both its edges. Along a ray L = x cross d is constant; near edge k
-/// it keeps clear of the fillet if |L_k| > R max(|d_i|, |d_j|), whatever the number of strips: what is left of the ideal polygon
-/// between the three bands.
+/// Light returns that meets each facet farther than the radius R from both its edges. Along a ray L
+/// = x cross d is constant; near edge k it keeps clear of the fillet if |L_k| > R max(|d_i|,
+/// |d_j|), whatever the number of strips: what is left of the ideal polygon between the three
+/// bands.
 #[test]
 fn rounded_edges_take_three_bands() {
     let axes = ideal_edges();
@@ -142,8 +145,9 @@ fn rounded_edges_take_three_bands() {
                     found.eta * entrance
                 );
                 if direction.0 == 0.0 {
-                    // Three bands of the width sqrt 2 R across a hexagon 2/sqrt 6 wide: 4 R of the aperture; where two cross, less: three
-                    // rhombi of 2 R^2 / sin 60 deg, 8 R^2 of it.
+                    // Three bands of the width sqrt 2 R across a hexagon 2/sqrt 6 wide: 4 R of the
+                    // aperture; where two cross, less: three rhombi of 2 R^2 / sin 60 deg, 8 R^2 of
+                    // it.
                     let share = kept / (0.5 * 3_f64.sqrt());
                     let off = share - (2.0 / 3.0 - 4.0 * radius);
                     assert!(
@@ -187,8 +191,8 @@ fn strips_converge() {
     assert_eq!(cases, 2);
 }
 
-/// A flat at the apex is, reflected in the faces, an octahedron of half axis s: it takes its own shadow, half the sum of its faces'
-/// projections, as long as all of that would return.
+/// A flat at the apex is, reflected in the faces, an octahedron of half axis s: it takes its own
+/// shadow, half the sum of its faces' projections, as long as all of that would return.
 #[test]
 fn a_flat_apex_takes_an_octahedron() {
     let mut cases = 0;
@@ -235,8 +239,9 @@ fn a_flat_apex_takes_an_octahedron() {
     assert!(cases >= 10, "{cases}");
 }
 
-/// Land in the plane of the rim sends its light away at once and takes none of the cubes': eta falls by the cubes' share of the area,
-/// at every angle. It is a strip around the aperture, whose inradius r becomes r + gap / 2.
+/// Land in the plane of the rim sends its light away at once and takes none of the cubes': eta
+/// falls by the cubes' share of the area, at every angle. It is a strip around the aperture, whose
+/// inradius r becomes r + gap / 2.
 #[test]
 fn land_dilutes() {
     let mut cases = 0;

@@ -1,4 +1,5 @@
-//! What must hold for every cell: light is neither lost nor made, nothing is NaN, hard directions included.
+//! What must hold for every cell: light is neither lost nor made, nothing is NaN, hard directions
+//! included.
 
 use crate::beams::{Share, bake, prepare};
 use crate::cell::{ExactError, MEAN_ERROR};
@@ -26,8 +27,9 @@ fn cells() -> Vec<(&'static str, Cell)> {
     ]
 }
 
-/// Shares are sums of some hundred areas, each good to a few ulp of the longest path: 1e-12 up to 89 deg, in proportion
-/// to it beyond. `valley` is the share that may run along the lattice without end.
+/// Shares are sums of some hundred areas, each good to a few ulp of the longest path: 1e-12 up to
+/// 89 deg, in proportion to it beyond. `valley` is the share that may run along the lattice without
+/// end.
 fn check(name: &str, found: &Share, incidence: f64, azimuth: f64, valley: f64) {
     let place = format!("{name} at ({incidence}, {azimuth})");
     let slack = 1e-12 * (0.02 / incidence.to_radians().cos()).max(1.0);
@@ -127,8 +129,8 @@ fn hard_directions_are_ordinary() {
                 for index in [1.0, 1.0 + 1e-9, 1.49] {
                     let rules = rules(index);
                     let found = exact.direction(incidence, azimuth, 32, 2.0, &rules);
-                    // 1e-9 deg from edge-on some light runs level, between peaks or walls: 1e-11 rad of it. Grazing
-                    // light goes to and fro between upright walls.
+                    // 1e-9 deg from edge-on some light runs level, between peaks or walls: 1e-11
+                    // rad of it. Grazing light goes to and fro between upright walls.
                     let valley = if name == "truncated" && incidence > 89.0 {
                         1.0
                     } else {
@@ -224,8 +226,8 @@ fn dihedral_errors_split_the_return_into_six_maps_or_two() {
     assert_eq!(spots([0.0; 3]), 1);
 }
 
-/// A mean over azimuths is no finite set of polygons, so that it has an error; it is below the one that is stated, against
-/// 36,000 azimuths in their middle, which the halved degrees never meet.
+/// A mean over azimuths is no finite set of polygons, so that it has an error; it is below the one
+/// that is stated, against 36,000 azimuths in their middle, which the halved degrees never meet.
 #[test]
 fn a_mean_over_azimuths_is_that_of_many_azimuths() {
     let axes = Axes {

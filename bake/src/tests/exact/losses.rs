@@ -1,8 +1,9 @@
 //! Losses: closed forms, the sums of power, a plain Jones trace of the ideal cube, and photons.
 //!
-//! Oracle: in the cube's own axes a face turns one sign of the direction, so that a path is an order of the three. Jones
-//! matrices of 2 x 2 in the s and p of each surface, turned from one surface to the next, with the textbook's amplitudes
-//! by complex cosines. Nothing is shared with the crate but the polygons whose weights are judged.
+//! Oracle: in the cube's own axes a face turns one sign of the direction, so that a path is an
+//! order of the three. Jones matrices of 2 x 2 in the s and p of each surface, turned from one
+//! surface to the next, with the textbook's amplitudes by complex cosines. Nothing is shared with
+//! the crate but the polygons whose weights are judged.
 
 use crate::cli::comparison_text;
 use crate::optics::{Backing, Rules};
@@ -67,7 +68,8 @@ fn fresnel(n1: f64, cosine: f64, n2: Complex64) -> ([Complex64; 2], [Complex64; 
     (r, [2.0 * a / (a + b), 2.0 * a / (c + d)])
 }
 
-/// Power that unpolarised light keeps on the path of the ray that enters an ideal cube at (u, v) over its apex.
+/// Power that unpolarised light keeps on the path of the ray that enters an ideal cube at (u, v)
+/// over its apex.
 fn oracle(index: f64, surface: Backing, incidence: f64, azimuth: f64, entry: [f64; 2]) -> f64 {
     let edges = ideal_edges();
     let up = DVec3::Z;
@@ -115,8 +117,9 @@ fn oracle(index: f64, surface: Backing, incidence: f64, azimuth: f64, entry: [f6
         / 2.0
 }
 
-/// Both multiply some twenty amplitudes, each good to some ulp; near the critical angle a cosine is a root of a
-/// difference, which costs at most a factor of some hundred at the directions drawn: 1e-12.
+/// Both multiply some twenty amplitudes, each good to some ulp; near the critical angle a cosine is
+/// a root of a difference, which costs at most a factor of some hundred at the directions drawn:
+/// 1e-12.
 #[test]
 fn weights_are_those_of_a_plain_jones_trace() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
@@ -212,7 +215,8 @@ fn losses_of_ideal_surfaces_are_none() {
     }
 }
 
-/// Three faces of 96 % lose 12 %, of 91 % 25 %; at normal incidence a front face passes 4 m/(m + 1)^2, twice.
+/// Three faces of 96 % lose 12 %, of 91 % 25 %; at normal incidence a front face passes 4 m/(m +
+/// 1)^2, twice.
 #[test]
 fn known_losses_at_normal_incidence() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
@@ -236,8 +240,8 @@ fn known_losses_at_normal_incidence() {
     }
 }
 
-/// Beyond |d_i| = sqrt(1 - 1/m^2) a face lets light through: first at the three azimuths where the light leans away from an
-/// edge, there at the angle known for m.
+/// Beyond |d_i| = sqrt(1 - 1/m^2) a face lets light through: first at the three azimuths where the
+/// light leans away from an edge, there at the angle known for m.
 #[test]
 fn total_reflection_ends_at_the_known_angles() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
@@ -297,7 +301,8 @@ fn tables(azimuth: &str, sampler: Sampler, threads: usize) -> [Table; 2] {
     })
 }
 
-/// A photon is kept by chance, so that counts are whole, and agree with the weights within their counting errors.
+/// A photon is kept by chance, so that counts are whole, and agree with the weights within their
+/// counting errors.
 #[test]
 fn photons_agree_with_beams() {
     let mut cases = 0;

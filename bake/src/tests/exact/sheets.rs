@@ -9,7 +9,8 @@ use std::path::Path;
 
 use crate::tests::exact::cells::{Draw, rules};
 
-/// The design's pair of cubes at `places`, given in steps along its sides; of each pair the first `facets` facets.
+/// The design's pair of cubes at `places`, given in steps along its sides; of each pair the first
+/// `facets` facets.
 fn sheet(places: impl Iterator<Item = (usize, usize, usize)>) -> Cell {
     // All coordinates are whole file units, so that neighbours share vertices.
     let pair = Design::new(Shape::TriangularPair).mesh().unwrap();
@@ -33,8 +34,9 @@ fn sheet(places: impl Iterator<Item = (usize, usize, usize)>) -> Cell {
     normalise(&mesh, Path::new("sheet"), &CellOptions::default()).unwrap()
 }
 
-/// The sheet is 66 edges across: its coordinates are rounded to 7e-15, and so are the cubes taken out of it. The outlines
-/// of the histogram's polygons, at most 12 long, move by a few times that over an area of 3.5: L1 of some 1e-13.
+/// The sheet is 66 edges across: its coordinates are rounded to 7e-15, and so are the cubes taken
+/// out of it. The outlines of the histogram's polygons, at most 12 long, move by a few times that
+/// over an area of 3.5: L1 of some 1e-13.
 #[test]
 fn a_thousand_pairs_bake_like_one() {
     let one = sheet([(0, 0, 6)].into_iter());
@@ -63,7 +65,8 @@ fn a_thousand_pairs_bake_like_one() {
     assert!(cases == 100 && returning > 60, "{returning}");
 }
 
-/// A triangle of 6 cubes and 3 turned ones: the mean of the two, 2 to 1; what is stored adds up to it.
+/// A triangle of 6 cubes and 3 turned ones: the mean of the two, 2 to 1; what is stored adds up to
+/// it.
 #[test]
 fn kinds_count_as_often_as_they_occur() {
     let places = [0, 1, 2]

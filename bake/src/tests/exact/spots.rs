@@ -1,6 +1,7 @@
 //! Dihedral errors: where the light of each path goes.
 //!
-//! Oracles: the closed form of the six spots; and single rays, reflected facet by facet by the other method.
+//! Oracles: the closed form of the six spots; and single rays, reflected facet by facet by the
+//! other method.
 
 use crate::optics::{Backing, Incidence, Rules};
 use crate::rays::{Index, Scene, trace};
@@ -36,8 +37,8 @@ fn spots(paths: &[Path]) -> Vec<DVec2> {
     spots
 }
 
-/// Three equal errors e: six spots at 4 sqrt(2/3) e (1 - e/2), to second order; one: two at 1.633 e to first; behind a front
-/// face of index m the sine is m times as large.
+/// Three equal errors e: six spots at 4 sqrt(2/3) e (1 - e/2), to second order; one: two at 1.633 e
+/// to first; behind a front face of index m the sine is m times as large.
 #[test]
 fn spots_are_where_the_model_has_them() {
     let mut cases = 0;

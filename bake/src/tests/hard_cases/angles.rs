@@ -13,7 +13,8 @@ fn eta(incidence_deg: f64, azimuth_deg: f64, index: f64) -> f64 {
     closed_form(direction.travel, 0.0).0
 }
 
-/// 89.9 deg: every design, hollow and solid. Light is neither lost nor made, and both methods agree.
+/// 89.9 deg: every design, hollow and solid. Light is neither lost nor made, and both methods
+/// agree.
 #[test]
 fn grazing_incidence() {
     let (mut cases, mut worst, mut returning) = (0, 0.0_f64, 0);
@@ -21,7 +22,8 @@ fn grazing_incidence() {
         for index in [1.0, 1.49] {
             let mut light = Light::new("89.9", "0,30,77,180").inside(index);
             if shape == Shape::FullCube && index == 1.0 {
-                // A ray crosses hundreds of cells before it meets a mirror: 0.04 million rays a second.
+                // A ray crosses hundreds of cells before it meets a mirror: 0.04 million rays a
+                // second.
                 light.rays = 20_000;
             }
             let both = light.on(&format!("{} at 89.9 deg", shape.name()), &cell(shape));
@@ -47,8 +49,9 @@ fn grazing_incidence() {
     assert!(error < 1e-13);
 }
 
-/// Light along the rows of the full-cube lattice skims hundreds of cubes, and meets a few sides of each at 0.1 deg: here
-/// a beam falls into many parts, which see the same facets far ahead. 0.01 of the light is 5 standard errors.
+/// Light along the rows of the full-cube lattice skims hundreds of cubes, and meets a few sides of
+/// each at 0.1 deg: here a beam falls into many parts, which see the same facets far ahead. 0.01 of
+/// the light is 5 standard errors.
 #[test]
 fn grazing_incidence_along_the_rows_of_a_lattice() {
     let cube = cell(Shape::FullCube);
@@ -78,9 +81,10 @@ fn grazing_incidence_along_the_rows_of_a_lattice() {
     assert_eq!(cases, 8);
 }
 
-/// A hollow cube cuts off where q, the apex seen along the light, leaves the triangle: tan theta = sqrt(1/2) over a side
-/// (35.26 deg), sqrt 2 over a corner (54.74 deg). Over a side the fraction falls to 0 in proportion to the angle left:
-/// 1e-9 deg leave some 1e-11, which areas with errors of 1e-16 know to 1e-4. Over a corner it falls as the square.
+/// A hollow cube cuts off where q, the apex seen along the light, leaves the triangle: tan theta =
+/// sqrt(1/2) over a side (35.26 deg), sqrt 2 over a corner (54.74 deg). Over a side the fraction
+/// falls to 0 in proportion to the angle left: 1e-9 deg leave some 1e-11, which areas with errors
+/// of 1e-16 know to 1e-4. Over a corner it falls as the square.
 #[test]
 fn both_sides_of_the_cutoffs() {
     let cube = cell(Shape::Triangular);
@@ -120,9 +124,9 @@ fn both_sides_of_the_cutoffs() {
     assert_eq!(cases, 8);
 }
 
-/// Without mirrors a face stops reflecting where the light meets it steeper than asin(1/m): for light that leans
-/// towards an edge by t, where 54.74 deg - t is that angle; 18.94 deg outside for m = 1.49. Both methods take the step at
-/// the same place, within 1e-9 deg.
+/// Without mirrors a face stops reflecting where the light meets it steeper than asin(1/m): for
+/// light that leans towards an edge by t, where 54.74 deg - t is that angle; 18.94 deg outside for
+/// m = 1.49. Both methods take the step at the same place, within 1e-9 deg.
 #[test]
 fn both_sides_of_total_internal_reflection() {
     let cube = cell(Shape::Triangular);
@@ -140,7 +144,8 @@ fn both_sides_of_total_internal_reflection() {
     let above = light(1e-9).on("no total reflection", &cube);
     let expected = eta(limit_deg, 180.0, index);
     println!(
-        "total reflection ends at {limit_deg:.4} deg: eta {:.6} and {:.6} exactly, {:.6} and {:.6} by rays",
+        "total reflection ends at {limit_deg:.4} deg: eta {:.6} and {:.6} exactly, {:.6} and \
+        {:.6} by rays",
         below.exact.retroreflected[[0, 0]],
         above.exact.retroreflected[[0, 0]],
         below.rays.retroreflected[[0, 0]],
@@ -155,9 +160,10 @@ fn both_sides_of_total_internal_reflection() {
     assert!(gone >= expected - 1e-9, "{gone}");
 }
 
-/// Index 1 + 1e-9: a table next to that of index 1. At 45 deg the angle inside differs by 1e-9 rad, the shift by at most
-/// 2 h / cos^2 times that, 2.3e-9, and with it the outline of the histogram, less than 6 long, over an area of 4 times the
-/// entrance of 0.87: L1 below 2 x 2.3e-9 x 6 / 3.5 = 8e-9, and as much again for what moves between bins, 62 a row.
+/// Index 1 + 1e-9: a table next to that of index 1. At 45 deg the angle inside differs by 1e-9 rad,
+/// the shift by at most 2 h / cos^2 times that, 2.3e-9, and with it the outline of the histogram,
+/// less than 6 long, over an area of 4 times the entrance of 0.87: L1 below 2 x 2.3e-9 x 6 / 3.5 =
+/// 8e-9, and as much again for what moves between bins, 62 a row.
 #[test]
 fn an_index_next_to_one() {
     let (mut cases, mut worst) = (0, 0.0_f64);
@@ -188,7 +194,8 @@ fn an_index_next_to_one() {
     assert!(worst < 5e-7 && worst > 0.0, "{worst}");
 }
 
-/// Directions in which a hollow cube returns nothing: exactly 0, in both methods, and a table that can be kept.
+/// Directions in which a hollow cube returns nothing: exactly 0, in both methods, and a table that
+/// can be kept.
 #[test]
 fn a_cell_that_returns_nothing() {
     let cube = cell(Shape::Triangular);

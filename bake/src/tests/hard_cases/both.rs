@@ -99,8 +99,9 @@ impl Both {
         worst
     }
 
-    /// Both tables are sound, and agree: every fate within 5 standard errors (5e-7 to be wrong by chance, a few
-    /// hundred fates with any light in the whole suite), every histogram within 1.5 times its counting noise.
+    /// Both tables are sound, and agree: every fate within 5 standard errors (5e-7 to be wrong by
+    /// chance, a few hundred fates with any light in the whole suite), every histogram within 1.5
+    /// times its counting noise.
     fn check(&self, name: &str) {
         sound(&self.rays, name);
         sound(&self.exact, name);

@@ -11,7 +11,8 @@ use std::sync::Arc;
 use tables::options::{Method, Sampler};
 use tables::{Fate, Table};
 
-/// One ray: a whole table, by either sampler, that can be written, read and held against the exact one.
+/// One ray: a whole table, by either sampler, that can be written, read and held against the exact
+/// one.
 #[test]
 fn one_ray() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -49,8 +50,9 @@ fn one_ray() {
     assert_eq!(cases, 8);
 }
 
-/// The last samples of a Sobol randomisation (2^32 less a few) and random samples beyond 2^34: the program counts what
-/// the plain tracer counts, and the random samples are not those from 0 on again.
+/// The last samples of a Sobol randomisation (2^32 less a few) and random samples beyond 2^34: the
+/// program counts what the plain tracer counts, and the random samples are not those from 0 on
+/// again.
 #[test]
 fn the_last_samples() {
     let cube = cell(Shape::TriangularPair);
@@ -91,7 +93,8 @@ fn the_last_samples() {
     assert_eq!(cases, 6);
 }
 
-/// Counters started near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the tally to the file.
+/// Counters started near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the tally to
+/// the file.
 #[test]
 fn more_than_2_to_the_34_rays() {
     let bins = Bins::new(4, 2.0);

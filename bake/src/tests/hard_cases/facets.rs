@@ -1,4 +1,5 @@
-//! Facets as badly shaped as files have them, and dihedral errors from the last digit to visible ones.
+//! Facets as badly shaped as files have them, and dihedral errors from the last digit to visible
+//! ones.
 
 use crate::optics::{Incidence, Rules};
 use crate::rays::{Index, Scene, trace};
@@ -8,8 +9,9 @@ use meshes::{Fault, Mesh};
 use tables::Fate;
 use tables::options::Method;
 
-/// A face of the design cut in three by a point `height` edges above the middle of one of its sides: one part is a sliver
-/// of that height. Sides 0 and 2 are edges of the cube, side 1 is its rim.
+/// A face of the design cut in three by a point `height` edges above the middle of one of its
+/// sides: one part is a sliver of that height. Sides 0 and 2 are edges of the cube, side 1 is its
+/// rim.
 fn with_sliver(height: f64, side: usize) -> Mesh {
     let mut mesh = Design::new(Shape::TriangularPair).mesh().expect("a design");
     let [a, b, c] = [0, 1, 2].map(|i| mesh.triangles[1][(side + i) % 3]);
@@ -23,9 +25,10 @@ fn with_sliver(height: f64, side: usize) -> Mesh {
     mesh
 }
 
-/// Slivers down to 1e-11 of an edge high. The rounding of its corners, 1e-16, tilts a sliver about its long side by 1e-16 /
-/// height; the light that meets it is a share of at most the height, so that what moves, moves 1e-16 on average. Besides, a
-/// dozen facet sequences more each give up parts of up to 9e-16 of the light as rounding, which count twice in L1.
+/// Slivers down to 1e-11 of an edge high. The rounding of its corners, 1e-16, tilts a sliver about
+/// its long side by 1e-16 / height; the light that meets it is a share of at most the height, so
+/// that what moves, moves 1e-16 on average. Besides, a dozen facet sequences more each give up
+/// parts of up to 9e-16 of the light as rounding, which count twice in L1.
 #[test]
 fn slivers() {
     let light = Light::new("0,20,40", "0,30").inside(1.49);
@@ -42,7 +45,8 @@ fn slivers() {
             .into_iter()
             .fold(0.0, f64::max);
         println!(
-            "sliver {height:e} high at side {side}: L1 {l1:.1e} to the whole face, rays within {:.2} sigma",
+            "sliver {height:e} high at side {side}: L1 {l1:.1e} to the whole face, rays within \
+            {:.2} sigma",
             both.sigmas()
         );
         assert!(l1 < 3e-14, "{height}: {l1}");
@@ -89,7 +93,8 @@ fn duplicated_and_coincident_faces() {
         ),
         (
             [c, b, a],
-            "face 4 lies back to back on face 1 (same three vertices, other side); delete one of them",
+            "face 4 lies back to back on face 1 (same three vertices, other side); delete one of \
+            them",
         ),
         ([a, a, b], "face 4 is degenerate"),
     ] {
@@ -102,11 +107,13 @@ fn duplicated_and_coincident_faces() {
     assert_eq!(cases, 4);
 }
 
-/// Three equal errors: six spots at 4 sqrt(2/3) eps (1 - eps/2) from antiparallel, to second order, at normal incidence.
+/// Three equal errors: six spots at 4 sqrt(2/3) eps (1 - eps/2) from antiparallel, to second order,
+/// at normal incidence.
 ///
-/// Relative to that: 2 eps^2 is left to the third order, and the directions of two nearly antiparallel rays are known
-/// to 1e-15, over 3.3 eps. The composite map turns by no more than 4 eps, so light is retroreflected for eps up to
-/// 1e-3 and deviated at 1e-2 (tolerance 0.5 deg = 8.7e-3 rad): in both methods, which see no error too small.
+/// Relative to that: 2 eps^2 is left to the third order, and the directions of two nearly
+/// antiparallel rays are known to 1e-15, over 3.3 eps. The composite map turns by no more than 4
+/// eps, so light is retroreflected for eps up to 1e-3 and deviated at 1e-2 (tolerance 0.5 deg =
+/// 8.7e-3 rad): in both methods, which see no error too small.
 #[test]
 fn dihedral_errors() {
     let mut cases = 0;
@@ -136,7 +143,8 @@ fn dihedral_errors() {
         let both = Light::new("0,15", "0,40").on(&format!("dihedral {error}"), &bent);
         let eta = both.exact.retroreflected[[0, 0]];
         println!(
-            "dihedral error {error:.0e}: {} spots, off by {worst:.1e} of their distance; eta {eta:.6}, rays within {:.2} sigma",
+            "dihedral error {error:.0e}: {} spots, off by {worst:.1e} of their distance; eta \
+            {eta:.6}, rays within {:.2} sigma",
             spots.len(),
             both.sigmas()
         );

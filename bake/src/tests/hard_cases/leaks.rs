@@ -1,7 +1,8 @@
 //! Rays at shared edges and vertices: none lost.
 //!
-//! Two million of each kind by default; with BAKE_LEAK_RAYS=100000000 in the environment, 100,187,343 rays one by one and
-//! 100,000,004 in programs were traced, none lost (`cargo test -p bake --lib hard_cases::leaks -- --nocapture`).
+//! Two million of each kind by default; with BAKE_LEAK_RAYS=100000000 in the environment,
+//! 100,187,343 rays one by one and 100,000,004 in programs were traced, none lost (`cargo test -p
+//! bake --lib hard_cases::leaks -- --nocapture`).
 
 use crate::optics::{Incidence, Rules};
 use crate::rays::{Bins, Index, Kernel, Scene, Tally, trace};
@@ -132,8 +133,9 @@ fn none_lost_one_by_one() {
     assert_eq!(lost, 0);
 }
 
-/// The same in programs, which take their rays from samples: the entrance is a strip 1e-9 wide along the shadow of an
-/// edge, so that all rays pass the edge within 5e-10 and one in a million passes it to the last digit.
+/// The same in programs, which take their rays from samples: the entrance is a strip 1e-9 wide
+/// along the shadow of an edge, so that all rays pass the edge within 5e-10 and one in a million
+/// passes it to the last digit.
 #[test]
 fn none_lost_in_programs() {
     let wanted = wanted();

@@ -1,6 +1,8 @@
-//! Hard cases, a number for each: what is documented to happen does, by rays and exactly, and both agree.
+//! Hard cases, a number for each: what is documented to happen does, by rays and exactly, and both
+//! agree.
 //!
-//! Every test prints its number (`cargo test -p bake --lib hard_cases -- --nocapture`) and asserts it.
+//! Every test prints its number (`cargo test -p bake --lib hard_cases -- --nocapture`) and asserts
+//! it.
 
 pub(crate) mod angles;
 pub(crate) mod both;

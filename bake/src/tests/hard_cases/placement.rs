@@ -25,9 +25,11 @@ fn worst_l1(a: &Table, b: &Table) -> f64 {
     tables::l1(a, b).into_iter().fold(0.0, f64::max)
 }
 
-/// The moved cell by both methods, against the cell of the design: (L1 of the exact tables, L1 of the ray tables).
+/// The moved cell by both methods, against the cell of the design: (L1 of the exact tables, L1 of
+/// the ray tables).
 ///
-/// Both ray tables have the same samples, so they differ by the few rays that rounding takes over the edge of a bin.
+/// Both ray tables have the same samples, so they differ by the few rays that rounding takes over
+/// the edge of a bin.
 fn against_design(name: &str, moved: &Cell, shape: Shape) -> [f64; 2] {
     let here = light().on(name, moved);
     let design = cell(shape);
@@ -39,9 +41,10 @@ fn against_design(name: &str, moved: &Cell, shape: Shape) -> [f64; 2] {
 
 /// Edges of 1e-6 and 1e6 file units.
 ///
-/// Every vertex has three rounded coordinates (1.1e-16 of an edge each), the frame turns by about as much: 1e-15 in
-/// all. The outlines of the histogram's polygons, at most 12 long in all, move by a few times that over an area of 3.5:
-/// L1 below 1e-13, and of 200,000 rays none or one crosses the edge of a bin (1e-15 x 64 bins x 200,000 is 1e-8).
+/// Every vertex has three rounded coordinates (1.1e-16 of an edge each), the frame turns by about
+/// as much: 1e-15 in all. The outlines of the histogram's polygons, at most 12 long in all, move by
+/// a few times that over an area of 3.5: L1 below 1e-13, and of 200,000 rays none or one crosses
+/// the edge of a bin (1e-15 x 64 bins x 200,000 is 1e-8).
 #[test]
 fn edges_of_a_millionth_and_of_a_million() {
     let mut cases = 0;
@@ -56,7 +59,8 @@ fn edges_of_a_millionth_and_of_a_million() {
                 against_design(&format!("{} {edge_length}", shape.name()), &moved, shape);
             let length = (moved.edge_length / edge_length - 1.0).abs();
             println!(
-                "{}, edge {edge_length:e}: found to {length:.1e}, L1 {exact:.1e} exactly, {rays:.1e} by rays",
+                "{}, edge {edge_length:e}: found to {length:.1e}, L1 {exact:.1e} exactly, \
+                {rays:.1e} by rays",
                 shape.name()
             );
             assert!(length < 1e-14 && exact < 1e-13, "{exact}");
@@ -67,9 +71,9 @@ fn edges_of_a_millionth_and_of_a_million() {
     assert_eq!(cases, 8);
 }
 
-/// A million edges of 0.7 from the origin in OBJ: a coordinate near 7e5 is rounded to 5.8e-11 file units, 8e-11 of an
-/// edge, so that faces tilt by 4e-10 rad and outlines move by 1e-9: L1 up to 1e-8; 1e-9 x 64 bins x 200,000 rays: none
-/// or a few rays change bins.
+/// A million edges of 0.7 from the origin in OBJ: a coordinate near 7e5 is rounded to 5.8e-11 file
+/// units, 8e-11 of an edge, so that faces tilt by 4e-10 rad and outlines move by 1e-9: L1 up to
+/// 1e-8; 1e-9 x 64 bins x 200,000 rays: none or a few rays change bins.
 #[test]
 fn a_million_edges_away_in_obj() {
     let mut cases = 0;
@@ -100,7 +104,8 @@ fn a_million_edges_away_in_obj() {
     assert_eq!(cases, 8);
 }
 
-/// The same through a node translation in GLB: the local vertices are exact, and so is the cell, whatever the node.
+/// The same through a node translation in GLB: the local vertices are exact, and so is the cell,
+/// whatever the node.
 #[test]
 fn a_million_edges_away_in_a_glb_node() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -159,8 +164,8 @@ fn glb(mesh: &Mesh, translation: [f64; 3]) -> Vec<u8> {
     if let Some(lattice) = lattice {
         document["extras"]["lattice"] = serde_json::json!(lattice);
     }
-    // Two chunks, each of a multiple of four bytes: the document padded with blanks, the buffer (of numbers of four
-    // bytes) as it is.
+    // Two chunks, each of a multiple of four bytes: the document padded with blanks, the buffer (of
+    // numbers of four bytes) as it is.
     let mut document = document.to_string().into_bytes();
     document.resize(document.len().next_multiple_of(4), b' ');
     let word = |length: usize| u32::try_from(length).expect("a small file").to_le_bytes();

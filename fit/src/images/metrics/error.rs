@@ -20,7 +20,8 @@ pub(crate) enum Error {
         sizes: [[usize; 2]; 2],
     },
     /// Too small for a window.
-    #[error("{}: is smaller than {least} x {least} pixels, which {metric} needs; compare a larger part", rendered.display())]
+    #[error("{}: is smaller than {least} x {least} pixels, which {metric} needs; compare a larger \
+    part", rendered.display())]
     Small {
         /// One.
         rendered: PathBuf,

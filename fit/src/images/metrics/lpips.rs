@@ -1,8 +1,10 @@
-//! LPIPS 0.1 (Zhang et al. 2018) with AlexNet: the distance of two pictures in what five layers of a network make of them.
+//! LPIPS 0.1 (Zhang et al. 2018) with AlexNet: the distance of two pictures in what five layers of
+//! a network make of them.
 //!
-//! The weights are the user's, in a safetensors file: of f32, `conv1.weight` to `conv5.weight` (outputs, inputs, rows, columns),
-//! `conv1.bias` to `conv5.bias`, and `lin1.weight` to `lin5.weight`, one weight per output of that layer. fit/doc/lpips_weights.py
-//! writes it from the `lpips` package.
+//! The weights are the user's, in a safetensors file: of f32, `conv1.weight` to `conv5.weight`
+//! (outputs, inputs, rows, columns), `conv1.bias` to `conv5.bias`, and `lin1.weight` to
+//! `lin5.weight`, one weight per output of that layer. fit/doc/lpips_weights.py writes it from the
+//! `lpips` package.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +13,8 @@ use serde_json::Value;
 
 use crate::images::metrics::Shown;
 
-/// A layer's shape: outputs, inputs, size, stride, padding; and whether pixels are pooled before it.
+/// A layer's shape: outputs, inputs, size, stride, padding; and whether pixels are pooled before
+/// it.
 type Convolution = (usize, usize, usize, usize, usize, bool);
 
 /// The convolutions of torchvision's AlexNet.
@@ -23,7 +26,8 @@ const LAYERS: [Convolution; 5] = [
     (256, 256, 3, 1, 1, false),
 ];
 
-/// What the network's pictures are centred and divided by, for values in -1..1 (ScalingLayer of the package).
+/// What the network's pictures are centred and divided by, for values in -1..1 (ScalingLayer of the
+/// package).
 const SHIFT: [f32; 3] = [-0.030, -0.088, -0.188];
 const SCALE: [f32; 3] = [0.458, 0.448, 0.450];
 
@@ -49,7 +53,8 @@ pub(crate) enum Error {
         file: PathBuf,
     },
     /// A tensor is missing or another.
-    #[error("{}: tensor {name} is not there as {count} numbers of type F32; write the file with fit/doc/lpips_weights.py", file.display())]
+    #[error("{}: tensor {name} is not there as {count} numbers of type F32; write the file with \
+    fit/doc/lpips_weights.py", file.display())]
     Tensor {
         /// The file.
         file: PathBuf,

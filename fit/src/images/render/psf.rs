@@ -1,12 +1,16 @@
-//! A spot on the pixels of a picture: what one square of even light sends to the square of every other pixel.
+//! A spot on the pixels of a picture: what one square of even light sends to the square of every
+//! other pixel.
 //!
-//! Pixels are squares of even light, and a pixel of the image is the mean over its square. So the weight between two pixels d
-//! apart is the point spread averaged over both squares, whose transform is the OTF times sinc^2 along both axes, summed
-//! over the frequencies that look alike on whole pixels:
+//! Pixels are squares of even light, and a pixel of the image is the mean over its square. So the
+//! weight between two pixels d apart is the point spread averaged over both squares, whose
+//! transform is the OTF times sinc^2 along both axes, summed over the frequencies that look alike
+//! on whole pixels:
 //!
-//! `K(d) = sum over k of exp(2 pi i k.d) sum over m of sinc^2(k + m) OTF(k + m)`, frequencies in cycles per pixel.
+//! `K(d) = sum over k of exp(2 pi i k.d) sum over m of sinc^2(k + m) OTF(k + m)`, frequencies in
+//! cycles per pixel.
 //!
-//! No weight is negative for a spread that is not, none rings, without blur K is one pixel, and the weights sum to OTF(0) = 1.
+//! No weight is negative for a spread that is not, none rings, without blur K is one pixel, and the
+//! weights sum to OTF(0) = 1.
 
 use std::f64::consts::PI;
 
@@ -34,8 +38,8 @@ pub(crate) const LARGEST: usize = 8191;
 pub(crate) struct Psf {
     /// Columns and rows reached on either side.
     pub reach: [usize; 2],
-    /// Weights, rows from -reach\[1\] to reach\[1\], each from -reach\[0\] to reach\[0\]; they sum to 1, to 0 where nothing
-    /// returns.
+    /// Weights, rows from -reach\[1\] to reach\[1\], each from -reach\[0\] to reach\[0\]; they sum
+    /// to 1, to 0 where nothing returns.
     pub weights: Vec<f32>,
     /// Luminance over the source's; `None` without mu.
     pub energy: Option<f64>,
@@ -54,7 +58,8 @@ pub(crate) enum Fault {
     Sheet(#[from] Error),
     /// Too wide.
     #[error(
-        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm reaches {reach} pixels, more than {LARGEST}; give a larger \
+        "the blur at incidence {incidence_deg} deg, distance {r_mm} mm reaches {reach} pixels, \
+        more than {LARGEST}; give a larger \
          --pixel-pitch and a smaller picture"
     )]
     Wide {
@@ -68,7 +73,8 @@ pub(crate) enum Fault {
 }
 
 impl Psf {
-    /// At one place. `pixels_from_mm` takes (tangential, sagittal) mm across the viewing ray to (columns, rows).
+    /// At one place. `pixels_from_mm` takes (tangential, sagittal) mm across the viewing ray to
+    /// (columns, rows).
     ///
     /// # Errors
     /// [`Fault`].
@@ -80,7 +86,8 @@ impl Psf {
         let [[a, b], [c, d]] = pixels_from_mm;
         let mut half = 1;
         loop {
-            // The farthest corner of the square of frequencies, |f| <= half / 2 per pixel, with its rim.
+            // The farthest corner of the square of frequencies, |f| <= half / 2 per pixel, with its
+            // rim.
             let finest = 0.5 * (half as f64 + 1.0) * (a.abs() + c.abs()).max(b.abs() + d.abs());
             let spot = sheet.spot(place, finest)?;
             let energy = spot.energy();
@@ -120,8 +127,9 @@ impl Psf {
     }
 }
 
-/// Bound of what lies beyond |f| = half/2 along either axis, from the OTF on that rim, which it does not exceed beyond: twice
-/// the sum of 1/(pi (half/2 + m))^2 over m >= 0, sinc^2 at its greatest.
+/// Bound of what lies beyond |f| = half/2 along either axis, from the OTF on that rim, which it
+/// does not exceed beyond: twice the sum of 1/(pi (half/2 + m))^2 over m >= 0, sinc^2 at its
+/// greatest.
 fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half: usize) -> f64 {
     let rim = 0.5 * half as f64;
     let tail = 2.0 / (PI * PI) * (1.0 / rim + 0.5 / (rim * rim) + 1.0 / (6.0 * rim.powi(3)));

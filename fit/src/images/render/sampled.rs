@@ -1,7 +1,8 @@
 //! The mid-air image by samples: every pixel gathers the source from where its light comes.
 //!
-//! The mean over a pixel's square of a picture of square pixels is a straight line between its pixels, both ways, so that a
-//! sample of the spot is one interpolated value: the blur alone is sampled, and the expected image is the one of [`Psf`].
+//! The mean over a pixel's square of a picture of square pixels is a straight line between its
+//! pixels, both ways, so that a sample of the spot is one interpolated value: the blur alone is
+//! sampled, and the expected image is the one of [`Psf`].
 //!
 //! [`Psf`]: crate::images::render::psf::Psf
 
@@ -17,10 +18,12 @@ use crate::predict::Error as Unshown;
 use crate::samples::Points;
 use crate::samples::Sampling;
 
-/// Independent randomisations among which a pixel's samples are shared out; its standard error comes from their scatter.
+/// Independent randomisations among which a pixel's samples are shared out; its standard error
+/// comes from their scatter.
 const RANDOMISATIONS: usize = 8;
 
-/// Samples of one randomisation that are drawn for a picture under one blur, a block of which every pixel takes.
+/// Samples of one randomisation that are drawn for a picture under one blur, a block of which every
+/// pixel takes.
 const DRAWN: usize = 32_768;
 
 /// An image by samples.
@@ -28,7 +31,8 @@ const DRAWN: usize = 32_768;
 pub(crate) struct Sampled {
     /// The image.
     pub image: Picture,
-    /// Root mean square over all values of the image of their standard errors; `None` for one sample a pixel.
+    /// Root mean square over all values of the image of their standard errors; `None` for one
+    /// sample a pixel.
     pub standard_error: Option<f64>,
     /// How the sheet was seen: once, or for every pixel.
     pub seen: Vec<Spotted>,
@@ -76,7 +80,8 @@ impl Plan {
     }
 }
 
-/// Value of every plane, and the sum of the squares of their standard errors (0 for one randomisation).
+/// Value of every plane, and the sum of the squares of their standard errors (0 for one
+/// randomisation).
 type Gathered = (Vec<f32>, f64);
 
 /// The mean over randomisations, each of which gives its offsets in pixels.
@@ -183,8 +188,8 @@ pub(crate) fn uniform(
     })
 }
 
-/// The image as a camera sees it: blur and dimming of every pixel its own, without tiles. What the coating mirrors is added as in
-/// [`crate::images::render::viewed`].
+/// The image as a camera sees it: blur and dimming of every pixel its own, without tiles. What the
+/// coating mirrors is added as in [`crate::images::render::viewed`].
 ///
 /// # Errors
 /// [`Error::Unseen`], [`Error::Pixel`], [`Error::NoSamples`].

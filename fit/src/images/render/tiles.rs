@@ -1,10 +1,12 @@
-//! A picture whose blur changes from pixel to pixel: exact at the corners of tiles, and between them blended.
+//! A picture whose blur changes from pixel to pixel: exact at the corners of tiles, and between
+//! them blended.
 //!
-//! A pixel of the image gathers the source with its own weights E K. They are worked out at the corners of a grid of tiles; in a
-//! tile the image is the mixture of the four blurred images, bilinear in the place, so that the shares of all corners sum to 1
-//! everywhere. Tiles are halved until in the middle of every one, where the mixture is farthest from its corners, it differs from the
-//! middle's own weights by less than the tolerance in the sum of all absolute differences: times the brightest
-//! source, a bound of the error there.
+//! A pixel of the image gathers the source with its own weights E K. They are worked out at the
+//! corners of a grid of tiles; in a tile the image is the mixture of the four blurred images,
+//! bilinear in the place, so that the shares of all corners sum to 1 everywhere. Tiles are halved
+//! until in the middle of every one, where the mixture is farthest from its corners, it differs
+//! from the middle's own weights by less than the tolerance in the sum of all absolute differences:
+//! times the brightest source, a bound of the error there.
 
 use rayon::prelude::*;
 
@@ -16,7 +18,8 @@ const MOST: usize = 64;
 
 /// Weights on a grid of corners.
 pub(crate) struct Tiles {
-    /// Corners along both axes, in pixels from the picture's left and top: the first at -0.5, the last at the far end.
+    /// Corners along both axes, in pixels from the picture's left and top: the first at -0.5, the
+    /// last at the far end.
     places: [Vec<f64>; 2],
     /// Row-major, energy included.
     corners: Vec<Psf>,
@@ -25,8 +28,8 @@ pub(crate) struct Tiles {
 }
 
 impl Tiles {
-    /// For a picture of `size`. `at` gives the weights at a place, columns and rows from the middle of the picture's first
-    /// pixel; `tolerance` is relative to the greatest energy.
+    /// For a picture of `size`. `at` gives the weights at a place, columns and rows from the middle
+    /// of the picture's first pixel; `tolerance` is relative to the greatest energy.
     ///
     /// # Errors
     /// Those of `at`.

@@ -1,7 +1,9 @@
-//! Convolution of a large picture by real Fourier transforms: rows, then columns with the product, then rows again.
+//! Convolution of a large picture by real Fourier transforms: rows, then columns with the product,
+//! then rows again.
 //!
-//! In f32: rounding leaves about 1e-7 of the picture's root mean square. Rows and blocks of columns are worked on in parallel,
-//! each by itself, so that the bytes do not depend on the number of threads.
+//! In f32: rounding leaves about 1e-7 of the picture's root mean square. Rows and blocks of columns
+//! are worked on in parallel, each by itself, so that the bytes do not depend on the number of
+//! threads.
 
 use std::sync::Arc;
 
@@ -50,13 +52,15 @@ impl Convolver {
         }
     }
 
-    /// The transform of weights, scaled so that a spectrum times it is ready for [`Convolver::blur`].
+    /// The transform of weights, scaled so that a spectrum times it is ready for
+    /// [`Convolver::blur`].
     pub(crate) fn weights(&self, psf: &Psf) -> Spectrum {
         let [width, height] = self.period;
         let [reach_x, reach_y] = psf.reach;
         let scale = 1.0 / (width * height) as f32;
         let columns = 2 * reach_x + 1;
-        // Weights are laid around the first pixel; a kernel wider than the period adds up where it comes round.
+        // Weights are laid around the first pixel; a kernel wider than the period adds up where it
+        // comes round.
         let rows = (0..psf.weights.len() / columns).into_par_iter().map(|i| {
             let mut line = vec![0.0; width];
             for (j, weight) in psf.weights[i * columns..][..columns].iter().enumerate() {

@@ -1,4 +1,5 @@
-//! A camera before a mid-air image: at which incidence, azimuth and distance the sheet shows every pixel.
+//! A camera before a mid-air image: at which incidence, azimuth and distance the sheet shows every
+//! pixel.
 //!
 //! ```text
 //!                     |  the image's plane        /  the sheet's plane
@@ -8,9 +9,10 @@
 //!                     |                       /    n
 //! ```
 //!
-//! All is given as the camera sees it, so as if the half mirror were not there: where it sees the sheet by reflection, the
-//! sheet is given where its mirror image is. The light of pixel x comes along h, x, E; the sheet sent it back along
-//! the way on which it came, so h is where it was returned, the angle of E - x with the sheet's normal its incidence, and
+//! All is given as the camera sees it, so as if the half mirror were not there: where it sees the
+//! sheet by reflection, the sheet is given where its mirror image is. The light of pixel x comes
+//! along h, x, E; the sheet sent it back along the way on which it came, so h is where it was
+//! returned, the angle of E - x with the sheet's normal its incidence, and
 //! |h - x| the distance R that its blur has grown over. The blur is that of the plane across the ray, carried along the ray to the
 //! image's plane.
 
@@ -54,8 +56,8 @@ pub(crate) struct Seen {
     pub place: Viewpoint,
     /// From (tangential, sagittal) mm across the ray to (columns, rows).
     pub pixels_from_mm: [[f64; 2]; 2],
-    /// The place in the picture, columns and rows from its middle, that the sheet's front face mirrors there; `None` where
-    /// the mirrored ray misses the image's plane.
+    /// The place in the picture, columns and rows from its middle, that the sheet's front face
+    /// mirrors there; `None` where the mirrored ray misses the image's plane.
     pub mirrored: Option<[f64; 2]>,
 }
 
@@ -64,7 +66,8 @@ pub(crate) struct Seen {
 #[non_exhaustive]
 pub(crate) enum Error {
     /// The sheet turns its back.
-    #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn `normal` of [sheet] towards \
+    #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
+    `normal` of [sheet] towards \
              the camera", file.display())]
     Back {
         /// The view.
@@ -75,7 +78,8 @@ pub(crate) enum Error {
         row: f64,
     },
     /// The sheet stands before the image.
-    #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move `position_mm` of [sheet] away from \
+    #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
+    `position_mm` of [sheet] away from \
              the camera", file.display())]
     Before {
         /// The view.
@@ -86,7 +90,8 @@ pub(crate) enum Error {
         row: f64,
     },
     /// The image is seen from its edge.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] before the image", file.display())]
+    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] before the \
+    image", file.display())]
     Edge {
         /// The view.
         file: PathBuf,
@@ -207,7 +212,8 @@ impl CameraView {
         })
     }
 
-    /// The source is seen by the sheet where its mid-air image is: a ray that the front face turns back meets it there.
+    /// The source is seen by the sheet where its mid-air image is: a ray that the front face turns
+    /// back meets it there.
     fn mirrored(
         &self,
         ray: Vector3<f64>,
@@ -222,7 +228,8 @@ impl CameraView {
     }
 }
 
-/// Share of unpolarised light that a flat face of `index` reflects at an incidence (Fresnel's equations).
+/// Share of unpolarised light that a flat face of `index` reflects at an incidence (Fresnel's
+/// equations).
 pub(crate) fn fresnel(index: f64, incidence_deg: f64) -> f64 {
     let (sine, cosine) = incidence_deg.to_radians().sin_cos();
     let inside = 1.0 - (sine / index).powi(2);

@@ -19,7 +19,8 @@ pub enum Fault {
     },
     /// The profile rises and falls.
     #[error(
-        "it holds more than one edge (values along the normal range over {ratio:.1} times the step); \
+        "it holds more than one edge (values along the normal range over {ratio:.1} times the \
+        step); \
              give the roi of one edge"
     )]
     SeveralEdges {
@@ -34,7 +35,8 @@ pub enum Fault {
     },
     /// Marks, but no edge that can be measured.
     #[error(
-        "none of its {marks} marks is a straight edge tilted by 1 to 44 degrees with 8 pixels free on either side; \
+        "none of its {marks} marks is a straight edge tilted by 1 to 44 degrees with 8 pixels \
+        free on either side; \
              give the roi of the edge, or tilt and enlarge it"
     )]
     NoSlantedEdge {
@@ -48,7 +50,8 @@ pub enum Fault {
     TooSmall,
     /// Full-scale pixels.
     #[error(
-        "{:.1} % of its bright pixels are clipped (exactly {level}): the bright plateau is lost; expose less, \
+        "{:.1} % of its bright pixels are clipped (exactly {level}): the bright plateau is lost; \
+        expose less, \
              or give a roi that is not clipped", 100.0 * share
     )]
     Clipped {
@@ -59,7 +62,8 @@ pub enum Fault {
     },
     /// Pixels that are exactly 0.
     #[error(
-        "{:.1} % of its dark pixels are exactly 0: the dark plateau is cut off; keep the camera's black offset, \
+        "{:.1} % of its dark pixels are exactly 0: the dark plateau is cut off; keep the camera's \
+        black offset, \
              or expose more", 100.0 * share
     )]
     CutOff {
@@ -68,7 +72,8 @@ pub enum Fault {
     },
     /// Pixels that do not follow the edge.
     #[error(
-        "{:.1} % of its pixels do not follow one straight edge: another mark, dirt, or a bent or damaged edge; \
+        "{:.1} % of its pixels do not follow one straight edge: another mark, dirt, or a bent or \
+        damaged edge; \
              give the roi of a clean straight part", 100.0 * share
     )]
     NotAlone {
@@ -85,7 +90,8 @@ pub enum Fault {
     },
     /// A curved edge.
     #[error(
-        "the edge is bowed by {sagitta_px:.2} pixels; give a shorter roi, or correct the lens distortion"
+        "the edge is bowed by {sagitta_px:.2} pixels; give a shorter roi, or correct the lens \
+        distortion"
     )]
     Bowed {
         /// Height of the arc over its chord, pixels.
@@ -93,8 +99,10 @@ pub enum Fault {
     },
     /// A ghost beside the edge.
     #[error(
-        "the edge is doubled: {:.0} % of it comes again {distance_px:.1} pixels away; remove the second reflection \
-             (a coated or wedged half mirror) or the shake of the camera, or accept it as \"doubled\" where the sheet \
+        "the edge is doubled: {:.0} % of it comes again {distance_px:.1} pixels away; remove the \
+        second reflection \
+             (a coated or wedged half mirror) or the shake of the camera, or accept it as \
+             \"doubled\" where the sheet \
              itself makes it", 100.0 * share
     )]
     Doubled {
@@ -105,7 +113,8 @@ pub enum Fault {
     },
     /// A blur as wide as the window.
     #[error(
-        "the blur (10 to 90 % over {rise_px:.0} pixels) fills the window ({length_px:.0} pixels across the edge); \
+        "the blur (10 to 90 % over {rise_px:.0} pixels) fills the window ({length_px:.0} pixels \
+        across the edge); \
              focus, or give a larger roi"
     )]
     Blurred {

@@ -5,7 +5,8 @@ use crate::photographs::window::Pixel;
 /// A straight edge in a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeLine {
-    /// Direction of the normal, from dark to bright, from +x (right) towards +y (down); rad, in (-pi, pi].
+    /// Direction of the normal, from dark to bright, from +x (right) towards +y (down); rad, in
+    /// (-pi, pi].
     pub normal_rad: f64,
     /// Signed distance of the edge from the window's centre along the normal, pixels.
     pub offset_px: f64,
@@ -20,7 +21,8 @@ impl EdgeLine {
         (1.0..=44.0).contains(&tilt.min(90.0 - tilt))
     }
 
-    /// Distance of a pixel from the edge, towards the bright side, and its place along the edge; pixels.
+    /// Distance of a pixel from the edge, towards the bright side, and its place along the edge;
+    /// pixels.
     pub fn place(&self, pixel: &Pixel) -> (f64, f64) {
         let (sin, cos) = self.normal_rad.sin_cos();
         (

@@ -6,22 +6,23 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
 
-/// Steepness of a second edge, over that of the first, from which the edge counts as doubled. The line spread of an ideal
-/// lens has side lobes below 0.05, those of a box and a sinc^2 none.
+/// Steepness of a second edge, over that of the first, from which the edge counts as doubled. The
+/// line spread of an ideal lens has side lobes below 0.05, those of a box and a sinc^2 none.
 const DOUBLED: f64 = 0.1;
 
 /// Depth of the valley between two edges, over the lesser.
 const VALLEY: f64 = 0.7;
 
-/// Share of the profile's length that the rise from 10 to 90 % may take: a ramp across the whole window takes 0.8.
+/// Share of the profile's length that the rise from 10 to 90 % may take: a ramp across the whole
+/// window takes 0.8.
 const LONGEST_RISE: f64 = 0.55;
 
-/// Height of an arc (pixels) that is said, and that is refused. Spread over the pixels, 0.1 px lowers the MTF at half the
-/// sampling frequency by 0.4 %, 1 px by a third.
+/// Height of an arc (pixels) that is said, and that is refused. Spread over the pixels, 0.1 px
+/// lowers the MTF at half the sampling frequency by 0.4 %, 1 px by a third.
 const BOW: [f64; 2] = [0.1, 1.0];
 
-/// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of these, and of what is
-/// accepted.
+/// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of
+/// these, and of what is accepted.
 pub(crate) fn check(
     window: &Window,
     line: &EdgeLine,
@@ -47,7 +48,8 @@ pub(crate) fn check(
             return Err(Fault::Doubled { share, distance_px });
         }
         warnings.push(format!(
-            "the edge is doubled ({:.0} % of it comes again {distance_px:.1} pixels away) and accepted as such: \
+            "the edge is doubled ({:.0} % of it comes again {distance_px:.1} pixels away) and \
+            accepted as such: \
              what is no blur of the sheet counts as one",
             100.0 * share
         ));
@@ -55,7 +57,8 @@ pub(crate) fn check(
     let arc_px = arc(window, line, profile)?;
     if arc_px > BOW[0] {
         warnings.push(format!(
-            "the edge is bowed by {arc_px:.2} pixels, which lowers the MTF; give a shorter roi, or correct the lens distortion"
+            "the edge is bowed by {arc_px:.2} pixels, which lowers the MTF; give a shorter roi, \
+            or correct the lens distortion"
         ));
     }
     Ok(warnings)
@@ -77,8 +80,8 @@ pub(crate) fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result
     Ok(sagitta_px)
 }
 
-/// Steepness (over the first's) and distance (pixels) of a second edge. A ripple of the blur itself, as waves make it, is
-/// alike on both sides of the edge; a ghost is not.
+/// Steepness (over the first's) and distance (pixels) of a second edge. A ripple of the blur
+/// itself, as waves make it, is alike on both sides of the edge; a ghost is not.
 fn double(profile: &Profile) -> Option<(f64, f64)> {
     const HALF: usize = 4;
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, HALF)).collect();
@@ -118,8 +121,9 @@ fn double(profile: &Profile) -> Option<(f64, f64)> {
     steepest.filter(|&(share, _)| share > DOUBLED)
 }
 
-/// Height of the edge's arc over the chord of the window (pixels), and its standard error: the pixels' distances from the
-/// profile, regressed on its slope times the square of the place along the edge.
+/// Height of the edge's arc over the chord of the window (pixels), and its standard error: the
+/// pixels' distances from the profile, regressed on its slope times the square of the place along
+/// the edge.
 fn bow(window: &Window, line: &EdgeLine, profile: &Profile) -> (f64, f64) {
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
     let mut sums = [0.0; 6];

@@ -25,7 +25,8 @@ impl Channel {
     /// The primaries, in order.
     pub const PRIMARIES: [Channel; 3] = [Channel::Red, Channel::Green, Channel::Blue];
 
-    /// The channel called `name` in a manifest: `luminance`, `red`, `green`, `blue` (or `r`, `g`, `b`), or any EXR channel name.
+    /// The channel called `name` in a manifest: `luminance`, `red`, `green`, `blue` (or `r`, `g`,
+    /// `b`), or any EXR channel name.
     pub fn from_name(name: &str) -> Channel {
         match name {
             "luminance" => Channel::Luminance,
@@ -52,7 +53,8 @@ impl std::fmt::Display for Channel {
 /// How a photograph is to be decoded.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct Decode {
-    /// What stored values mean; `None`: linear for EXR, floats and 16-bit integers, sRGB for 8-bit integers.
+    /// What stored values mean; `None`: linear for EXR, floats and 16-bit integers, sRGB for 8-bit
+    /// integers.
     pub transfer: Option<Transfer>,
     /// Which plane is used.
     pub channel: Channel,

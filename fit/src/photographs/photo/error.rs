@@ -25,7 +25,8 @@ pub enum Error {
     },
     /// The first bytes belong to no format that is read.
     #[error(
-        "{file}: is not an EXR, PNG, TIFF or JPEG file, whatever its name; export the photograph as one of these"
+        "{file}: is not an EXR, PNG, TIFF or JPEG file, whatever its name; export the photograph \
+        as one of these"
     )]
     UnknownFormat {
         /// The photograph.
@@ -33,8 +34,10 @@ pub enum Error {
     },
     /// A camera raw file, in a program without the feature for it.
     #[error(
-        "{file}: camera raw is not read by this build of fit; build it with the feature `raw` (cargo install --path fit \
-         --features raw), or develop the photograph without tone curve to a linear 16-bit TIFF or an EXR"
+        "{file}: camera raw is not read by this build of fit; build it with the feature `raw` \
+        (cargo install --path fit \
+         --features raw), or develop the photograph without tone curve to a linear 16-bit TIFF or \
+         an EXR"
     )]
     CameraRaw {
         /// The photograph.
@@ -42,7 +45,8 @@ pub enum Error {
     },
     /// Camera raw where a picture in colour is wanted.
     #[error(
-        "{file}: is camera raw, which holds one colour a pixel; develop it without tone curve to a linear 16-bit TIFF or \
+        "{file}: is camera raw, which holds one colour a pixel; develop it without tone curve to \
+        a linear 16-bit TIFF or \
          an EXR"
     )]
     Undeveloped {
@@ -51,7 +55,8 @@ pub enum Error {
     },
     /// The decoder of camera raw gave up.
     #[error(
-        "{file}: cannot be decoded as camera raw ({}); convert it to DNG, or develop it without tone curve to a linear \
+        "{file}: cannot be decoded as camera raw ({}); convert it to DNG, or develop it without \
+        tone curve to a linear \
          16-bit TIFF or an EXR",
         one_line(reason)
     )]
@@ -78,7 +83,8 @@ pub enum Error {
     },
     /// Far more pixels than bytes.
     #[error(
-        "{file}: claims {width} x {height} pixels in {bytes} bytes, as a decompression bomb does; crop it, or save it \
+        "{file}: claims {width} x {height} pixels in {bytes} bytes, as a decompression bomb does; \
+        crop it, or save it \
          without compression"
     )]
     Packed {
@@ -148,7 +154,8 @@ pub enum Error {
     },
     /// A pixel that is NaN or infinite.
     #[error(
-        "{file}: pixel (column {x}, row {y}) is {value}; repair or mask the photograph before the fit"
+        "{file}: pixel (column {x}, row {y}) is {value}; repair or mask the photograph before the \
+        fit"
     )]
     NotFinite {
         /// The photograph.

@@ -26,8 +26,8 @@ const FREE: u64 = 256 << 20;
 /// Bytes above that, per byte of the file. Noise hardly packs; an edge without any, twentyfold.
 const PACKED: u64 = 100;
 
-/// Refuses pictures whose pixels would take `bytes` each in the decoder and four in the plane, where the file is far too
-/// short to hold them.
+/// Refuses pictures whose pixels would take `bytes` each in the decoder and four in the plane,
+/// where the file is far too short to hold them.
 pub(crate) fn check_packed(
     path: &Path,
     [width, height]: [u64; 2],

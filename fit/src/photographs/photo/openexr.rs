@@ -342,7 +342,8 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             &layer.name
         };
         warnings.push(format!(
-            "{} layers hold a picture; {name} was used: set `channel` to a full channel name for another",
+            "{} layers hold a picture; {name} was used: set `channel` to a full channel name for \
+            another",
             able.len()
         ));
     }
@@ -363,7 +364,11 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             .chromaticities
             .is_some()
     {
-        warnings.push("the file names its own primaries; luminance was formed with the Rec. 709 weights all the same".into());
+        warnings.push(
+            "the file names its own primaries; luminance was formed with the Rec. 709 \
+        weights all the same"
+                .into(),
+        );
     }
     Ok(Selection {
         header: layer.header,

@@ -20,8 +20,8 @@ pub struct Picture {
     pub width: usize,
     /// Rows, pixels.
     pub height: usize,
-    /// Linear light, each plane row-major from the top left, `width * height` finite values. Integer formats: 1 is full
-    /// scale.
+    /// Linear light, each plane row-major from the top left, `width * height` finite values.
+    /// Integer formats: 1 is full scale.
     pub planes: Vec<Vec<f32>>,
     /// How its file relates to light.
     pub transfer: Transfer,

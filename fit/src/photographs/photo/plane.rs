@@ -7,12 +7,14 @@ pub struct Photo {
     pub width: usize,
     /// Rows, pixels.
     pub height: usize,
-    /// Linear light, row-major from the top left, `width * height` values. Integer formats: 1 is full scale. EXR: as stored.
-    /// Finite, but for camera raw: NaN where the sensor saw another colour.
+    /// Linear light, row-major from the top left, `width * height` values. Integer formats: 1 is
+    /// full scale. EXR: as stored. Finite, but for camera raw: NaN where the sensor saw another
+    /// colour.
     pub luminance: Vec<f32>,
-    /// Value from which a pixel counts as saturated: 1 for integer formats (a colour pixel with any saturated
-    /// contributing channel is set to it), 65504 for half-float EXR. Other EXR has no limit of its own: 1 where
-    /// the largest value is exactly 1, which a clipped, normalised sensor image has; else `None`.
+    /// Value from which a pixel counts as saturated: 1 for integer formats (a colour pixel with any
+    /// saturated contributing channel is set to it), 65504 for half-float EXR. Other EXR has no
+    /// limit of its own: 1 where the largest value is exactly 1, which a clipped, normalised sensor
+    /// image has; else `None`.
     pub clip_level: Option<f32>,
     /// What was assumed or repaired, one sentence each, for the user.
     pub warnings: Vec<String>,

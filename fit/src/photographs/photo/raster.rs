@@ -119,8 +119,9 @@ fn decode(
             Format::Png | Format::Exr | Format::Raw => ImageFormat::Png,
         },
     );
-    // Decoders refuse a size that they could not hold before telling it; so the header is read without limits, which
-    // allocates nothing of the size of the picture, and they are set for the pixels.
+    // Decoders refuse a size that they could not hold before telling it; so the header is read
+    // without limits, which allocates nothing of the size of the picture, and they are set for the
+    // pixels.
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
@@ -164,7 +165,9 @@ fn plane(
     if bits == 8 {
         warnings.push(match transfer {
             Transfer::Srgb => {
-                "8-bit values, linearised from sRGB, limit the accuracy; prefer linear 16-bit or EXR".into()
+                "8-bit values, linearised from sRGB, limit the accuracy; prefer linear 16-bit or \
+                EXR"
+                .into()
             }
             Transfer::Linear => {
                 "8-bit values limit the accuracy; prefer linear 16-bit or EXR".into()
@@ -252,8 +255,8 @@ fn words(samples: &[u16], channels: usize, weights: &[f32], transfer: Transfer) 
     })
 }
 
-/// Weighted sum of the channels of each pixel. One saturated channel makes the sum a guess, so that such a pixel is set
-/// to full scale, where [`Photo::clipped`] finds it.
+/// Weighted sum of the channels of each pixel. One saturated channel makes the sum a guess, so that
+/// such a pixel is set to full scale, where [`Photo::clipped`] finds it.
 fn weigh<S: Copy + PartialEq>(
     samples: &[S],
     channels: usize,

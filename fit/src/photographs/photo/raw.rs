@@ -1,9 +1,10 @@
 //! Camera raw (feature `raw`), decoded by rawler: the pixels of one colour, each at its own place.
 //!
-//! A colour sensor sees red and blue in every fourth pixel and green in every second. To fill in the others (demosaicing) or
-//! to average blocks of them is a filter, which the profile of an edge would show. So neither is done: pixels of other
-//! colours are taken out, as hot ones are, and the edge is measured from those that saw it, where they lie. The MTF is that
-//! of one pixel's own box at the sensor's own pitch; fewer pixels cost noise, a factor of sqrt 2 in green and 2 in red and
+//! A colour sensor sees red and blue in every fourth pixel and green in every second. To fill in
+//! the others (demosaicing) or to average blocks of them is a filter, which the profile of an edge
+//! would show. So neither is done: pixels of other colours are taken out, as hot ones are, and the
+//! edge is measured from those that saw it, where they lie. The MTF is that of one pixel's own box
+//! at the sensor's own pitch; fewer pixels cost noise, a factor of sqrt 2 in green and 2 in red and
 //! blue, and no bias.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,12 +29,13 @@ use crate::photographs::photo::settings::Settings;
 /// The colours of a filter, as rawler counts them.
 const COLOURS: [Channel; 3] = Channel::PRIMARIES;
 
-/// Reads the pixels of one colour: linear light, 0 at the black level and 1 at the white level of the file. Noise below the
-/// black level stays below 0. Luminance, where nothing else is asked for, is green, with a warning; of a sensor without
-/// colours it is all pixels.
+/// Reads the pixels of one colour: linear light, 0 at the black level and 1 at the white level of
+/// the file. Noise below the black level stays below 0. Luminance, where nothing else is asked for,
+/// is green, with a warning; of a sensor without colours it is all pixels.
 ///
 /// # Errors
-/// What rawler does not know or cannot decode; a colour that the sensor does not see; sizes beyond [`crate::photographs::photo::limits::MAX_PIXELS`].
+/// What rawler does not know or cannot decode; a colour that the sensor does not see; sizes beyond
+/// [`crate::photographs::photo::limits::MAX_PIXELS`].
 pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let fault = |reason: String| Error::Raw {
         file: path.to_owned(),
@@ -132,8 +134,8 @@ fn seen(raw: &RawImage) -> Vec<usize> {
 
 type Plane = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// The lit part of the sensor, in light; NaN where another colour was seen. `None` where no light lies between black and
-/// white.
+/// The lit part of the sensor, in light; NaN where another colour was seen. `None` where no light
+/// lies between black and white.
 fn plane(raw: &RawImage, channel: Option<usize>) -> Option<Plane> {
     let whole = Rect::new(Point::zero(), Dim2::new(raw.width, raw.height));
     let Rect { p, d } = raw.crop_area.or(raw.active_area).unwrap_or(whole);
@@ -175,7 +177,8 @@ fn black(level: &BlackLevel, row: usize, column: usize, sample: usize) -> f32 {
     level.map_or(0.0, Rational::as_f32)
 }
 
-/// The level at which a pixel is full: one for all, for every sample of a pixel, or for every place of a mosaic of 2 x 2.
+/// The level at which a pixel is full: one for all, for every sample of a pixel, or for every place
+/// of a mosaic of 2 x 2.
 fn white(level: &WhiteLevel, cpp: usize, row: usize, column: usize, sample: usize) -> f32 {
     let index = match level.0.len() {
         4 if cpp == 1 => 2 * (row % 2) + column % 2,

@@ -22,7 +22,8 @@ impl Transfer {
         }
     }
 
-    /// Light of a stored value, both in units of full scale. sRGB is odd in the value, so noise around 0 stays centred.
+    /// Light of a stored value, both in units of full scale. sRGB is odd in the value, so noise
+    /// around 0 stays centred.
     pub fn to_linear(self, stored: f32) -> f32 {
         match self {
             Transfer::Linear => stored,

@@ -1,6 +1,8 @@
-//! Small vector charts. They carry classes, no colours: the page's style makes them light, dark or printed.
+//! Small vector charts. They carry classes, no colours: the page's style makes them light, dark or
+//! printed.
 //!
-//! kuva, which draws the pictures of `--plot`, fixes colours and a size in pixels and takes 40 kB where this takes 4.
+//! kuva, which draws the pictures of `--plot`, fixes colours and a size in pixels and takes 40 kB
+//! where this takes 4.
 
 use std::fmt::Write;
 
@@ -102,7 +104,8 @@ fn nice(step: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// A rectangle of the picture with two axes. Lengths in the picture's own units, origin at its upper left.
+/// A rectangle of the picture with two axes. Lengths in the picture's own units, origin at its
+/// upper left.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Panel {
     /// Across.
@@ -168,7 +171,8 @@ impl Panel {
             )
         };
         format!(
-            "{below}<text class=\"x name\" transform=\"translate(10 {middle}) rotate(-90)\">{}</text>",
+            "{below}<text class=\"x name\" transform=\"translate(10 {middle}) \
+            rotate(-90)\">{}</text>",
             escape(y)
         )
     }
@@ -243,7 +247,8 @@ impl Panel {
         let inside = |[x, y]: [f64; 2]| self.at(limit(&self.x, x), limit(&self.y, y));
         let ([x0, y1], [x1, y0]) = (inside(from), inside(to));
         format!(
-            "<rect class=\"{class}\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
+            "<rect class=\"{class}\" x=\"{x0:.1}\" y=\"{y0:.1}\" width=\"{:.1}\" \
+            height=\"{:.1}\"/>",
             x1 - x0,
             y1 - y0
         )
@@ -261,7 +266,8 @@ impl Panel {
         let right = width / (self.x.high - self.x.low);
         let up = height / (self.y.high - self.y.low);
         format!(
-            "<circle r=\"1\" class=\"ellipse\" style=\"{style}\" transform=\"matrix({:.3} {:.3} 0 {:.3} {x:.1} {y:.1})\"/>",
+            "<circle r=\"1\" class=\"ellipse\" style=\"{style}\" transform=\"matrix({:.3} {:.3} 0 \
+            {:.3} {x:.1} {y:.1})\"/>",
             a * right,
             -b * up,
             -c * up

@@ -1,4 +1,5 @@
-//! The part of a photograph that a warning is about: the region around its edge, small, with the edge and the region drawn.
+//! The part of a photograph that a warning is about: the region around its edge, small, with the
+//! edge and the region drawn.
 
 use std::io::Cursor;
 
@@ -24,8 +25,8 @@ const CLIPPED: Rgb<u8> = Rgb([230, 40, 30]);
 /// A rectangle of pixels: left, top, width, height.
 type Rectangle = [usize; 4];
 
-/// A crop as SVG markup: the tone-mapped pixels with the region and the edge that was found in it as lines. `None` where
-/// the photograph cannot be read any more.
+/// A crop as SVG markup: the tone-mapped pixels with the region and the edge that was found in it
+/// as lines. `None` where the photograph cannot be read any more.
 pub(crate) fn crop(shot: &Shot, label: &str) -> Option<String> {
     let photo = shot.load().ok()?;
     let measured = measure::edge(&photo, shot.roi, &shot.accepted).ok();
@@ -44,7 +45,8 @@ pub(crate) fn crop(shot: &Shot, label: &str) -> Option<String> {
     let edge = measured.map_or(String::new(), |m| drawn_edge(m.line, roi));
     Some(format!(
         "<svg class=\"photo\" viewBox=\"{x} {y} {width} {height}\" role=\"img\" aria-label=\"{}\">\
-         <image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" href=\"data:image/png;base64,{data}\"/>\
+         <image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+         href=\"data:image/png;base64,{data}\"/>\
          {region}{edge}</svg>\n",
         escape(label)
     ))
@@ -61,7 +63,8 @@ fn around([x, y, width, height]: Rectangle, [_, _, wide, high]: Rectangle) -> Re
     [x, y, width, height]
 }
 
-/// Averages blocks of pixels, stretches what is left from the darkest to the brightest 1 % and encodes it as the eye sees.
+/// Averages blocks of pixels, stretches what is left from the darkest to the brightest 1 % and
+/// encodes it as the eye sees.
 fn png(photo: &Photo, [x, y, width, height]: Rectangle) -> Option<Vec<u8>> {
     // Blocks of 3 x 3 hold a pixel of every colour of camera raw.
     let mosaic = photo.luminance.iter().any(|value| value.is_nan());

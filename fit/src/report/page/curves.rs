@@ -1,4 +1,5 @@
-//! Small multiples: the MTF of every photograph, measured and modelled through one estimator, and what lies between.
+//! Small multiples: the MTF of every photograph, measured and modelled through one estimator, and
+//! what lies between.
 
 use crate::result::CaptureResult;
 
@@ -23,10 +24,14 @@ pub(crate) fn section(page: &Page) -> String {
         .fold(0.0, f64::max);
     let figures: String = captures.iter().map(|c| figure(c, farthest)).collect();
     format!(
-        "<p>The spectrum of every edge along its normal: <span class=\"key measured\">dots</span> are the photograph with \
-         95 % intervals, the <span class=\"key model\">line</span> is the fitted model seen through the same window, bins and \
-         taper. Below each, their difference in standard errors; the band holds 95 % of pure noise. Neighbouring \
-         frequencies share pixels, so their differences run together.</p>\n<div class=\"grid\">\n{figures}</div>\n"
+        "<p>The spectrum of every edge along its normal: <span class=\"key measured\">dots</span> \
+        are the photograph with \
+         95 % intervals, the <span class=\"key model\">line</span> is the fitted model seen \
+         through the same window, bins and \
+         taper. Below each, their difference in standard errors; the band holds 95 % of pure \
+         noise. Neighbouring \
+         frequencies share pixels, so their differences run together.</p>\n<div \
+         class=\"grid\">\n{figures}</div>\n"
     )
 }
 
@@ -94,7 +99,8 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
         significant(rms, 2)
     );
     format!(
-        "<figure class=\"capture\">{}<figcaption><b>{}\u{b0}, {} mm</b>, edge {:.1}\u{b0}<br/>MTF50 {half}, rms difference {}\
+        "<figure class=\"capture\">{}<figcaption><b>{}\u{b0}, {} mm</b>, edge \
+        {:.1}\u{b0}<br/>MTF50 {half}, rms difference {}\
          <br/><code>{}</code></figcaption></figure>\n",
         svg([320.0, 236.0], &label, &body),
         capture.incidence_deg,

@@ -191,7 +191,8 @@ impl Shown<'_> {
             }
         };
         format!(
-            "<div><dt><b>{}</b> {}</dt>\n<dd class=\"value\">{value}{unit}</dd>\n<dd>{note}</dd></div>\n",
+            "<div><dt><b>{}</b> {}</dt>\n<dd \
+            class=\"value\">{value}{unit}</dd>\n<dd>{note}</dd></div>\n",
             self.symbol, self.meaning
         )
     }
@@ -308,7 +309,8 @@ impl Shown<'_> {
             &body,
         );
         Some(format!(
-            "<figure>{picture}<figcaption><b>{}</b> {} by incidence, with 95 % intervals{legend}</figcaption></figure>\n",
+            "<figure>{picture}<figcaption><b>{}</b> {} by incidence, with 95 % \
+            intervals{legend}</figcaption></figure>\n",
             self.symbol, self.meaning
         ))
     }

@@ -1,4 +1,5 @@
-//! What an estimate rests on: profile likelihoods, how much worse the best fit becomes as one parameter is moved away.
+//! What an estimate rests on: profile likelihoods, how much worse the best fit becomes as one
+//! parameter is moved away.
 
 use crate::estimate::Bound;
 use crate::estimate::Estimated;
@@ -20,7 +21,8 @@ const REACH: f64 = 3.0;
 pub(crate) struct LikelihoodProfile {
     /// The parameter.
     pub id: ParameterId,
-    /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per degree of freedom, at least 1).
+    /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per
+    /// degree of freedom, at least 1).
     pub points: Vec<[f64; 2]>,
     /// Whether the photographs only bound the parameter; its values are then spread by powers.
     pub bounded: bool,
@@ -31,8 +33,8 @@ pub(crate) struct LikelihoodProfile {
 pub(crate) struct Evidence {
     /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
     pub reduced_chi2: f64,
-    /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four. None under `mse`, which is no
-    /// likelihood.
+    /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four.
+    /// None under `mse`, which is no likelihood.
     pub profiles: Vec<LikelihoodProfile>,
 }
 

@@ -1,4 +1,5 @@
-//! What the photographs can tell: profile likelihoods, and how c and the spread trade against each other.
+//! What the photographs can tell: profile likelihoods, and how c and the spread trade against each
+//! other.
 
 use std::fmt::Write;
 
@@ -12,7 +13,8 @@ use crate::report::page::markup::minus;
 use crate::report::page::markup::{significant, table};
 use crate::report::page::shown::Page;
 
-/// Rise of the sum of squares at the ends of a 95 % interval of one parameter (chi-square, 1 degree of freedom).
+/// Rise of the sum of squares at the ends of a 95 % interval of one parameter (chi-square, 1 degree
+/// of freedom).
 const INTERVAL_RISE: f64 = 3.841;
 
 /// Rise at a one-sided 95 % bound.
@@ -42,7 +44,8 @@ pub(crate) fn section(page: &Page) -> String {
         out.push_str("<p>The photographs determine every parameter.</p>\n");
     } else {
         out.push_str(
-            "<p>The photographs do not determine every parameter: what fades out of sight in one direction comes back as a \
+            "<p>The photographs do not determine every parameter: what fades out of sight in one \
+            direction comes back as a \
              bound. Where the curve stays low, any value fits.</p>\n",
         );
     }
@@ -144,7 +147,8 @@ fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
         ""
     };
     format!(
-        "<figure>{}<figcaption><b>{symbol}</b>: how much worse the best fit becomes with {symbol} held elsewhere. {caption}; \
+        "<figure>{}<figcaption><b>{symbol}</b>: how much worse the best fit becomes with {symbol} \
+        held elsewhere. {caption}; \
          the dashed line is the 95 % limit of pixel noise{dotted}.</figcaption></figure>\n",
         svg(SIZE, &format!("Profile likelihood: {caption}"), &body)
     )
@@ -252,7 +256,8 @@ fn ellipses(pairs: &[Pair]) -> String {
         frame: FRAME,
     };
     let last = (pairs.len().max(2) - 1) as f64;
-    // Blue for steep incidence over violet to red for grazing: one lightness, told apart on white and on black.
+    // Blue for steep incidence over violet to red for grazing: one lightness, told apart on white
+    // and on black.
     let colour = |i: usize| format!("hsl({:.0} 68% 54%)", 210.0 + 160.0 * i as f64 / last);
     let mut body = panel.grid(5, true);
     let spread = &pairs[0].symbol;
@@ -287,7 +292,8 @@ fn ellipses(pairs: &[Pair]) -> String {
         ""
     };
     format!(
-        "<figure>{}<figcaption><b>c and {spread}</b>: 95 % region of the two together, about the estimate. A long slanted \
+        "<figure>{}<figcaption><b>c and {spread}</b>: 95 % region of the two together, about the \
+        estimate. A long slanted \
          ellipse means that one can be traded for the other.{dots} {keys}</figcaption></figure>\n",
         svg(
             SIZE,

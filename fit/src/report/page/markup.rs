@@ -1,6 +1,8 @@
-//! Text and numbers of a page. Everything that comes from a file or a command line goes through [`escape`].
+//! Text and numbers of a page. Everything that comes from a file or a command line goes through
+//! [`escape`].
 
-/// Text for any place of the page, attributes too. Characters that no XML may hold become the replacement character.
+/// Text for any place of the page, attributes too. Characters that no XML may hold become the
+/// replacement character.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -68,10 +70,12 @@ pub(crate) fn count(number: usize, one: &str, several: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { several })
 }
 
-/// A table that scrolls by itself where it is wider than the page. Cells are markup; the first of a row is its header.
+/// A table that scrolls by itself where it is wider than the page. Cells are markup; the first of a
+/// row is its header.
 pub(crate) fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
     let mut out = format!(
-        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\"><table>\n<thead><tr>",
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" \
+        aria-label=\"{}\"><table>\n<thead><tr>",
         escape(label)
     );
     for title in head {

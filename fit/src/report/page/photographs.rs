@@ -9,7 +9,8 @@ use crate::report::page::crop::crop;
 use crate::report::page::markup::{count, escape};
 use crate::report::page::shown::{Page, name};
 
-/// Most photographs that are shown: a page of hundreds would be slow on a phone, and they say the same.
+/// Most photographs that are shown: a page of hundreds would be slow on a phone, and they say the
+/// same.
 const MOST_CROPS: usize = 24;
 
 /// Warnings about one photograph, or about the campaign.
@@ -42,7 +43,8 @@ pub(crate) fn section(page: &Page) -> String {
     let mut out = String::new();
     if crops.iter().any(Option::is_some) {
         out.push_str(
-            "<p>Photographs are stretched from their darkest to their brightest pixels. The dashed line is the edge that was \
+            "<p>Photographs are stretched from their darkest to their brightest pixels. The \
+            dashed line is the edge that was \
              found, the frame the region, red is saturated.</p>\n",
         );
     }

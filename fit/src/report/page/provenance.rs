@@ -76,7 +76,9 @@ pub(crate) fn section(page: &Page) -> String {
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"))
         .collect();
     format!(
-        "<dl class=\"list\">\n{list}</dl>\n<p>The method is that of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters, doi \
-         10.1145/3757374.3771778). All numbers, and the covariance, are in the file that <code>-o</code> writes.</p>\n"
+        "<dl class=\"list\">\n{list}</dl>\n<p>The method is that of Sugawara and Koizumi \
+        (SIGGRAPH Asia 2025 Posters, doi \
+         10.1145/3757374.3771778). All numbers, and the covariance, are in the file that \
+         <code>-o</code> writes.</p>\n"
     )
 }

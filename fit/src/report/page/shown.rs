@@ -11,7 +11,8 @@ use crate::simulate::Truth;
 pub(crate) struct Page<'a> {
     /// The estimate.
     pub result: &'a ResultFile,
-    /// The photographs and where they lie; those that are warned about are read again for their crops.
+    /// The photographs and where they lie; those that are warned about are read again for their
+    /// crops.
     pub campaign: &'a Campaign,
     /// The planted answer, where there is one.
     pub truth: Option<&'a Truth>,

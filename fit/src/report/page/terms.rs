@@ -28,13 +28,15 @@ pub(crate) fn in_words(kernel: Kernel, lobe: Option<LobeShape>) -> String {
         }
         Kernel::SaitoSurface => {
             format!(
-                "the baseline of Saito et al. (2024): {lobe} of a rough front and three rough facets"
+                "the baseline of Saito et al. (2024): {lobe} of a rough front and three rough \
+                facets"
             )
         }
         Kernel::Guo => format!("the baseline of Guo et al. (2018): {lobe} of a rough front"),
         Kernel::Mrm => {
             format!(
-                "the baseline of Portsmouth et al. (2026): {lobe} of rough facets that reflect backwards"
+                "the baseline of Portsmouth et al. (2026): {lobe} of rough facets that reflect \
+                backwards"
             )
         }
     }
@@ -90,7 +92,8 @@ pub(crate) fn section(page: &Page) -> String {
         None => "",
     };
     out.push_str(&format!(
-        "<p>The criterion is Bayes\u{2019}: \u{3c7}\u{b2}, the squared differences of {compared} in units of their noise, plus \
+        "<p>The criterion is Bayes\u{2019}: \u{3c7}\u{b2}, the squared differences of {compared} \
+        in units of their noise, plus \
          ln n for every parameter. {mu}</p>\n"
     ));
     out
@@ -115,7 +118,8 @@ fn why(result: &ResultFile, chosen: Option<usize>, least: f64) -> String {
         "It was named on the command line; nothing else was tried.".to_owned()
     } else if above > 0.0 {
         format!(
-            "Of {} candidates it has the fewest parameters among those within {CLEAR} of the least criterion: a further term \
+            "Of {} candidates it has the fewest parameters among those within {CLEAR} of the \
+            least criterion: a further term \
              must lower the criterion by more than {CLEAR}, and none does.",
             candidates.len()
         )
@@ -126,7 +130,8 @@ fn why(result: &ResultFile, chosen: Option<usize>, least: f64) -> String {
             .map(|c| c.criterion - least)
             .fold(f64::INFINITY, f64::min);
         format!(
-            "Of {} candidates it has the least criterion; the next is {} above. A further term must lower the criterion by \
+            "Of {} candidates it has the least criterion; the next is {} above. A further term \
+            must lower the criterion by \
              more than {CLEAR}.",
             candidates.len(),
             grouped(next)

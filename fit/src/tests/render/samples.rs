@@ -78,9 +78,10 @@ fn samples_meet_the_transforms_within_their_error() {
                     .unwrap();
                 let error = standard_error.unwrap();
                 let distance = distance(&image, &spectral);
-                // Pixels whose errors count: of a point those that it lights (their variance is as their light), of a picture
-                // the blocks of samples that they share, 32,768 samples by 32. The mean square of n errors is known to
-                // sqrt(2/n), the error from 8 randomisations to sqrt(2/7n); half of that for the roots.
+                // Pixels whose errors count: of a point those that it lights (their variance is as
+                // their light), of a picture the blocks of samples that they share, 32,768 samples
+                // by 32. The mean square of n errors is known to sqrt(2/n), the error from 8
+                // randomisations to sqrt(2/7n); half of that for the roots.
                 let counting = if std::ptr::eq(source, &point) {
                     let light = || spectral.planes[0].iter().map(|&v| f64::from(v.abs()));
                     light().sum::<f64>().powi(2) / light().map(|v| v * v).sum::<f64>()
@@ -133,7 +134,8 @@ fn samples_of_a_view_meet_its_tiles() {
         .map(|seen| seen.energy.unwrap())
         .fold(0.0, f64::max);
     let distance = distance(&sampled.image, &tiled);
-    // 1,200 pixels of three planes, each with samples of its own: its root mean square is known to 2 %.
+    // 1,200 pixels of three planes, each with samples of its own: its root mean square is known to
+    // 2 %.
     assert!(
         distance < 1.1 * error + tolerance * energy,
         "{distance} against {error}"
@@ -141,7 +143,8 @@ fn samples_of_a_view_meet_its_tiles() {
     assert_eq!(sampled.seen.len(), 40 * 30);
 }
 
-/// A square away from the point, so that neither the sign nor the turn of a spot can be wrong unseen.
+/// A square away from the point, so that neither the sign nor the turn of a spot can be wrong
+/// unseen.
 struct Displaced(Square);
 
 const AWAY_MM: [f64; 2] = [0.3, -0.7];

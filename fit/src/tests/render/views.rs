@@ -15,7 +15,8 @@ pub(crate) fn view(far: f64, turn_deg: f64, mirror: bool) -> String {
     let (sine, cosine) = turn_deg.to_radians().sin_cos();
     format!(
         "[camera]\nposition_mm = [0, 0, {far}]\n\
-         [image]\ncentre_mm = [0, 0, 0]\nright = [1, 0, 0]\ndown = [0, -1, 0]\npixel_pitch_mm = 0.1\n\
+         [image]\ncentre_mm = [0, 0, 0]\nright = [1, 0, 0]\ndown = [0, -1, 0]\npixel_pitch_mm = \
+         0.1\n\
          [sheet]\nposition_mm = [0, 0, -300]\nnormal = [{}, 0, {cosine}]\nfirst_edge = [0, 1, 0]\n\
          seen_in_mirror = {mirror}\n[coating]\nrefractive_index = 1.5\n",
         sine
@@ -60,7 +61,8 @@ fn a_far_camera_sees_the_uniform_scene() {
 
 #[test]
 fn a_near_camera_sees_what_trigonometry_says() {
-    // A sheet that faces the camera: the incidence is the ray's own angle, the mirrored picture twice as far behind.
+    // A sheet that faces the camera: the incidence is the ray's own angle, the mirrored picture
+    // twice as far behind.
     let view = load(&view(600.0, 0.0, false)).unwrap();
     let mut cases = 0;
     for x in [-1500.0, -10.0, 700.0] {
@@ -68,7 +70,8 @@ fn a_near_camera_sees_what_trigonometry_says() {
         let tangent = 0.1 * x / 600.0_f64;
         assert!((seen.place.incidence_deg.to_radians().tan() - tangent.abs()).abs() < 1e-9);
         assert!((seen.place.r_mm - 300.0 * tangent.hypot(1.0)).abs() < 1e-9);
-        // Carried to the image's plane, the plane across the ray is stretched by 1/cos along the incidence.
+        // Carried to the image's plane, the plane across the ray is stretched by 1/cos along the
+        // incidence.
         let stretch = 10.0 * tangent.hypot(1.0) * x.signum();
         assert!(
             (seen.pixels_from_mm[0][0] - stretch).abs() < 1e-9,
@@ -85,7 +88,8 @@ fn a_near_camera_sees_what_trigonometry_says() {
     }
     assert_eq!(cases, 3);
     assert!((view::fresnel(1.5, 0.0) - 0.04).abs() < 1e-15);
-    // At Brewster's angle only half of the light is reflected at all: sin^2(i - t)/2 with i + t = 90 degrees.
+    // At Brewster's angle only half of the light is reflected at all: sin^2(i - t)/2 with i + t =
+    // 90 degrees.
     let brewster = 1.5_f64.atan();
     let s = (2.0 * brewster - std::f64::consts::FRAC_PI_2).sin().powi(2);
     assert!((view::fresnel(1.5, brewster.to_degrees()) - 0.5 * s).abs() < 1e-15);

@@ -21,7 +21,8 @@ use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
 use crate::table::table::Table;
 
-/// Reads and checks everything but the content hash; returns the table and the hash that the file states.
+/// Reads and checks everything but the content hash; returns the table and the hash that the file
+/// states.
 pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Error> {
     let ledger = Ledger::new(file.size());
     let root = Place::new(file, path, "", &ledger)?;

@@ -1,7 +1,7 @@
 //! The file format: every HDF5 name and the version.
 //!
-//! `FORMAT.md` describes the same for writers of other readers; a change here is a change there, and of
-//! [`VERSION`] where an old reader would misread the file.
+//! `FORMAT.md` describes the same for writers of other readers; a change here is a change there,
+//! and of [`VERSION`] where an old reader would misread the file.
 
 use std::ffi::CStr;
 
@@ -15,9 +15,12 @@ pub(crate) const VERSION_OF_DEVIATIONS: u64 = 2;
 pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
 
 /// The frame conventions in one sentence.
-pub(crate) const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the outward normal of the sheet \
-and t the in-plane unit vector at the azimuth, right-handed about n from azimuth_zero; a ray that enters at p and \
-leaves at p' has the shift p' - p = (u, v) with u along t and v along n x t, in edge lengths; arrays are \
+pub(crate) const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the \
+outward normal of the sheet \
+and t the in-plane unit vector at the azimuth, right-handed about n from azimuth_zero; a ray that \
+enters at p and \
+leaves at p' has the shift p' - p = (u, v) with u along t and v along n x t, in edge lengths; \
+arrays are \
 [incidence, azimuth, shift_v, shift_u].";
 
 /// Greatest number of bytes that the arrays of one table may take in memory.
@@ -50,7 +53,8 @@ pub(crate) const AZIMUTH: Scale = Scale {
     name: "azimuth_deg",
     c_name: c"azimuth_deg",
     units: "degree",
-    long_name: "azimuth of incidence about the normal, from azimuth_zero; NaN for the mean over all azimuths",
+    long_name: "azimuth of incidence about the normal, from azimuth_zero; NaN for the mean over \
+    all azimuths",
 };
 pub(crate) const SHIFT_V: Scale = Scale {
     name: "shift_v",

@@ -1,4 +1,5 @@
-//! Typed access to a group of the file: a name, a type, a shape and a size are checked before anything is read.
+//! Typed access to a group of the file: a name, a type, a shape and a size are checked before
+//! anything is read.
 
 use std::collections::HashSet;
 use std::path::Path as FilePath;
@@ -20,7 +21,8 @@ use crate::table::fate::Fate;
 /// Rounding that another writer may have in scales and derived datasets.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Longest text that is taken from a fixed-length attribute; the longest of ours has some hundred bytes.
+/// Longest text that is taken from a fixed-length attribute; the longest of ours has some hundred
+/// bytes.
 const MOST_TEXT: usize = 4096;
 
 /// Largest chunk, bytes: 4096 x 4096 bins.
@@ -404,7 +406,8 @@ fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
         .iter()
         .try_fold(1_u64, |bytes, &n| bytes.checked_mul(n as u64));
     let kind = dataset.dtype()?;
-    // A text of variable length is a length, an address and an index in the file, a pointer in memory.
+    // A text of variable length is a length, an address and an index in the file, a pointer in
+    // memory.
     let element = if TEXTS.contains(&kind.to_descriptor()?) {
         16
     } else {
@@ -414,7 +417,8 @@ fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
     let Some(bytes) = bytes.filter(|&bytes| bytes <= MOST_CHUNK) else {
         return Ok(Some("in chunks above 128 MiB"));
     };
-    // Deflate adds at most 5 bytes per 16 KiB and some at the ends; a longer chunk would inflate past its size.
+    // Deflate adds at most 5 bytes per 16 KiB and some at the ends; a longer chunk would inflate
+    // past its size.
     let most = bytes + bytes / 1024 + 64;
     let mut inflated = false;
     dataset.chunks_visit(|chunk| {

@@ -16,8 +16,8 @@ use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
 use crate::table::table::Table;
 
-/// An empty HDF5 file in memory, of a version that every reader since HDF5 1.10 opens and whose metadata are
-/// checksummed, without time stamps.
+/// An empty HDF5 file in memory, of a version that every reader since HDF5 1.10 opens and whose
+/// metadata are checksummed, without time stamps.
 pub(crate) fn create() -> Result<File> {
     // The library refuses two open files of one name, also in memory; the name is not in the bytes.
     static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -150,7 +150,8 @@ fn attributes(table: &Table, file: &File) -> Result<()> {
     let azimuths = if table.axes.is_mean() {
         "mean over all azimuths of retroreflected x histogram in the incidence frame"
     } else if table.provenance.symmetry != Symmetry::NONE {
-        "as listed in azimuth_deg, for themselves and by symmetry_rotations and symmetry_mirror_deg for others"
+        "as listed in azimuth_deg, for themselves and by symmetry_rotations and \
+        symmetry_mirror_deg for others"
     } else {
         "as listed in azimuth_deg"
     };

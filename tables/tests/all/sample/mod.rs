@@ -213,6 +213,7 @@ pub(crate) fn exact() -> Table {
 /// The Python that `make test` sets up.
 pub(crate) fn python() -> std::ffi::OsString {
     std::env::var_os("AIRR_PYTHON").expect(
-        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and h5netcdf",
+        "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and \
+        h5netcdf",
     )
 }
