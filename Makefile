@@ -4,7 +4,9 @@
 
 .SUFFIXES:
 .NOTPARALLEL:
-.PHONY: all build install demo manual deny msrv table1 test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel wheel fmt lint doc bench tools python rust clean
+.PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
+	clean test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
+	test-wheel
 
 CARGO = cargo
 PYTHON = python3
@@ -43,12 +45,14 @@ tools:
 		if found=$$(command -v "$(FOUND_CMAKE)") && $(call cmake_is_new,"$$found"); then \
 			echo "set-up: cmake found at $$found" >&2; \
 		else \
-			echo "set-up: no cmake >= $(CMAKE_WANTED) on PATH; bringing $(CMAKE_PACKAGE) into .tools/venv" >&2; \
+			echo "set-up: no cmake >= $(CMAKE_WANTED) on PATH;" \
+				"bringing $(CMAKE_PACKAGE) into .tools/venv" >&2; \
 			$(venv) && $(pip) "$(CMAKE_PACKAGE)" && found="$(VENV)/bin/cmake"; \
 		fi && ln -s "$$found" $(CMAKE); }
 
 python: tests/requirements.txt
-	@{ cmp -s tests/requirements.txt .tools/requirements.installed && "$(VENV)/bin/python" -c '' 2>/dev/null; } || { \
+	@{ cmp -s tests/requirements.txt .tools/requirements.installed && \
+		"$(VENV)/bin/python" -c '' 2>/dev/null; } || { \
 		echo "set-up: bringing h5py, xarray and h5netcdf into .tools/venv for the tests" >&2; \
 		rm -f .tools/requirements.installed && $(venv) && $(pip) -r tests/requirements.txt && \
 		cp tests/requirements.txt .tools/requirements.installed; }
@@ -60,10 +64,13 @@ rust:
 
 # $(1): a quoted path. The older of the two versions must be the wanted one.
 cmake_is_new = test "$$(printf '%s\n' $(CMAKE_WANTED) \
-	"$$($(1) --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p')" | sort -V | head -n 1)" = $(CMAKE_WANTED)
-# A venv that was moved or cut short does not start pip, and is made anew.
-venv = { "$(VENV)/bin/python" -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear "$(VENV)" || { \
-	echo "set-up: $(PYTHON) cannot make a virtual environment: install it with venv (Debian: python3-venv)" >&2; \
+	"$$($(1) --version 2>/dev/null | sed -n '1s/[^0-9]*\([0-9.]*\).*/\1/p')" | \
+	sort -V | head -n 1)" = $(CMAKE_WANTED)
+# A venv that was moved or cut short does not start pip. It is then made anew.
+venv = { "$(VENV)/bin/python" -m pip --version >/dev/null 2>&1 || \
+	$(PYTHON) -m venv --clear "$(VENV)" || { \
+	echo "set-up: $(PYTHON) cannot make a virtual environment:" \
+		"install it with venv (Debian: python3-venv)" >&2; \
 	exit 1; }; }
 pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all:
 
@@ -79,7 +86,8 @@ test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-met
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
-		echo "test-mpi: no mpirun: install Open MPI or MPICH (Debian: libopenmpi-dev openmpi-bin libclang-dev)" >&2; exit 1; }
+		echo "test-mpi: no mpirun: install Open MPI or MPICH" \
+			"(Debian: libopenmpi-dev openmpi-bin libclang-dev)" >&2; exit 1; }
 	@echo "== ranks of MPI" >&2
 	@$(CARGO) clippy --workspace --features bake/mpi --all-targets --locked -- -D warnings
 	@$(CARGO) test --workspace --features bake/mpi --test mpi --locked
@@ -101,11 +109,15 @@ test-raw: rust tools
 # it takes); MITSUBA_PYTHON: an interpreter that has mitsuba and h5py; ROUNDS: how often both are
 # timed, in turns.
 test-mitsuba: demo
-	@test -n "$(MITSUBA_FIT)" || { echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
-	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)" --rounds $(or $(ROUNDS),1)
+	@test -n "$(MITSUBA_FIT)" || { \
+		echo "test-mitsuba: MITSUBA_FIT names no script of the published loop" >&2; exit 1; }
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) tests/beside_mitsuba.py --peer "$(MITSUBA_FIT)" \
+		--rounds $(or $(ROUNDS),1)
 	@$(BIN)/fit render $(MITSUBA_SCENE) -o demo/aerial.exr
-	@$(or $(MITSUBA_PYTHON),$(PYTHON)) fit/doc/mitsuba_edge.py $(MITSUBA_SCENE) -o demo/mitsuba.exr --compare demo/aerial.exr
-MITSUBA_SCENE = --source $(CAMPAIGN)/source.exr --params demo/result.json --table demo/pair.h5 --distance 300 --incidence 20
+	@$(or $(MITSUBA_PYTHON),$(PYTHON)) fit/doc/mitsuba_edge.py $(MITSUBA_SCENE) \
+		-o demo/mitsuba.exr --compare demo/aerial.exr
+MITSUBA_SCENE = --source $(CAMPAIGN)/source.exr --params demo/result.json --table demo/pair.h5 \
+	--distance 300 --incidence 20
 
 # The exported materials in the MaterialX library.
 test-materialx: demo
@@ -118,21 +130,25 @@ test-metrics: build
 	@test -x .tools/metrics/bin/python || $(PYTHON) -m venv .tools/metrics
 	@.tools/metrics/bin/python -m pip install --quiet --disable-pip-version-check $(METRICS)
 	@.tools/metrics/bin/python fit/tests/metrics.py $(BIN)/fit .tools/metrics/seeded.safetensors
-	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 --lpips .tools/metrics/seeded.safetensors
+	@.tools/metrics/bin/python tests/table1.py $(BIN) .tools/metrics/table1 \
+		--lpips .tools/metrics/seeded.safetensors
 METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 
 # ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
 # HDF5.
 
 wheel: tools
-	@$(venv) && $(pip) "maturin>=1.16,<2" && rm -rf dist && "$(VENV)/bin/maturin" build --release --locked --out dist
+	@$(venv) && $(pip) "maturin>=1.16,<2" && rm -rf dist && \
+		"$(VENV)/bin/maturin" build --release --locked --out dist
 
 test-wheel: wheel
 	@echo "== the wheel, in a new environment and with an empty PATH" >&2
 	@rm -rf .tools/wheel && $(PYTHON) -m venv .tools/wheel
 	@.tools/wheel/bin/pip install --quiet --disable-pip-version-check --no-index dist/airr-*.whl
-	@cd .tools/wheel && env -i bin/bake --help >/dev/null && env -i bin/bake design triangular-pair -o pair.obj && \
-		env -i bin/bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30 && \
+	@cd .tools/wheel && env -i bin/bake --help >/dev/null && \
+		env -i bin/bake design triangular-pair -o pair.obj && \
+		env -i bin/bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \
+			--azimuth 30 && \
 		env -i bin/fit estimate $(CURDIR)/$(CAMPAIGN)/captures.toml --table pair.h5 -o result.json
 
 fmt: rust
@@ -151,7 +167,8 @@ doc: tools
 # Licences, sources and bans of dependencies (deny.toml), where cargo-deny is installed: cargo
 # install cargo-deny.
 deny: tools
-	@$(CARGO) deny --version >/dev/null 2>&1 || { echo "deny: cargo-deny is not installed: cargo install --locked cargo-deny" >&2; exit 1; }
+	@$(CARGO) deny --version >/dev/null 2>&1 || { \
+		echo "deny: cargo-deny is not installed: cargo install --locked cargo-deny" >&2; exit 1; }
 	@$(CARGO) deny --workspace --locked check bans licenses sources
 
 # The oldest Rust that Cargo.toml promises: clippy (in `lint`) knows what of the standard library is
@@ -165,7 +182,8 @@ MSRV := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 # Manual pages of both programs, and completions of a shell: make manual SHELL_NAME=zsh
 manual: build
 	@$(BIN)/bake manual target/manual && $(BIN)/fit manual target/manual
-	@for program in bake fit; do $(BIN)/$$program completions $(or $(SHELL_NAME),bash) > target/manual/$$program.$(or $(SHELL_NAME),bash); done
+	@for program in bake fit; do $(BIN)/$$program completions $(or $(SHELL_NAME),bash) \
+		> target/manual/$$program.$(or $(SHELL_NAME),bash); done
 
 bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \
@@ -175,7 +193,8 @@ bench: tools
 # and scored. LPIPS: the weights that fit/doc/lpips_weights.py writes.
 
 table1: build python
-	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1 $(if $(LPIPS),--lpips "$(LPIPS)")
+	@"$(VENV)/bin/python" tests/table1.py target/release fit/doc/table1 \
+		$(if $(LPIPS),--lpips "$(LPIPS)")
 
 # ---- From a mesh and photographs to a, c and mu. Progress goes to a terminal only; a pipe gets
 # results.
@@ -185,14 +204,17 @@ CAMPAIGN = tests/captures/public_per_angle
 QUIET = $$(test -t 1 || echo --quiet)
 
 demo: tools
-	@echo "demo: building bake and fit; the first time takes some 4 minutes on 2 cores" >&2
+	@echo "demo: building bake and fit; the first time takes some 5 minutes on 2 cores" >&2
 	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit
 	@mkdir -p demo
-	@echo "demo: a cell, its ray-shift table, and the estimate from $(words $(wildcard $(CAMPAIGN)/aerial_*.exr)) photographs" >&2
+	@echo "demo: a cell, its ray-shift table, and the estimate from" \
+		"$(words $(wildcard $(CAMPAIGN)/aerial_*.exr)) photographs" >&2
 	@$(BIN)/bake design triangular-pair -o demo/pair.obj
-	@$(BIN)/bake trace demo/pair.obj -o demo/pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
+	@$(BIN)/bake trace demo/pair.obj -o demo/pair.h5 --refractive-index 1.49 --incidence 0:45:5 \
+		--azimuth 30
 	@$(BIN)/bake inspect demo/pair.h5 --plot demo/shift.png
-	@$(BIN)/fit estimate $(CAMPAIGN)/captures.toml --table demo/pair.h5 --truth $(CAMPAIGN)/truth.json \
+	@$(BIN)/fit estimate $(CAMPAIGN)/captures.toml --table demo/pair.h5 \
+		--truth $(CAMPAIGN)/truth.json \
 		-o demo/result.json --plot demo/mtf.png --report demo/report.html
 	@echo
 	@echo "demo/report.html  all of it on one page: open this first"

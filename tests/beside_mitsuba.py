@@ -1,10 +1,12 @@
-"""The published loop in Mitsuba 3 / Dr.Jit and `fit study --forward render`, one after the other in one run.
+"""Times the published loop in Mitsuba 3 / Dr.Jit and `fit study --forward render` in one run.
 
-    python beside_mitsuba.py --peer mitsuba_fit.py --fit target/release/fit --bake target/release/bake
+    python beside_mitsuba.py --peer mitsuba_fit.py --fit target/release/fit \
+        --bake target/release/bake
 
---peer: a script that does the published loop in Mitsuba and takes `time --size 512 --spp 256 --tuned`, printing one JSON
-line with forward_backward_s, grad_mean and grad_std (by a, by c). It runs under this interpreter, which must have mitsuba;
-DRJIT_LIBLLVM_PATH names LLVM. The photographs are those of fit/doc/loop.toml. Prints a table, and JSON with --json.
+--peer names a script that does the published loop in Mitsuba. It takes `time --size 512 --spp 256
+--tuned` and prints one JSON line with forward_backward_s, grad_mean and grad_std (by a, by c). It
+runs under this interpreter, which must have mitsuba; DRJIT_LIBLLVM_PATH names LLVM. The photographs
+are those of fit/doc/loop.toml. The output is a table, or JSON with --json.
 """
 
 import argparse, json, os, pathlib, subprocess, sys, tempfile
@@ -87,14 +89,16 @@ with tempfile.TemporaryDirectory() as folder:
     first = ours[0]
     angles = first["photographs"]
     print(
-        f"Mitsuba, value and both derivatives, one angle: {peer:.3f} s; gradient noise by a {noise[0]:.2%}, by c {noise[1]:.2%}"
+        f"Mitsuba, value and both derivatives, one angle: {peer:.3f} s; "
+        f"gradient noise by a {noise[0]:.2%}, by c {noise[1]:.2%}"
     )
     print(
         f"its {ADAM} Adam iterations over {angles} angles, from that: {ADAM * angles * peer:.0f} s"
     )
     spectral = median([o["spectral_seconds"] for o in ours])
     print(
-        f"closed form, whole estimate: {spectral:.4f} s, {ADAM * angles * peer / spectral:,.0f} times faster"
+        f"closed form, whole estimate: {spectral:.4f} s, "
+        f"{ADAM * angles * peer / spectral:,.0f} times faster"
     )
     rows = []
     for i, row in enumerate(first["rows"]):
@@ -116,9 +120,11 @@ with tempfile.TemporaryDirectory() as folder:
         )
         r = rows[-1]
         print(
-            f"{r['sequence']:<12}{r['samples']:>5} a pixel: {one:.4f} s an angle, {r['times_faster']:.1f} x; gradient noise by a "
-            f"{r['gradient_noise'][0]:.3%}, by c {r['gradient_noise'][1]:.3%}; estimate {r['estimate']:.2f} s, "
-            f"{r['times_faster_estimate']:.0f} x, off by {r['errors']['c']:.4%} in c, {r['errors']['a']:.4%} in a"
+            f"{r['sequence']:<12}{r['samples']:>5} a pixel: {one:.4f} s an angle, "
+            f"{r['times_faster']:.1f} x; gradient noise by a {r['gradient_noise'][0]:.3%}, "
+            f"by c {r['gradient_noise'][1]:.3%}; estimate {r['estimate']:.2f} s, "
+            f"{r['times_faster_estimate']:.0f} x, off by {r['errors']['c']:.4%} in c, "
+            f"{r['errors']['a']:.4%} in a"
         )
     if args.json:
         print(json.dumps(dict(mitsuba=peers, fit=ours, summary=rows, load=os.getloadavg())))

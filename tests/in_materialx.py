@@ -1,7 +1,10 @@
-"""What the MaterialX library says of `fit export`'s two documents: python in_materialx.py FIT RESULT.json TABLE.h5
+"""Checks the two MaterialX documents of `fit export` with the MaterialX library.
 
-Both must be valid and become shaders (GLSL and OSL) whose lobe is retroreflective and has the roughness of the document. OpenPBR in
-MaterialX 1.39.5 is 1.1.1, which lacks specular_retroreflectivity: that complaint is expected, and to be the only one.
+    python in_materialx.py FIT RESULT.json TABLE.h5
+
+Both must be valid and become shaders (GLSL and OSL). The lobe of the shaders must be
+retroreflective and have the roughness of the document. One complaint is expected: OpenPBR in
+MaterialX 1.39.5 is version 1.1.1, which lacks specular_retroreflectivity.
 """
 
 import subprocess

@@ -1,7 +1,9 @@
-"""The published comparison: two sheets, three pictures, two distances; every model fitted to the same edge photographs.
+"""Repeats the published comparison: two sheets, three pictures, two distances, all models.
 
-The truth is wave optics of the cubes (kernel "wave") in the light of an LED, photographed with camera noise: physics that no
-fitted model here has (the proposed one is fitted without the wavelength). Writes table.csv, table.md and pictures.png.
+Every model is fitted to the same edge photographs. The truth is wave optics of the cubes (kernel
+"wave") in the light of an LED, photographed with camera noise. No fitted model here has this
+physics: the proposed one is fitted without the wavelength. The script writes table.csv, table.md
+and pictures.png.
 
     python tests/table1.py BIN_FOLDER OUT_FOLDER [--lpips WEIGHTS.safetensors]
 """
@@ -392,7 +394,8 @@ def write_tables(out, scores, fits, contents):
             ),
         )
         lines.append(
-            f"| {name} | {model} | {result['kernel']} | {result['lobe'] or '-'} | {least['loss']:.0f} | {least['parameters']} |"
+            f"| {name} | {model} | {result['kernel']} | {result['lobe'] or '-'} "
+            f"| {least['loss']:.0f} | {least['parameters']} |"
         )
     (out / "table.md").write_text("\n".join(lines) + "\n")
     print("\n".join(lines))

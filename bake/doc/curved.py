@@ -5,11 +5,17 @@
     pip install embreex numpy
     python curved.py curved.obj --bake path/to/bake
 
-Both trace the same mesh from the same entrance, mirror at interpolated normals and stop outside. Embree gets its rays as arrays, one
-call per reflection (f32; a start 1e-6 before the facet instead of an error bound), in the order of the tiles of the entrance, as bake
-puts them, so that neighbours find the same part of the tree in the cache. `Embree` counts its calls alone; `with numpy` also what
-Python needs to mirror the rays. Of bake, the seconds of a bake of few rays are taken off: mesh, hierarchy and table. Seconds are those
-of the processor, for machines that others use too; with two threads those of the clock.
+Both programs trace the same mesh from the same entrance. They reflect at interpolated normals, and
+stop when a ray is outside.
+
+Embree gets its rays as arrays, with one call per reflection. It computes in f32, and a ray starts
+1e-6 before its facet. The rays are in the order of the tiles of the entrance, as in bake, so that
+neighbouring rays find the same part of the tree in the cache. The row "Embree" counts the calls of
+Embree alone. The row "with numpy" also counts the reflections, which Python computes.
+
+The seconds of a bake of few rays are subtracted from those of bake: they go into mesh, hierarchy
+and table. Seconds are those of the processor, because other users may share the machine. With two
+threads they are those of the clock.
 """
 
 import argparse
@@ -28,7 +34,7 @@ FEW = 1000
 
 
 def read(path):
-    """Corners [facet, 3, axis] and their normals, in units of the first edge; the OBJ file as `bake design` writes it."""
+    """Reads an OBJ file of `bake design`: corners [facet, 3, axis] and normals, in first edges."""
     v, n, f = [], [], []
     for line in open(path):
         kind, _, rest = line.partition(" ")
@@ -44,7 +50,7 @@ def read(path):
 
 
 class Sheet:
-    """A pair cell: apex at the origin, light towards (1, 1, 1)."""
+    """The entrance of a pair cell: the apex is the origin, the light comes from (1, 1, 1)."""
 
     def __init__(self, path, incidence):
         self.corners, self.normals = read(path)
@@ -77,12 +83,12 @@ class Sheet:
 
     @staticmethod
     def rhombus(c):
-        """A corner and the sides from it."""
+        """Returns a corner of the entrance, and the two sides that start there."""
         around = c[np.argsort(np.arctan2(*(c - c.mean(0)).T[::-1]))]
         return around[0], np.stack([around[1] - around[0], around[3] - around[0]])
 
     def entries(self, rng, count):
-        """Points of the entrance, by tiles of 64."""
+        """Returns points of the entrance, in the order of tiles of 64."""
         square = rng.random((count, 2))
         tiles = max(1, int(np.sqrt(count / 64)))
         cell = np.minimum((square * tiles).astype(int), tiles - 1)
@@ -91,7 +97,10 @@ class Sheet:
         return flat[:, :1] * self.u + flat[:, 1:] * self.v + self.height * self.up
 
     def trace(self, rng, count):
-        """Seconds within Embree, all seconds, and the part of the rays that three reflections send back within half a degree."""
+        """Returns the seconds within Embree, all seconds, and eta.
+
+        eta is the share of rays that three reflections send back within half a degree.
+        """
         o = self.entries(rng, count)
         begin = time.process_time()
         d = np.broadcast_to(self.travel, o.shape).copy()
@@ -120,7 +129,7 @@ class Sheet:
 
 
 def bake(args, rays, threads):
-    """Seconds of the processor and of the bake by the clock, eta, and the peak of memory in MB."""
+    """Returns processor seconds, clock seconds of the bake, eta, and the peak of memory in MB."""
     command = [
         "/usr/bin/time",
         "-f",
@@ -194,14 +203,17 @@ def main():
     names = ["Embree, 1 thread", "with numpy", "bake, 1 thread", "bake, 2 threads, by the clock"]
     for name, column in zip(names, columns):
         print(
-            f"{name}: {statistics.median(column) / 1e6:.3f} M rays/s [{min(column) / 1e6:.3f}-{max(column) / 1e6:.3f}]"
+            f"{name}: {statistics.median(column) / 1e6:.3f} M rays/s "
+            f"[{min(column) / 1e6:.3f}-{max(column) / 1e6:.3f}]"
         )
     ratio = [ours / embree for ours, embree in zip(columns[2], columns[0])]
     print(
-        f"bake / Embree, 1 thread: {statistics.median(ratio):.2f} [{min(ratio):.2f}-{max(ratio):.2f}]"
+        f"bake / Embree, 1 thread: {statistics.median(ratio):.2f} "
+        f"[{min(ratio):.2f}-{max(ratio):.2f}]"
     )
     print(
-        f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy and trace {FEW} rays; "
+        f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy and trace "
+        f"{FEW} rays; "
         f"peak {max(columns[5]):.0f} MB"
     )
     print(f"all: {time.perf_counter() - start:.0f} s")

@@ -1,11 +1,15 @@
-"""The mid-air image of a picture in Mitsuba 3, from what `bake trace` and `fit estimate` wrote (kernels eq1, angular, shift, lobe).
+"""Renders the mid-air image of a picture in Mitsuba 3, from a table and a result.
 
-    python mitsuba_edge.py --source edge.exr --params result.json --table sheet.h5 --distance 300 --incidence 20 \
-        -o mitsuba.exr --compare aerial.exr
+    python mitsuba_edge.py --source edge.exr --params result.json --table sheet.h5 \
+        --distance 300 --incidence 20 -o mitsuba.exr --compare aerial.exr
 
-Needs mitsuba, h5py, numpy, and an LLVM that Mitsuba takes (3.9 wants 19: DRJIT_LIBLLVM_PATH). The table must hold the
-direction. --compare: what `fit render` made with the same options; prints the root mean square difference and the standard
-error of the samples here, and fails above 1.2 times that.
+The table is from `bake trace` and must hold the direction. The result is from `fit estimate`, with
+the kernel eq1, angular, shift or lobe. --compare names the image that `fit render` made with the
+same options: the script prints the root mean square difference and the standard error of its own
+samples, and fails if the difference is larger than 1.2 standard errors.
+
+The script needs mitsuba, h5py, numpy, and an LLVM that Mitsuba takes. Mitsuba 3.9 wants LLVM 19;
+DRJIT_LIBLLVM_PATH names it.
 """
 
 import argparse, json, os, sys
@@ -140,7 +144,7 @@ if args.compare:
     error = np.sqrt(np.mean(np.var(images, 0, ddof=1)) / groups)
     difference = np.sqrt(np.mean((image - other) ** 2))
     print(
-        f"difference {difference:.3e}, standard error of {args.samples} samples {error:.3e}, light {energy:.5f}, "
-        f"sums {image.sum():.2f} and {other.sum():.2f}"
+        f"difference {difference:.3e}, standard error of {args.samples} samples {error:.3e}, "
+        f"light {energy:.5f}, sums {image.sum():.2f} and {other.sum():.2f}"
     )
     sys.exit(int(difference > 1.2 * error))

@@ -9,3 +9,4 @@ pub mod files;
 pub mod page;
 pub mod program;
 pub mod rooms;
+pub mod words;

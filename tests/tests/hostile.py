@@ -1,6 +1,8 @@
-"""Writes files that were made to do harm into a folder, and prints the command that must refuse each of them.
+"""Writes files that were made to do harm, and prints the command that must refuse each of them.
 
-A line of output: name of the case, program, arguments and, last, what the refusal must say; tabs between."""
+A line of output holds, with tabs between: the name of the case, the program, its arguments, and
+last the words that the refusal must contain.
+"""
 
 import hashlib
 import os
@@ -211,7 +213,8 @@ def accessor(count, uri, length=36, more=""):
         + MESH
         + more
         + ',"buffers":[{"byteLength":%d,"uri":"%s"}],'
-        '"bufferViews":[{"buffer":0,"byteLength":%d}],"accessors":[{"bufferView":0,"componentType":5126,'
+        '"bufferViews":[{"buffer":0,"byteLength":%d}],'
+        '"accessors":[{"bufferView":0,"componentType":5126,'
         '"count":%d,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}]}' % (length, uri, length, count)
     )
 

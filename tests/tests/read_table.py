@@ -1,7 +1,9 @@
-"""Opens a table of the single triangular cell, index 1.49, with h5py and with xarray, and checks what they show.
+"""Opens a table with h5py and with xarray, and checks what they show.
 
-The retroreflected fraction has a closed form: 2/3 (1 - 2 tan^2 theta) up to 19.47 deg, theta the angle inside.
-Only the packages' own calls are used: what a user types in a notebook must be enough."""
+The table is of the single triangular cell with index 1.49. Its retroreflected share has a closed
+form: 2/3 (1 - 2 tan^2 theta) up to 19.47 degrees, where theta is the angle inside. The script uses
+the packages' own calls only, as a user would in a notebook.
+"""
 
 import math
 import sys

@@ -26,3 +26,4 @@ mod rooms;
 mod rough;
 mod together;
 mod wave;
+mod words;

@@ -1,10 +1,11 @@
 //! Pages that run: every command in a block marked `sh` works as printed, in the order of the page.
 
 use std::path::Path;
+use std::process::Command;
 
 use tests::files::project;
 use tests::page::commands;
-use tests::program::run;
+use tests::program::{python, run};
 
 /// The pages, README first: what it writes, the others read.
 const PAGES: [&str; 13] = [
@@ -29,14 +30,27 @@ fn run_page(page: &str, here: &Path) -> usize {
     let mut ran = 0;
     for words in commands(&text) {
         let (program, arguments) = words.split_first().unwrap();
+        ran += 1;
         if program == "python3" {
-            continue; // tests/tests/all/python.rs runs read_table.py with AIRR_PYTHON
+            run_python(page, here, arguments);
+            continue;
         }
         let run = run(program, here, arguments);
         assert_eq!(run.code, Some(0), "{page}: {}\n{}", run.line, run.err);
-        ran += 1;
     }
     ran
+}
+
+/// Runs a Python command of a page by the interpreter of the tests, which has h5py.
+fn run_python(page: &str, here: &Path, arguments: &[String]) {
+    let run = Command::new(python())
+        .args(arguments)
+        .current_dir(here)
+        .output()
+        .unwrap_or_else(|error| panic!("python3 does not start: {error}"));
+    let err = String::from_utf8_lossy(&run.stderr);
+    let line = arguments.join(" ");
+    assert!(run.status.success(), "{page}: python3 {line}\n{err}");
 }
 
 #[test]
