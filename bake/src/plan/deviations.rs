@@ -150,7 +150,7 @@ mod tests {
         assert_eq!([1, 7, 34, 96, 128].map(pools), [1, 7, 2, 16, 16]);
     }
 
-    /// The facets are two at 90 degrees and 0.3 mrad, and a third at right angles to both.
+    /// Checks two facets at 90 degrees and 0.3 mrad, and a third at right angles to both.
     #[test]
     fn errors_of_right_angles() {
         let error = 3e-4_f64;

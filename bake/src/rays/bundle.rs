@@ -282,10 +282,10 @@ impl Bounds {
         axis(0) + axis(1) + axis(2)
     }
 
-    /// Returns, for each of eight boxes, a lower bound on the distance at which a ray of the bundle
-    /// is in it.
+    /// Returns a lower bound, for each of eight boxes, on the distance at which a ray is in the
+    /// box.
     ///
-    /// The bound is infinite if no ray can be in the box within the distance `limit`.
+    /// The bound is infinite if no ray of the bundle can be in the box within the distance `limit`.
     #[inline(always)]
     pub(crate) fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
         let (mut from, mut to) = ([0.0_f64; 8], [limit; 8]);

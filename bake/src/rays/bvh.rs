@@ -216,8 +216,7 @@ impl Slabs {
         }
     }
 
-    /// Returns, for each of eight boxes, the distance at which the ray enters it, and a set of
-    /// bits.
+    /// Returns the distance at which the ray enters each of eight boxes, and a set of bits.
     ///
     /// A bit is 1 if the ray enters the box within the distance `to`.
     #[inline(always)]

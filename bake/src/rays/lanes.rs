@@ -179,10 +179,10 @@ fn by_pieces(
 ///
 /// Rays of one cell need few of the program's steps and tests, and their shifts fall in few bins.
 ///
-/// A cell fixes the first four digits of both coordinates. Scrambling maps cells onto cells, so
-/// only the digits before scrambling matter here. For the first coordinate these digits are the
-/// lowest four bits of the index. For the second they are a function of the exclusive or of all
-/// groups of four bits of the index; this function is the Pascal matrix of four digits.
+/// A cell fixes the first four digits of both coordinates. Scrambling maps cells onto cells. Before
+/// scrambling, these digits of the first coordinate are the lowest four bits of the index. Those of
+/// the second coordinate are a function of the exclusive or of all groups of four bits of the
+/// index; this function is the Pascal matrix of four digits.
 #[inline(always)]
 fn by_cells(
     programs: &[Program],
