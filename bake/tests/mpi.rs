@@ -93,7 +93,7 @@ fn errors_are_said_once_and_end_all() {
         ("trace cell.obj -o table.h5 --shard 1/2", 2),
         (&format!("trace cell.obj -o table.h5 {rays} --resume"), 2),
         ("inspect missing.h5", 1),
-        // Rank 1 gets another mesh, and in the next case a mesh that does not exist.
+        // Rank 2 gets another mesh, and in the next case a mesh that does not exist.
         (
             &format!(
                 "trace cell.obj -o table.h5 {rays} : -n 1 {BAKE} trace other.obj -o table.h5 {rays}"

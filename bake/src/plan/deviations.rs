@@ -113,7 +113,7 @@ impl Plan {
 /// curved one.
 ///
 /// The error of two planes is the difference between their angle and 90 degrees. Two planes with an
-/// error above `tolerance`, rad, are no faces of one corner and do not count. `upright` is the
+/// error above `tolerance`, rad, are not faces of one corner and do not count. `upright` is the
 /// normal of one further plane.
 fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) -> Option<f64> {
     let mut normals = Vec::from_iter(upright);

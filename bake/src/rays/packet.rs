@@ -1,10 +1,10 @@
 //! Many rays that go through a hierarchy at once, for meshes that fit no program.
 //!
 //! Such meshes have many facets or many kinds of bodies. All rays of a direction are parallel, and
-//! rays that then meet the same facet stay parallel. A **packet** holds the rays of one [`Course`]:
-//! they have met the same facets in the same order. A packet is cut into bundles of neighbours, and
-//! each bundle goes down the hierarchy together. Then the packet is grouped by the facets met, and
-//! each group goes on as a packet.
+//! rays that then meet the same facet stay parallel. A **packet** holds the rays of one course
+//! ([`crate::rays::path::Course`]): they have met the same facets in the same order. A packet is
+//! cut into bundles of neighbours, and each bundle goes down the hierarchy together. Then the
+//! packet is grouped by the facets met, and each group goes on as a packet.
 
 use crate::optics::Triangle;
 use crate::rays::bundle::{Bundle, NONE};

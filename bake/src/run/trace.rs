@@ -84,9 +84,9 @@ impl<'a> Bake<'a> {
     /// # Errors
     /// Returns [`RunError`] if the threads cannot be started, a tolerance is out of reach, the exit
     /// directions take too much memory, the saved state is that of another bake
-    /// ([`RunError::Saved`]), or `watch` stopped the bake. All errors occur in rank 0, except
-    /// [`RunError::Threads`], which any rank may return. The other ranks then wait for the rank
-    /// that failed, so that rank must end them.
+    /// ([`RunError::Saved`]), or `watch` stopped the bake. Any rank may return
+    /// [`RunError::Threads`], [`RunError::Exits`] or [`RunError::Stopped`]; the other errors occur
+    /// in rank 0 only. If one rank fails, the other ranks wait for it, so that it must end them.
     pub(crate) fn table_from(
         &self,
         watch: Watch<'_>,
