@@ -257,7 +257,8 @@ fn numbers(request: &Request) -> Result<(), PlanError> {
     count("--bins", request.bins as u64, BINS_LIMIT as u64)?;
     let range = "above 0 and at most 1e5 edge lengths";
     positive("--range", request.range, 1e5, range)?;
-    // A larger tolerance would count paths of two reflections as nearly straight back.
+    // The tolerance is for small rotations from straight back. A path of two reflections is no
+    // small rotation.
     let range = "above 0 and at most 10 degrees";
     let tolerance_deg = request.angular_tolerance_deg;
     positive("--angular-tolerance", tolerance_deg, 10.0, range)?;
