@@ -1,7 +1,7 @@
-//! The exact bake of ten directions on one thread, histograms of 128 x 128 bins and the table
-//! included.
+//! Benchmarks of the exact bake: ten directions on one thread.
 //!
-//! `make bench`, or `cargo bench -p bake --bench exact`
+//! They include histograms of 128 x 128 bins and the making of the table. Run them with `make
+//! bench`, or `cargo bench -p bake --bench exact`.
 
 mod cells;
 
@@ -22,7 +22,7 @@ fn exactly() -> Request {
     }
 }
 
-/// Taking the sheet apart included.
+/// Measures a whole bake, which takes the sheet apart first.
 #[divan::bench]
 fn ten_directions_of_a_sheet_of_2048_cubes(bencher: Bencher) {
     let cell = cells::sheet();

@@ -1,9 +1,10 @@
-//! Rays per second of one thread, from the dissected cell to the table: programs, single rays, a
-//! hierarchy, and a sheet of 2,048 cubes. Tables have 32 x 32 bins, so that they take little of the
-//! time.
+//! Benchmarks of rays: rays per second of one thread, from the dissected cell to the table.
 //!
-//! `make bench`, or `cargo bench -p bake --bench trace`; ways that only tests can choose:
-//! `bake/src/tests/speed.rs`
+//! They measure programs, single rays, a hierarchy, and a sheet of 2,048 cubes. Tables have 32 x 32
+//! bins, so that they take little of the time.
+//!
+//! Run them with `make bench`, or `cargo bench -p bake --bench trace`. Tracers that only tests can
+//! choose are measured by `bake/src/tests/speed.rs`.
 
 mod cells;
 
@@ -18,8 +19,10 @@ fn main() {
     divan::main();
 }
 
-/// Rays of one direction per iteration.
+/// Number of rays of one direction per iteration, for fast tracers.
 const MANY: u64 = 1 << 19;
+
+/// Number of rays of one direction per iteration, for slow tracers.
 const FEW: u64 = 1 << 14;
 
 /// Measures ten directions, `rays` rays each.
@@ -54,7 +57,7 @@ fn program_random_pair(bencher: Bencher) {
     ten_directions(bencher, design(Shape::TriangularPair), asked);
 }
 
-/// Photons go one by one.
+/// Measures photons, which are traced one by one.
 #[divan::bench]
 fn one_by_one_pair_with_losses(bencher: Bencher) {
     let asked = Request {
@@ -69,7 +72,7 @@ fn full_cube_lattice(bencher: Bencher) {
     ten_directions(bencher, design(Shape::FullCube), rays(FEW));
 }
 
-/// 4,800 facets in one hierarchy, planes to the tracer.
+/// Measures 4,800 facets in one hierarchy; to the tracer they are planes.
 #[divan::bench]
 fn hierarchy_of_a_curved_pair(bencher: Bencher) {
     let design = Design {
@@ -81,7 +84,7 @@ fn hierarchy_of_a_curved_pair(bencher: Bencher) {
     ten_directions(bencher, cell, rays(FEW));
 }
 
-/// A sheet taken apart into bodies.
+/// Measures a sheet that is taken apart into bodies.
 #[divan::bench]
 fn bodies_2048_cubes(bencher: Bencher) {
     ten_directions(bencher, sheet(), rays(MANY));

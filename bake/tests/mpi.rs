@@ -1,5 +1,8 @@
-//! The ranks of `mpirun`: the same bytes, one voice, and no half table when one of them dies. Open
-//! MPI or MPICH; more ranks than processors are allowed here.
+//! Tests of the ranks of `mpirun`.
+//!
+//! The table has the same bytes with any number of ranks, every message comes once, and no half
+//! table is left if a rank dies. The tests need Open MPI or MPICH. They allow more ranks than
+//! processors.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -12,7 +15,7 @@ fn command(folder: &Path, program: &str, arguments: &str) -> Command {
     command
         .current_dir(folder)
         .args(arguments.split_whitespace())
-        // As root, and with more ranks than cores: what Open MPI wants to be asked for.
+        // Open MPI must be asked for permission to run as root, and with more ranks than cores.
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
         .env("OMPI_MCA_rmaps_base_oversubscribe", "1");
@@ -36,7 +39,7 @@ fn done(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// A folder with a cell in it.
+/// Returns a folder with a cell in it.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     done(&alone(folder.path(), "design full-cube -o cell.obj"));
@@ -90,7 +93,7 @@ fn errors_are_said_once_and_end_all() {
         ("trace cell.obj -o table.h5 --shard 1/2", 2),
         (&format!("trace cell.obj -o table.h5 {rays} --resume"), 2),
         ("inspect missing.h5", 1),
-        // Rank 1 has another mesh, and rank 2 none.
+        // Rank 2 gets another mesh, and in the next case a mesh that does not exist.
         (
             &format!(
                 "trace cell.obj -o table.h5 {rays} : -n 1 {BAKE} trace other.obj -o table.h5 {rays}"
@@ -123,7 +126,7 @@ fn errors_are_said_once_and_end_all() {
     assert!(bytes(here, "made.obj") == bytes(here, "other.obj"));
 }
 
-/// Processes that `parent` started, in that order: the ranks.
+/// Returns the processes that `parent` started, in that order: the ranks.
 fn children(parent: u32) -> Vec<String> {
     let listed = Command::new("ps")
         .args(["-o", "pid=,comm=", "--ppid", &parent.to_string()])
@@ -153,7 +156,7 @@ fn a_rank_that_dies_ends_all_and_leaves_the_old_table() {
             .stderr(Stdio::null())
             .spawn()
             .expect("mpirun runs");
-        // Once there is something to lose.
+        // The rank is killed after the first save.
         let saved = here.join("table.h5.resume");
         let before = saved.metadata().and_then(|data| data.modified()).ok();
         let begun = Instant::now();
@@ -180,7 +183,7 @@ fn a_rank_that_dies_ends_all_and_leaves_the_old_table() {
         kills += 1;
     }
     assert_eq!(kills, 5);
-    // What is saved goes on with any number of ranks.
+    // A saved bake goes on with any number of ranks.
     done(&ranks(here, 4, &format!("{line} --resume")));
     assert!(bytes(here, "table.h5") == whole);
     assert!(!here.join("table.h5.resume").exists());

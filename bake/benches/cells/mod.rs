@@ -1,4 +1,4 @@
-//! The cells that are measured, and bakes of them on one thread.
+//! Cells that are measured, and bakes of them on one thread.
 #![allow(dead_code, reason = "each benchmark takes what it needs")]
 
 use bake::{Plan, Prepared, Request, Watch, trace};
@@ -7,7 +7,9 @@ use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
 use tables::Table;
 
-/// The ten directions of the default bake, mirrors behind a flat face of acrylic, one thread.
+/// Requests the ten directions of the default bake on one thread.
+///
+/// The cubes have mirrors behind a flat face of acrylic.
 pub(crate) fn request() -> Request {
     Request {
         incidence: "0:45:5".into(),
@@ -18,7 +20,7 @@ pub(crate) fn request() -> Request {
     }
 }
 
-/// The table of a cell that is dissected already.
+/// Bakes the table of a dissected cell.
 pub(crate) fn bake(cell: &Prepared, request: &Request) -> Table {
     let plan = Plan::new(request).expect("a valid request");
     trace(cell, &plan, Watch::none()).expect("bakes")
@@ -28,8 +30,9 @@ pub(crate) fn design(shape: Shape) -> Cell {
     cell(&Design::new(shape).mesh().expect("a design"))
 }
 
-/// 2,048 cubes: 32 x 32 pairs side by side. All coordinates are whole file units, so that
-/// neighbours share vertices.
+/// Returns a sheet of 2,048 cubes: 32 x 32 pairs side by side.
+///
+/// All coordinates are whole file units, so that neighbours share vertices.
 pub(crate) fn sheet() -> Cell {
     let pair = Design::new(Shape::TriangularPair).mesh().expect("a design");
     let [_, a, b, c, ..] = pair.positions[..] else {
@@ -52,7 +55,7 @@ pub(crate) fn sheet() -> Cell {
     cell(&mesh)
 }
 
-/// The cell of a mesh in memory.
+/// Makes the cell of a mesh in memory.
 pub(crate) fn cell(mesh: &Mesh) -> Cell {
     meshes::normalise(mesh, Path::new("mesh"), &CellOptions::default()).expect("a cell")
 }

@@ -1,25 +1,30 @@
-//! Defaults of `bake trace`, as a user types them: each is stated here, once.
+//! Defaults of `bake trace`, in the form that a user types. Each default stands here and nowhere
+//! else.
 
-/// `--incidence`
+/// Default of `--incidence`: angles, degrees.
 pub(crate) const INCIDENCE: &str = "0:45:5";
-/// `--azimuth`
+/// Default of `--azimuth`: angles, degrees.
 pub(crate) const AZIMUTH: &str = "0";
-/// `--azimuth full` without a step, degrees
+/// Default step of `--azimuth full`, degrees.
 pub(crate) const FULL_STEP_DEG: f64 = 5.0;
-/// `--rays` per direction
+/// Default of `--rays`: rays per direction.
 pub(crate) const RAYS: u64 = 4_194_304;
-/// `--bins`
+/// Default of `--bins`: bins along each axis of the histogram.
 pub(crate) const BINS: usize = 128;
-/// `--range`, edge lengths
+/// Default of `--range`: half the width of the histogram, edge lengths.
 pub(crate) const RANGE: f64 = 2.0;
-/// `--angular-tolerance`, degrees
+/// Default of `--angular-tolerance`, degrees.
 pub(crate) const ANGULAR_TOLERANCE_DEG: f64 = 0.5;
-/// `--seed`
+/// Default of `--seed`.
 pub(crate) const SEED: u64 = 1;
-/// Independent randomisations of a low-discrepancy sequence: enough for a standard error good to 18
-/// %.
+/// Number of independent randomisations of a low-discrepancy sequence for a number of rays.
+///
+/// With 16 of them the standard error is known to 18 %.
 pub(crate) const RANDOMISATIONS: u64 = 16;
-/// The same for `--tolerance`, which asks for the error of a histogram, a sum over thousands of
-/// bins. The error of N rays in all grows as R^(1/4): 1.6 times fewer rays reach it than with 16,
-/// at the price of a standard error of each eta that is good to 41 %.
+/// Number of independent randomisations of a low-discrepancy sequence for `--tolerance`.
+///
+/// `--tolerance` limits the error of a histogram, which is a sum over thousands of bins. With R
+/// randomisations and N rays in all, this error grows as R^(1/4). So 4 randomisations reach a given
+/// error with 1.6 times fewer rays than 16. The price is that the standard error of each eta is
+/// known to 41 % only.
 pub(crate) const RANDOMISATIONS_TO_TOLERANCE: u64 = 4;

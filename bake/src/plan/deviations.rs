@@ -1,7 +1,7 @@
-//! Whether a table of rays says where the light goes, and how finely.
+//! Decides whether a table of rays records the directions in which light leaves, and in which bins.
 //!
-//! Ideal cubes send all light straight back, and nothing is recorded. That is decided by the mesh
-//! and the options alone, never by rays, so that shards and ranks agree.
+//! Ideal cubes send all light straight back, so nothing is recorded for them. The mesh and the
+//! options alone decide this, never the rays, so that all shards and ranks agree.
 
 use crate::cell::Prepared;
 use crate::optics::reach_rad;
@@ -11,37 +11,46 @@ use glam::DVec3;
 use tables::deviation::Grid;
 use tables::options::{Element, Record, SceneOptions};
 
-/// Facets nearer than this to a right angle are at one, rad: coordinates of six digits are no
-/// better. The light of such a cube is within 2e-5 rad of straight back, 5 um at a distance of 300
-/// mm.
+/// Largest error of an angle that counts as a right angle, rad.
+///
+/// Coordinates of six digits are no more accurate. The light of such a cube is within 2e-5 rad of
+/// straight back, which is 5 um at a distance of 300 mm.
 const RIGHT: f64 = 5e-6;
 
-/// Planes of one body above which it stands for a curved one; and so it does with that many pairs
-/// that are nearly, not quite, at right angles.
+/// Largest number of planes of a body with plane facets; a body with more stands for a curved one.
 const MOST_PLANES: usize = 2048;
+
+/// Largest number of nearly right angles of a body with plane facets.
+///
+/// The error of such an angle is above [`RIGHT`]. A body with more of them stands for a curved one.
 const MOST_PAIRS: usize = 1024;
 
-/// Bins along each axis where light goes in a few directions: only those are stored, so that they
-/// may be fine. Odd, so that straight back is in the middle of one.
+/// Number of bins along each axis where light leaves in a few directions.
+///
+/// Only the bins that rays meet are stored, so the bins may be fine. The number is odd, so that
+/// straight back is the middle of a bin.
 const BINS_OF_SPOTS: usize = 4095;
 
-/// The same where it goes everywhere, and cells of shifts at most.
+/// Number of bins along each axis where light leaves in all directions.
 const BINS_OF_LOBES: usize = 127;
+
+/// Largest number of cells of shifts along each axis where light leaves in all directions.
 const CELLS_OF_LOBES: usize = 16;
 
-/// Where the light of a cell goes that counts as retroreflected.
+/// Directions in which the retroreflected light of a cell leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ExitPattern {
-    /// Straight back.
+    /// Exactly straight back.
     Straight,
-    /// In some directions, turned by at most this angle inside, rad.
+    /// A few directions, turned from straight back by at most this angle inside the cell, rad.
     Spots(f64),
-    /// Anywhere, turned by at most this angle, rad.
+    /// All directions that are turned from straight back by at most this angle, rad.
     Lobe(f64),
 }
 
 impl Plan {
-    /// How the exit directions of rays through a cell are recorded; `None` where they are not.
+    /// Returns the grid that exit directions of rays through the cell are recorded on, or `None` if
+    /// they are not recorded.
     pub(crate) fn deviations(&self, prepared: &Prepared) -> Option<Grid> {
         let exits = self.exits(prepared);
         let turn = match (self.scene.deviations, exits) {
@@ -49,8 +58,9 @@ impl Plan {
             (_, ExitPattern::Straight) => self.angular_tolerance_deg.to_radians(),
             (_, ExitPattern::Spots(turn) | ExitPattern::Lobe(turn)) => turn,
         };
-        // Snell's law widens a small angle by the index, and within the plane of incidence by up to
-        // twice that to 60 degrees.
+        // At the front face, refraction widens a small angle by the refractive index. In the plane
+        // of incidence it widens the angle by up to twice the index, for incidences up to 60
+        // degrees.
         let range = match self.scene.deviations {
             Record::Within(mrad) => 1e-3 * mrad,
             _ => 2.0 * self.index_of(prepared.cell()) * turn,
@@ -63,7 +73,7 @@ impl Plan {
         Some(Grid { cells, bins, range })
     }
 
-    /// What sends light elsewhere than straight back, in one place.
+    /// Finds the directions in which the retroreflected light of the cell leaves.
     fn exits(&self, prepared: &Prepared) -> ExitPattern {
         let tolerance = self.angular_tolerance_deg.to_radians();
         let smooth = SceneOptions {
@@ -73,7 +83,7 @@ impl Plan {
         if no_planes(&smooth).is_some() {
             return ExitPattern::Lobe(tolerance);
         }
-        // A plate's mirrors are at right angles to it, too.
+        // The mirrors of a plate stand at right angles to the plate too.
         let upright = (self.scene.element == Element::Plate).then_some(DVec3::Z);
         let angle_error = |facets: &[[DVec3; 3]]| angle_error(facets, upright, tolerance);
         let error = match prepared.kinds() {
@@ -85,8 +95,8 @@ impl Plan {
             }
             Err(_) => angle_error(&prepared.cell().facets),
         };
-        // Three mirrors that are off by a, b and c turn light by 2 sqrt(a^2 + b^2 + c^2) at most,
-        // first order.
+        // Three mirrors whose angles are wrong by a, b and c turn light by at most 2 sqrt(a^2 + b^2
+        // + c^2), to first order.
         let turn = |error: f64| 2.0 * 3_f64.sqrt() * error;
         match (error, self.scene.roughness) {
             (None, _) => ExitPattern::Lobe(tolerance),
@@ -99,14 +109,17 @@ impl Plan {
     }
 }
 
-/// The largest error of the right angles of a body, rad: how far two planes that could be faces of
-/// a corner, within the tolerance, are from one; `upright` is the normal of one plane more. `None`
-/// of a body that stands for a curved one.
+/// Returns the largest error of the right angles of a body, rad, or `None` if the body stands for a
+/// curved one.
+///
+/// The error of two planes is the difference between their angle and 90 degrees. Two planes with an
+/// error above `tolerance`, rad, are not faces of one corner and do not count. `upright` is the
+/// normal of one further plane.
 fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) -> Option<f64> {
     let mut normals = Vec::from_iter(upright);
     for [a, b, c] in facets {
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        // Triangles of one plane, in coordinates of six digits.
+        // Two triangles of one plane may differ by this much in coordinates of six digits.
         let known = |own: &DVec3| (*own - normal).length() <= RIGHT;
         if !normals.iter().any(known) {
             normals.push(normal);
@@ -122,7 +135,7 @@ fn angle_error(facets: &[[DVec3; 3]], upright: Option<DVec3>, tolerance: f64) ->
     (off <= MOST_PAIRS).then(|| errors.into_iter().fold(0.0, f64::max))
 }
 
-/// The greatest divisor of `bins` that is at most [`CELLS_OF_LOBES`].
+/// Returns the greatest divisor of `bins` that is at most [`CELLS_OF_LOBES`].
 fn pools(bins: usize) -> usize {
     let divides = |n: &usize| bins.is_multiple_of(*n);
     (1..=CELLS_OF_LOBES).rev().find(divides).unwrap_or(1)
@@ -137,7 +150,7 @@ mod tests {
         assert_eq!([1, 7, 34, 96, 128].map(pools), [1, 7, 2, 16, 16]);
     }
 
-    /// Two facets at 90 degrees and 0.3 mrad, and a third at right angles to both.
+    /// Checks two facets at 90 degrees and 0.3 mrad, and a third at right angles to both.
     #[test]
     fn errors_of_right_angles() {
         let error = 3e-4_f64;
@@ -148,7 +161,7 @@ mod tests {
             [DVec3::ZERO, DVec3::Z, DVec3::X],
         ];
         let found = angle_error(&facets, None, 0.01).expect("three planes");
-        // The sine's argument is rounded to an ulp of 1.
+        // The argument of the sine is rounded to an ulp of 1.
         assert!((found - error).abs() < 1e-15, "{found}");
         assert_eq!(
             angle_error(&facets, None, 1e-4),

@@ -1,4 +1,4 @@
-//! Directions as a user types them.
+//! Reading of directions as a user types them.
 
 use crate::plan::default;
 use crate::plan::error::PlanError;
@@ -8,7 +8,9 @@ use tables::Symmetry;
 use tables::cli::{ListError, list};
 use tables::options::Method;
 
-/// Reads `0,15,30` or `0:45:5`: ascending, without repeats.
+/// Reads a list of angles such as `0,15,30` or `0:45:5`, degrees.
+///
+/// The result is ascending and has no angle twice.
 pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanError> {
     let mut angles = list(text).map_err(|error| match error {
         ListError::Number(part) => PlanError::Angle {
@@ -23,11 +25,11 @@ pub(crate) fn angles(option: &'static str, text: &str) -> Result<Vec<f64>, PlanE
     })?;
     angles.sort_by(f64::total_cmp);
     angles.dedup();
-    // -0 is 0.
+    // Adding 0 turns -0 into 0.
     Ok(angles.into_iter().map(|angle| angle + 0.0).collect())
 }
 
-/// The step of `full` or `full:STEP`, degrees; `None` where all azimuths are not asked for.
+/// Returns the step of `full` or `full:STEP`, degrees, or `None` if not all azimuths are asked for.
 pub(crate) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
     let wrong = |value: f64| match value.is_nan() {
         true => PlanError::Angle {
@@ -52,11 +54,13 @@ pub(crate) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
     }
 }
 
-/// Even azimuths, at most `step` apart, that stand for all.
+/// Returns evenly spaced azimuths, at most `step` degrees apart, that stand for all azimuths.
+///
+/// They lie in the sector that repeats by `symmetry`.
 pub(crate) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
     let (first, width) = symmetry.sector_deg();
-    // Half a thousandth of a step forgives the rounding of steps such as 0.1; between two azimuths
-    // lie all the others.
+    // Half a thousandth of a step allows for the rounding of steps such as 0.1. There are at least
+    // two steps, so that every other azimuth lies between two of these.
     let steps = (width / step - 5e-4).ceil().max(2.0) as u32;
     let last = match symmetry.mirror_deg {
         Some(_) => steps,
@@ -66,7 +70,10 @@ pub(crate) fn sector(symmetry: Symmetry, step: f64) -> Vec<f64> {
     azimuths.collect()
 }
 
-/// The tolerance between directions; it is for exact tables of single azimuths.
+/// Returns the tolerance of `--direction-tolerance`, a total variation, or `None` if it is not
+/// given.
+///
+/// The option is for exact tables of single azimuths only.
 pub(crate) fn direction_tolerance(request: &Request) -> Result<Option<f64>, PlanError> {
     let option = "--direction-tolerance";
     let Some(tolerance) = request.direction_tolerance else {

@@ -1,4 +1,4 @@
-//! How much work a bake is, and on how many threads.
+//! Number of rays, threads and shards of a bake.
 
 use crate::plan::default;
 use crate::plan::error::PlanError;
@@ -9,29 +9,29 @@ use std::num::NonZeroUsize;
 use tables::MOST_SHARDS;
 use tables::options::Sampler;
 
-/// How much work to do.
+/// Amount of work for each direction of a bake.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Effort {
-    /// That many rays per direction.
+    /// Fixed number of rays per direction.
     Rays(u64),
-    /// Rays until the estimated L1 error of every direction is below this.
+    /// Estimated L1 error at which the rays of a direction are enough.
     Tolerance(f64),
 }
 
-/// An equal share of the samples of a bake.
+/// One of several equal parts of the samples of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Shard {
-    /// Which one, from 1.
+    /// Number of this part, from 1.
     pub number: u32,
-    /// How many there are, at least 2.
+    /// Number of parts, at least 2.
     pub of: u32,
 }
 
-/// Threads at most.
+/// Largest number of threads.
 const MOST_THREADS: usize = 4096;
 
 impl Effort {
-    /// What `--rays` and `--tolerance` ask for.
+    /// Reads the amount of work from `--rays` and `--tolerance`.
     pub(crate) fn of(request: &Request) -> Result<Self, PlanError> {
         let both = |first, second| Err(PlanError::Both { first, second });
         let Some(tolerance) = request.tolerance else {
@@ -57,7 +57,7 @@ impl Effort {
         Ok(Effort::Tolerance(tolerance))
     }
 
-    /// Independent randomisations per direction.
+    /// Returns the number of independent randomisations per direction.
     pub(crate) fn randomisations(self, sampler: Sampler) -> usize {
         match (sampler, self) {
             (Sampler::Random, _) => 1,
@@ -67,7 +67,7 @@ impl Effort {
     }
 }
 
-/// What `--threads` asks for.
+/// Reads the number of threads from `--threads`; `None` stands for all processors.
 pub(crate) fn threads(request: &Request) -> Result<Option<NonZeroUsize>, PlanError> {
     let checked = |threads: usize| {
         let wrong = PlanError::Count {
@@ -82,7 +82,7 @@ pub(crate) fn threads(request: &Request) -> Result<Option<NonZeroUsize>, PlanErr
     request.threads.map(checked).transpose()
 }
 
-/// What `--shard` asks for, such as `2/8`; the only share of one is the whole bake.
+/// Reads a part such as `2/8` from `--shard`; `None` stands for the whole bake, as does `1/1`.
 pub(crate) fn shard(request: &Request) -> Result<Option<Shard>, PlanError> {
     let Some(text) = request.shard.as_deref() else {
         return Ok(None);

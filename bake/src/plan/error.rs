@@ -1,4 +1,4 @@
-//! Why the options of a bake make no plan.
+//! Reasons why the options of a bake make no plan.
 
 use crate::optics::MaterialError;
 use crate::plan::limits::DIRECTIONS_LIMIT;
@@ -6,118 +6,127 @@ use tables::MOST_SHARDS;
 use tables::cli::LONGEST_LIST;
 use thiserror::Error;
 
-/// Why a request is not a plan. Each names the option, what was given and what to give instead.
+/// Reason why a request makes no plan.
+///
+/// Each message names the option, what was given and what to give instead.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlanError {
-    /// A list of angles that cannot be read.
+    /// List of angles that cannot be read.
     #[error("{option} {text}: \"{part}\" is not an angle in degrees; give a list (0,15,30), \
     start:stop:step (0:45:5){}",
         if *.option == "--azimuth" { ", full or mean" } else { "" })]
     Angle {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// What was given.
+        /// List that was given.
         text: String,
-        /// The part that cannot be read.
+        /// Part of the list that cannot be read.
         part: String,
     },
-    /// A range of angles that is empty or too long.
+    /// Range of angles that is empty or too long.
     #[error(
         "{option} {text}: the step does not lead from start to stop in 1 to {LONGEST_LIST} \
         angles; give start:stop:step with start <= stop and step > 0"
     )]
     Steps {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// What was given.
+        /// List that was given.
         text: String,
     },
-    /// An angle outside its range.
+    /// Angle outside its range.
     #[error("{option} {value}: the angle must be {range}")]
     AngleRange {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// The angle, degrees.
+        /// Angle that was given, degrees.
         value: f64,
-        /// What it may be.
+        /// Allowed range, in words.
         range: &'static str,
     },
-    /// A number outside its range.
+    /// Number outside its range.
     #[error("{option} {value}: give a number {range}")]
     Number {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// The number.
+        /// Number that was given.
         value: f64,
-        /// What it may be.
+        /// Allowed range, in words.
         range: &'static str,
     },
-    /// A whole number outside its range.
+    /// Whole number outside its range.
     #[error("{option} {value}: give a whole number from 1 to {most}")]
     Count {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// The number.
+        /// Number that was given.
         value: u64,
-        /// The greatest it may be.
+        /// Largest number allowed.
         most: u64,
     },
-    /// A wavelength that is named twice.
+    /// Wavelength that is given twice.
     #[error(
-        "--wavelength-nm {wavelengths:?}: each wavelength once, for each has a table of its own"
+        "--wavelength-nm {wavelengths:?}: a wavelength is given twice; give each wavelength once, \
+        because each has a table of its own"
     )]
     Twice {
-        /// The wavelengths, nm.
+        /// All wavelengths that were given, nm.
         wavelengths: Vec<f64>,
     },
     /// Two options that exclude each other.
     #[error("{first} and {second} exclude each other; leave one of them out")]
     Both {
-        /// One option.
+        /// One of the two options.
         first: &'static str,
-        /// The other.
+        /// The other option.
         second: &'static str,
     },
-    /// A loss without losses.
-    #[error("{option} needs --losses fresnel, or nothing of it is counted; give both or neither")]
+    /// Option of a loss without `--losses`.
+    #[error(
+        "{option} needs --losses fresnel, because without it no losses are counted; give both \
+        options or neither"
+    )]
     NeedsLosses {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
     },
-    /// An index that no name, number or list gives.
+    /// Refractive index that no name, number or list gives.
     #[error(transparent)]
     Material(#[from] MaterialError),
-    /// The place of a wavelength that is not there.
-    #[error("-o {output}: {{nm}} stands for a wavelength, and none is named; give --wavelength-nm")]
+    /// Placeholder `{nm}` in the name of the output, without a wavelength.
+    #[error(
+        "-o {output}: {{nm}} stands for a wavelength, but no wavelength is given; give \
+        --wavelength-nm, or a name without {{nm}}"
+    )]
     NoWavelength {
-        /// What was given.
+        /// Name of the output file that was given.
         output: String,
     },
-    /// Tables of several wavelengths that would be one file.
+    /// Several wavelengths whose tables would go to one file.
     #[error(
-        "--wavelength-nm names {wavelengths} wavelengths, each with a table of its own, and -o \
-        {output} is one file; write \
-         {{nm}} where the wavelength belongs, such as sheet-{{nm}}.h5"
+        "--wavelength-nm names {wavelengths} wavelengths, and each of them has a table of its \
+        own, but -o {output} names one file only; write {{nm}} where the wavelength belongs in \
+        the name, such as sheet-{{nm}}.h5"
     )]
     OneFile {
-        /// How many.
+        /// Number of wavelengths.
         wavelengths: usize,
-        /// What was given.
+        /// Name of the output file that was given.
         output: String,
     },
-    /// An error estimate without independent randomisations.
+    /// Tolerance for a sampler that has no independent randomisations to estimate the error from.
     #[error(
         "--tolerance needs --sampler sobol, whose error is estimated from independent \
         randomisations; leave out --sampler random, or give --rays"
     )]
     ToleranceSampler,
-    /// A share that cannot be read.
+    /// Share of the samples that cannot be read.
     #[error("--shard {text}: give K/N, share K of N, such as 2/8, with N at most {MOST_SHARDS}")]
     Shard {
-        /// What was given.
+        /// Text that was given.
         text: String,
     },
-    /// Too many directions.
+    /// More directions than a table may hold.
     #[error(
         "--incidence and --azimuth make {directions} directions; a table holds at most \
         {DIRECTIONS_LIMIT}: give fewer angles"

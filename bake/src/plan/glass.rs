@@ -1,10 +1,10 @@
-//! What goes together with bodies of glass.
+//! Options that may stand beside bodies of glass.
 
 use crate::plan::error::PlanError;
 use crate::plan::request::Request;
 use tables::options::{Back, Losses};
 
-/// Checks `--glass-index`, where it is given.
+/// Checks `--glass-index` where it is given, and the options that exclude it.
 pub(crate) fn check(request: &Request) -> Result<(), PlanError> {
     let Some(value) = request.scene.glass_index else {
         return Ok(());

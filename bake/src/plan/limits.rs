@@ -1,11 +1,12 @@
-//! The most that may be asked for.
+//! Limits of what may be asked for.
 
-/// Rays of a direction in one randomisation at most: a scrambled sequence has that many distinct
-/// points.
+/// Largest number of rays of a direction in one randomisation.
+///
+/// A scrambled sequence has no more distinct points.
 pub(crate) const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
 
-/// Bins along an axis at most.
+/// Largest number of bins along an axis.
 pub(crate) const BINS_LIMIT: usize = 4096;
 
-/// Directions of a table at most.
+/// Largest number of directions of a table.
 pub(crate) const DIRECTIONS_LIMIT: usize = 100_000;

@@ -1,4 +1,4 @@
-//! What the options say of losses.
+//! Reading of the options about losses.
 
 use crate::optics::Backing;
 use crate::plan::error::PlanError;
@@ -6,7 +6,7 @@ use crate::plan::number::positive;
 use crate::plan::request::Request;
 use tables::options::{Back, Losses};
 
-/// What is behind the facets where their losses count.
+/// Reads what is behind the facets, or returns `None` if losses are not counted.
 pub(crate) fn surface(request: &Request) -> Result<Option<Backing>, PlanError> {
     let named = [
         ("--reflectance", request.reflectance.is_some()),

@@ -1,9 +1,9 @@
-//! What is asked of a bake: options as typed, checked, with every default.
+//! The request for a bake: the options as typed, checked, with every default.
 //!
-//! A [`request::Request`] enters; a [`plan::Plan`] leaves, in which nothing is out of range, or a
-//! [`error::PlanError`] that names the option and the remedy. Nothing changes a plan after that.
-//! This room may touch `cell` and the rooms below it: some answers of a plan, such as its warnings,
-//! depend on the cell.
+//! A [`request::Request`] enters. Either a [`plan::Plan`] leaves, in which nothing is out of range,
+//! or a [`error::PlanError`] that names the option and the remedy. Nothing changes a plan after
+//! that. This room may touch `cell` and the rooms below it, because some answers of a plan, such as
+//! its warnings, depend on the cell.
 
 pub(crate) mod default;
 mod deviations;

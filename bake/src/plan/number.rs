@@ -1,8 +1,8 @@
-//! Whether a number is in its range.
+//! Checks of numbers against their ranges.
 
 use crate::plan::error::PlanError;
 
-/// Checks a number above 0 and at most `most`; `range` says so in the message.
+/// Checks that a number is above 0 and at most `most`; `range` says this in the message.
 pub(crate) fn positive(
     option: &'static str,
     value: f64,
@@ -20,7 +20,7 @@ pub(crate) fn positive(
     }
 }
 
-/// Checks a whole number from 1 to `most`.
+/// Checks that a whole number is from 1 to `most`.
 pub(crate) fn count(option: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
     if (1..=most).contains(&value) {
         Ok(())

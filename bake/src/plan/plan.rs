@@ -1,4 +1,4 @@
-//! From raw arguments to a checked plan.
+//! The plan of a bake, made from the options as typed.
 
 use crate::cell::{ExactCell, ExactError, Prepared, Whole};
 use crate::optics::{Backing, Rules, roughness};
@@ -16,50 +16,52 @@ use std::num::NonZeroUsize;
 use tables::options::{Back, Method, Sampler, SceneOptions};
 use tables::{Axes, Symmetry};
 
-/// A checked bake: nothing in it can be out of range.
+/// Checked plan of a bake, in which nothing is out of range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Directions and bins; an azimuth of NaN stands for the mean over all.
+    /// Directions and bins of the table; an azimuth of NaN stands for the mean over all azimuths.
     pub(crate) axes: Axes,
-    /// The widest step between all azimuths, degrees, where all are asked for; see
+    /// Widest step between azimuths, degrees, where all azimuths are asked for; see
     /// [`Plan::folded`].
     pub(crate) full_step_deg: Option<f64>,
-    /// Between the directions that are chosen for it, total variation; chosen when the plan meets
-    /// its cell.
+    /// Largest error between directions, a total variation, where directions are chosen for it.
+    ///
+    /// They are chosen when the plan meets its cell.
     pub(crate) direction_tolerance: Option<f64>,
-    /// Refractive index asked for; the cell's own where `None`.
+    /// Refractive index that was asked for; `None` stands for that of the cell.
     pub(crate) refractive_index: Option<f64>,
-    /// What facets are backed with.
+    /// Back of the facets: a mirror, or total internal reflection alone.
     pub(crate) back: Back,
-    /// What is behind the facets where their losses count.
+    /// Material behind the facets; `None` where losses are not counted.
     pub(crate) losses: Option<Backing>,
-    /// Vacuum wavelength, nm, where it was given.
+    /// Wavelength in vacuum, nm, where it was given.
     pub(crate) wavelength_nm: Option<f64>,
-    /// How to bake.
+    /// Method of the bake: exact, by rays, or whichever fits.
     pub(crate) method: Method,
-    /// How samples are spread.
+    /// Sampler that spreads the samples.
     pub(crate) sampler: Sampler,
-    /// How much work to do.
+    /// Amount of work for each direction.
     pub(crate) effort: Effort,
-    /// Independent randomisations per direction.
+    /// Number of independent randomisations per direction.
     pub(crate) randomisations: usize,
-    /// Largest rotation that counts as retroreflected, degrees.
+    /// Largest rotation from the exact way back that counts as retroreflected, degrees.
     pub(crate) angular_tolerance_deg: f64,
     /// Seed of the samples.
     pub(crate) seed: u64,
-    /// Threads, all processors where `None`.
+    /// Number of threads; `None` stands for all processors.
     pub(crate) threads: Option<NonZeroUsize>,
-    /// The share of the samples to trace, all of them where `None`.
+    /// Part of the samples to trace; `None` stands for all samples.
     pub(crate) shard: Option<Shard>,
-    /// What only some scenes have.
+    /// Options that only some scenes have.
     pub(crate) scene: SceneOptions,
 }
 
 impl Plan {
-    /// Checks a request.
+    /// Checks a request and makes the plan of it.
     ///
     /// # Errors
-    /// The first option that is out of range, or two that exclude each other.
+    /// Returns [`PlanError`] for the first option that is out of range or cannot be read, or for
+    /// two options that exclude each other.
     pub fn new(request: &Request) -> Result<Self, PlanError> {
         let (axes, full_step_deg) = asked(request)?;
         numbers(request)?;
@@ -88,8 +90,11 @@ impl Plan {
         })
     }
 
-    /// Directions and bins on a cell, and what the azimuths stand for besides themselves: where all
-    /// azimuths are asked for, only those of a sector that stands for all by its symmetry.
+    /// Returns the directions and bins for a cell, and the symmetry by which its azimuths stand for
+    /// others.
+    ///
+    /// If all azimuths are asked for, the directions have only the azimuths of one sector; the
+    /// symmetry of the cell gives the rest. Otherwise the azimuths stand for themselves alone.
     pub(crate) fn folded(&self, prepared: &Prepared) -> (Axes, Symmetry) {
         let axes = self.axes.clone();
         let Some(step) = self.full_step_deg else {
@@ -104,10 +109,10 @@ impl Plan {
         (axes, symmetry)
     }
 
-    /// The cell as the exact method takes it under these options.
+    /// Returns the cell in the form that the exact method needs.
     ///
     /// # Errors
-    /// [`ExactError`]: why it does not.
+    /// Returns [`ExactError`] if the exact method cannot bake the cell under these options.
     pub(crate) fn exact_cell<'a>(
         &self,
         prepared: &'a Prepared,
@@ -121,22 +126,24 @@ impl Plan {
         }
     }
 
-    /// Whether the table is a mean over all azimuths.
+    /// Returns whether the table is a mean over all azimuths.
     pub(crate) fn is_azimuth_mean(&self) -> bool {
         self.axes.azimuth_deg[..]
             .first()
             .is_some_and(|azimuth| azimuth.is_nan())
     }
 
-    /// The refractive index behind the front face of `cell`: the one asked for, else the file's,
-    /// else none.
+    /// Returns the refractive index behind the front face of `cell`.
+    ///
+    /// An index that was asked for comes first, then that of the mesh file. Without either, it is
+    /// 1.
     pub(crate) fn index_of(&self, cell: &meshes::Cell) -> f64 {
         self.refractive_index
             .or(cell.refractive_index_at(self.wavelength_nm))
             .unwrap_or(1.0)
     }
 
-    /// What facets of `cell` do to light.
+    /// Returns the rules by which the facets of `cell` change light.
     pub(crate) fn rules(&self, cell: &meshes::Cell) -> Rules {
         Rules {
             refractive_index: self.index_of(cell),
@@ -149,8 +156,10 @@ impl Plan {
         }
     }
 
-    /// What contradicts itself without being wrong, and what makes a bake slow that need not be,
-    /// for the user.
+    /// Returns the warnings about this plan on the cell, for the user.
+    ///
+    /// They name options that contradict each other without being wrong, and meshes that make the
+    /// bake slower than necessary.
     pub fn warnings(&self, prepared: &Prepared) -> Vec<String> {
         let cell = prepared.cell();
         let mut warnings = Vec::new();
@@ -166,8 +175,7 @@ impl Plan {
         if self.back == Back::Tir && self.index_of(cell) <= 1.0 {
             warnings.push(
                 "--back tir without a refractive index above 1: nothing is totally reflected, so \
-                that nothing returns; give \
-                 --refractive-index"
+                that nothing returns; give --refractive-index"
                     .into(),
             );
         }
@@ -177,24 +185,23 @@ impl Plan {
         });
         if beyond > 0.01 {
             warnings.push(format!(
-                "--roughness turns about {:.0} % of what three facets send back by more than \
-                --angular-tolerance {tolerance_deg} \
-                 deg: it does not count as retroreflected",
+                "--roughness turns about {:.0} % of the light that three facets send back by more \
+                than --angular-tolerance {tolerance_deg} deg; this light does not count as \
+                retroreflected",
                 100.0 * beyond
             ));
         }
         if let Err(reason @ (Whole::Connected | Whole::Unlike)) = prepared.kinds() {
             warnings.push(format!(
                 "the mesh is traced as a whole, not one cube of each kind: {reason}; if it is a \
-                sheet of equal cubes, \
-                 give one period of it"
+                sheet of equal cubes, give one period of it"
             ));
         }
         warnings
     }
 }
 
-/// Directions and bins, and the step between all azimuths where all are asked for.
+/// Reads directions and bins, and the step between azimuths if all azimuths are asked for.
 fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
     let incidence_deg = angles("--incidence", &request.incidence)?;
     within(
@@ -228,6 +235,7 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
     Ok((axes, full_step_deg))
 }
 
+/// Checks that all `angles` are within the range that `range` states in words.
 fn within(
     option: &'static str,
     angles: &[f64],
@@ -244,12 +252,13 @@ fn within(
     }
 }
 
-/// Checks the numbers that stand for themselves.
+/// Checks the numbers that can be checked without other options.
 fn numbers(request: &Request) -> Result<(), PlanError> {
     count("--bins", request.bins as u64, BINS_LIMIT as u64)?;
     let range = "above 0 and at most 1e5 edge lengths";
     positive("--range", request.range, 1e5, range)?;
-    // A path of two bounces is no small rotation from straight back.
+    // The tolerance is for small rotations from straight back. A path of two reflections is no
+    // small rotation.
     let range = "above 0 and at most 10 degrees";
     let tolerance_deg = request.angular_tolerance_deg;
     positive("--angular-tolerance", tolerance_deg, 10.0, range)?;

@@ -1,51 +1,51 @@
-//! What is asked of a bake, as typed.
+//! The request for a bake, as typed.
 
 use crate::plan::default;
 use num_complex::Complex64;
 use tables::options::{Back, Losses, Method, Sampler, SceneOptions};
 
-/// The options of `bake trace` that shape the table, as typed.
+/// Options of `bake trace` that shape the table, as typed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// `--incidence`
+    /// Text of `--incidence`: angles, degrees.
     pub incidence: String,
-    /// `--azimuth`
+    /// Text of `--azimuth`: angles in degrees, `full`, `full:STEP` or `mean`.
     pub azimuth: String,
-    /// `--refractive-index`, where given
+    /// Value of `--refractive-index`, where it is given.
     pub refractive_index: Option<f64>,
-    /// `--back`
+    /// Value of `--back`.
     pub back: Back,
-    /// `--losses`
+    /// Value of `--losses`.
     pub losses: Losses,
-    /// `--reflectance`, where given
+    /// Value of `--reflectance`, where it is given.
     pub reflectance: Option<f64>,
-    /// Index of `--metal`, where given
+    /// Complex refractive index n + ik of `--metal`, where it is given.
     pub metal: Option<Complex64>,
-    /// `--wavelength-nm`, where given
+    /// Value of `--wavelength-nm`, the wavelength in vacuum, nm, where it is given.
     pub wavelength_nm: Option<f64>,
-    /// `--method`
+    /// Value of `--method`.
     pub method: Method,
-    /// `--sampler`
+    /// Value of `--sampler`.
     pub sampler: Sampler,
-    /// `--rays`, where given
+    /// Value of `--rays`, rays per direction, where it is given.
     pub rays: Option<u64>,
-    /// `--tolerance`, where given
+    /// Value of `--tolerance`, the largest L1 error of eta x histogram, where it is given.
     pub tolerance: Option<f64>,
-    /// `--bins`
+    /// Value of `--bins`: bins along each axis of the histogram.
     pub bins: usize,
-    /// `--range`
+    /// Value of `--range`: half the width of the histogram, edge lengths.
     pub range: f64,
-    /// `--angular-tolerance`, degrees
+    /// Value of `--angular-tolerance`, degrees.
     pub angular_tolerance_deg: f64,
-    /// `--seed`
+    /// Value of `--seed`.
     pub seed: u64,
-    /// `--threads`, where given
+    /// Value of `--threads`, where it is given.
     pub threads: Option<usize>,
-    /// `--shard`, where given
+    /// Text of `--shard`, such as `2/8`, where it is given.
     pub shard: Option<String>,
-    /// `--direction-tolerance`, where given
+    /// Value of `--direction-tolerance`, a total variation, where it is given.
     pub direction_tolerance: Option<f64>,
-    /// Options of some scenes only
+    /// Options that only some scenes have.
     pub scene: SceneOptions,
 }
 

@@ -1,8 +1,8 @@
-//! Options of some scenes that leave no plane mirrors.
+//! Options that leave no plane mirrors.
 
 use tables::options::{Element, Record, SceneOptions};
 
-/// The option that leaves no plane mirrors for the exact method, as typed.
+/// Returns the option, as typed, that leaves no plane mirrors for the exact method.
 pub(crate) fn no_planes(options: &SceneOptions) -> Option<String> {
     let of_rays = SceneOptions {
         deviations: Record::Auto,

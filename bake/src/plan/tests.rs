@@ -28,7 +28,7 @@ fn defaults_make_a_plan() {
     assert_eq!(plan.randomisations, 16);
 }
 
-/// Each bad option with the sentence that it gets.
+/// Checks the sentence that each bad option gets.
 #[test]
 fn bad_options_name_option_value_and_remedy() {
     let base = Request::default;

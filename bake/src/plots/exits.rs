@@ -1,4 +1,4 @@
-//! Pictures of where the light goes: the spots of cells that are not ideal.
+//! Pictures of the directions in which light leaves cells that are not ideal.
 
 use crate::plots::figure::{Labels, PlotError, figure};
 use kuva::plot::Heatmap;
@@ -6,15 +6,21 @@ use kuva::render::plots::Plot;
 use std::path::Path;
 use tables::Table;
 
-/// Cells of a panel along each axis; odd, so that straight back is in the middle of one.
+/// Number of cells of a panel along each axis.
+///
+/// It is odd, so that straight back is the middle of a cell.
 const CELLS: usize = 41;
 
-/// The exit directions of `table` as the bytes of a PNG or SVG file: one panel per direction, mrad
-/// from straight back, across it in the plane of incidence to the right and along v upward,
-/// probability per launched ray.
+/// Returns a picture of the exit directions of `table` as the bytes of a PNG or SVG file.
+///
+/// The picture has one panel per direction. The panel shows the deviation from straight back, mrad:
+/// in the plane of incidence to the right, and along v upward. The colour is the probability per
+/// launched ray.
 ///
 /// # Errors
-/// [`PlotError`], as where the table has none.
+/// Returns [`PlotError::Straight`] if all light of the table goes straight back,
+/// [`PlotError::Format`] if the extension of `file` names no format, and [`PlotError::Draw`] if the
+/// plotting crate fails.
 pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
     let (_, azimuths) = table.axes.shape();
     let count = table.retroreflected.len();
@@ -46,7 +52,7 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
         Plot::Heatmap(map)
     };
     let labels = Labels {
-        title: "light from straight back, probability per launched ray",
+        title: "deviation from straight back, probability per launched ray",
         axes: [
             "across, in the plane of incidence, mrad",
             "along v = n x u, mrad",
@@ -55,9 +61,10 @@ pub(crate) fn exits(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
     figure(table, file, &labels, &map)
 }
 
-/// Tangents (across, along v), and the probability per launched ray.
+/// Deviation (across, along v) as tangents, and the probability per launched ray.
 type Spot = ([f64; 2], f64);
 
+/// Returns the exit directions of direction number `direction`, with their probabilities.
 fn spots(table: &Table, direction: usize) -> Vec<Spot> {
     if let Some(found) = &table.deviations {
         let azimuths = table.axes.azimuth_deg.len();

@@ -1,4 +1,4 @@
-//! A figure of one panel per direction, and the picture formats.
+//! Figures with one panel per direction, and the formats of pictures.
 
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
@@ -11,39 +11,40 @@ use tables::Table;
 use tables::cli::PlotFormat;
 use thiserror::Error;
 
-/// Directions drawn at most; of a larger table every k-th is.
+/// Largest number of panels; of a table with more directions every k-th is drawn.
 const PANELS: usize = 24;
 
-/// Why there is no picture.
+/// Reason why a picture cannot be made.
 #[derive(Debug, Error)]
 pub(crate) enum PlotError {
-    /// An extension that names no format of plots.
+    /// Extension of a file that names no format of plots.
     #[error(transparent)]
     Format(#[from] tables::cli::Error),
-    /// No light to draw that goes elsewhere than straight back.
+    /// Table of which all light goes straight back, so that there is nothing to draw.
     #[error(
-        "--plot-deviations: the table says of no light that it goes elsewhere than straight back; \
-        its cells are ideal, or their rays \
-         were traced with --deviations off"
+        "--plot-deviations: nothing to plot, because the table records no light that leaves in \
+        another direction than straight back; either its cells are ideal, or it was baked with \
+        --deviations off"
     )]
     Straight,
-    /// The plotting crate failed.
+    /// Failure of the plotting crate.
     #[error("{}: the picture cannot be drawn ({reason}); try .svg instead", file.display())]
     Draw {
-        /// The file asked for.
+        /// Name of the picture.
         file: PathBuf,
-        /// What the crate says.
+        /// Message of the plotting crate.
         reason: String,
     },
 }
 
-/// Returns a scene as the bytes of `file`, whose extension names the format.
+/// Draws a scene as the bytes of `file`, whose extension names the format.
 ///
 /// # Errors
-/// [`PlotError::Format`] or [`PlotError::Draw`].
+/// Returns [`PlotError::Format`] if the extension names no format, and [`PlotError::Draw`] if the
+/// plotting crate fails.
 pub(crate) fn render(scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
     match PlotFormat::of(file)? {
-        // The viewer's own font: an embedded one takes 3 MB.
+        // The text uses a font of the viewer, because an embedded font takes 3 MB.
         PlotFormat::Svg => Ok(SvgBackend::new().render_scene(scene).into_bytes()),
         PlotFormat::Png => PngBackend::new()
             .with_scale(1.5)
@@ -55,15 +56,15 @@ pub(crate) fn render(scene: &Scene, file: &Path) -> Result<Vec<u8>, PlotError> {
     }
 }
 
-/// What the panels of a figure have in common.
+/// Texts that all panels of a figure share.
 pub(crate) struct Labels {
-    /// What is drawn, then its unit.
+    /// Quantity that is drawn, a comma, and its unit.
     pub(crate) title: &'static str,
-    /// Names of the axes, to the right and upward.
+    /// Names of the two axes: to the right, then upward.
     pub(crate) axes: [&'static str; 2],
 }
 
-/// One panel per direction, each by `plot`.
+/// Draws a figure with one panel per direction; `plot` makes the content of a panel.
 pub(crate) fn figure(
     table: &Table,
     file: &Path,
@@ -92,7 +93,7 @@ pub(crate) fn figure(
     render(&scene, file)
 }
 
-/// What all panels have in common, no wider than they are.
+/// Returns the title of the figure, short enough for the width of its panels.
 fn title(table: &Table, labels: &Labels, columns: usize, stride: usize) -> String {
     let (short, _) = labels.title.split_once(',').unwrap_or((labels.title, ""));
     let whole = if columns > 2 { labels.title } else { short };
@@ -103,7 +104,7 @@ fn title(table: &Table, labels: &Labels, columns: usize, stride: usize) -> Strin
     title
 }
 
-/// A plot of a direction under its angles and its retroreflected fraction.
+/// Puts the angles of a direction and its retroreflected fraction above its plot.
 fn panel(
     table: &Table,
     (i, a): (usize, usize),

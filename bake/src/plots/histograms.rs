@@ -6,16 +6,20 @@ use kuva::render::plots::Plot;
 use std::path::Path;
 use tables::Table;
 
-/// Cells of a panel along each axis at most: bins are pooled above that, or an SVG of ten panels
-/// has 6 MB.
+/// Largest number of cells of a panel along each axis.
+///
+/// More bins than that are pooled. Otherwise an SVG of ten panels has 6 MB.
 const MOST_CELLS: usize = 32;
 
-/// The histograms of `table` as the bytes of a PNG or SVG file, by the extension of `file`: one
-/// panel per direction with its retroreflected fraction, u to the right, v upward, density per
-/// launched ray and square edge length.
+/// Returns a picture of the histograms of `table` as the bytes of a PNG or SVG file.
+///
+/// The picture has one panel per direction, with the retroreflected fraction above it: u to the
+/// right, v upward. The colour is the density per launched ray and square edge length. The
+/// extension of `file` names the format.
 ///
 /// # Errors
-/// [`PlotError`].
+/// Returns [`PlotError::Format`] if the extension of `file` names no format, and
+/// [`PlotError::Draw`] if the plotting crate fails.
 pub(crate) fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotError> {
     let labels = Labels {
         title: "ray shift p' - p, probability per launched ray and square edge length",
@@ -27,7 +31,7 @@ pub(crate) fn histograms(table: &Table, file: &Path) -> Result<Vec<u8>, PlotErro
     figure(table, file, &labels, &|at| histogram(table, at))
 }
 
-/// The density of the shifts of a direction.
+/// Returns the density of the shifts of a direction as a heat map.
 fn histogram(table: &Table, (i, a): (usize, usize)) -> Plot {
     let axes = &table.axes;
     let pool = axes.bins.div_ceil(MOST_CELLS);

@@ -1,8 +1,8 @@
-//! Pictures of a table: histograms of shifts, and where the light goes that does not come straight
-//! back.
+//! Pictures of a table: the histograms of shifts, and the directions of light that does not go
+//! straight back.
 //!
-//! A [`tables::Table`] enters; the bytes of a PNG or SVG file leave. This room touches no other,
-//! and writes no file.
+//! A [`tables::Table`] enters, and the bytes of a PNG or SVG file leave. This room touches no other
+//! room and writes no file.
 
 mod exits;
 mod figure;

@@ -1,19 +1,20 @@
-//! The bins of a histogram of shifts: which of them a shift falls in.
+//! Bins of a histogram of shifts, and the bin that a shift falls in.
 
 use glam::DVec2;
 
-/// The bins of a histogram over u, v in [-range, range]; each bin holds its lower edge, not its
-/// upper.
+/// Bins of a histogram over u, v in [-range, range].
+///
+/// A bin holds its lower edge and not its upper edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bins {
-    /// Bins along each axis.
+    /// Number of bins along each axis.
     pub count: usize,
-    /// Bins per edge length.
+    /// Number of bins per edge length.
     pub density: f64,
 }
 
 impl Bins {
-    /// `count` bins along each axis over [-range, range] edge lengths.
+    /// Makes `count` bins along each axis over [-range, range] edge lengths.
     pub(crate) fn new(count: usize, range: f64) -> Self {
         Bins {
             count,
@@ -21,17 +22,18 @@ impl Bins {
         }
     }
 
-    /// Number of bins.
+    /// Returns the number of bins of the whole histogram.
     pub(crate) fn len(&self) -> usize {
         self.count * self.count
     }
 
-    /// The shift in units of bins from the lower end of the histogram.
+    /// Returns the place of a shift (u, v), counted in bins from the lower end of the histogram.
     pub(crate) fn position(&self, shift: DVec2) -> DVec2 {
         shift * self.density + DVec2::splat(self.count as f64 / 2.0)
     }
 
-    /// The bin of a shift, v slow, u fast; `None` outside the histogram.
+    /// Returns the bin of a shift, v slow, u fast, or `None` if the shift lies outside the
+    /// histogram.
     pub(crate) fn find(&self, shift: DVec2) -> Option<usize> {
         let at = self.position(shift);
         let end = self.count as f64;

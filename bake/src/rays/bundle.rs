@@ -1,6 +1,8 @@
-//! Up to 64 parallel rays that go down the hierarchy together, by bounds on all of them, and are
-//! tested against each candidate side by side. The test is [`Aspect::meet`], operation by
-//! operation, so every ray meets what it meets alone, bit for bit.
+//! Up to 64 parallel rays that go down the hierarchy together.
+//!
+//! Bounds on all rays of the bundle choose the boxes and facets to look at. Each such facet is then
+//! tested against all rays side by side. The test makes the same operations in the same order as
+//! [`Aspect::meet`], so every ray finds the facet that it finds alone, bit for bit.
 
 #![allow(
     clippy::needless_range_loop,
@@ -11,49 +13,53 @@ use crate::optics::Aspect;
 use crate::rays::lane::{LANES, Mask, Reals};
 use glam::DVec3;
 
-/// No facet.
+/// Number that stands for no facet.
 pub(crate) const NONE: u64 = u64::MAX;
 
-/// Up to [`LANES`] rays of one direction, and the nearest facet of each so far.
+/// Up to [`LANES`] rays of one direction, and the nearest facet found so far for each.
 pub(crate) struct Bundle {
-    /// Where the rays start, by axis, edge lengths.
+    /// Points where the rays start, by axis, edge lengths.
     pub origin: [Reals; 3],
-    /// As [`crate::optics::Ray::slack`].
+    /// Bound on the error of each starting point, edge lengths; see [`crate::optics::Ray::slack`].
     pub slack: Reals,
-    /// Distance of the nearest facet, infinite where there is none.
+    /// Distance of the nearest facet, edge lengths; infinite without a facet.
     pub distance: Reals,
-    /// The nearest facet, or [`NONE`].
+    /// Number of the nearest facet, or [`NONE`].
     pub facet: [u64; LANES],
-    /// Room for the nodes that wait: how far they are at least, and which.
+    /// Nodes still to be looked at: a lower bound on their distance, and their number.
     pub waiting: Vec<(f64, u32)>,
-    /// As [`crate::optics::Ray::grain`].
+    /// Bound on the rounding error of a triple product; see [`crate::optics::Ray::grain`].
     grain: f64,
-    /// Vectors of 8 lanes that are looked at.
+    /// Number of vectors of 8 lanes that hold rays.
     vectors: usize,
-    /// Centre of the least box of all origins, half of its size, and the greatest slack.
+    /// Centre of the smallest box that holds all origins.
     centre: DVec3,
+    /// Half the size of that box.
     half: DVec3,
+    /// Greatest slack of a ray.
     most_slack: f64,
 }
 
-/// Bounds on the rays of a bundle.
+/// Bounds on the origins and the direction of all rays of a bundle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
-    /// 1 over the components of the direction.
+    /// Inverse of each component of the direction.
     inverse: [f64; 3],
 }
 
-/// Incidence components smaller than this count as 0 with their sign: over the whole extent of the
-/// facets the way along that axis stays far below the padding of their boxes.
+/// Components of a direction below this count as 0 with their sign.
+///
+/// Over the whole extent of the facets, the way along such an axis stays far below the padding of
+/// their boxes.
 const LEVEL: f64 = 1e-9;
 
-/// In place of 1 over 0.
+/// Number that stands for 1 over 0.
 const HUGE: f64 = 1e30;
 
 impl Bundle {
-    /// A bundle of no rays.
+    /// Makes a bundle without rays.
     pub(crate) fn new() -> Self {
         Bundle {
             origin: [[0.0; LANES]; 3],
@@ -69,8 +75,9 @@ impl Bundle {
         }
     }
 
-    /// Takes the rays that start at `origin` (by axis) with `slack`, at most [`LANES`] and at least
-    /// one; lanes that are left repeat the last.
+    /// Takes from one to [`LANES`] rays that start at `origin` (by axis) with `slack`.
+    ///
+    /// Lanes without a ray repeat the last ray.
     #[inline(always)]
     pub(crate) fn fill(&mut self, origin: [&[f64]; 3], slack: &[f64], grain: f64) {
         let count = slack.len();
@@ -81,7 +88,7 @@ impl Bundle {
         self.grain = grain;
         self.vectors = count.div_ceil(8);
         let lanes = whole(self.vectors);
-        // Lanes beyond look for nothing.
+        // Lanes beyond these vectors must find nothing.
         self.distance[..lanes].fill(f64::INFINITY);
         self.distance[lanes..].fill(0.0);
         self.facet = [NONE; LANES];
@@ -89,12 +96,14 @@ impl Bundle {
         let low = DVec3::new(fold(x, lesser), fold(y, lesser), fold(z, lesser));
         let high = DVec3::new(fold(x, greater), fold(y, greater), fold(z, greater));
         self.centre = (low + high) / 2.0;
-        // Rounding of the centre makes up for no more than this.
+        // The last term makes up for the rounding of the centre.
         self.half = (high - low) / 2.0 + (low.abs() + high.abs()) * f64::EPSILON;
         self.most_slack = fold(&self.slack, greater);
     }
 
-    /// Bounds on the rays, which travel along `direction`; origins counted from `centre`.
+    /// Returns bounds on the rays, which travel along `direction`.
+    ///
+    /// Their origins are counted from `centre`.
     #[inline(always)]
     pub(crate) fn bounds(&self, direction: DVec3, centre: DVec3) -> Bounds {
         Bounds {
@@ -108,18 +117,21 @@ impl Bundle {
         }
     }
 
-    /// The distance beyond which no ray looks.
+    /// Returns the distance beyond which no ray of the bundle looks for facets.
     #[inline(always)]
     pub(crate) fn limit(&self) -> f64 {
         fold(&self.distance, greater)
     }
 
-    /// The edge that most rays are likely to miss the facet by; `None` where no ray can meet it:
-    /// all pass beyond one of its edges, or start behind it.
+    /// Returns the edge by which most rays are likely to miss the facet.
+    ///
+    /// Returns `None` if no ray can meet the facet, because all rays pass beyond one of its edges
+    /// or start behind it.
     #[inline(always)]
     fn likeliest_miss(&self, aspect: &Aspect) -> Option<usize> {
-        // The greatest value over the box, of a function that is linear in the origin. Twice the
-        // margin of the test holds the rounding of both.
+        // `most` is the greatest value, over the box of all origins, of a function that is linear
+        // in the origin. The margin is twice that of the test of a ray, and so covers the rounding
+        // of both.
         let most = |corner: DVec3, gradient: DVec3| {
             (self.centre - corner).dot(gradient) + self.half.dot(gradient.abs())
         };
@@ -136,7 +148,10 @@ impl Bundle {
         (inside[first] >= 0.0).then_some(first)
     }
 
-    /// [`crate::rays::nearest::Nearest::offer`] for every ray; whether one may have met the facet.
+    /// Takes the facet for every ray that meets it nearer than its nearest facet so far.
+    ///
+    /// Returns whether any ray may have met the facet. Each ray gets the result of
+    /// [`crate::rays::nearest::Nearest::offer`].
     #[inline(always)]
     pub(crate) fn offer(&mut self, index: usize, aspect: &Aspect) -> bool {
         let Some(likely) = self.likeliest_miss(aspect) else {
@@ -176,15 +191,18 @@ impl Bundle {
     }
 }
 
-/// Lanes of so many vectors, in a form that tells the compiler that they are lanes and whole
-/// vectors.
+/// Returns the number of lanes in so many vectors.
+///
+/// The form of the result tells the compiler that it is a multiple of 8 and at most [`LANES`].
 #[inline(always)]
 fn whole(vectors: usize) -> usize {
     vectors.min(LANES / 8) * 8
 }
 
-/// How far the origins are beyond the plane through `corner` with `gradient`, in the order of
-/// glam's dot product.
+/// Returns the height of each origin over the plane through `corner`, times the length of
+/// `gradient`.
+///
+/// The terms are added in the order of glam's dot product.
 #[inline(always)]
 fn over(origin: &[Reals; 3], vectors: usize, corner: DVec3, gradient: DVec3) -> Reals {
     let [x, y, z] = origin;
@@ -197,6 +215,7 @@ fn over(origin: &[Reals; 3], vectors: usize, corner: DVec3, gradient: DVec3) -> 
     value
 }
 
+/// Returns whether no lane of `mask` is set.
 #[inline(always)]
 fn none(mask: &Mask, vectors: usize) -> bool {
     let mut any = 0;
@@ -212,7 +231,7 @@ impl Default for Bundle {
     }
 }
 
-/// Fills the lanes with the values, and what is left with the last.
+/// Fills the lanes with the values, and the remaining lanes with the last value.
 #[inline(always)]
 fn take(lanes: &mut Reals, values: &[f64]) {
     let (taken, left) = lanes.split_at_mut(values.len());
@@ -220,7 +239,7 @@ fn take(lanes: &mut Reals, values: &[f64]) {
     left.fill(values[values.len() - 1]);
 }
 
-/// 1 over a component of a direction.
+/// Returns the inverse of a component of a direction, finite also for a component of 0.
 #[inline(always)]
 pub(crate) fn inverse(component: f64) -> f64 {
     if component.abs() < LEVEL {
@@ -230,18 +249,21 @@ pub(crate) fn inverse(component: f64) -> f64 {
     }
 }
 
-/// The lesser of two numbers, as one instruction: there are no NaNs.
+/// Returns the lesser of two numbers by a single instruction; neither may be NaN.
 #[inline(always)]
 fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
+/// Returns the greater of two numbers by a single instruction; neither may be NaN.
 #[inline(always)]
 fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Eight lanes side by side, then those eight: an order that vectors can keep.
+/// Reduces all lanes to one value by `choose`.
+///
+/// It takes eight lanes side by side, and then those eight: an order that vectors can keep.
 #[inline(always)]
 fn fold(values: &Reals, choose: impl Fn(f64, f64) -> f64) -> f64 {
     let mut eight = [values[0]; 8];
@@ -254,14 +276,16 @@ fn fold(values: &Reals, choose: impl Fn(f64, f64) -> f64) -> f64 {
 }
 
 impl Bounds {
-    /// The greatest distance of an origin from the centre, or more.
+    /// Returns an upper bound on the distance of any origin from the centre, edge lengths.
     pub(crate) fn farthest(&self) -> f64 {
         let axis = |axis: usize| self.low[axis].abs().max(self.high[axis].abs());
         axis(0) + axis(1) + axis(2)
     }
 
-    /// For each of eight boxes a lower bound on the distance at which a ray of the bundle is in it;
-    /// infinite where none can be within `limit`.
+    /// Returns a lower bound, for each of eight boxes, on the distance at which a ray is in the
+    /// box.
+    ///
+    /// The bound is infinite if no ray of the bundle can be in the box within the distance `limit`.
     #[inline(always)]
     pub(crate) fn reach(&self, boxes: &Boxes, limit: f64) -> [f64; 8] {
         let (mut from, mut to) = ([0.0_f64; 8], [limit; 8]);
@@ -289,8 +313,8 @@ impl Bounds {
 /// Eight boxes side by side, by axis; an empty place holds a point at infinity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Boxes {
-    /// Lower ends.
+    /// Lower ends of the boxes, by axis.
     pub low: [[f32; 8]; 3],
-    /// Upper ends.
+    /// Upper ends of the boxes, by axis.
     pub high: [[f32; 8]; 3],
 }

@@ -1,10 +1,10 @@
-//! Nearest hit among many facets: a bounding volume hierarchy with eight boxes to a node. The only
-//! file that names the BVH crate.
+//! Search for the nearest facet among many: a bounding volume hierarchy with eight boxes to a node.
 //!
-//! The crate builds the tree, in f32. The tree only chooses the candidates: its boxes are padded by
-//! more than the error of an f32 ray, and every candidate is tested in f64 by [`Triangle::meet`],
-//! so the hit is the one that a loop over all facets finds, bit for bit (tested). The crate's own
-//! wide variant has an absolute epsilon near surfaces and is not used.
+//! This is the only file that names the BVH crate. The crate builds the tree, in f32. The tree only
+//! chooses the candidates: its boxes are padded by more than the error of an f32 ray, and every
+//! candidate is tested in f64 by [`Triangle::meet`]. So the hit is the one that a loop over all
+//! facets finds, bit for bit (tested). The wide variant of the crate is not used, because it has an
+//! absolute epsilon near surfaces.
 
 use crate::optics::{Ray, Triangle};
 use crate::rays::bundle::{Boxes, Bundle, inverse};
@@ -15,10 +15,10 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use std::time::Duration;
 
-/// A hierarchy over a list of facets.
+/// Bounding volume hierarchy over a list of facets.
 pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
-    /// Nodes that wait at most while a ray goes down.
+    /// Largest number of nodes still to be looked at while a ray goes down.
     waiting: usize,
     centre: DVec3,
     /// Radius of a ball about `centre` that holds every facet, edge lengths.
@@ -28,7 +28,7 @@ pub(crate) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Builds the hierarchy over `facets` (at least one).
+    /// Builds the hierarchy over `facets`, which are at least one.
     pub(crate) fn new(facets: &[Triangle]) -> Self {
         let corners = || facets.iter().flat_map(|facet| facet.corners);
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -37,9 +37,9 @@ impl Hierarchy {
         let radius = corners()
             .map(|corner| corner.distance(centre))
             .fold(0.0, f64::max);
-        // An f32 position within 2 radii of the centre is off by at most 2^-23 radii, its ray at
-        // the far side by 2^-23 x 2 radii more, and the box test rounds thrice: 2^-19 radii hold
-        // all of it four times over.
+        // An f32 position within 2 radii of the centre is off by at most 2^-23 radii. At the far
+        // side its ray is off by 2^-23 x 2 radii more, and the box test rounds three times. A
+        // padding of 2^-19 radii is four times the sum.
         let padding = radius * (-19_f64).exp2();
         let boxes: Vec<Aabb> = facets
             .iter()
@@ -70,7 +70,9 @@ impl Hierarchy {
         }
     }
 
-    /// The nearest of `facets` (those it was built over) along `ray`, up to `limit` edge lengths.
+    /// Returns the nearest of `facets` along `ray`, up to `limit` edge lengths away.
+    ///
+    /// `facets` are those that the hierarchy was built over.
     pub(crate) fn nearest(&self, facets: &[Triangle], ray: &Ray, limit: f64) -> Nearest {
         let mut few = [(0.0, 0); FEW];
         if self.waiting <= FEW {
@@ -80,8 +82,10 @@ impl Hierarchy {
         }
     }
 
-    /// As [`Hierarchy::nearest`]; `waiting` has room for the nodes that wait: how far they are at
-    /// least, and which.
+    /// Returns the nearest facet as [`Hierarchy::nearest`] does.
+    ///
+    /// `waiting` is room for the nodes still to be looked at: a lower bound on their distance, and
+    /// their number.
     fn descend(
         &self,
         facets: &[Triangle],
@@ -89,8 +93,8 @@ impl Hierarchy {
         limit: f64,
         waiting: &mut [(f32, u32)],
     ) -> Nearest {
-        // A ray from afar starts, for the f32 boxes, where it comes near: f32 digits are for the
-        // cell, not for the way.
+        // The boxes are f32. If the ray starts far away, its way to the cell would use up the
+        // digits, so for the boxes it starts near the cell.
         let origin = ray.origin - self.centre;
         let skipped = (-origin.dot(ray.direction) - 2.0 * self.radius).max(0.0);
         let slabs = Slabs::new(origin + ray.direction * skipped, ray.direction);
@@ -120,7 +124,7 @@ impl Hierarchy {
             while met != 0 {
                 let child = met.trailing_zeros() as usize;
                 met &= met - 1;
-                // The nearest last: it is looked at first.
+                // The nearest is put last, because the last one is looked at first.
                 let mut place = count;
                 while place > bottom && waiting[place - 1].0 < entered[child] {
                     waiting[place] = waiting[place - 1];
@@ -133,9 +137,10 @@ impl Hierarchy {
         nearest
     }
 
-    /// Finds for all rays of `bundle`, which travel along `direction`, what [`Hierarchy::nearest`]
-    /// finds for one. They start where facets are, so no digits are lost on the way; the facet that
-    /// they have `left` is not looked at.
+    /// Finds for all rays of `bundle`, which travel along `direction`, the nearest facet.
+    ///
+    /// Every ray finds what [`Hierarchy::nearest`] finds for it alone. The rays start near facets,
+    /// so no digits are lost on the way. The facet that they have just `left` is not looked at.
     #[inline(always)]
     pub(crate) fn nearest_of(
         &self,
@@ -146,7 +151,7 @@ impl Hierarchy {
     ) {
         let mut open = std::mem::take(&mut bundle.waiting);
         let bounds = bundle.bounds(direction, self.centre);
-        // Whatever is in the ball of the facets is no further than this from an origin.
+        // No point of the ball around the facets is further than this from an origin.
         let span = bounds.farthest() + 2.0 * self.radius;
         let mut limit = span;
         open.clear();
@@ -170,7 +175,7 @@ impl Hierarchy {
             let bottom = open.len();
             for (&from, &child) in from.iter().zip(&node.children) {
                 if from < f64::INFINITY {
-                    // The nearest last: it is looked at first.
+                    // The nearest is put last, because the last one is looked at first.
                     open.push((from, child));
                     let mut place = open.len() - 1;
                     while place > bottom && open[place - 1].0 < from {
@@ -184,18 +189,19 @@ impl Hierarchy {
     }
 }
 
-/// A node of eight children.
+/// Node of the hierarchy with eight children.
 struct Node {
     boxes: Boxes,
-    /// Nodes, or facets marked [`LEAF`].
+    /// Numbers of nodes, or of facets marked with [`LEAF`].
     children: [u32; 8],
 }
 
-/// Nodes that wait on the way of a single ray, of all but the deepest trees; a million facets take
-/// some 80.
+/// Number of waiting nodes for which a single ray needs no allocation.
+///
+/// All but the deepest trees need fewer: a tree of a million facets needs about 80.
 const FEW: usize = 128;
 
-/// A ray as boxes see it: its origin and 1 over its direction.
+/// Origin of a ray and the inverse of its direction, as the test of boxes needs them.
 struct Slabs {
     origin: [f32; 3],
     inverse: [f32; 3],
@@ -210,8 +216,9 @@ impl Slabs {
         }
     }
 
-    /// For each of eight boxes the distance at which the ray enters it, and in bits which it does
-    /// within `to`.
+    /// Returns the distance at which the ray enters each of eight boxes, and a set of bits.
+    ///
+    /// A bit is 1 if the ray enters the box within the distance `to`.
     #[inline(always)]
     fn reach(&self, boxes: &Boxes, to: f32) -> ([f32; 8], u32) {
         let (mut entered, mut met) = ([0.0; 8], 0);
@@ -236,21 +243,23 @@ impl Slabs {
     }
 }
 
-/// Marks a child that is a facet.
+/// Bit that marks a child as a facet.
 const LEAF: u32 = 1 << 31;
 
-/// `tree`, whose leaves hold one facet each, with eight children to a node, and how many wait at
-/// most on the way down.
+/// Returns the nodes of `tree` with eight children to a node, and the largest number of waiting
+/// nodes.
+///
+/// The leaves of `tree` hold one facet each.
 fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
     let mut nodes = Vec::new();
     let mut deepest = 0;
-    // Node of `tree`, its place among `nodes`, and how many are above it.
+    // Each entry is a node of `tree`, its place among `nodes`, and its depth.
     let mut open = vec![(0_usize, 0_usize, 0_usize)];
     nodes.push(Node::EMPTY);
     while let Some((root, place, depth)) = open.pop() {
         deepest = deepest.max(depth);
         let mut children = vec![root];
-        // Opens the largest child as long as there is room.
+        // The largest child is replaced by its two children as long as there is room.
         while children.len() < 8 {
             let inner = (0..children.len()).filter(|&i| !tree.nodes[children[i]].is_leaf());
             let area = |i: &usize| tree.nodes[children[*i]].aabb.half_area();
@@ -277,7 +286,7 @@ fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
             };
         }
     }
-    // Each level leaves seven behind when it takes the eighth.
+    // Each level leaves seven nodes waiting when it takes the eighth.
     (nodes, 7 * deepest + 8)
 }
 

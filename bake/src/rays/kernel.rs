@@ -1,4 +1,4 @@
-//! The tracer of one direction: every ray of a run from its sample to the tally.
+//! Tracer of one direction: it takes every ray of a run from its sample to the tally.
 
 use crate::optics::{Incidence, Rules, element};
 use crate::rays::bins::Bins;
@@ -23,53 +23,60 @@ use tables::Fate;
 use tables::deviation::Grid;
 use tables::options::Element;
 
-/// Rays in one piece of work: enough to make adding its histogram cheap, few enough to spread over
+/// Number of rays in one piece of work.
+///
+/// It is large enough to make the adding of its histogram cheap, and small enough to spread over
 /// threads.
 const RUN: u64 = 1 << 18;
 
-/// The same where they are sorted by what they meet, which is the better the more rays meet the
-/// same.
+/// Number of rays in one piece of work where rays are sorted by the facets that they meet.
+///
+/// More rays in a piece mean more rays that meet the same facet, so the piece is larger.
 const RUN_OF_SORTED: u64 = 1 << 20;
 
-/// Rays that are sorted into packets at a time: 80 bytes each.
+/// Number of rays that are sorted into packets at a time; each takes 80 bytes.
 const NEIGHBOURS: usize = 1 << 18;
 
-/// Rays to a facet from which on packets are worth while in a large scene: a packet is what met the
-/// same facets.
+/// Smallest number of rays per facet for which packets are worth their cost in a large scene.
+///
+/// A packet holds rays that have met the same facets.
 const RAYS_OF_PACKETS: u64 = 8;
 
-/// How the rays of a direction are traced; tests hold both to the same fates, ray for ray.
+/// Way in which the rays of a direction are traced.
+///
+/// Tests check that both ways give every ray the same fate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tracer {
-    /// As a program, many rays at once, where the cell and the direction allow it; else one by one.
+    /// Many rays at once as a program, where the cell and the direction allow it; otherwise one by
+    /// one.
     Fastest,
-    /// One by one, against all facets: what every cell allows.
+    /// One ray after the other, against all facets, as every cell allows.
     OneByOne,
 }
 
-/// What all rays of one direction share.
+/// Everything that all rays of one direction share.
 pub(crate) struct Kernel {
-    /// Those that the launch leads into.
+    /// Scenes that the launch leads into.
     scenes: Vec<Arc<Scene>>,
     launch: Launch,
     rules: Rules,
     bins: Bins,
     incidence_rad: f64,
-    /// `None` where every ray has its own azimuth.
+    /// Direction of the rays; `None` if every ray has its own azimuth.
     direction: Option<Incidence>,
-    /// The same in a form that many rays run at once, one per scene; none where a scene does not
-    /// allow it.
+    /// Programs that trace many rays at once, one per scene; empty if any scene allows none.
     programs: Vec<Program>,
     instructions: InstructionSet,
-    /// Whether scenes with a hierarchy are traced in packets.
+    /// True if scenes with a hierarchy are traced in packets.
     packets: bool,
-    /// How exit directions are recorded.
+    /// Grid that exit directions are recorded on; `None` if they are not recorded.
     exits: Option<Grid>,
 }
 
 impl Kernel {
-    /// The tracer for the direction given by its angles in degrees; an azimuth of NaN stands for
-    /// all azimuths.
+    /// Makes the tracer of one scene for the direction with these angles, degrees.
+    ///
+    /// An azimuth of NaN stands for all azimuths.
     #[cfg(test)]
     pub(crate) fn new(
         scene: &Arc<Scene>,
@@ -86,7 +93,9 @@ impl Kernel {
         Kernel::over(&sheet, rules, bins, incidence_deg, azimuth_deg)
     }
 
-    /// The same over a sheet.
+    /// Makes the tracer of a sheet for the direction with these angles, degrees.
+    ///
+    /// An azimuth of NaN stands for all azimuths.
     pub(crate) fn over(
         sheet: &Sheet,
         rules: &Rules,
@@ -103,8 +112,9 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
-        // Photons end where their own chance says, rough facets turn each its own way, and on
-        // curved faces rays part: each goes alone. Programs and packets end on the entrance plane.
+        // Each ray goes alone in three cases: a photon ends by its own chance, a rough facet turns
+        // each ray in its own way, and rays diverge on curved faces. Programs and packets also
+        // assume that paths end on the entrance plane and that no facet is of glass.
         let alone = rules.losses.is_some()
             || rules.roughness.is_some()
             || rules.element != Element::Retroreflector
@@ -122,7 +132,7 @@ impl Kernel {
         Kernel {
             programs: programs.unwrap_or_default(),
             instructions: InstructionSet::best(),
-            // With an azimuth of its own for each, rays part at once.
+            // Rays with an azimuth of their own are not parallel, so they form no packets.
             packets: direction.is_some() && !alone,
             exits: None,
             scenes: scenes.clone(),
@@ -134,7 +144,7 @@ impl Kernel {
         }
     }
 
-    /// The same tracer without a program: every ray goes by [`trace`].
+    /// Returns the tracer without programs and packets, so that every ray goes by [`trace`].
     pub(crate) fn one_by_one(self) -> Self {
         Kernel {
             programs: Vec::new(),
@@ -143,7 +153,7 @@ impl Kernel {
         }
     }
 
-    /// The same tracer in the way that `tracer` says.
+    /// Returns the tracer that traces in the way of `tracer`.
     pub(crate) fn by(self, tracer: Tracer) -> Self {
         match tracer {
             Tracer::Fastest => self,
@@ -151,8 +161,9 @@ impl Kernel {
         }
     }
 
-    /// The same tracer, which also records exit directions where there is a grid for them: without
-    /// programs, which know shifts only.
+    /// Returns the tracer that records exit directions too, if there is a grid for them.
+    ///
+    /// With a grid it runs no programs, because programs know shifts only.
     pub(crate) fn recording(self, exits: Option<Grid>) -> Self {
         match exits {
             None => self,
@@ -164,7 +175,7 @@ impl Kernel {
         }
     }
 
-    /// The same tracer on `instructions`.
+    /// Returns the tracer that runs on `instructions`.
     #[cfg(test)]
     pub(crate) fn on(self, instructions: InstructionSet) -> Self {
         Kernel {
@@ -173,18 +184,20 @@ impl Kernel {
         }
     }
 
-    /// The programs of this direction, one per scene; none where it is traced facet by facet.
+    /// Returns the programs of this direction, one per scene; empty if rays are traced facet by
+    /// facet.
     pub(crate) fn programs(&self) -> &[Program] {
         &self.programs
     }
 
-    /// Rays that are best traced in one piece.
+    /// Returns the number of rays that are best traced in one piece.
     pub(crate) fn run(&self) -> u64 {
         let sorted = self.programs.is_empty() && (self.packets || self.is_large())
             || lanes::sorts(&self.launch);
         if sorted { RUN_OF_SORTED } else { RUN }
     }
 
+    /// Returns whether any scene is large ([`Scene::is_large`]).
     fn is_large(&self) -> bool {
         self.scenes.iter().any(|scene| scene.is_large())
     }
@@ -206,7 +219,7 @@ impl Kernel {
         }
     }
 
-    /// The same facet by facet: in packets where every scene has a hierarchy for them, else by
+    /// Traces `samples` facet by facet: in packets if every scene allows them, otherwise by
     /// [`trace`].
     fn trace_paths(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         let hierarchies = self.scenes.iter().map(|scene| scene.for_packets());
@@ -216,7 +229,7 @@ impl Kernel {
         else {
             return self.trace_one_by_one(stream, samples, tally);
         };
-        // Rays that hardly ever meet the same facet are no packet.
+        // Packets are no gain where rays hardly ever meet the same facet.
         let facets: usize = self.scenes.iter().map(|scene| scene.facets().len()).sum();
         if self.is_large() && samples.end - samples.start < RAYS_OF_PACKETS * facets as u64 {
             return self.trace_one_by_one(stream, samples, tally);
@@ -245,6 +258,7 @@ impl Kernel {
         }
     }
 
+    /// Returns the direction of sample `index` of `stream`.
     fn direction_of(&self, stream: &Stream, index: u64) -> Incidence {
         self.direction.unwrap_or_else(|| {
             let azimuth_rad = self.launch.azimuth_rad(stream, index);
@@ -252,13 +266,13 @@ impl Kernel {
         })
     }
 
-    /// The same by [`trace`], ray by ray.
+    /// Traces `samples` ray by ray with [`trace`].
     pub(crate) fn trace_one_by_one(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
         let entries = samples.map(|index| (index, self.launch.entry(stream, index)));
         if !self.is_large() {
             return self.trace_entries(stream, entries, tally);
         }
-        // What neighbours meet is still at hand.
+        // The facets that a neighbour has met are still in the cache.
         let entries: Vec<(u64, (usize, DVec2))> = entries.collect();
         for some in entries.chunks(RUN_OF_SORTED as usize) {
             let some = side_by_side(&self.launch, some, |entry| entry.1.1);
@@ -266,7 +280,7 @@ impl Kernel {
         }
     }
 
-    /// Traces the samples numbered, which enter a scene at a point.
+    /// Traces the numbered samples of `entries`; each enters a scene at a point.
     fn trace_entries(
         &self,
         stream: &Stream,
@@ -295,12 +309,13 @@ impl Kernel {
     }
 }
 
-/// Rays in the order of the tiles of the entrance that their points lie in, each with about as many
-/// as a bundle takes.
+/// Sorts rays by the tiles of the entrance that their points lie in.
+///
+/// A tile holds about as many rays as a bundle takes.
 fn side_by_side<T: Copy>(launch: &Launch, rays: &[T], point: impl Fn(&T) -> DVec2) -> Vec<T> {
     let [low, high] = launch.box_of_entrance();
     let size = high - low;
-    // Square tiles; no more than the longer side can be counted in.
+    // The tiles are square. The longer side has at most 65,536 of them.
     let tiles = (rays.len() / LANES).max(1) as f64;
     let side = (size.x * size.y / tiles)
         .sqrt()

@@ -1,12 +1,14 @@
-//! Lanes: how many rays go side by side, and what is kept for each of them.
+//! Lanes: the number of rays that go side by side, and the values of each of them.
 
-/// Rays of a bundle. Enough that the compiler keeps the loops over lanes and turns them into
-/// vectors: with 16 or 32 it unrolls them first and shuffles (2.5 times slower); 128 is 20 % slower
-/// again.
+/// Number of rays of a bundle.
+///
+/// It is large enough that the compiler keeps the loops over lanes and turns them into vectors.
+/// With 16 or 32 lanes the compiler unrolls the loops first and shuffles, which is 2.5 times
+/// slower. With 128 lanes a bundle is 20 % slower.
 pub(crate) const LANES: usize = 64;
 
-/// A number for each lane.
+/// Number for each lane.
 pub(crate) type Reals = [f64; LANES];
 
-/// A set of rays: a word for each lane, of which the users of this file say what its bits mean.
+/// Set of rays, one word for each lane; the user of the type defines the meaning of the bits.
 pub(crate) type Mask = [u64; LANES];

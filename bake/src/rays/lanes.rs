@@ -1,12 +1,12 @@
-//! A [`Program`] run by 64 rays at a time, in plain Rust over arrays that the compiler turns into
-//! vectors.
+//! Runs a [`Program`] on 64 rays at a time, in plain Rust over arrays that the compiler vectorises.
 //!
 //! Everything here is inlined into one function per instruction set (see `simd`). Additions and
-//! multiplications are rounded one by one, nothing is fused or reordered, so every instruction set
+//! multiplications are rounded one by one. None is fused or reordered, so every instruction set
 //! gives the same bits.
 //!
-//! A set of rays is a mask per lane of which the top bit counts: the sign bit of a test's value is
-//! then the mask of the rays that fail it, and taking and leaving rays are bit operations.
+//! A set of rays is a mask with one word per lane, of which only the top bit counts. The sign bit
+//! of a test's value is then the mask of the rays that fail the test, and rays are taken and left
+//! by bit operations.
 
 #![allow(
     clippy::needless_range_loop,
@@ -23,41 +23,42 @@ use std::ops::Range;
 use tables::Fate;
 use tables::options::Sampler;
 
-/// The square is cut into 2^4 x 2^4 cells where a block is traced cell by cell.
+/// Number of bits of a cell along each side of the square: a block is traced in 2^4 x 2^4 cells.
 const CELL_BITS: u32 = 4;
 
-/// Pieces of the entrance from which on samples are sorted by piece instead, lest each bundle look
-/// at all of them.
+/// Smallest number of pieces of the entrance for which samples are sorted by piece.
+///
+/// Without sorting, each bundle would look at all pieces.
 const SORTED_PIECES: usize = 12;
 
-/// Samples of the smallest block that is worth it: two bundles per cell.
+/// Number of samples of the smallest block that is traced cell by cell: two bundles per cell.
 const BLOCK: u64 = (2 * LANES as u64) << (2 * CELL_BITS);
 
-/// What a run keeps at hand from one bundle to the next.
+/// Working memory that a run keeps from one bundle to the next.
 struct Scratch<'a> {
     bins: &'a Bins,
-    /// Rays left at each depth of the tree.
+    /// Rays that are left at each depth of the tree.
     left: [Mask; DEPTH],
-    /// Rays ended with each fate, per lane.
+    /// Number of rays that ended with each fate, per lane.
     ended: [Mask; Fate::ALL.len()],
     histogram: &'a mut [u32],
 }
 
-/// Samples to trace, and by what.
+/// Samples to trace, and the programs that trace them.
 pub(crate) struct Batch<'a> {
-    /// Those of the scenes that `launch` leads into.
+    /// Programs of the scenes that `launch` leads into.
     pub programs: &'a [Program],
-    /// From samples to entry points.
+    /// Map from samples to entry points.
     pub launch: &'a Launch,
     /// Bins of the tally.
     pub bins: &'a Bins,
-    /// Where the samples come from.
+    /// Stream that the samples come from.
     pub stream: &'a Stream,
-    /// Their indices.
+    /// Indices of the samples.
     pub samples: Range<u64>,
 }
 
-/// Traces a batch.
+/// Traces all samples of a batch and counts them in `tally`.
 #[inline(always)]
 pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
     let Batch {
@@ -80,7 +81,8 @@ pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
         first = samples.end;
     }
     while first < samples.end {
-        // The largest block of 2^k samples that starts at a multiple of its size.
+        // `aligned` is the size of the largest block of 2^k samples that starts at a multiple of
+        // its size.
         let left = samples.end - first;
         let aligned = 1 << first.trailing_zeros().min(left.ilog2());
         if cells && aligned >= BLOCK {
@@ -130,7 +132,7 @@ fn in_order(
     }
 }
 
-/// Whether samples of `launch` are sorted by the piece that they choose.
+/// Returns whether samples of `launch` are sorted by the piece that they choose.
 pub(crate) fn sorts(launch: &Launch) -> bool {
     launch.pieces().len() >= SORTED_PIECES
 }
@@ -150,9 +152,9 @@ fn by_pieces(
         drawn.extend((0..LANES).map(|lane| [a[lane], b[lane]]));
     }
     drawn.truncate((samples.end - samples.start) as usize);
-    // Slots of the first coordinate, 8 to 16 of them for a piece of the mean size: fine enough that
-    // few samples of a piece's slots choose its neighbours. Which do is decided as ever, by
-    // `points`.
+    // The first coordinate is cut into slots, 8 to 16 of them for a piece of the mean size. The
+    // slots are so fine that few samples of a piece's slots choose a neighbouring piece. `points`
+    // decides for each sample which piece it chooses.
     let bits = launch.pieces().len().ilog2() + 4;
     let slot = |of: &[u32; 2]| of[0] >> (32 - bits);
     let drawn = order(&drawn, 1 << bits, |sample| slot(sample) as usize);
@@ -173,13 +175,14 @@ fn by_pieces(
     }
 }
 
-/// Traces an aligned block of 2^k Sobol samples cell by cell of the square: rays of a cell need few
-/// of the program's steps and tests, and their shifts fall in few bins.
+/// Traces an aligned block of 2^k Sobol samples cell by cell of the unit square.
 ///
-/// In a cell the first four digits of both coordinates are given. Before scrambling, which maps
-/// cells onto cells, those of the first are the lowest four bits of the index, and those of the
-/// second a function (the Pascal matrix of four digits) of the exclusive or of all its groups of
-/// four bits.
+/// Rays of one cell need few of the program's steps and tests, and their shifts fall in few bins.
+///
+/// A cell fixes the first four digits of both coordinates. Scrambling maps cells onto cells. Before
+/// scrambling, these digits of the first coordinate are the lowest four bits of the index. Those of
+/// the second coordinate are a function of the exclusive or of all groups of four bits of the
+/// index; this function is the Pascal matrix of four digits.
 #[inline(always)]
 fn by_cells(
     programs: &[Program],
@@ -204,7 +207,7 @@ fn by_cells(
             .pair(u64::from(index(base)))
             .map(|digits| f64::from(digits >> (32 - CELL_BITS)));
         for piece in launch.pieces() {
-            // The part of the cell that chooses this piece.
+            // Only a part of the cell chooses this piece.
             let (from, to) = (digits[0] / 16.0, (digits[0] + 1.0) / 16.0);
             let (from, to) = (from.max(piece.from), to.min(piece.to));
             if from >= to {
@@ -215,8 +218,8 @@ fn by_cells(
             corners.clear();
             corners.extend([(from, low), (to, low), (from, high), (to, high)]);
             if piece.folded {
-                // The part beyond the diagonal lies on the other side of it: where it crosses the
-                // sides is a corner too.
+                // The part beyond the diagonal is folded back over it. So the points where the
+                // diagonal crosses the sides are corners too.
                 let crossings = [(from, -from), (to, -to), (-low, low), (-high, high)];
                 let on_side =
                     |&(c0, c1): &(f64, f64)| from <= c0 && c0 <= to && low <= c1 && c1 <= high;
@@ -255,18 +258,18 @@ fn by_cells(
     }
 }
 
-/// What a bundle of rays goes through.
+/// Steps and tests that a bundle of rays goes through.
 #[derive(Clone, Copy)]
 struct Passage<'a> {
     steps: &'a [Step],
     tests: &'a [Affine],
     maps: &'a [[Affine; 2]],
-    /// The one map of these steps, where there is one.
+    /// Number of the only map of these steps; `None` if there are several or none.
     only: Option<usize>,
 }
 
 impl<'a> Passage<'a> {
-    /// All of a program.
+    /// Takes all steps and tests of a program.
     #[inline(always)]
     fn whole(program: &'a Program) -> Self {
         let Program { steps, tests, maps } = program;
@@ -279,7 +282,7 @@ impl<'a> Passage<'a> {
     }
 }
 
-/// Traces one bundle of rays that enter at (x, y); those in `start` count.
+/// Traces one bundle of rays that enter at (x, y); only the rays in `start` count.
 #[inline(always)]
 fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch) {
     let Passage {
@@ -290,7 +293,7 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
     } = course;
     let left = &mut work.left;
     left[0] = start;
-    // Bin position of the rays that come back, and which they are.
+    // The bin positions of the rays that come back, and a mask of these rays.
     let (mut u, mut v): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     let mut back: Mask = [0; LANES];
     let mut returns = false;
@@ -327,8 +330,8 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
                     let [along, across] = &maps[map];
                     let (mu, mv) = (affine(along, x, y), affine(across, x, y));
                     for lane in 0..LANES {
-                        // Bits, not a choice: a branch for every lane costs half the rays per
-                        // second.
+                        // The value is chosen by bit operations, because a branch for every lane
+                        // halves the speed.
                         let chosen = ((taken[lane] as i64) >> 63) as u64;
                         u[lane] = f64::from_bits(
                             (mu[lane].to_bits() & chosen) | (u[lane].to_bits() & !chosen),
@@ -351,11 +354,14 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
     scatter(&u, &v, &back, work);
 }
 
-/// 2^52: adding it to a number of 0 to 2^51 leaves the nearest integer in the low bits.
+/// 2^52, which leaves the nearest integer in the low bits when it is added to a number of 0 to
+/// 2^51.
 const UNITS: f64 = 4_503_599_627_370_496.0;
 
-/// The greatest integer up to `value`, exact from 0 to 2^51. (A cast saturates, for which the
-/// compiler leaves the vector: 3 times slower over all.)
+/// Returns the greatest integer up to `value`, exact for values from 0 to 2^51.
+///
+/// A cast would saturate, and for that the compiler gives up vectors: the whole tracer is then 3
+/// times slower.
 #[inline(always)]
 fn floor(value: f64) -> f64 {
     let nearest = (value + UNITS) - UNITS;
@@ -369,7 +375,7 @@ fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
     let size = work.bins.len() as f64;
     let mut within: Mask = [0; LANES];
     for lane in 0..LANES {
-        // Top bits: u < end, v < end, u >= 0, v >= 0.
+        // The top bits say: u < end, v < end, u >= 0, v >= 0.
         let below = (u[lane] - end).to_bits() & (v[lane] - end).to_bits();
         within[lane] = back[lane] & below & !(u[lane].to_bits() | v[lane].to_bits());
     }
@@ -380,8 +386,8 @@ fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
     let mut at = [0_u64; LANES];
     for lane in 0..LANES {
         let bin = floor(v[lane]) * end + floor(u[lane]);
-        // The other rays count in slots beyond the histogram, one per lane: no branch, and no queue
-        // at one slot.
+        // The other rays are counted in slots beyond the histogram, one slot per lane. This needs
+        // no branch, and no two lanes wait for one slot.
         let slot = if within[lane] >> 63 == 1 {
             bin
         } else {
@@ -394,7 +400,7 @@ fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
     }
 }
 
-/// Slots of the rays in no bin, after the histogram.
+/// Numbers of the slots, after the histogram, for the rays that fall in no bin.
 const SPILL: Reals = {
     let mut slots = [0.0; LANES];
     let mut lane = 0;
@@ -405,6 +411,7 @@ const SPILL: Reals = {
     slots
 };
 
+/// Evaluates an affine function at the points (x, y) of all lanes.
 #[inline(always)]
 fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
     let mut value = [0.0; LANES];
@@ -414,7 +421,7 @@ fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
     value
 }
 
-/// Digits of samples `first..first + LANES`: those of [`Stream::pair`].
+/// Returns the digits of samples `first..first + LANES`, equal to those of [`Stream::pair`].
 #[inline(always)]
 fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
     match stream.sampler {
@@ -437,7 +444,7 @@ fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
     }
 }
 
-/// Digits of the Sobol samples `indices`.
+/// Returns the digits of the Sobol samples with these `indices`.
 #[inline(always)]
 fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
     let (mut a, mut b) = ([0_u32; LANES], [0_u32; LANES]);
@@ -448,8 +455,9 @@ fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]
     (a, b)
 }
 
-/// Entry points in `piece`, and the rays that choose it: the operations of [`Launch::entry`] lane
-/// by lane.
+/// Returns the entry points in `piece`, and a mask of the rays that choose the piece.
+///
+/// The operations are those of [`Launch::entry`], lane by lane.
 #[inline(always)]
 fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
     let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
@@ -463,7 +471,7 @@ fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, M
     if !piece.takes_all() {
         for lane in 0..LANES {
             let along = c0[lane] + 0.5;
-            // Top bits: along < to, along >= from.
+            // The top bits say: along < to, along >= from.
             chosen[lane] = (along - piece.to).to_bits() & !(along - piece.from).to_bits();
             c0[lane] = piece.stretched(c0[lane]);
         }

@@ -1,10 +1,10 @@
-//! Sampled light: rays of one direction from the entrance to their counts.
+//! Sampled light: the rays of one direction, from the entrance to their counts.
 //!
-//! A prepared cell, the rules and one direction enter; integer counts by bin and by fate leave. The
-//! same rays are traced in four ways with the same result, bit for bit: one by one, in bundles down
-//! a hierarchy, in packets, and as a program of 64 rays side by side. This room may touch `cell`,
-//! `optics` and `samples`. It knows no thread and no table; its file `simd` holds the only unsafe
-//! code.
+//! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
+//! rays are traced in four ways: one by one, in bundles down a hierarchy, in packets, and as a
+//! program of 64 rays side by side. All ways give the same result, bit for bit. This room may touch
+//! `cell`, `optics` and `samples`. It knows no thread and no table. Its file `simd` holds the only
+//! unsafe code.
 
 mod bins;
 mod bundle;

@@ -1,20 +1,20 @@
-//! The nearest facet along a ray, whoever looks for it and in whatever order.
+//! Nearest facet along a ray, independent of the order in which facets are tried.
 
 use crate::optics::{Ray, Triangle};
 
-/// The nearest facet so far.
+/// Nearest facet found so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Nearest {
-    /// Index of the facet, where there is one.
+    /// Index of the facet; `None` if no facet is found yet.
     pub facet: Option<usize>,
-    /// Its distance, or the limit of the search, edge lengths.
+    /// Distance of the facet, or the limit of the search, edge lengths.
     pub distance: f64,
-    /// Whether it is met from the front.
+    /// True if the ray meets the facet from the front.
     pub front: bool,
 }
 
 impl Nearest {
-    /// Nothing yet; only facets up to `limit` edge lengths away count.
+    /// Starts a search for facets up to `limit` edge lengths away.
     pub(crate) fn within(limit: f64) -> Self {
         Nearest {
             facet: None,
@@ -23,8 +23,10 @@ impl Nearest {
         }
     }
 
-    /// Takes `facet` if `ray` meets it nearer than what is known. Ties go to the lower index, so
-    /// the answer does not depend on the order of the offers.
+    /// Takes `facet` if `ray` meets it nearer than the nearest facet so far.
+    ///
+    /// Of two facets at one distance the lower index wins, so the result does not depend on the
+    /// order of the offers.
     #[inline]
     pub(crate) fn offer(&mut self, index: usize, facet: &Triangle, ray: &Ray) {
         if let Some(contact) = facet.meet(ray) {

@@ -1,6 +1,9 @@
-//! Sorting by counting: rays that share a key are put after each other.
+//! Sorting by counting: items with the same key are put after each other.
 
-/// `items` in the order of their keys, which are below `keys`: counted, then each put in its place.
+/// Sorts `items` by their keys, which are below `keys`.
+///
+/// It counts the items of each key and then puts every item in its place. Items with the same key
+/// stay in their order.
 pub(crate) fn order<T: Copy>(items: &[T], keys: usize, key: impl Fn(&T) -> usize) -> Vec<T> {
     let mut next = vec![0_u32; keys + 1];
     for item in items {

@@ -1,10 +1,10 @@
-//! Many rays through a hierarchy at once, for meshes that no program fits (curved, or of many
-//! different cells).
+//! Many rays that go through a hierarchy at once, for meshes that fit no program.
 //!
-//! All rays of a direction travel alike, and those that then meet the same facet go on alike. A
-//! **packet** is the rays of one [`Course`]: the same facets in the same order. It is cut into
-//! bundles of neighbours, each of which goes down the hierarchy together; then the packet is
-//! grouped by the facets met, and each group goes on as a packet.
+//! Such meshes have many facets or many kinds of bodies. All rays of a direction are parallel, and
+//! rays that then meet the same facet stay parallel. A **packet** holds the rays of one course
+//! ([`crate::rays::path::Course`]): they have met the same facets in the same order. A packet is
+//! cut into bundles of neighbours, and each bundle goes down the hierarchy together. Then the
+//! packet is grouped by the facets met, and each group goes on as a packet.
 
 use crate::optics::Triangle;
 use crate::rays::bundle::{Bundle, NONE};
@@ -13,41 +13,43 @@ use crate::rays::lane::LANES;
 use crate::rays::order::order;
 use glam::{DVec2, DVec3};
 
-/// Rays of one course: where they are, and what they meet next.
+/// Rays of one course: their positions, and the facets that they meet next.
 #[derive(Debug, Default)]
 pub(crate) struct Packet {
-    /// Where they entered.
+    /// Points where the rays entered, edge lengths.
     pub point: Vec<DVec2>,
-    /// Where they are, by axis: first where they start, then where they have met a facet.
+    /// Positions of the rays, by axis, edge lengths: first their starts, then the points on the
+    /// facets that they have met.
     pub position: [Vec<f64>; 3],
-    /// As [`crate::optics::Ray::slack`].
+    /// Bound on the error of each position, edge lengths; see [`crate::optics::Ray::slack`].
     pub slack: Vec<f64>,
-    /// Distance to what they have met.
+    /// Distance to the facet that each ray has met, edge lengths; infinite without a facet.
     pub distance: Vec<f64>,
-    /// Triangle met, then number of the ray, in one number to sort by.
+    /// Number of the facet met (upper 32 bits) and number of the ray, in one number to sort by.
     pub met: Vec<u64>,
 }
 
-/// What the rays of a packet go through, and how.
+/// Direction and facets that the rays of a packet have in common.
 pub(crate) struct Way<'a> {
     /// Hierarchy over the facets.
     pub hierarchy: &'a Hierarchy,
-    /// What they can meet.
+    /// Facets that the rays can meet.
     pub facets: &'a [Triangle],
-    /// Incidence of travel.
+    /// Direction of travel, unit length.
     pub direction: DVec3,
-    /// As [`crate::optics::Ray::grain`].
+    /// Bound on the rounding error of a triple product; see [`crate::optics::Ray::grain`].
     pub grain: f64,
-    /// The facet that they come from: it is plane and they leave to its front, so they do not meet
-    /// it.
+    /// Facet that the rays come from; `None` at the entrance.
+    ///
+    /// The facet is plane and the rays leave to its front, so they do not meet it again.
     pub from: Option<usize>,
 }
 
-/// No facet, in [`Packet::met`].
+/// Number that stands for no facet in [`Packet::met`].
 pub(crate) const OUT: u64 = NONE >> 32;
 
 impl Packet {
-    /// Forgets all rays.
+    /// Removes all rays.
     pub(crate) fn clear(&mut self) {
         self.point.clear();
         self.position.iter_mut().for_each(Vec::clear);
@@ -66,13 +68,13 @@ impl Packet {
         self.slack.push(slack);
     }
 
-    /// Where ray number `which` is.
+    /// Returns the position of ray number `which`, edge lengths.
     pub(crate) fn position(&self, which: usize) -> DVec3 {
         let [x, y, z] = &self.position;
         DVec3::new(x[which], y[which], z[which])
     }
 
-    /// Puts rays that have met the same facet, of so many, after each other.
+    /// Sorts the rays by the facet that they have met; `facets` is the number of facets.
     pub(crate) fn group(&mut self, facets: usize) {
         if self.met.len() < facets {
             self.met.sort_unstable();
@@ -84,7 +86,7 @@ impl Packet {
         }
     }
 
-    /// Takes every ray to the nearest facet.
+    /// Moves every ray to the nearest facet.
     #[inline(always)]
     pub(crate) fn advance(&mut self, way: &Way, bundle: &mut Bundle) {
         let count = self.slack.len();

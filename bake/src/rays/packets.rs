@@ -1,5 +1,5 @@
-//! Packets from the entrance to their end: each is advanced, grouped by what its rays have met, and
-//! followed on.
+//! Packets from the entrance to their end: each is advanced, grouped by the facets met, and
+//! followed.
 
 use crate::optics::{Incidence, Rules};
 use crate::rays::bins::Bins;
@@ -14,30 +14,30 @@ use glam::DVec2;
 use tables::Fate;
 use tables::deviation::Grid;
 
-/// Traces packets into a tally.
+/// Tracer of packets for one scene and one direction.
 pub(crate) struct Packets<'a> {
-    /// What they are traced through.
+    /// Scene that the packets go through.
     pub scene: &'a Scene,
-    /// Its hierarchy.
+    /// Hierarchy of the scene.
     pub hierarchy: &'a Hierarchy,
-    /// What facets do.
+    /// Rules by which facets change light.
     pub rules: &'a Rules,
-    /// Incidence of launch.
+    /// Direction of launch and its frame.
     pub direction: &'a Incidence,
     /// Bins of the tally.
     pub bins: &'a Bins,
-    /// How exit directions are recorded, where they are.
+    /// Grid that exit directions are recorded on; `None` if they are not recorded.
     pub exits: Option<&'a Grid>,
-    /// What bundles are traced with.
+    /// Instruction set that bundles are traced with.
     pub instructions: InstructionSet,
-    /// Packets under way, by reflections.
+    /// Packets under way, by the number of their reflections.
     pub stages: Vec<Packet>,
-    /// Room for one bundle.
+    /// Working memory for one bundle.
     pub bundle: Bundle,
 }
 
 impl Packets<'_> {
-    /// Traces the rays that enter at `points`, neighbours after each other.
+    /// Traces the rays that enter at `points`, of which neighbours come after each other.
     pub(crate) fn trace(&mut self, points: &[DVec2], tally: &mut Tally) {
         let (scene, travel) = (self.scene, self.direction.travel);
         let ray = scene.enter(DVec2::ZERO, travel);
@@ -51,6 +51,7 @@ impl Packets<'_> {
         self.follow(0, None, &Course::new(self.direction), tally);
     }
 
+    /// Returns the packet after `number` reflections, and makes room for it first.
     fn stage(&mut self, number: usize) -> &mut Packet {
         if self.stages.len() <= number {
             self.stages.resize_with(number + 1, Packet::default);
@@ -58,8 +59,8 @@ impl Packets<'_> {
         &mut self.stages[number]
     }
 
-    /// Traces the packet of stage `number`, whose rays come `from` a facet or from the entrance, to
-    /// the end.
+    /// Traces the packet of stage `number` to the end; its rays come `from` a facet or from the
+    /// entrance.
     fn follow(&mut self, number: usize, from: Option<usize>, course: &Course, tally: &mut Tally) {
         let mut packet = std::mem::take(self.stage(number));
         let way = Way {

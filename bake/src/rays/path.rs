@@ -1,4 +1,6 @@
-//! One ray from the entrance to its fate: the tracer that everything faster is checked against.
+//! Tracing of one ray from the entrance to its fate.
+//!
+//! All faster tracers are checked against this one.
 
 use crate::optics::{
     BOUNCE_LIMIT, Backing, Incidence, Light, Ray, Rules, element, fate_of_leaving, reflect,
@@ -10,38 +12,41 @@ use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 use tables::options::Sampler;
 
-/// How far from a surface of glass light goes on, in errors of its position: a facet may reach over
-/// so many prisms of a lattice.
+/// Distance from a surface of glass at which light goes on, in units of the error of its position.
+///
+/// The error grows with every prism of a lattice that is crossed, and a facet may extend over as
+/// many prisms as this.
 const CLEAR: f64 = 64.0;
 
-/// What became of one ray.
+/// Fate of one ray, with its shift and its direction at the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Outcome {
-    /// Its fate; a table calls it out_of_range instead where the shift lies outside the histogram.
+    /// Fate of the ray. If the shift lies outside the histogram, a table counts the ray as
+    /// out_of_range instead of retroreflected.
     pub fate: Fate,
-    /// Shift p' - p on the plane of [`element::plane`] in the incidence frame (u, v), edge lengths;
-    /// zero unless retroreflected.
+    /// Shift p' - p in the incidence frame (u, v), edge lengths, on the plane of
+    /// [`element::plane`]; zero unless retroreflected.
     pub shift: DVec2,
-    /// Reflections.
+    /// Number of reflections.
     pub bounces: u32,
-    /// Incidence of travel at the end, cell frame.
+    /// Direction of travel at the end, cell frame, unit length.
     pub travel: DVec3,
 }
 
-/// What rays have in common that have met the same facets in the same order: they travel alike.
+/// State that rays share after they have met the same facets in the same order: they are parallel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Course {
-    /// Incidence of travel, unit length.
+    /// Direction of travel, unit length.
     pub direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
     bounces: u32,
-    /// Times that it has gone through a surface of glass.
+    /// Number of times that the light has gone through a surface of glass.
     crossings: u32,
 }
 
 impl Course {
-    /// That of rays launched along `direction`.
+    /// Starts the course of rays launched along `direction`.
     pub(crate) fn new(direction: &Incidence) -> Self {
         Course {
             direction: direction.travel,
@@ -51,10 +56,10 @@ impl Course {
         }
     }
 
-    /// What follows a facet with unit normal `normal`.
+    /// Returns the course after the facet with the unit normal `normal`.
     ///
     /// # Errors
-    /// The fate of rays that end there.
+    /// Returns the fate of the rays if they end at the facet.
     pub(crate) fn past(&self, normal: DVec3, front: bool, rules: &Rules) -> Result<Self, Fate> {
         if !front {
             return Err(Fate::Absorbed);
@@ -74,11 +79,12 @@ impl Course {
         })
     }
 
-    /// What follows a facet of a sheet with bodies of glass of index `glass`, or a mirror there,
-    /// which reflects on both sides.
+    /// Returns the course after a facet of a sheet with bodies of glass of index `glass`.
+    ///
+    /// A mirror in such a sheet reflects on both sides.
     ///
     /// # Errors
-    /// [`Fate::BounceLimit`].
+    /// Returns [`Fate::BounceLimit`] if the rays have met [`BOUNCE_LIMIT`] facets before.
     fn past_glass(&self, hit: &Hit, glass: f64, rules: &Rules) -> Result<Self, Fate> {
         if self.bounces + self.crossings == BOUNCE_LIMIT {
             return Err(Fate::BounceLimit);
@@ -106,7 +112,7 @@ impl Course {
         })
     }
 
-    /// The fate of rays, launched along `travel`, that leave a sheet with bodies of glass.
+    /// Returns the fate of rays, launched along `travel`, that leave a sheet with bodies of glass.
     fn left_glass(&self, travel: DVec3, rules: &Rules) -> Fate {
         let off = (self.direction - element::imaging(rules.element) * travel).length();
         match self.bounces {
@@ -119,7 +125,7 @@ impl Course {
         }
     }
 
-    /// The fate of rays, launched along `direction`, that leave the cell.
+    /// Returns the fate of rays, launched along `direction`, that leave the cell.
     pub(crate) fn left(&self, direction: &Incidence, rules: &Rules) -> Fate {
         if rules.glass_index.is_some() {
             return self.left_glass(direction.travel, rules);
@@ -127,8 +133,9 @@ impl Course {
         fate_of_leaving(self.map, direction.travel, self.bounces, rules)
     }
 
-    /// Where rays that are at `origin` cross the plane at `height`: where they have been or come
-    /// to.
+    /// Returns the point where rays that are at `origin` cross the plane at `height`, edge lengths.
+    ///
+    /// The rays may have passed this point already, or they come to it later.
     #[inline]
     pub(crate) fn at_height(&self, height: f64, origin: DVec3) -> DVec2 {
         let along = self.direction;
@@ -136,17 +143,19 @@ impl Course {
     }
 }
 
-/// What chance decides on the way of one ray.
+/// Random numbers that decide the way of one ray.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Luck {
-    /// In (0, 1): how far it comes where the rules have losses. Of evenly spread chances as many
-    /// come back as power does, so that a tally of photons has whole numbers.
+    /// Number in (0, 1) that decides how far the ray comes where the rules have losses.
+    ///
+    /// If chances are evenly spread, the share of rays that come back is the share of power that
+    /// comes back. So photons are counted in whole numbers.
     pub chance: f64,
-    /// Stream and index of the sample, which draw the normals of rough facets.
+    /// Stream and index of the sample, from which the normals of rough facets are drawn.
     pub sample: (Stream, u64),
 }
 
-/// A chance alone, for smooth facets.
+/// Makes random numbers from a chance alone, for smooth facets.
 impl From<f64> for Luck {
     fn from(chance: f64) -> Self {
         let stream = Stream::new(Sampler::Random, 0, 0.0, 0.0, 0);
@@ -155,8 +164,9 @@ impl From<f64> for Luck {
     }
 }
 
-/// A photon of unpolarised light: it goes on as long as the power that a beam would have left
-/// exceeds its `chance`.
+/// Photon of unpolarised light.
+///
+/// It goes on as long as the power that a beam would have left exceeds its `chance`.
 struct Photon {
     light: Light,
     surface: Backing,
@@ -164,7 +174,7 @@ struct Photon {
 }
 
 impl Photon {
-    /// Ends it, with the fate given, where only `power` is left.
+    /// Ends the photon with the fate given if the remaining `power` is not above its chance.
     fn survive(&self, power: f64, fate: Fate) -> Result<(), Fate> {
         if power > self.chance {
             Ok(())
@@ -174,16 +184,16 @@ impl Photon {
     }
 }
 
-/// A facet as light meets it.
+/// Facet as light meets it.
 struct Hit {
     normal: DVec3,
     front: bool,
     glass: bool,
 }
 
-/// A ray under way.
+/// Ray under way.
 struct RayPath {
-    /// Its present piece.
+    /// Present piece of the path.
     ray: Ray,
     course: Course,
     prism: [i32; 2],
@@ -192,7 +202,7 @@ struct RayPath {
 }
 
 impl RayPath {
-    /// Takes the path past the next event of its ray; its fate if it ends there.
+    /// Takes the path past the next event of its ray; returns the fate if the path ends there.
     #[inline]
     fn pass(&mut self, event: &Event, rules: &Rules, direction: &Incidence) -> Result<(), Fate> {
         match *event {
@@ -219,8 +229,9 @@ impl RayPath {
                     if crosses != (side * before.dot(front_normal) > 0.0) {
                         return Err(Fate::Absorbed);
                     }
-                    // Behind a facet, within its error, it would meet it again, in the next prism
-                    // too, where the error counts for more: it goes on from beyond that.
+                    // Within the error of its position, the light could meet the same facet again.
+                    // In the next prism it could do so too, where the error counts for more. So it
+                    // goes on from a point beyond that error.
                     let clear = front_normal * (CLEAR * arrival.slack).copysign(side);
                     self.course = onward;
                     self.prism = [self.prism[0] + prism[0], self.prism[1] + prism[1]];
@@ -241,8 +252,8 @@ impl RayPath {
                     _ => normal,
                 };
                 self.course = self.course.past(normal, front, rules)?;
-                // Off rough facets, and off those that stand for a curved face, light may be sent
-                // behind its facet.
+                // Rough facets, and facets that stand for a curved face, may send light behind
+                // their own plane.
                 if self.course.direction.dot(front_normal) <= 0.0 {
                     return Err(Fate::Absorbed);
                 }
@@ -271,8 +282,10 @@ impl RayPath {
     }
 }
 
-/// Traces the ray that enters `scene` at `point` of the entrance plane (cell frame, edge lengths)
-/// along `direction`. `luck` says nothing where the rules have neither losses nor roughness.
+/// Traces the ray that enters `scene` along `direction` at `point` of the entrance plane.
+///
+/// `point` is in the cell frame, edge lengths. `luck` has no effect if the rules have neither
+/// losses nor roughness.
 pub(crate) fn trace(
     scene: &Scene,
     rules: &Rules,

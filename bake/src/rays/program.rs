@@ -1,19 +1,20 @@
-//! One direction of a small planar cell as a short program that every ray runs.
+//! Program of one direction of a small planar cell, which every ray runs.
 //!
-//! All rays of a direction share their direction of travel, also after any given sequence of
-//! facets. Unfolded at the facets, the line of a ray is then an affine function of its entry point,
-//! and "does it pass this edge on the inner side" is the sign of one. A [`Program`] is the tree of
-//! all sequences that can happen, flattened: at each node the facets ahead, front to back, each
-//! with the edges that a ray there can still miss, and at each end a fate. Every ray is decided by
-//! its own tests; only tests that no entry point of a node can fail are left out, and what can be
-//! known for a whole direction (normals, lines, maps) is computed once.
+//! All rays of a direction are parallel, also after any given sequence of facets. Unfolded at the
+//! facets, the line of a ray is an affine function of its entry point. So the question whether a
+//! ray passes an edge on the inner side is the sign of an affine function. A [`Program`] is the
+//! tree of all sequences that can happen, flattened. Each node holds the facets ahead, front to
+//! back, with the edges that a ray there can still miss. Each end of the tree holds a fate. Every
+//! ray is decided by its own tests. Only tests that no entry point of a node can fail are left out.
+//! Whatever is the same for a whole direction (normals, lines, maps) is computed once.
 //!
-//! Which tests can fail is found by cutting the entrance along the tests. A facet that takes all
-//! that is left of a node gets no test at all, so a ray through a shared edge or an apex goes to
-//! one facet or the other, never between.
+//! To find the tests that can fail, the entrance is cut along the tests. A facet that takes all
+//! rays left at a node gets no test at all. So a ray through a shared edge or an apex meets one
+//! facet or the other, and never passes between them.
 //!
-//! Cells that do not fit (periodic, many facets, facets that pierce each other or hide each other
-//! in a circle) have no program and are traced facet by facet: `Program::new` returns `None`.
+//! Some cells do not fit: periodic cells, cells of many facets, and cells whose facets pierce each
+//! other or hide each other in a circle. For them `Program::new` returns `None`, and they are
+//! traced facet by facet.
 
 use crate::cell::PROGRAM_FACETS;
 use crate::optics::{
@@ -24,39 +25,42 @@ use crate::rays::scene::Scene;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
 
-/// Steps of a program at most: beyond, tracing facet by facet is about as fast.
+/// Largest number of steps of a program; beyond it, tracing facet by facet is about as fast.
 const STEPS: usize = 512;
 
-/// Depth of the tree at most: masks that a bundle of rays keeps.
+/// Largest depth of the tree, which is the number of masks that a bundle of rays keeps.
 pub(crate) const DEPTH: usize = 24;
 
-/// Distances below this count as rounding when tests are left out, edge lengths.
+/// Largest distance that counts as rounding when tests are left out, edge lengths.
 const ROUNDING: f64 = 1e-12;
 
-/// Parts of the entrance smaller than this are empty, square edge lengths.
+/// Largest area of a part of the entrance that counts as empty, square edge lengths.
 const SPECK: f64 = 1e-13;
 
-/// Two maps whose bin positions differ by less than this are one: below the rounding of either.
+/// Largest difference of bin positions between two maps that count as one.
+///
+/// It is above the rounding errors of both maps, so maps that differ by rounding alone are one.
 const SAME_BIN_POSITION: f64 = 1e-10;
 
-/// An affine function of the entry point: `x` p.x + `y` p.y + `one`.
+/// Affine function of the entry point p: `x` p.x + `y` p.y + `one`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Affine {
     /// Coefficient of p.x.
     pub x: f64,
     /// Coefficient of p.y.
     pub y: f64,
-    /// Constant.
+    /// Constant term.
     pub one: f64,
 }
 
 impl Affine {
-    /// Its value at `p`.
+    /// Evaluates the function at `p`.
     #[inline(always)]
     pub(crate) fn at(&self, p: DVec2) -> f64 {
         self.x * p.x + self.y * p.y + self.one
     }
 
+    /// Returns the difference of two functions.
     fn minus(&self, other: &Affine) -> Affine {
         Affine {
             x: self.x - other.x,
@@ -65,7 +69,10 @@ impl Affine {
         }
     }
 
-    /// The same sign everywhere, as a distance from the line where it is 0, edge lengths.
+    /// Scales the function to a signed distance from the line where it is 0, edge lengths.
+    ///
+    /// The sign of the value stays. A function without a slope, beyond rounding, is returned as it
+    /// is.
     fn as_distance(&self) -> Affine {
         let slope = self.x.hypot(self.y);
         if slope > ROUNDING {
@@ -75,6 +82,7 @@ impl Affine {
         }
     }
 
+    /// Returns the function times a factor.
     fn times(&self, factor: f64) -> Affine {
         Affine {
             x: self.x * factor,
@@ -84,43 +92,46 @@ impl Affine {
     }
 }
 
-/// What becomes of the rays that a step takes.
+/// End of the rays that a step takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum End {
-    /// They go on: the steps that follow are about them.
+    /// The rays go on, and the steps that follow are about them.
     Onward,
-    /// They end with a fate other than retroreflected.
+    /// The rays end with a fate other than retroreflected.
     Fate(Fate),
-    /// They are retroreflected, shifted by this map.
+    /// The rays are retroreflected, shifted by the map of this number.
     Shift(usize),
 }
 
-/// Takes, of the rays left at `from`, those that pass all its tests; they are left at `from + 1`
-/// where they go on.
+/// Step of a program: it takes those of the rays left at depth `from` that pass all its tests.
+///
+/// If the rays go on, they are then left at the depth `from + 1`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Step {
     /// Depth in the tree.
     pub from: usize,
-    /// Its tests: positions in [`Program::tests`]. None: takes all that are left.
+    /// Range of the step's tests in [`Program::tests`]; an empty range takes all rays that are
+    /// left.
     pub tests: (usize, usize),
-    /// What becomes of them.
+    /// End of the rays that the step takes.
     pub end: End,
 }
 
-/// The program of one direction.
+/// Program of one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Program {
-    /// Steps, each node before its children.
+    /// Steps; each node comes before its children.
     pub steps: Vec<Step>,
-    /// Tests of all steps: a ray passes where the value is not negative.
+    /// Tests of all steps; a ray passes a test if its value is not negative.
     pub tests: Vec<Affine>,
     /// Bin positions (u, v) as functions of the entry point.
     pub maps: Vec<[Affine; 2]>,
 }
 
 impl Program {
-    /// The program for rays along `direction` that enter in the convex parts `entry`, or `None`
-    /// where the cell does not fit.
+    /// Makes the program for rays along `direction`, or returns `None` if the cell does not fit.
+    ///
+    /// The rays enter in the convex parts `entry`.
     pub(crate) fn new(
         scene: &Scene,
         entry: Vec<Vec<DVec2>>,
@@ -158,23 +169,23 @@ impl Program {
     }
 }
 
-/// The part of a program that rays from one small part of the entrance can need.
+/// Part of a program that rays from one small part of the entrance can need.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Excerpt {
     /// Steps that such rays can take.
     pub steps: Vec<Step>,
-    /// Their tests, those left out that all such rays pass.
+    /// Tests of these steps, without those that all such rays pass.
     pub tests: Vec<Affine>,
 }
 
 impl Excerpt {
-    /// Takes the part of `program` for rays that enter between `corners` (their convex hull).
+    /// Takes the part of `program` for rays that enter in the convex hull of `corners`.
     pub(crate) fn refill(&mut self, program: &Program, corners: &[DVec2]) {
         self.steps.clear();
         self.tests.clear();
-        // Whether an earlier step of the node at that depth takes all its rays.
+        // True where an earlier step of the node at that depth takes all its rays.
         let mut closed = [false; DEPTH];
-        // Steps deeper than this belong to a step that no ray takes.
+        // Steps deeper than this follow a step that no ray takes.
         let mut skipped = usize::MAX;
         for step in &program.steps {
             if step.from > skipped {
@@ -209,19 +220,20 @@ impl Excerpt {
     }
 }
 
-/// The line of a ray, unfolded: position = `map` (p.x, p.y, height) + `offset` + distance x
-/// `direction`.
+/// Line of a ray, unfolded at the facets that it has met.
+///
+/// A point of the line is `map` (p.x, p.y, height) + `offset` + distance x `direction`.
 struct UnfoldedRay {
     direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
     offset: DVec3,
-    /// Distance along the line at which the ray is now.
+    /// Distance along the line at which the ray is now, edge lengths.
     start: Affine,
 }
 
 impl UnfoldedRay {
-    /// `vector` . (position at distance 0) as a function of the entry point.
+    /// Returns `vector` . (position at distance 0) as a function of the entry point.
     fn along(&self, vector: DVec3, height: f64) -> Affine {
         let [x, y, z] =
             [self.map.x_axis, self.map.y_axis, self.map.z_axis].map(|column| vector.dot(column));
@@ -232,9 +244,11 @@ impl UnfoldedRay {
         }
     }
 
-    /// How far the line passes the edge from `a` to `b`, seen along the ray, edge lengths: positive
-    /// on the left, where the inside of a facet is whose corners run counter-clockwise as the ray
-    /// sees them. Exactly opposite for the edge from `b` to `a`. `None` for an edge seen end-on.
+    /// Returns the distance at which the line passes the edge from `a` to `b`, seen along the ray.
+    ///
+    /// The distance is in edge lengths. It is positive on the left of the edge, where the inside of
+    /// a facet lies whose corners run counter-clockwise as the ray sees them. For the edge from `b`
+    /// to `a` it is exactly minus this value. Returns `None` if the ray sees the edge end-on.
     fn beside(&self, a: DVec3, b: DVec3, height: f64) -> Option<Affine> {
         let swapped = a.to_array() > b.to_array();
         let (low, high) = if swapped { (b, a) } else { (a, b) };
@@ -249,7 +263,7 @@ impl UnfoldedRay {
         (length > ROUNDING).then(|| side.times(if swapped { -1.0 } else { 1.0 }))
     }
 
-    /// Distance along the line to the plane of `facet`.
+    /// Returns the distance along the line to the plane of `facet`.
     fn distance(&self, facet: &Triangle, height: f64) -> Affine {
         let cosine = self.direction.dot(facet.normal);
         let position = self.along(facet.normal, height);
@@ -264,7 +278,7 @@ impl UnfoldedRay {
 /// Convex parts of the entrance.
 type Region = Vec<Vec<DVec2>>;
 
-/// A facet ahead of the rays of a node.
+/// Facet ahead of the rays of a node.
 struct FacetAhead {
     facet: Triangle,
     tests: Vec<Affine>,
@@ -281,8 +295,10 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds the steps of the rays that enter in `region` and are now on `line` after `bounces`
+    /// Adds the steps of the rays that enter in `region` and are on `line` after `bounces`
     /// reflections.
+    ///
+    /// Returns `None` if the cell does not fit.
     fn node(&mut self, line: &UnfoldedRay, bounces: usize, region: Region) -> Option<()> {
         let mut ahead = self.ahead(line, &region)?;
         let mut left = region;
@@ -297,7 +313,7 @@ impl Builder<'_> {
             } else {
                 needed(&left, &next.tests)
             };
-            // A step without a test takes all rays: what is outside then is a strip no wider than
+            // A step without a test takes all rays, because what it leaves is a strip no wider than
             // rounding.
             left = if tests.is_empty() {
                 Vec::new()
@@ -319,7 +335,9 @@ impl Builder<'_> {
         self.step(bounces, Vec::new(), end)
     }
 
-    /// The facets that rays of `region` on `line` can meet.
+    /// Returns the facets that rays of `region` on `line` can meet.
+    ///
+    /// Returns `None` if the rays see an edge of a facet end-on.
     fn ahead(&self, line: &UnfoldedRay, region: &Region) -> Option<Vec<FacetAhead>> {
         let height = self.scene.height();
         let mut ahead = Vec::new();
@@ -339,7 +357,7 @@ impl Builder<'_> {
             let lead = distance.minus(&line.start);
             let (inside, _) = split(region, &tests);
             let (least, most) = extent(&inside, &lead);
-            // Rounding of a distance grows as 1/cosine.
+            // The rounding error of a distance grows as 1/cosine.
             let rounding = ROUNDING / cosine.abs();
             if inside.is_empty() || most <= rounding {
                 continue;
@@ -358,7 +376,7 @@ impl Builder<'_> {
         Some(ahead)
     }
 
-    /// Adds the step onto a facet, and those that follow from it.
+    /// Adds the step onto a facet, and the steps that follow from it.
     fn hit(
         &mut self,
         line: &UnfoldedRay,
@@ -383,7 +401,7 @@ impl Builder<'_> {
         let after = UnfoldedRay {
             direction: reflect(line.direction, facet.normal),
             map: mirror * line.map,
-            // x -> x - 2 n (n . (x - corner))
+            // The reflection is x -> x - 2 n (n . (x - corner)).
             offset: mirror * line.offset
                 + facet.normal * (2.0 * facet.normal.dot(facet.corners[0])),
             start: next.distance,
@@ -391,6 +409,7 @@ impl Builder<'_> {
         self.node(&after, bounces + 1, region)
     }
 
+    /// Adds one step, or returns `None` if the program has become too long or too deep.
     fn step(&mut self, from: usize, tests: Vec<Affine>, end: End) -> Option<()> {
         let first = self.program.tests.len();
         self.program.tests.extend(tests);
@@ -402,12 +421,13 @@ impl Builder<'_> {
         (self.program.steps.len() <= STEPS && from + 1 < DEPTH).then_some(())
     }
 
-    /// The bin position of rays that leave along `line`.
+    /// Returns the number of the map from entry points to bin positions of rays that leave along
+    /// `line`.
     fn map(&mut self, line: &UnfoldedRay) -> usize {
         let height = self.scene.height();
         let d = line.direction;
-        // At distance t = (height - z) / d.z the ray is back on the entrance plane: p' = xy + t
-        // d.xy.
+        // At the distance t = (height - z) / d.z the ray is back on the entrance plane, at the
+        // point p' = xy + t d.xy.
         let exit = |axis: DVec2| {
             let inward = axis.extend(-axis.dot(d.truncate()) / d.z);
             let position = line.along(inward, height);
@@ -436,8 +456,9 @@ impl Builder<'_> {
     }
 }
 
-/// The facet that no other one hides anywhere. `None` where two pierce each other or all hide each
-/// other in a circle.
+/// Returns the number of the facet that no other facet hides anywhere.
+///
+/// Returns `None` if two facets pierce each other, or all hide each other in a circle.
 fn foremost(ahead: &[FacetAhead]) -> Option<usize> {
     let mut candidate = None;
     for (i, front) in ahead.iter().enumerate() {
@@ -457,7 +478,7 @@ fn foremost(ahead: &[FacetAhead]) -> Option<usize> {
     candidate
 }
 
-/// The parts of `region` where all `tests` pass, and where one fails.
+/// Returns the parts of `region` where all `tests` pass, and the parts where one fails.
 fn split(region: &Region, tests: &[Affine]) -> (Region, Region) {
     let mut inside = region.clone();
     let mut outside = Vec::new();
@@ -477,7 +498,7 @@ fn split(region: &Region, tests: &[Affine]) -> (Region, Region) {
     (inside, outside)
 }
 
-/// Those of `tests` that a ray of `region` can fail when it passes the others.
+/// Returns those of `tests` that a ray of `region` can fail when it passes the others.
 fn needed(region: &Region, tests: &[Affine]) -> Vec<Affine> {
     let mut kept = tests.to_vec();
     let mut i = 0;
@@ -492,8 +513,9 @@ fn needed(region: &Region, tests: &[Affine]) -> Vec<Affine> {
     kept
 }
 
-/// Least and greatest value of `function` over the corners of `region`; (inf, -inf) for an empty
-/// one.
+/// Returns the least and the greatest value of `function` over the corners of `region`.
+///
+/// For an empty region it returns (inf, -inf).
 fn extent(region: &Region, function: &Affine) -> (f64, f64) {
     region
         .iter()
@@ -505,12 +527,13 @@ fn extent(region: &Region, function: &Affine) -> (f64, f64) {
         )
 }
 
-/// The part of a convex polygon where `test` is not negative.
+/// Returns the part of a convex polygon where `test` is not negative.
 fn clip(polygon: &[DVec2], test: &Affine) -> Vec<DVec2> {
     let on = |p: DVec2, q: DVec2, part: f64| p + (q - p) * part;
     tables::polygon::clip(polygon, |p| -test.at(p), on)
 }
 
+/// Returns whether a part of the entrance is so small that it counts as empty.
 fn is_speck(polygon: &[DVec2]) -> bool {
     let doubled: f64 = (1..polygon.len().saturating_sub(1))
         .map(|i| (polygon[i] - polygon[0]).perp_dot(polygon[i + 1] - polygon[0]))

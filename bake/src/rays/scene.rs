@@ -1,10 +1,10 @@
-//! All facets of a cell, ready to be hit: the nearest facet of a ray, across cell walls where the
-//! cell is periodic.
+//! All facets of a cell, ready for the search of the nearest facet of a ray.
 //!
-//! A periodic cell is walked prism by prism. The list of facets holds every copy that overlaps the
-//! prism over the lattice parallelogram, so a ray needs that one list, seen from the prism that it
-//! is in. A prism is an exact pair of integers: no ray is pushed over a wall by an epsilon, and
-//! none is lost at one.
+//! Where the cell is periodic, a ray crosses the walls between its cells and goes from prism to
+//! prism. The list of facets holds every copy that overlaps the prism over the lattice
+//! parallelogram. So a ray needs that one list only, seen from the prism that it is in. A prism is
+//! an exact pair of integers: no ray is pushed over a wall by an epsilon, and no ray is lost at a
+//! wall.
 
 use crate::cell::SMALL;
 use crate::optics::{Ray, Triangle, triangle};
@@ -13,97 +13,105 @@ use crate::rays::nearest::Nearest;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};
 
-/// From this number of facets on they do not fit in the caches near a processor (2 MB), so that
-/// neighbours are traced after each other.
+/// Smallest number of facets that do not fit in the caches near a processor (2 MB).
+///
+/// In such a scene, neighbouring rays are traced after each other.
 const LARGE: usize = 1 << 14;
 
-/// Prisms that a ray may cross between two hits. 89.9 deg need 573 per edge length of depth; a ray
-/// along a groove would never stop.
+/// Largest number of prisms that a ray may cross between two hits.
+///
+/// A ray at 89.9 degrees needs 573 of them per edge length of depth. A ray along a groove would
+/// never stop.
 const PRISM_LIMIT: u32 = 1_000_000;
 
-/// The facets of a cell, indexed for speed.
+/// Facets of a cell, indexed for speed.
 pub(crate) struct Scene {
-    /// Facets; of a periodic cell every copy that overlaps the prism of the lattice parallelogram.
+    /// All facets; of a periodic cell every copy that overlaps the prism of the lattice
+    /// parallelogram.
     facets: Vec<Triangle>,
-    /// Those at their corners, where facets stand for curved faces.
+    /// Normals at the corners of facets that stand for curved faces; `None` where all are planar.
     normals: Option<Normals>,
-    /// Whether light goes through each; empty where all are mirrors.
+    /// True for each facet that light goes through; empty if all facets are mirrors.
     glass: Vec<bool>,
     hierarchy: Option<Hierarchy>,
     walls: Option<Walls>,
     /// Height of the entrance plane over the apex, edge lengths.
     height: f64,
-    /// Height of the lowest corner.
+    /// Height of the lowest corner, edge lengths.
     bottom: f64,
-    /// Greatest distance of an origin in the cell from any corner, edge lengths: the scale of
-    /// rounding errors.
+    /// Greatest distance of an origin in the cell from any corner, edge lengths.
+    ///
+    /// Rounding errors are in proportion to it.
     reach: f64,
 }
 
-/// How to look for the nearest facet.
+/// Way in which the nearest facet is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(
     not(test),
     expect(dead_code, reason = "tests hold each way against the others")
 )]
 pub(crate) enum Index {
-    /// Whichever is faster for the number of facets.
+    /// The faster one for the number of facets.
     Auto,
-    /// A loop over all facets: the oracle.
+    /// A loop over all facets, against which tests check the hierarchy.
     Loop,
     /// The bounding volume hierarchy.
     Hierarchy,
 }
 
-/// The walls between the prisms of a periodic cell.
+/// Walls between the prisms of a periodic cell.
 struct Walls {
     lattice: [DVec2; 2],
-    /// From the plane to lattice coordinates.
+    /// Linear map from the plane to lattice coordinates.
     lattice_from_plane: DMat2,
-    /// Corner of the parallelogram that has lattice coordinates (0, 0).
+    /// Corner of the parallelogram with the lattice coordinates (0, 0), edge lengths.
     corner: DVec2,
 }
 
-/// What a ray comes to next.
+/// Next event on the way of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Event {
-    /// A facet.
+    /// Hit on a facet.
     Hit {
         /// Distance from the ray's origin, edge lengths.
         distance: f64,
-        /// The hit in the prism of the first cell, with the error bound of its position; direction
+        /// Point of the hit in the prism of the first cell, with the bound on its error; direction
         /// as before.
         arrival: Ray,
         /// Unit normal about which light is reflected, within 90 degrees of `front_normal`.
         normal: DVec3,
-        /// Unit normal of the facet's front: the same unless the facet stands for a curved face.
+        /// Unit normal of the facet's front; equal to `normal` unless the facet stands for a curved
+        /// face.
         front_normal: DVec3,
-        /// Whether light goes through the facet; else it is a mirror.
+        /// True if light goes through the facet; otherwise the facet is a mirror.
         glass: bool,
-        /// Whether it is met from the front.
+        /// True if the ray meets the facet from the front.
         front: bool,
         /// Prism of the hit, relative to that of the ray's origin, in lattice vectors.
         prism: [i32; 2],
     },
-    /// No facet: the ray is out of the sheet.
+    /// No facet, because the ray is out of the sheet.
     Out,
-    /// A ray that runs along the sheet without end.
+    /// Ray that runs along the sheet without end.
     Endless,
 }
 
 impl Scene {
-    /// The scene of a cell.
+    /// Makes the scene of a cell.
     pub(crate) fn new(cell: &Cell, index: Index) -> Self {
         let normals = cell.normals.as_ref();
         Scene::with(&cell.facets, normals, &cell.glass, &cell.entrance, index)
     }
 
-    /// The scene of planar `facets` under `entrance`. Facets of zero area are left out: no ray can
-    /// meet them.
+    /// Makes the scene of planar `facets` under `entrance`.
+    ///
+    /// Facets of zero area are left out, because no ray can meet them.
     pub(crate) fn of(facets: &[[DVec3; 3]], entrance: &Entrance, index: Index) -> Self {
         Scene::with(facets, None, &[], entrance, index)
     }
 
+    /// Makes a scene; without `normals` all facets are planar, and without `glass` all are mirrors.
     fn with(
         facets: &[[DVec3; 3]],
         normals: Option<&Normals>,
@@ -124,7 +132,7 @@ impl Scene {
             lattice_from_plane: DMat2::from_cols(lattice[0], lattice[1]).inverse(),
             corner: entrance.polygon.first().copied().unwrap_or(DVec2::ZERO),
         });
-        // Of facets with an area, in turn.
+        // The normals of facets with an area, in the order of these facets.
         let mut corners = normals.map(|normals| {
             let drawn = facets.iter().zip(&normals.corners);
             let drawn = drawn.filter(|(facet, _)| triangle::normal(*facet).is_some());
@@ -171,59 +179,61 @@ impl Scene {
         }
     }
 
-    /// Facets tested, copies included.
+    /// Returns the facets that rays are tested against, copies included.
     pub(crate) fn facets(&self) -> &[Triangle] {
         &self.facets
     }
 
-    /// Whether facets stand for curved faces: rays that meet the same facet then part.
+    /// Returns whether facets stand for curved faces.
+    ///
+    /// Rays that meet the same facet then diverge.
     pub(crate) fn is_curved(&self) -> bool {
         self.normals.is_some()
     }
 
-    /// Whether rays are traced faster beside their neighbours.
+    /// Returns whether rays are traced faster beside their neighbours.
     pub(crate) fn is_large(&self) -> bool {
         self.has_hierarchy() && self.facets.len() >= LARGE
     }
 
-    /// Whether hits are found by the hierarchy.
+    /// Returns whether hits are found by the hierarchy.
     pub(crate) fn has_hierarchy(&self) -> bool {
         self.hierarchy.is_some()
     }
 
-    /// Whether rays cross into neighbouring cells.
+    /// Returns whether rays cross into neighbouring cells.
     pub(crate) fn is_periodic(&self) -> bool {
         self.walls.is_some()
     }
 
-    /// Height of the entrance plane over the apex, edge lengths.
+    /// Returns the height of the entrance plane over the apex, edge lengths.
     pub(crate) fn height(&self) -> f64 {
         self.height
     }
 
-    /// Height of the lowest corner, edge lengths.
+    /// Returns the height of the lowest corner, edge lengths.
     pub(crate) fn bottom(&self) -> f64 {
         self.bottom
     }
 
-    /// Greatest distance of an origin in the cell from any corner, edge lengths.
+    /// Returns the greatest distance of an origin in the cell from any corner, edge lengths.
     pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// A ray that enters at `point` of the entrance plane.
+    /// Makes the ray that enters at `point` of the entrance plane.
     pub(crate) fn enter(&self, point: DVec2, direction: DVec3) -> Ray {
         Ray::new(point.extend(self.height), direction, self.reach)
     }
 
-    /// The displacement of `prism` lattice vectors; zero where the cell is not periodic.
+    /// Returns the displacement of `prism` lattice vectors; zero if the cell is not periodic.
     pub(crate) fn displacement(&self, prism: [i32; 2]) -> DVec2 {
         self.walls
             .as_ref()
             .map_or(DVec2::ZERO, |walls| walls.displacement(prism))
     }
 
-    /// What `ray` comes to next.
+    /// Finds the next event of `ray`.
     pub(crate) fn next(&self, ray: &Ray) -> Event {
         match &self.walls {
             None => self.event(ray, &self.nearest(ray, f64::INFINITY)),
@@ -231,19 +241,21 @@ impl Scene {
         }
     }
 
-    /// What `ray` comes to in a cell that is not periodic, its nearest facet known.
+    /// Makes the next event of `ray` in a cell that is not periodic from its nearest facet.
     fn event(&self, ray: &Ray, nearest: &Nearest) -> Event {
         nearest.facet.map_or(Event::Out, |facet| {
             self.hit(ray, ray, facet, nearest, [0, 0])
         })
     }
 
-    /// The hierarchy, where rays can go down it in packets: the cell is not periodic.
+    /// Returns the hierarchy if packets of rays can go down it, which they cannot in a periodic
+    /// cell.
     pub(crate) fn for_packets(&self) -> Option<&Hierarchy> {
         let hierarchy = self.hierarchy.as_ref();
         hierarchy.filter(|_| self.walls.is_none())
     }
 
+    /// Finds the nearest facet along `ray`, up to `limit` edge lengths away.
     fn nearest(&self, ray: &Ray, limit: f64) -> Nearest {
         if let Some(hierarchy) = &self.hierarchy {
             return hierarchy.nearest(&self.facets, ray, limit);
@@ -262,7 +274,7 @@ impl Scene {
         } else {
             self.bottom
         };
-        // A level ray stays in the sheet until it meets something.
+        // A level ray stays in the sheet until it meets a facet.
         let last = if ray.direction.z == 0.0 {
             f64::INFINITY
         } else {
@@ -281,15 +293,15 @@ impl Scene {
                 }
             };
             let axis = usize::from(exit(1) < exit(0));
-            // A facet that overlaps the wall is in both lists, so a hit at the wall, give or take
-            // rounding, is found from one prism or the other.
+            // A facet that overlaps the wall is in the lists of both prisms. So a hit at the wall,
+            // within rounding, is found from one prism or the other.
             let limit = exit(axis).max(0.0) * (1.0 + 1e-12) + 1e-12;
             let local = Ray {
                 origin: ray.origin - walls.displacement(prism).extend(0.0),
                 ..*ray
             };
             let away = f64::from(prism[0].abs().max(prism[1].abs()));
-            // Far from its start the ray is known less well.
+            // Far from its start the position of the ray is less accurate.
             let slack = ray.slack * (1.0 + away);
             let local = Ray {
                 slack,
@@ -308,6 +320,7 @@ impl Scene {
         Event::Endless
     }
 
+    /// Makes the event of a hit on facet number `facet`; `local` is `ray` seen from `prism`.
     fn hit(
         &self,
         ray: &Ray,
@@ -347,12 +360,14 @@ impl Scene {
 }
 
 impl Walls {
+    /// Returns the displacement of `prism` lattice vectors, edge lengths.
     fn displacement(&self, prism: [i32; 2]) -> DVec2 {
         self.lattice[0] * f64::from(prism[0]) + self.lattice[1] * f64::from(prism[1])
     }
 
-    /// Every copy of `own` that overlaps the prism of the parallelogram, walls included, and of
-    /// which it is one.
+    /// Returns every copy of `own` that overlaps the prism of the parallelogram, walls included.
+    ///
+    /// Beside each copy stands the number of the facet that it is a copy of.
     fn copies(&self, own: &[Triangle]) -> Vec<(Triangle, usize)> {
         let mut copies = Vec::new();
         for (number, facet) in own.iter().enumerate() {
@@ -361,7 +376,7 @@ impl Walls {
                 .map(|corner| self.lattice_from_plane * (corner.truncate() - self.corner));
             let low = flat[0].min(flat[1]).min(flat[2]);
             let high = flat[0].max(flat[1]).max(flat[2]);
-            // Copies by (i, j) reach into [0, 1]^2 when low + i <= 1 and high + i >= 0.
+            // Copies moved by (i, j) reach into [0, 1]^2 when low + i <= 1 and high + i >= 0.
             let first = |high: f64| (-high - WALL).ceil() as i32;
             let last = |low: f64| (1.0 - low + WALL).floor() as i32;
             for i in first(high.x)..=last(low.x) {
@@ -379,11 +394,13 @@ impl Walls {
     }
 }
 
-/// How near to a wall a facet must come to be in both lists, lattice coordinates.
+/// Largest distance from a wall at which a facet is in both lists, lattice coordinates.
 const WALL: f64 = 1e-9;
 
-/// Whether a triangle in lattice coordinates overlaps [0, 1]^2: no edge of it separates the two
-/// (its bounding box does not, where this is called).
+/// Returns whether a triangle in lattice coordinates overlaps [0, 1]^2.
+///
+/// It does if no edge of it separates the two. The sides of the square need no test, because the
+/// caller passes only triangles whose bounding box overlaps the square.
 fn overlaps_unit_square(corners: [DVec2; 3]) -> bool {
     let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
     (0..3).all(|i| {
@@ -407,7 +424,7 @@ mod tests {
     use meshes::{CellOptions, normalise};
     use std::path::Path;
 
-    /// A level ray over a periodic cell crosses prisms until it meets a mirror.
+    /// Checks that a level ray over a periodic cell crosses prisms until it meets a mirror.
     #[test]
     fn level_rays_are_not_lost() {
         let mesh = Design::new(Shape::FullCube).mesh().expect("a design");

@@ -1,20 +1,23 @@
-//! A cell as its rays see it: one scene, or one for each kind of body that it falls into.
+//! Cell as its rays see it: one scene, or one scene for each kind of body that the cell consists
+//! of.
 
 use crate::cell::Prepared;
 use crate::rays::scene::{Index, Scene};
 use crate::samples::Launch;
 use std::sync::Arc;
 
-/// Scenes that rays are launched into, and how they are shared among them.
+/// Scenes that rays are launched into, and the shares of the rays among them.
 pub(crate) struct Sheet {
-    /// The scenes; a ray meets facets of one only.
+    /// All scenes; a ray meets facets of one scene only.
     pub scenes: Vec<Arc<Scene>>,
-    /// From samples to entry points and the scenes that they belong to.
+    /// Map from samples to entry points and the scenes that they belong to.
     pub launch: Launch,
 }
 
 impl Sheet {
-    /// The sheet of a cell, taken apart where it can be ([`Prepared::kinds`]).
+    /// Makes the sheet of a cell, with a scene for each kind of body if there are kinds.
+    ///
+    /// [`Prepared::kinds`] says whether the cell is taken apart into bodies.
     pub(crate) fn new(prepared: &Prepared, index: Index) -> Self {
         let cell = prepared.cell();
         let Ok(kinds) = prepared.kinds() else {

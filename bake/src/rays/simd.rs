@@ -1,8 +1,10 @@
-//! The fence: the one file with unsafe code. It compiles [`crate::rays::lanes`] and
-//! [`crate::rays::packet`] once per instruction set and calls the best that the processor has.
+//! Choice of the instruction set, and the only file with unsafe code.
 //!
-//! The only unsafe act is calling a function that was compiled for an instruction set; an
-//! [`InstructionSet`] is only made after the processor was asked for it.
+//! It compiles [`crate::rays::lanes`] and [`crate::rays::packet`] once per instruction set and
+//! calls the best that the processor has.
+//!
+//! The only unsafe act is the call of a function that was compiled for an instruction set. An
+//! [`InstructionSet`] is made only after the processor was asked for it.
 #![allow(
     unsafe_code,
     reason = "a function compiled for an instruction set may be called only where it is present"
@@ -14,7 +16,7 @@ use crate::rays::lanes::Batch;
 use crate::rays::packet::{Packet, Way};
 use crate::rays::tally::Tally;
 
-/// An instruction set that this processor has.
+/// Instruction set that this processor has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct InstructionSet(Level);
 
@@ -28,7 +30,9 @@ enum Level {
 }
 
 impl InstructionSet {
-    /// All that this processor has, the best last. They give the same bits.
+    /// Returns all instruction sets that this processor has, the best last.
+    ///
+    /// All of them give the same bits.
     pub(crate) fn available() -> Vec<Self> {
         let mut sets = vec![InstructionSet(Level::Baseline)];
         #[cfg(target_arch = "x86_64")]
@@ -50,7 +54,7 @@ impl InstructionSet {
         sets
     }
 
-    /// The best that this processor has.
+    /// Returns the best instruction set that this processor has.
     pub(crate) fn best() -> Self {
         Self::available()
             .last()
@@ -65,7 +69,7 @@ impl InstructionSet {
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { advance_avx2(packet, way, bundle) },
-            // SAFETY: as above.
+            // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 => unsafe { advance_avx512(packet, way, bundle) },
         }
@@ -78,7 +82,7 @@ impl InstructionSet {
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { avx2(batch, tally) },
-            // SAFETY: as above.
+            // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
             Level::Avx512 => unsafe { avx512(batch, tally) },
         }

@@ -1,4 +1,4 @@
-//! Integer counts of fates and shifts: sums in any order give the same bytes.
+//! Integer counts of fates and shifts, which give the same bytes in any order of summation.
 
 use crate::rays::bins::Bins;
 use crate::rays::lane::LANES;
@@ -11,17 +11,20 @@ use tables::{Fate, Table};
 /// Counts of one run of rays of one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Tally {
-    /// Rays by bin, v slow, u fast, and then [`LANES`] slots for the fast kernel's rays that fall
-    /// in no bin.
+    /// Number of rays by bin, v slow, u fast.
+    ///
+    /// After the bins come [`LANES`] slots for the rays of the fast kernel that fall in no bin.
     pub histogram: Vec<u32>,
-    /// Rays by fate, in the order of [`Fate::ALL`].
+    /// Number of rays by fate, in the order of [`Fate::ALL`].
     pub fates: [u64; Fate::ALL.len()],
-    /// Places of rays in the histogram of deviations; none where there is no such histogram.
+    /// Places of rays in the histogram of deviations; empty if there is no such histogram.
     pub exits: Vec<u64>,
 }
 
 impl Tally {
-    /// Empty counts. A tally takes at most 2^32 - 1 rays, which the runs are cut to.
+    /// Makes empty counts.
+    ///
+    /// A tally takes at most 2^32 - 1 rays; runs are shorter than that.
     pub(crate) fn new(bins: &Bins) -> Self {
         Tally {
             histogram: vec![0; bins.len() + LANES],
@@ -30,7 +33,7 @@ impl Tally {
         }
     }
 
-    /// Back to zero.
+    /// Sets all counts back to zero.
     pub(crate) fn clear(&mut self) {
         self.histogram.fill(0);
         self.fates.fill(0);
@@ -46,7 +49,7 @@ impl Tally {
         }
     }
 
-    /// Counts one ray that is retroreflected, shifted by `shift`.
+    /// Counts one retroreflected ray with the shift `shift`.
     #[inline]
     pub(crate) fn count_shift(&mut self, bins: &Bins, shift: DVec2) {
         let fate = if let Some(bin) = bins.find(shift) {
@@ -58,7 +61,7 @@ impl Tally {
         self.fates[fate as usize] += 1;
     }
 
-    /// Notes where a ray goes that is retroreflected: off by `deviation`, shifted by `shift`.
+    /// Records the exit direction of a retroreflected ray with this shift and deviation.
     pub(crate) fn count_exit(&mut self, bins: &Bins, grid: &Grid, shift: DVec2, deviation: DVec2) {
         if let Some(bin) = bins.find(shift) {
             let pool = bins.count / grid.cells;
@@ -72,18 +75,18 @@ impl Tally {
 /// Sums of one direction, by randomisation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Sums {
-    /// Rays by `[randomisation, v, u]`.
+    /// Number of rays by `[randomisation, v, u]`.
     pub counts: Vec<u64>,
-    /// Rays by randomisation and fate.
+    /// Number of rays by randomisation and fate.
     pub fates: Vec<[u64; Fate::ALL.len()]>,
-    /// Rays launched by randomisation.
+    /// Number of rays launched, by randomisation.
     pub launched: Vec<u64>,
-    /// Rays by shift and deviation, of all randomisations.
+    /// Number of rays by shift and deviation, over all randomisations.
     pub deviations: Vec<Entry>,
 }
 
 impl Sums {
-    /// Empty sums of `randomisations`.
+    /// Makes empty sums for so many `randomisations`.
     pub(crate) fn new(bins: &Bins, randomisations: usize) -> Self {
         Sums {
             counts: vec![0; bins.len() * randomisations],
@@ -93,7 +96,7 @@ impl Sums {
         }
     }
 
-    /// The sums that a table of rays was made of, direction by direction; none without counts.
+    /// Returns the sums that a table of rays was made of, one per direction; empty without counts.
     pub(crate) fn of_table(table: &Table) -> Vec<Self> {
         let (Some(counts), Some(fates)) = (&table.counts, &table.fate_counts) else {
             return Vec::new();
@@ -139,25 +142,27 @@ impl Sums {
         }
     }
 
-    /// Rays launched in all.
+    /// Returns the number of rays launched in all randomisations.
     pub(crate) fn rays(&self) -> u64 {
         self.launched.iter().sum()
     }
 
-    /// Rays of `fate` in all.
+    /// Returns the number of rays of `fate` in all randomisations.
     #[cfg(test)]
     pub(crate) fn of(&self, fate: Fate) -> u64 {
         self.fates.iter().map(|fates| fates[fate as usize]).sum()
     }
 
-    /// Estimated L1 error of eta x histogram: the sum over bins of the mean absolute error of a
-    /// normal variable with the bin's standard error, sqrt(2/pi) sigma. With one randomisation
-    /// sigma is binomial; with R of them it is their standard deviation s over sqrt R. (R - 1) s^2
-    /// / sigma^2 is chi-squared with R - 1 degrees of freedom, so the mean of s is c4 sigma
+    /// Estimates the L1 error of eta x histogram.
+    ///
+    /// The estimate is the sum over bins of the mean absolute error of a normal variable with the
+    /// bin's standard error sigma, which is sqrt(2/pi) sigma. With one randomisation sigma is
+    /// binomial. With R randomisations it is their standard deviation s over sqrt R. Here (R - 1)
+    /// s^2 / sigma^2 is chi-squared with R - 1 degrees of freedom, so the mean of s is c4 sigma
     /// (`mean_deviation`), and every s is divided by c4.
     ///
-    /// Bins that no ray has met count as exact, so the estimate is low while most bins hold less
-    /// than one ray.
+    /// Bins that no ray has met count as exact. So the estimate is too low while most bins hold
+    /// less than one ray.
     pub(crate) fn l1_error(&self) -> f64 {
         let runs = self.launched.len();
         let size = self.counts.len() / runs.max(1);
@@ -184,8 +189,10 @@ impl Sums {
     }
 }
 
-/// c4: the mean of the standard deviation of `samples` normal values (n - 1 in its denominator), as
-/// a part of the true one; 1 for a single sample, which has none. 0.921 for 4, 0.983 for 16.
+/// Returns c4, the mean standard deviation of `samples` normal values as a part of the true one.
+///
+/// The standard deviation has n - 1 in its denominator. c4 is 0.921 for 4 samples and 0.983 for 16.
+/// A single sample has no standard deviation, and the result is 1.
 fn mean_deviation(samples: usize) -> f64 {
     if samples < 2 {
         return 1.0;
@@ -198,7 +205,7 @@ fn mean_deviation(samples: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// sqrt(2/pi), 2 sqrt(2)/sqrt(3 pi) and the tabulated c4 of 16 samples.
+    /// Compares with sqrt(2/pi), 2 sqrt(2)/sqrt(3 pi) and the tabulated c4 of 16 samples.
     #[test]
     fn mean_deviations_are_those_of_the_tables() {
         let cases = [

@@ -1,4 +1,4 @@
-//! The table of a bake by the exact method.
+//! Table of a bake by the exact method.
 
 use crate::beams::exact;
 use crate::cell::{ExactCell, MEAN_ERROR};
@@ -11,11 +11,13 @@ use tables::options::{Method, Record, SceneOptions};
 use tables::{Provenance, Table};
 
 impl Bake<'_> {
-    /// The table by the exact method. Whatever is asked of rays (number, tolerance, sampler, seed)
-    /// has no part in the table.
+    /// Bakes the table by the exact method.
+    ///
+    /// Options for rays (number, tolerance, sampler, seed) have no effect on the table.
     ///
     /// # Errors
-    /// [`RunError::Threads`], [`RunError::Stopped`].
+    /// Returns [`RunError::Threads`] if the threads cannot be started, and [`RunError::Stopped`] if
+    /// `watch` stopped the bake.
     pub(crate) fn beams(&self, exact: &ExactCell, watch: Watch<'_>) -> Result<Table, RunError> {
         let rays_saved = match self.plan.effort {
             Effort::Rays(rays) => rays,
@@ -36,7 +38,7 @@ impl Bake<'_> {
                 0.0
             },
             shards: None,
-            // It says where each path goes, whatever is asked of rays.
+            // An exact table holds the direction of each path, whatever the options for rays are.
             options: SceneOptions {
                 deviations: Record::Auto,
                 ..self.plan.scene

@@ -1,30 +1,31 @@
-//! Two tables, direction by direction: by how much they differ, and whether their errors explain
-//! it.
+//! Comparison of two tables, direction by direction.
+//!
+//! It says how much the tables differ, and whether their errors explain the difference.
 
 use tables::Table;
 
-/// Standard errors by which two retroreflected fractions may differ.
+/// Number of standard errors by which two retroreflected fractions may differ.
 const SIGMAS: f64 = 4.0;
 
-/// Two tables of the same axes, direction by direction.
+/// Comparison of two tables with equal axes, direction by direction.
 pub struct Comparison {
-    /// The directions, incidence slow, azimuth fast.
+    /// Differences of the tables by direction, incidence slow, azimuth fast.
     pub rows: Vec<Row>,
 }
 
-/// What two tables differ by in one direction.
+/// Difference of two tables in one direction.
 pub struct Row {
-    /// Degrees.
+    /// Incidence, degrees.
     pub incidence_deg: f64,
-    /// Degrees; NaN for the mean over all.
+    /// Azimuth, degrees; NaN for the mean over all azimuths.
     pub azimuth_deg: f64,
-    /// Sum over the bins of the differences of probability.
+    /// Sum over the bins of the absolute differences of probability (L1 distance).
     pub l1: f64,
-    /// The largest of them.
+    /// Largest absolute difference of probability of a bin.
     pub largest: f64,
-    /// Difference of the retroreflected fractions in standard errors; 0 where they are equal.
+    /// Difference of the retroreflected fractions in standard errors; 0 if they are equal.
     pub sigmas: f64,
-    /// The L1 distance that the counting errors of both tables explain.
+    /// L1 distance that the counting errors of both tables explain.
     pub noise: f64,
 }
 
@@ -32,9 +33,10 @@ impl Comparison {
     /// Compares two tables.
     ///
     /// # Errors
-    /// Which of their axes differ.
+    /// Returns a sentence that names the axis if the two tables differ in their incidences, their
+    /// azimuths or their histogram bins.
     pub fn new(a: &Table, b: &Table) -> Result<Self, &'static str> {
-        // NaN (the mean over azimuths) equals itself here.
+        // Bits are compared, so that NaN (the mean over azimuths) equals itself.
         let same = |a: &[f64], b: &[f64]| {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
         };
@@ -50,18 +52,18 @@ impl Comparison {
         Ok(Comparison::of(a, b))
     }
 
-    /// Compares two tables of the same axes.
+    /// Compares two tables whose axes are known to be equal.
     pub(crate) fn of(a: &Table, b: &Table) -> Self {
         let row = |((i, j), &eta): ((usize, usize), &f64)| {
             let (pa, pb) = (a.probability(i, j), b.probability(i, j));
             let difference = (&pa - &pb).mapv(f64::abs);
             let gap = (eta - b.retroreflected[[i, j]]).abs();
-            // Random counts: a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on
-            // average. A low-discrepancy sequence stays below.
+            // Of random counts, a bin of probability p differs by sqrt(2/pi) sqrt(p/na + p/nb) on
+            // average. Counts of a low-discrepancy sequence differ less.
             let share = |rays: u64| if rays == 0 { 0.0 } else { 1.0 / rays as f64 };
             let per_ray = share(a.rays[[i, j]]) + share(b.rays[[i, j]]);
-            // Where all rays or none came back the standard error is 0, but the fraction is known
-            // to one ray only.
+            // Where all rays came back, or none, the standard error is 0. But the fraction is known
+            // no better than to one ray.
             let error = a.standard_error[[i, j]]
                 .hypot(b.standard_error[[i, j]])
                 .max(per_ray);
@@ -81,16 +83,20 @@ impl Comparison {
         }
     }
 
-    /// Whether every direction agrees: the fractions within 4 standard errors, the histograms
-    /// within 1.5 times the mean counting noise (or to 1e-9, where there is none).
+    /// Returns whether the two tables agree in every direction.
+    ///
+    /// They agree if the fractions are within 4 standard errors, and the histograms within 1.5
+    /// times the mean counting noise (or to 1e-9, where there is no noise).
     pub fn agrees(&self) -> bool {
         self.rows.iter().all(Row::agrees)
     }
 }
 
 impl Row {
-    /// Whether the fractions are within 4 standard errors and the histograms within 1.5 times the
-    /// mean counting noise.
+    /// Returns whether the two tables agree in this direction.
+    ///
+    /// They agree if the fractions are within 4 standard errors, and the histograms within 1.5
+    /// times the mean counting noise (or to 1e-9, where there is no noise).
     pub fn agrees(&self) -> bool {
         self.sigmas <= SIGMAS && self.l1 <= 1.5 * self.noise + 1e-9
     }

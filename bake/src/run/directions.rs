@@ -1,10 +1,11 @@
-//! Directions chosen so that a table says what lies between them to a tolerance.
+//! Choice of directions between which a table is interpolated to a given tolerance.
 //!
-//! The distance of two distributions is the total variation of eta x histogram. Beginning with the
-//! ends of the angles asked for, the gaps between incidences and between azimuths are halved where
-//! the table, asked for the middle, is further than the tolerance from what the exact method finds
-//! there; at last at random directions too. So the directions lie close where paths end or lose a
-//! corner, and far apart elsewhere.
+//! The distance of two distributions is the total variation of eta x histogram. The search begins
+//! with the ends of the angles asked for. It interpolates the table in the middle between
+//! neighbouring incidences and between neighbouring azimuths, and compares it with the exact method
+//! there. Where the two differ by more than the tolerance, it halves the gap. At the end it checks
+//! random directions too. So the directions lie close together where paths end or lose a corner,
+//! and far apart elsewhere.
 
 use crate::beams::exact;
 use crate::cell::ExactCell;
@@ -18,20 +19,26 @@ use tables::cli::pool;
 use tables::options::Sampler;
 use tables::{Axes, Fate, Table};
 
-/// Part of the tolerance that is aimed at, since some directions are tried for all.
+/// Part of the tolerance that the search aims at, because it tries only some of all directions.
 const AIM: f64 = 0.8;
 
-/// Random directions that are tried at last.
+/// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Directions at most. A distribution that jumps, as where total reflection ends, asks for any
-/// number of them; a pair of ideal cubes takes 6 for a tolerance of 0.005.
+/// Largest number of directions.
+///
+/// A distribution that jumps, for example where total reflection ends, would need any number of
+/// them. A pair of ideal cubes needs 6 for a tolerance of 0.005.
 const MOST_DIRECTIONS: usize = 1000;
 
-/// The axes of `bake` with directions chosen for `tolerance`, by what the exact method finds.
+/// Chooses the directions of `bake` for `tolerance` and returns the axes with them.
+///
+/// The exact method serves as the truth.
 ///
 /// # Errors
-/// [`RunError::DirectionTolerance`] where the distribution jumps.
+/// Returns [`RunError::DirectionTolerance`] if the greatest number of directions is too few, for
+/// example because the distribution jumps, and [`RunError::Threads`] if the threads cannot be
+/// started.
 pub(crate) fn choose(bake: &Bake, exact: &ExactCell, tolerance: f64) -> Result<Axes, RunError> {
     let ends = |angles: &[f64]| match angles {
         [first, .., last] => vec![*first, *last],
@@ -56,6 +63,7 @@ pub(crate) fn choose(bake: &Bake, exact: &ExactCell, tolerance: f64) -> Result<A
     Ok(search.axes(bake.axes.bins))
 }
 
+/// Search for the directions of a table.
 struct Search<'a> {
     bake: &'a Bake<'a>,
     exact: &'a ExactCell,
@@ -63,22 +71,23 @@ struct Search<'a> {
     aim: f64,
     incidences: Vec<f64>,
     azimuths: Vec<f64>,
-    /// Where the gap after the last azimuth ends.
+    /// End of the gap after the last azimuth, degrees, where azimuths go all around.
     around_to: Option<f64>,
 }
 
-/// A direction to try, and the gaps that it lies in.
+/// Direction to try, and the gaps that it lies in.
 #[derive(Debug, Clone, Copy)]
 struct Probe {
     incidence_deg: f64,
     azimuth_deg: f64,
-    /// Gap of incidences.
+    /// Number of the gap of incidences; `None` if the direction has an incidence of the table.
     along: Option<usize>,
-    /// Gap of azimuths.
+    /// Number of the gap of azimuths; `None` if the direction has an azimuth of the table.
     across: Option<usize>,
 }
 
 impl Search<'_> {
+    /// Returns the axes with the directions found so far and with `bins` bins.
     fn axes(&self, bins: usize) -> Axes {
         Axes {
             incidence_deg: self.incidences.clone(),
@@ -88,7 +97,7 @@ impl Search<'_> {
         }
     }
 
-    /// Azimuths with the end of the last gap.
+    /// Returns the azimuths, followed by the end of the last gap where azimuths go all around.
     fn azimuth_ends(&self) -> Vec<f64> {
         self.azimuths
             .iter()
@@ -97,9 +106,10 @@ impl Search<'_> {
             .collect()
     }
 
+    /// Halves gaps until all directions that are tried are within the aim.
     fn refine(&mut self) -> Result<(), RunError> {
         loop {
-            // Polygons alone are interpolated, so that the table needs no bins.
+            // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
                 axes: self.axes(1),
                 ..self.bake.clone()
@@ -116,9 +126,9 @@ impl Search<'_> {
         }
     }
 
-    /// The middles of the cells and of their sides.
+    /// Returns the middles of the cells between directions, and of the sides of these cells.
     fn middles(&self) -> Vec<Probe> {
-        // Even places are values of the axis, odd ones middles of gaps.
+        // A place is a value of the axis, without a gap, or the middle of a gap.
         let places = |ends: &[f64], values: usize| -> Vec<(f64, Option<usize>)> {
             let gaps = ends.windows(2).enumerate();
             let middles = gaps.map(|(gap, pair)| (0.5 * (pair[0] + pair[1]), Some(gap)));
@@ -146,7 +156,7 @@ impl Search<'_> {
         probes
     }
 
-    /// Directions anywhere, always the same ones: the table does not depend on the seed.
+    /// Returns random directions, equal in all runs, so that the table does not depend on the seed.
     fn random(&self) -> Vec<Probe> {
         let stream = Stream::new(Sampler::Random, default::SEED, 0.0, 0.0, 0);
         let between = |ends: &[f64], share: u32| match ends {
@@ -173,21 +183,22 @@ impl Search<'_> {
             .collect()
     }
 
+    /// Returns the error of each direction to try.
     fn errors(&self, table: &Table, probes: Vec<Probe>) -> Vec<(f64, Probe)> {
         let error = |probe: Probe| (self.error(table, &probe), probe);
         probes.into_par_iter().map(error).collect()
     }
 
-    /// Total variation between what the table says and the truth.
+    /// Returns the total variation between the interpolated table and the truth in one direction.
     fn error(&self, table: &Table, probe: &Probe) -> f64 {
         let (incidence, azimuth) = (probe.incidence_deg, probe.azimuth_deg);
         let paths = table
             .direction(incidence, Some(azimuth))
             .ok()
             .and_then(|found| found.paths);
-        // Polygons that cannot be interpolated say nothing.
+        // Polygons that cannot be interpolated count as the greatest error.
         let Some(paths) = paths else { return 1.0 };
-        // Whatever the bins of the table, so that a tolerance means one thing.
+        // The bins are always the default ones, so that a tolerance has one meaning.
         let (bins, range) = (default::BINS, default::RANGE);
         let truth = self
             .exact
@@ -200,8 +211,10 @@ impl Search<'_> {
         0.5 * (bins.sum::<f64>() + (outside - truth.fate[Fate::OutOfRange as usize]).abs())
     }
 
-    /// Halves the gaps with errors above the tolerance, the worst half of them at a time, so that
-    /// one may do for many.
+    /// Halves the gaps with errors above the tolerance.
+    ///
+    /// It takes only gaps with more than half the worst error at a time, because halving one gap
+    /// may help many others.
     fn halve(&mut self, found: &[(f64, Probe)]) -> Result<(), RunError> {
         let azimuths = self.azimuth_ends();
         let mut errors = [
@@ -210,7 +223,7 @@ impl Search<'_> {
         ];
         let raise =
             |errors: &mut [f64], gap: usize, error: f64| errors[gap] = errors[gap].max(error);
-        // What lies in one gap only is that gap's.
+        // The error of a direction in one gap only belongs to that gap.
         for (error, probe) in found {
             match (probe.along, probe.across) {
                 (Some(gap), None) => raise(&mut errors[0], gap, *error),
@@ -218,8 +231,8 @@ impl Search<'_> {
                 _ => {}
             }
         }
-        // Of two gaps the one is to blame that is worse by itself; without a difference, the wider
-        // one.
+        // The error of a direction in two gaps belongs to the gap that is worse by itself. If both
+        // are equal, it belongs to the wider one.
         let sides = errors.clone();
         for (error, probe) in found.iter().filter(|(error, _)| *error > self.aim) {
             let (Some(along), Some(across)) = (probe.along, probe.across) else {
@@ -267,6 +280,7 @@ impl Search<'_> {
     }
 }
 
+/// Returns the greatest error.
 fn worst(found: &[(f64, Probe)]) -> f64 {
     found.iter().map(|(error, _)| *error).fold(0.0, f64::max)
 }

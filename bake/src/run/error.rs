@@ -1,82 +1,79 @@
-//! Why a bake fails.
+//! Reasons why a bake fails.
 
 use crate::cell::ExactError;
 use tables::cli::NoThreads;
 use thiserror::Error;
 
-/// Why a bake failed.
+/// Reason why a bake failed.
 #[derive(Debug, Error)]
 pub enum RunError {
-    /// The threads could not be started.
+    /// Threads that could not be started.
     #[error(transparent)]
     Threads(#[from] NoThreads),
-    /// The cell or the directions are not for the exact method.
+    /// Cell or directions that the exact method cannot bake.
     #[error("--method exact: {0}")]
     Exact(#[from] ExactError),
-    /// Something else was saved.
+    /// Saved state of another bake.
     #[error(
         "the bake that was saved is another one (its mesh, directions or options differ); repeat \
         the options that it began with, or leave out --resume"
     )]
     Saved,
-    /// A share of what has no samples.
+    /// Share of the samples of an exact bake, which has no samples.
     #[error(
-        "--shard: the exact method takes this cell and traces no rays to share out; leave out \
-        --shard, or give --method \
-         rays"
+        "--shard: this cell is baked by the exact method, which traces no rays, so there is \
+        nothing to share; leave out --shard, or give --method rays"
     )]
     ShardOfExact,
-    /// Directions are chosen by what the exact method finds.
+    /// Tolerance between directions for a cell that the exact method cannot bake.
     #[error(
         "--direction-tolerance: {0}, and only exact tables are interpolated to a tolerance; give \
-        --incidence and --azimuth \
-         as lists instead"
+        --incidence and --azimuth as lists instead"
     )]
     DirectionsOfRays(#[source] ExactError),
-    /// The distribution jumps.
+    /// Tolerance between directions that is not reached, because the distribution jumps.
     #[error(
-        "--direction-tolerance: with {directions} directions the table is still {reached:.2e} off \
-        at incidence {incidence_deg} deg, \
-         azimuth {azimuth_deg} deg, as where total reflection ends or slits of a plate change \
-         places; leave such angles out, or give a tolerance above that"
+        "--direction-tolerance: with {directions} directions the error is still {reached:.2e} at \
+        incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; ray shifts may jump there, for \
+        example because total reflection ends or slits of a plate change places; leave out such \
+        angles, or give a tolerance above this error"
     )]
     DirectionTolerance {
         /// Incidence of the worst direction, degrees.
         incidence_deg: f64,
-        /// Its azimuth, degrees.
+        /// Azimuth of that direction, degrees.
         azimuth_deg: f64,
-        /// The total variation there.
+        /// Total variation reached in that direction.
         reached: f64,
-        /// Directions at most.
+        /// Largest number of directions.
         directions: usize,
     },
-    /// Exit directions of too many rays.
+    /// Exit directions of so many rays that they do not fit in memory.
     #[error(
-        "the exit directions of {directions} directions of incidence take more than 1 GiB; give \
-        fewer --incidence, --azimuth or \
-         --rays, a wider --deviations MRAD for coarser bins, or --deviations off"
+        "the directions in which rays leave take more than 1 GiB of memory for {directions} \
+        directions of incidence; give fewer --incidence, --azimuth or --rays, a wider \
+        --deviations MRAD for coarser bins, or --deviations off"
     )]
     Exits {
-        /// Directions of the table.
+        /// Number of directions of the table.
         directions: usize,
     },
-    /// The tolerance is out of reach.
+    /// Tolerance of the histograms that is not reached with the most rays possible.
     #[error(
         "the estimated L1 error at incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is \
-        still {reached:.2e} \
-         after {rays} rays; give a --tolerance above that, or fewer --bins"
+        still {reached:.2e} after {rays} rays; give a --tolerance above that, or fewer --bins"
     )]
     Tolerance {
         /// Incidence of the worst direction, degrees.
         incidence_deg: f64,
-        /// Its azimuth, degrees.
+        /// Azimuth of that direction, degrees.
         azimuth_deg: f64,
-        /// Estimated error reached.
+        /// Estimated L1 error reached.
         reached: f64,
-        /// Rays spent on that direction.
+        /// Number of rays spent on that direction.
         rays: u64,
     },
-    /// The caller asked for it.
+    /// Stop that the caller asked for.
     #[error("the bake was stopped before its end")]
     Stopped,
 }

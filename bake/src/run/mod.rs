@@ -1,9 +1,9 @@
-//! The bake itself: a prepared cell and a plan become a table, on all threads and ranks.
+//! The bake: a prepared cell and a plan become a table, on all threads and ranks.
 //!
-//! [`trace::trace`] is the whole of it; [`retrace::retrace`] judges a table by its mesh, and
-//! [`comparison::Comparison`] one table by another. Progress is told to a [`watch::Watch`], which
-//! can also stop the bake. This room may touch `rays`, `beams` and all below. It prints nothing;
-//! only its file `saves` knows the disk, and only `world` knows MPI.
+//! [`trace::trace`] does the whole bake. [`retrace::retrace`] checks a table against its mesh, and
+//! [`comparison::Comparison`] compares two tables. A [`watch::Watch`] is told the progress and can
+//! stop the bake. This room may touch `rays`, `beams` and all below. It prints nothing. Only its
+//! file `saves` knows the disk, and only `world` knows MPI.
 
 mod bake;
 mod beams;

@@ -1,4 +1,4 @@
-//! What a table says about where it comes from.
+//! Provenance of a table: the mesh, the options and the method that it was made with.
 
 use crate::optics::Backing;
 use crate::plan::{Effort, Plan, Shard};
@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use tables::options::{Back, Losses, Method, Sampler, SceneOptions, Word};
 use tables::{Provenance, Shards, Symmetry};
 
-/// Where a table of `cell` baked by `method` comes from.
+/// Returns the provenance of a table of `cell` that is baked by `method`.
 pub(crate) fn provenance(
     cell: &Cell,
     plan: &Plan,
@@ -60,19 +60,20 @@ pub(crate) fn provenance(
     }
 }
 
-/// What a table says of the options that its cell was baked with.
+/// Options that a table says its cell was baked with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stated {
-    /// What its facets are backed with.
+    /// Back of the facets: a mirror, or total internal reflection alone.
     pub back: Back,
-    /// What was behind them where losses count.
+    /// Material behind the facets; `None` where losses were not counted.
     pub losses: Option<Backing>,
-    /// What only some scenes have.
+    /// Options that only some scenes have.
     pub scene: SceneOptions,
 }
 
-/// The options of a table; `None` where it names a back, losses or options that this program does
-/// not know.
+/// Reads the options of a table.
+///
+/// Returns `None` if the table names a back, losses or options that this program does not know.
 pub(crate) fn stated(from: &Provenance) -> Option<Stated> {
     let back = from.back.known()?;
     let reflectance = from.reflectance;

@@ -1,34 +1,37 @@
-//! The processes that share one bake: this one alone, or the ranks of MPI (feature `mpi`).
+//! Processes that share one bake: this one alone, or the ranks of MPI (feature `mpi`).
 //!
-//! Every rank makes the same steps: it traces its part of the samples, and now and then the integer
-//! counts of all are added up in rank 0, which alone reads what was saved, prints and writes. What
-//! depends on time or on sums (when to save, which directions are still open) rank 0 decides for
-//! all.
+//! Every rank makes the same steps. It traces its part of the samples. Now and then the integer
+//! counts of all ranks are added up in rank 0. Rank 0 alone reads saved bakes, prints and writes.
+//! Rank 0 also decides for all ranks whatever depends on time or on sums: when to save, and which
+//! directions need more rays.
 
-/// The processes of one bake, seen from one of them. What is called here all must call, in the same
+/// Processes of one bake, seen from one of them.
+///
+/// If one process calls a function that communicates, all processes must call it, in the same
 /// order.
 pub(crate) trait Ranks {
-    /// Number of this process, from 0.
+    /// Returns the number of this process, from 0.
     fn number(&self) -> usize;
 
-    /// Processes in all.
+    /// Returns the number of processes.
     fn count(&self) -> usize;
 
-    /// Adds up the numbers of all processes in rank 0; elsewhere they are 0 afterwards.
+    /// Adds up the numbers of all processes in rank 0; in the other ranks the numbers are 0
+    /// afterwards.
     fn gather(&self, numbers: &mut [u64]);
 
     /// Gives every process the numbers of rank 0.
     fn follow(&self, numbers: &mut [u64]);
 
-    /// Ends all processes with an exit code, where there are others than this one.
+    /// Ends all processes with an exit code; without other processes it does nothing.
     fn abort(&self, code: u8);
 
-    /// Whether this is rank 0.
+    /// Returns whether this process is rank 0.
     fn leads(&self) -> bool {
         self.number() == 0
     }
 
-    /// The lowest rank that `failed`, known to all of them.
+    /// Returns the lowest rank that `failed`; all ranks get the same answer.
     fn first_of(&self, failed: bool) -> Option<usize> {
         let mut ranks = vec![0; self.count()];
         ranks[self.number()] = u64::from(failed);
@@ -38,7 +41,7 @@ pub(crate) trait Ranks {
     }
 }
 
-/// One process, which shares with none.
+/// Single process that shares its bake with no other.
 pub(crate) struct Alone;
 
 impl Ranks for Alone {

@@ -1,4 +1,4 @@
-//! A table judged by its mesh: a random part of its directions traced again.
+//! Check of a table against its mesh: some of its directions, chosen at random, are traced again.
 
 use crate::cell::Prepared;
 use crate::plan::{Effort, Plan};
@@ -12,29 +12,36 @@ use tables::options::{Method, Sampler};
 use tables::{Symmetry, Table};
 use thiserror::Error;
 
-/// Incidences and azimuths that are traced again, at most.
+/// Largest number of incidences and of azimuths that are traced again.
 const PART: [usize; 2] = [4, 2];
 
-/// Why a table cannot be judged by a mesh.
+/// Reason why a table cannot be checked against a mesh.
 #[derive(Debug, Error)]
 pub enum RetraceError {
-    /// It was baked with options of a later version.
-    #[error("the table was baked with options that are not known to this version; update it")]
+    /// Table that was baked with options of a later version.
+    #[error(
+        "the table was baked with options that this version of bake does not know; install a \
+        newer version"
+    )]
     Unknown,
-    /// It says of other azimuths what the mesh does not do.
+    /// Table with a symmetry that the mesh does not have.
     #[error("the table claims a symmetry that the mesh does not have; bake it again")]
     Symmetry,
-    /// The rays failed.
+    /// Failure while the rays were traced.
     #[error(transparent)]
     Run(#[from] RunError),
 }
 
-/// Traces `rays` rays at some directions of `table` through the cell, chosen by `seed`, and
-/// compares them with it. Whatever the table was baked by, these rays are independent random
-/// points, whose counting error is known.
+/// Checks a table against its mesh by rays, and returns the comparison.
+///
+/// Some directions of `table` are chosen by `seed`, and `rays` rays are traced through the cell in
+/// each of them. These rays are independent random points, whatever the table was baked by, so
+/// their counting error is known.
 ///
 /// # Errors
-/// [`RetraceError`].
+/// Returns [`RetraceError::Unknown`] if the table was baked with options that this version does not
+/// know, [`RetraceError::Symmetry`] if the table has a symmetry that the mesh does not have, and
+/// [`RetraceError::Run`] if the rays cannot be traced or `watch` stopped them.
 pub fn retrace(
     table: &Table,
     prepared: &Prepared,
@@ -77,7 +84,7 @@ pub fn retrace(
     Ok(Comparison::of(&part, &traced))
 }
 
-/// Up to `most` of the indices below `count`, at random, ascending.
+/// Returns up to `most` of the indices below `count`, chosen at random, ascending.
 fn some(count: usize, most: usize, seed: u64) -> Vec<usize> {
     let stream = Stream::new(Sampler::Random, seed, 0.0, 0.0, 0);
     let mut indices: Vec<usize> = (0..count).collect();

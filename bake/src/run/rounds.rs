@@ -1,5 +1,6 @@
-//! The steps of a bake by rays, which all ranks make together: steps between two saves, rounds
-//! towards a tolerance.
+//! Steps of a bake by rays, which all ranks make together.
+//!
+//! They are steps between two saves, and rounds towards a tolerance.
 
 use crate::plan::{RAYS_PER_RANDOMISATION, Shard};
 use crate::rays::{Kernel, Sums, lanes};
@@ -13,20 +14,23 @@ use std::time::Instant;
 use tables::deviation::{Entry, added};
 use tables::{Shards, Table};
 
-/// Rays per randomisation in the first round of a bake to a tolerance; each round doubles them.
+/// Number of rays per randomisation in the first round of a bake to a tolerance.
+///
+/// Each round doubles it.
 const FIRST_ROUND: u64 = 1 << 12;
 
-/// The same of the first step of a bake that is saved, where samples are sorted by piece.
+/// Number of rays per randomisation in the first step of a saved bake with samples sorted by piece.
 const LONG_STEP: u64 = 1 << 18;
 
-/// Programs in memory at a time, about 3 kB each: the directions of a sheet of many kinds are
-/// traced in turn.
+/// Largest number of programs in memory at a time, each of about 3 kB.
+///
+/// The directions of a sheet of many kinds of bodies are therefore traced in turn.
 const PROGRAMS: usize = 1 << 14;
 
-/// The only share of a bake that is not split.
+/// Share of a bake that is not split: the first of one.
 const WHOLE_BAKE: Shard = Shard { number: 1, of: 1 };
 
-/// Adds up in rank 0 what the ranks have traced of the directions named.
+/// Adds up in rank 0 the counts that all ranks have traced of the directions `named`.
 fn gather(all: &[DirectionSums], named: &[usize], ranks: &dyn Ranks) {
     for &direction in named {
         let mut sums = all[direction].sums();
@@ -36,8 +40,9 @@ fn gather(all: &[DirectionSums], named: &[usize], ranks: &dyn Ranks) {
     }
 }
 
-/// Adds up in rank 0 what the ranks have traced, which are lists of different lengths; elsewhere
-/// they are empty afterwards.
+/// Adds up in rank 0 the exit directions of all ranks, which are lists of different lengths.
+///
+/// In the other ranks the lists are empty afterwards.
 fn gather_exits(entries: &mut Vec<Entry>, ranks: &dyn Ranks) {
     if ranks.count() == 1 {
         return;
@@ -68,31 +73,31 @@ fn gather_exits(entries: &mut Vec<Entry>, ranks: &dyn Ranks) {
     }
 }
 
-/// Rays of randomisation number `which` when `rays` are shared by `among`.
+/// Returns the number of rays of randomisation `which` if `rays` are shared by `among` of them.
 fn share(rays: u64, among: usize, which: usize) -> u64 {
     let among = among as u64;
     rays / among + u64::from((which as u64) < rays % among)
 }
 
-/// How much is traced between two looks at the clock.
+/// Amount of work that is traced between two looks at the clock.
 struct Pace {
-    /// Rays of each randomisation of a direction.
+    /// Number of rays of each randomisation of a direction.
     step: u64,
-    /// Runs.
+    /// Largest number of runs.
     most: usize,
 }
 
 impl Pace {
-    /// That of the first step, of a bake that `is_saved` or not.
+    /// Returns the amount of work of the first step of a bake that `is_saved` or not.
     fn first(work: &Work, ranks: &dyn Ranks, is_saved: bool) -> Self {
-        // Sorting by piece wants many samples.
+        // Sorting by piece needs many samples.
         let first = if lanes::sorts(&work.sheet.launch) {
             LONG_STEP
         } else {
             FIRST_ROUND
         };
         let large = work.sheet.scenes.iter().any(|scene| scene.is_large());
-        // One for each thread of all ranks, as rank 0 has them.
+        // One run for each thread of all ranks; every rank takes the number of threads of rank 0.
         let mut threads = [work.pool.current_num_threads() as u64];
         ranks.follow(&mut threads);
         Pace {
@@ -111,8 +116,9 @@ impl Pace {
     }
 }
 
-/// The runs that come next, with up to `step` samples of each randomisation, cut to what is best
-/// traced in one piece.
+/// Returns the runs that come next, with up to `step` samples of each randomisation.
+///
+/// They are cut to the length that is best traced in one piece.
 fn next<'a>(
     kernels: &'a [(&DirectionSums, Kernel)],
     share: &dyn Fn(usize) -> Range<u64>,
@@ -138,21 +144,21 @@ fn next<'a>(
     runs
 }
 
-/// The steps of a bake, which all ranks make together.
+/// Steps of a bake, which all ranks make together.
 pub(crate) struct Rounds<'a, 's> {
-    /// What is done so far.
+    /// Work done so far.
     pub work: Work<'a>,
-    /// Who does it.
+    /// Processes that share the work.
     pub ranks: &'a dyn Ranks,
-    /// All ranks save or none; rank 0 alone writes.
+    /// Saves of the bake. If one rank has them, all ranks have them; rank 0 alone writes.
     pub saves: Option<Saves<'s>>,
 }
 
 impl Rounds<'_, '_> {
-    /// Begins with what an interrupted bake had done, if rank 0 has any.
+    /// Goes on from the saved state of an interrupted bake, if rank 0 has one.
     ///
     /// # Errors
-    /// [`RunError::Saved`].
+    /// Returns [`RunError::Saved`] if the saved state is that of another bake.
     pub(crate) fn go_on(&mut self) -> Result<(), RunError> {
         if let Some(saved) = self.saves.as_mut().and_then(|saves| saves.start.take()) {
             let fresh = self.work.table();
@@ -177,10 +183,12 @@ impl Rounds<'_, '_> {
         Ok(())
     }
 
-    /// Traces `rays` of every direction.
+    /// Traces `rays` rays of every direction.
     ///
     /// # Errors
-    /// [`RunError`].
+    /// Returns [`RunError::Saved`] if the saved state has more rays than that,
+    /// [`RunError::Stopped`] if the watch stopped the bake, and [`RunError::Exits`] if the exit
+    /// directions take too much memory.
     pub(crate) fn all(&mut self, rays: u64) -> Result<(), RunError> {
         let plan = self.work.bake.plan;
         let share = |randomisation: usize| {
@@ -203,12 +211,14 @@ impl Rounds<'_, '_> {
     /// Doubles the rays of each direction until its estimated error is below `tolerance`.
     ///
     /// # Errors
-    /// [`RunError`].
+    /// Returns [`RunError::Tolerance`] if a direction has an error above `tolerance` after the most
+    /// rays possible, [`RunError::Stopped`] if the watch stopped the bake, and [`RunError::Exits`]
+    /// if the exit directions take too much memory.
     pub(crate) fn until(&mut self, tolerance: f64) -> Result<(), RunError> {
         let mut open: Vec<usize> = (0..self.work.directions.len()).collect();
         let mut samples = FIRST_ROUND;
         while !open.is_empty() {
-            // Rank 0 alone has the sums; the others are ended with it.
+            // Only rank 0 has the sums. The other ranks are ended when rank 0 fails.
             if samples > RAYS_PER_RANDOMISATION && self.ranks.leads() {
                 let worst = &self.work.directions[open[0]];
                 let sums = worst.sums();
@@ -220,8 +230,8 @@ impl Rounds<'_, '_> {
                 });
             }
             self.run(&open, &|_| 0..samples)?;
-            // A direction of a bake that goes on may be past this round, which then did not close
-            // it.
+            // In a bake that goes on, a direction may have more rays than this round gives. Then it
+            // was not within the tolerance after this round, and it stays open.
             let Work {
                 directions, pool, ..
             } = &self.work;
@@ -242,13 +252,14 @@ impl Rounds<'_, '_> {
         Ok(())
     }
 
-    /// Traces the samples `share(randomisation)` of every randomisation of the directions named,
-    /// less those that are done: the sums of a randomisation always hold the first samples of its
-    /// share.
+    /// Traces the samples `share(randomisation)` of every randomisation of the directions given.
     ///
-    /// Where the bake is saved, all whose kernels fit in memory advance together, in steps short
-    /// enough to be saved in time. Through a large scene rays are the faster the more of them go
-    /// side by side: there whole runs are traced, some at a time, one direction after the other.
+    /// Samples that are done already are left out: the sums of a randomisation always hold the
+    /// first samples of its share.
+    ///
+    /// If the bake is saved, all directions whose kernels fit in memory advance together, in steps
+    /// that are short enough for the next save. In a large scene, rays are faster if more of them
+    /// go side by side. There whole runs are traced, some at a time, one direction after the other.
     fn run(
         &mut self,
         directions: &[usize],

@@ -1,20 +1,20 @@
-//! A long bake is saved now and then, so that it can go on after an interruption.
+//! Saves of a long bake, from which it can go on after an interruption.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tables::{Output, Table};
 
-/// Seconds between two saves where the user says nothing.
+/// Default time between two saves, seconds.
 pub(crate) const EVERY_SECONDS: &str = "10";
 
-/// Saving costs at most one part in so many of the time of a bake.
+/// Smallest ratio of the time between two saves to the time that one save takes.
 const SHARE: u32 = 20;
 
-/// Where a bake starts and how it is saved.
+/// Start and saves of a bake.
 pub(crate) struct Saves<'a> {
-    /// What an interrupted bake had done.
+    /// Saved state of an interrupted bake, to go on from.
     pub start: Option<Table>,
-    /// Time between two saves, at least.
+    /// Least time between two saves.
     pub every: Duration,
     save: &'a mut dyn FnMut(&Table),
     last: Instant,
@@ -22,7 +22,9 @@ pub(crate) struct Saves<'a> {
 }
 
 impl<'a> Saves<'a> {
-    /// A bake that goes on from `start`, and whose table so far is given to `save` every so often.
+    /// Makes the saves of a bake that goes on from `start`.
+    ///
+    /// `save` is called with the table so far, at most once in the time `every`.
     pub(crate) fn new(
         start: Option<Table>,
         every: Duration,
@@ -37,12 +39,12 @@ impl<'a> Saves<'a> {
         }
     }
 
-    /// Whether it is time.
+    /// Returns whether it is time for the next save.
     pub(crate) fn are_due(&self) -> bool {
         self.last.elapsed() >= self.every.max(self.cost * SHARE)
     }
 
-    /// Saves the table, if there is one here.
+    /// Saves the table, if this process has one.
     pub(crate) fn save(&mut self, table: impl FnOnce() -> Option<Table>) {
         let begun = Instant::now();
         if let Some(table) = table() {
@@ -53,50 +55,50 @@ impl<'a> Saves<'a> {
     }
 }
 
-/// The file beside a table that holds what its bake has done so far; itself a table, of fewer rays.
+/// File beside a table with the work done so far by its bake: a table of fewer rays.
 pub(crate) struct SavedFile {
     path: PathBuf,
 }
 
 impl SavedFile {
-    /// Of the bake that writes `table`.
+    /// Returns the file of the bake that writes `table`.
     pub(crate) fn of(table: &Path) -> Self {
         let mut name = table.as_os_str().to_owned();
         name.push(".resume");
         SavedFile { path: name.into() }
     }
 
-    /// Where it is.
+    /// Returns the path of the file.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether an interrupted bake left one.
+    /// Returns whether an interrupted bake left the file.
     pub(crate) fn is_there(&self) -> bool {
         self.path.is_file()
     }
 
-    /// What it holds; nothing if it is not there.
+    /// Reads the file; returns `None` if there is none.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// Returns [`tables::Error`] if the file cannot be read.
     pub(crate) fn read(&self) -> Result<Option<Table>, tables::Error> {
         self.is_there()
             .then(|| tables::read(&self.path))
             .transpose()
     }
 
-    /// Replaces it.
+    /// Replaces the file.
     ///
     /// # Errors
-    /// It cannot be written; what was saved before stays.
+    /// Returns [`tables::Error`] if the file cannot be written; the older file then stays.
     pub(crate) fn write(&self, table: &Table) -> Result<(), tables::Error> {
         tables::commit(table, Output::reserve(&self.path)?)
     }
 
-    /// Removes it: the bake is done.
+    /// Removes the file after the bake is done.
     pub(crate) fn remove(&self) {
-        // One that stays is no harm: the next bake replaces it.
+        // A file that cannot be removed does no harm, because the next bake replaces it.
         let _ = std::fs::remove_file(&self.path);
     }
 }

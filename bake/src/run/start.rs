@@ -1,27 +1,30 @@
-//! How a process joins the others of its bake.
+//! Start of a process and its joining of the other processes of its bake.
 
 use crate::run::ranks::{Alone, Ranks};
 #[cfg(feature = "mpi")]
 use crate::run::world::World;
 
-/// A process that `mpirun` or `srun` started, by what they say in its environment.
+/// Process that `mpirun` or `srun` started, as its environment says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Launched {
     /// Number of the process, from 0.
     pub number: usize,
-    /// Processes in all.
+    /// Number of processes.
     pub count: usize,
 }
 
 impl Launched {
-    /// Names of the variables for the rank and the number of ranks: those of Open MPI, then those
-    /// of MPICH, Intel MPI and Slurm's own launcher.
+    /// Names of the variables for the rank and the number of ranks: first those of Open MPI, then
+    /// those of MPICH, Intel MPI and Slurm's own launcher.
     const VARIABLES: [(&str, &str); 2] = [
         ("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
         ("PMI_RANK", "PMI_SIZE"),
     ];
 
-    /// This process, by `variable` (of the environment); `None` if it was started by hand.
+    /// Reads the place of this process from the environment, or returns `None` if it was started by
+    /// hand.
+    ///
+    /// `variable` returns the value of a variable of the environment.
     pub(crate) fn from(variable: impl Fn(&str) -> Option<String>) -> Option<Self> {
         let number = |name| variable(name)?.parse().ok();
         Self::VARIABLES.iter().find_map(|(rank, size)| {
@@ -31,8 +34,9 @@ impl Launched {
     }
 }
 
-/// The ranks that this process was started among; itself alone where it was started by hand, or
-/// without the feature `mpi`.
+/// Returns the ranks that this process was started among.
+///
+/// It is alone if it was started by hand, or without the feature `mpi`.
 pub(crate) fn start(launched: Option<Launched>) -> Box<dyn Ranks> {
     #[cfg(feature = "mpi")]
     if let Some(world) = launched.and_then(|_| World::start()) {

@@ -1,4 +1,4 @@
-//! The bake itself: a prepared cell and a plan become a table. Prints nothing.
+//! The bake: a prepared cell and a plan become a table. Nothing is printed.
 
 use crate::cell::Prepared;
 use crate::plan::{Effort, Plan};
@@ -14,22 +14,30 @@ use crate::run::work::Work;
 use tables::Table;
 use tables::options::Method;
 
-/// Bakes a cell as planned, by the method that the plan names; `auto` is the exact method where it
-/// takes the cell, else rays. The table is the same, byte for byte, whatever the number of threads.
+/// Bakes a cell as planned, and returns the table.
+///
+/// The plan names the method. With `auto` it is the exact method if that can bake the cell,
+/// otherwise rays. The table is the same, byte for byte, for any number of threads.
 ///
 /// # Errors
-/// [`RunError`]: the method does not take the cell, no threads, a tolerance out of reach, or `watch` stopped it.
+/// Returns [`RunError`] if the method cannot bake the cell, the threads cannot be started, a
+/// tolerance is out of reach, the exit directions take too much memory, or `watch` stopped the
+/// bake.
 pub fn trace(prepared: &Prepared, plan: &Plan, watch: Watch<'_>) -> Result<Table, RunError> {
     Bake::new(prepared, plan)?.table(watch)
 }
 
 impl<'a> Bake<'a> {
-    /// Decides on method and directions; to choose these for a tolerance may take minutes.
+    /// Decides on the method and the directions of a bake.
+    ///
+    /// The choice of directions for a tolerance may take minutes.
     ///
     /// # Errors
-    /// [`RunError::Exact`] where the plan insists on the exact method and it does not take the
-    /// cell; [`RunError::ShardOfExact`], [`RunError::DirectionsOfRays`],
-    /// [`RunError::DirectionTolerance`].
+    /// Returns [`RunError::Exact`] if the plan asks for the exact method and it cannot bake the
+    /// cell, [`RunError::ShardOfExact`] if the plan asks for a shard of an exact bake,
+    /// [`RunError::DirectionsOfRays`] if the plan has a tolerance between directions and the exact
+    /// method cannot bake the cell, [`RunError::DirectionTolerance`] if that tolerance is out of
+    /// reach, and [`RunError::Threads`] if the threads cannot be started.
     pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, RunError> {
         let (axes, symmetry) = plan.folded(prepared);
         let exact = plan.exact_cell(prepared);
@@ -55,10 +63,11 @@ impl<'a> Bake<'a> {
         Ok(bake)
     }
 
-    /// The table.
+    /// Bakes the table in this process alone.
     ///
     /// # Errors
-    /// [`RunError`]: no threads, a tolerance out of reach, or `watch` stopped it.
+    /// Returns [`RunError`] if the threads cannot be started, a tolerance is out of reach, the exit
+    /// directions take too much memory, or `watch` stopped the bake.
     pub(crate) fn table(&self, watch: Watch<'_>) -> Result<Table, RunError> {
         match self.exact {
             Some(exact) => self.beams(exact, watch),
@@ -66,14 +75,18 @@ impl<'a> Bake<'a> {
         }
     }
 
-    /// The table, its work shared by `ranks`, from where an interrupted bake was saved, and saved
-    /// in its turn. Rank 0 gets the table, the same as that of one process; the exact method is too
-    /// short to be shared, and its alone.
+    /// Bakes the table together with `ranks`, and returns it in rank 0.
+    ///
+    /// With `saves`, the bake goes on from where an interrupted one was saved, and is saved in its
+    /// turn. The table is the same as that of one process. The exact method takes too little time
+    /// to be shared, so rank 0 does it alone.
     ///
     /// # Errors
-    /// As [`Bake::table`], and [`RunError::Saved`] where what was saved is of another bake: all in
-    /// rank 0, but [`RunError::Threads`] where it happens. The other ranks then wait for it, so
-    /// that who fails must end them.
+    /// Returns [`RunError`] if the threads cannot be started, a tolerance is out of reach, the exit
+    /// directions take too much memory, the saved state is that of another bake
+    /// ([`RunError::Saved`]), or `watch` stopped the bake. Any rank may return
+    /// [`RunError::Threads`], [`RunError::Exits`] or [`RunError::Stopped`]; the other errors occur
+    /// in rank 0 only. If one rank fails, the other ranks wait for it, so that it must end them.
     pub(crate) fn table_from(
         &self,
         watch: Watch<'_>,
@@ -90,6 +103,7 @@ impl<'a> Bake<'a> {
         }
     }
 
+    /// Traces all rays of the bake and returns the work with its sums.
     fn rays<'b>(
         &'b self,
         watch: Watch<'b>,

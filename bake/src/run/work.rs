@@ -1,5 +1,6 @@
-//! Rays under way: runs over all threads, and their sums. These are of integers, so that neither
-//! threads nor ranks show in them.
+//! Rays under way: runs over all threads, and their sums.
+//!
+//! The sums are integers, so the number of threads or ranks has no effect on them.
 
 use crate::rays::{Bins, Index, Kernel, Sheet, Sums, Tally};
 use crate::run::bake::Bake;
@@ -15,43 +16,46 @@ use tables::deviation::{Deviations, Entry, Grid, counted};
 use tables::options::Method;
 use tables::{Fate, Table};
 
-/// Memory for exit directions at most, bytes: half of what a table may take.
+/// Largest memory for exit directions, bytes: half of what a table may take.
 const MOST_EXITS: u64 = 1 << 30;
 
-/// A piece of work: samples of one randomisation of one direction.
+/// Piece of work: samples of one randomisation of one direction.
 pub(crate) struct Run<'a> {
-    /// Where it counts.
+    /// Sums that the run is added to.
     pub direction: &'a DirectionSums,
-    /// What traces it.
+    /// Tracer of the run.
     pub kernel: &'a Kernel,
     /// Number of the randomisation.
     pub randomisation: usize,
-    /// Its samples.
+    /// Indices of the samples.
     pub samples: Range<u64>,
 }
 
 impl Run<'_> {
-    /// How many.
+    /// Returns the number of rays.
     pub(crate) fn rays(&self) -> u64 {
         self.samples.end - self.samples.start
     }
 }
 
-/// Everything about one direction but its kernel.
+/// Everything about one direction except its kernel.
 pub(crate) struct DirectionSums {
-    /// Degrees.
+    /// Incidence, degrees.
     pub incidence_deg: f64,
-    /// Degrees; NaN where every ray has its own.
+    /// Azimuth, degrees; NaN where every ray has its own.
     pub azimuth_deg: f64,
-    /// Samples of each randomisation.
+    /// Streams of samples, one for each randomisation.
     pub streams: Vec<Stream>,
-    /// Rays launched are those of all ranks; counts and fates are their sums in rank 0 after they
-    /// were gathered, and until then what each traced since.
+    /// Sums of the direction.
+    ///
+    /// The numbers of rays launched are those of all ranks. Counts and fates are those that this
+    /// rank has traced since the last gathering. In rank 0 they include the sums of all ranks up to
+    /// that gathering.
     sums: Mutex<Sums>,
 }
 
 impl DirectionSums {
-    /// One for each direction of a bake, incidence slow, azimuth fast.
+    /// Makes the empty sums of all directions of a bake, incidence slow, azimuth fast.
     fn all(bake: &Bake, bins: &Bins) -> Vec<DirectionSums> {
         let plan = bake.plan;
         bake.axes
@@ -67,35 +71,37 @@ impl DirectionSums {
             .collect()
     }
 
-    /// Nothing can panic while the lock is held, so a poisoned lock still guards whole sums.
+    /// Locks the sums and returns them.
+    ///
+    /// Nothing can panic while the lock is held, so even a poisoned lock guards whole sums.
     pub(crate) fn sums(&self) -> MutexGuard<'_, Sums> {
         self.sums.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A bake under way in one process.
+/// Bake under way in one process.
 pub(crate) struct Work<'a> {
-    /// What is baked.
+    /// Bake that the work belongs to.
     pub bake: &'a Bake<'a>,
-    /// The cell as rays see it.
+    /// Cell as rays see it.
     pub sheet: Sheet,
     /// Bins of shifts.
     pub bins: Bins,
-    /// How exit directions are recorded, where they are.
+    /// Grid that exit directions are recorded on; `None` if they are not recorded.
     pub exits: Option<Grid>,
-    /// What is counted, incidence slow, azimuth fast.
+    /// Sums of all directions, incidence slow, azimuth fast.
     pub directions: Vec<DirectionSums>,
-    /// Who is told.
+    /// Watch of the caller.
     pub watch: Watch<'a>,
-    /// Threads.
+    /// Threads that trace the runs.
     pub pool: rayon::ThreadPool,
 }
 
 impl<'a> Work<'a> {
-    /// Gets everything ready.
+    /// Prepares everything that the rays need.
     ///
     /// # Errors
-    /// [`RunError::Threads`].
+    /// Returns [`RunError::Threads`] if the threads cannot be started.
     pub(crate) fn new(bake: &'a Bake<'a>, watch: Watch<'a>) -> Result<Self, RunError> {
         let bins = Bins::new(bake.axes.bins, bake.axes.range);
         Ok(Work {
@@ -109,7 +115,9 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Traces the runs of rank `number` of `count`. What other ranks trace is counted as launched.
+    /// Traces those of the runs that belong to rank `number` of `count`.
+    ///
+    /// The rays of the other runs are counted as launched.
     pub(crate) fn trace(&self, runs: &[Run], number: usize, count: usize) {
         let mine = |(i, run)| (i % count == number).then_some(run);
         let own: Vec<&Run> = runs.iter().enumerate().filter_map(mine).collect();
@@ -137,7 +145,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// What traces direction number `direction`.
+    /// Makes the tracer of direction number `direction`.
     pub(crate) fn kernel(&self, direction: usize) -> Kernel {
         let DirectionSums {
             incidence_deg,
@@ -154,7 +162,7 @@ impl<'a> Work<'a> {
         kernel.recording(self.exits).by(self.bake.tracer)
     }
 
-    /// The table of the sums so far.
+    /// Returns the table of the sums so far.
     pub(crate) fn table(&self) -> Table {
         let axes = self.bake.axes.clone();
         let ((ni, na), nb, nr) = (axes.shape(), axes.bins, self.bake.plan.randomisations);
@@ -194,10 +202,10 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Whether the exit directions so far fit their memory.
+    /// Checks that the exit directions so far fit in their memory.
     ///
     /// # Errors
-    /// [`RunError::Exits`].
+    /// Returns [`RunError::Exits`] if they take too much memory.
     pub(crate) fn fits(&self) -> Result<(), RunError> {
         let entries = |direction: &DirectionSums| direction.sums().deviations.len() as u64;
         let bytes = self.directions.iter().map(entries).sum::<u64>() * size_of::<Entry>() as u64;

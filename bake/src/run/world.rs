@@ -1,4 +1,4 @@
-//! The ranks of MPI: the only file that names it.
+//! Ranks of MPI; this is the only file that names MPI.
 
 use mpi::collective::{Root, SystemOperation};
 use mpi::environment::Universe;
@@ -11,13 +11,14 @@ use crate::run::ranks::Ranks;
 /// All processes that were started together.
 pub struct World {
     world: SimpleCommunicator,
-    // Its drop says goodbye to the other ranks, and waits for theirs.
+    // When this is dropped, the process leaves the other ranks and waits until they leave too.
     _universe: Universe,
 }
 
 impl World {
-    /// Joins them; `None` if this process has joined before. MPI is spoken by the thread that calls
-    /// this, and no other.
+    /// Joins the other processes, or returns `None` if this process has joined before.
+    ///
+    /// Only the thread that calls this function may use MPI.
     pub fn start() -> Option<Self> {
         let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
         Some(World {
@@ -38,7 +39,7 @@ impl Ranks for World {
 
     fn gather(&self, numbers: &mut [u64]) {
         let leader = self.world.process_at_rank(LEADER);
-        // MPI sums in no promised order, which integers do not feel.
+        // MPI promises no order of the sum, but the order has no effect on integers.
         if self.leads() {
             let own = numbers.to_vec();
             leader.reduce_into_root(&own[..], numbers, SystemOperation::sum());
@@ -59,7 +60,7 @@ impl Ranks for World {
 
 impl Drop for World {
     fn drop(&mut self) {
-        // A rank that panics would wait for the others, which wait for its counts.
+        // A rank that panics would wait for the others, while they wait for its counts.
         if std::thread::panicking() {
             self.abort(101);
         }

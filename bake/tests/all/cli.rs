@@ -1,4 +1,4 @@
-//! The program from outside: exit codes, messages, outputs that stay whole.
+//! Tests of the program from outside: exit codes, messages, and outputs that stay whole.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -66,11 +66,12 @@ fn from_design_to_picture() {
         );
     }
     assert!(good(here, &["verify", "pair.h5"]).contains("valid"));
-    // The seal cut off, as by a program that opened the table for writing.
+    // The seal is cut off, as a program does that opens the table for writing.
     let sealed = std::fs::read(here.join("pair.h5")).expect("a table");
     std::fs::write(here.join("cut.h5"), &sealed[..sealed.len() - 40]).expect("writes");
     assert!(good(here, &["verify", "cut.h5"]).contains("its seal is gone"));
-    // Another seed agrees within errors; another index does not, and says so with code 1.
+    // A table with another seed agrees within the errors. A table with another index does not, and
+    // the exit code is 1.
     let again = |seed: &str, index: &str, file: &str| {
         let more = ["--seed", seed, "--refractive-index", index, "-o", file];
         let [verb, mesh, _, _, rest @ ..] = trace;
@@ -159,7 +160,7 @@ fn wrong_usage_and_failed_work() {
     assert_eq!(left.len(), 3, "no half-written file stays: {left:?}");
 }
 
-/// A table a wavelength, each with the indices of its own, judged by photons through the mesh.
+/// Bakes a table for each wavelength with the indices of that wavelength, and checks it by photons.
 #[test]
 fn prisms_with_losses_at_several_wavelengths() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -221,8 +222,8 @@ fn prisms_with_losses_at_several_wavelengths() {
             "{judged}"
         );
     }
-    // Silver reflects red better than blue; either keeps less than two thirds by the front face and
-    // three reflections.
+    // Silver reflects red better than blue. Both tables keep less than two thirds of the light,
+    // because of the front face and three reflections.
     assert!(
         0.4 < etas[0] && etas[0] < etas[1] && etas[1] < 0.6,
         "{etas:?}"
@@ -258,8 +259,9 @@ fn prisms_with_losses_at_several_wavelengths() {
     assert!(!here.join("x.h5").exists());
 }
 
-/// A sheet of many cubes is taken apart without a word; where the digits of the file do not allow
-/// it, a line says why.
+/// Checks that a sheet of many cubes is taken apart without a message.
+///
+/// Where the digits of the file do not allow it, one line says why.
 #[test]
 fn a_sheet_that_is_traced_as_a_whole() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -295,7 +297,7 @@ fn a_sheet_that_is_traced_as_a_whole() {
     );
 }
 
-/// A table in the folder, and a picture that would take its place.
+/// Checks that a picture cannot take the place of a table or of another output.
 #[test]
 fn outputs_that_would_be_lost_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -323,7 +325,7 @@ fn outputs_that_would_be_lost_are_refused() {
     );
 }
 
-/// Results that nobody gets are a failure.
+/// Checks that the program fails if its results cannot be written.
 #[test]
 fn a_full_standard_output_is_a_failure() {
     let full = std::fs::File::options()
@@ -355,7 +357,10 @@ fn every_verb_helps_with_an_example() {
     assert_eq!(verbs, 7);
 }
 
-/// Processes that do not know of each other would all do the same, and write over each other.
+/// Checks that one process refuses a run of several processes without the feature `mpi`.
+///
+/// Without MPI the processes do not know of each other. Each would do the whole bake and write over
+/// the others.
 #[cfg(not(feature = "mpi"))]
 #[test]
 fn without_mpi_a_run_of_many_is_refused_once() {

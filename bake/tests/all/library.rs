@@ -1,4 +1,4 @@
-//! The library from outside: what a front end other than the program calls.
+//! Tests of the library from outside: the functions that another front end calls.
 
 use bake::{Comparison, Plan, Prepared, Request, RetraceError, RunError, Watch, retrace, trace};
 use meshes::CellOptions;
@@ -40,7 +40,7 @@ fn all_rays_are_told_of_and_the_methods_agree() {
     assert!(comparison.agrees());
 }
 
-/// After the first rays, and before any.
+/// Stops a bake after its first rays, and before any.
 #[test]
 fn a_bake_is_stopped() {
     let pair = prepared(Shape::TriangularPair);

@@ -1,4 +1,4 @@
-//! The program and the library from outside.
+//! Tests of the program and the library from outside.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

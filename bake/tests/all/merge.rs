@@ -1,5 +1,6 @@
-//! A bake in parts: shards, directions and more rays, through the program; and a table judged by
-//! its mesh.
+//! Tests of a bake in parts, through the program: shards, directions and more rays.
+//!
+//! They also check a table against its mesh.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -77,7 +78,7 @@ fn a_bake_in_parts_has_the_bytes_of_the_whole() {
             compared += 1;
         }
     }
-    // Directions, of rays and of beams.
+    // Tables of some directions are merged too, made by rays and by the exact method.
     for method in ["rays", "exact"] {
         let of = |incidence: &'static str, azimuth: &'static str| {
             [
@@ -156,7 +157,7 @@ fn rays_are_added_in_place() {
         1,
         "--seed 9",
     );
-    // What is not of one bake names the field.
+    // The message names the field in which two bakes differ.
     let index = ["--refractive-index", "1.5", "--seed", "9"];
     good(here, &[&trace("other.h5", &rays)[..], &index].concat());
     refused(
@@ -165,7 +166,7 @@ fn rays_are_added_in_place() {
         1,
         "refractive_index of table 1 is 1.5",
     );
-    // Some shards are a table too, which says what it lacks.
+    // Some shards alone make a table too, which says what it lacks.
     good(
         here,
         &[&trace("some.h5", &rays)[..], &["--shard", "2/3"]].concat(),

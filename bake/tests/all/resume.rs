@@ -1,11 +1,12 @@
-//! A bake that is stopped, by a signal or a full disk, leaves the old table whole and goes on to
-//! the same bytes.
+//! Tests of a bake that is stopped by a signal or a full disk.
+//!
+//! It leaves the old table whole, and goes on to the same bytes.
 
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A bake of rays that is saved as often as it can be.
+/// Returns the command of a bake of rays that is saved as often as possible.
 fn command(folder: &Path, file: &str, options: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_bake"));
     let common = [
@@ -45,7 +46,7 @@ fn done(output: &Output) {
     );
 }
 
-/// Numbers below `n`, always the same (splitmix64).
+/// Returns numbers below `n` that are equal in all runs (splitmix64).
 struct Numbers(u64);
 
 impl Numbers {
@@ -111,7 +112,7 @@ fn stopped_at_50_random_moments_it_ends_with_the_same_bytes() {
                 continue;
             }
             stop(&mut child, ["INT", "TERM", "KILL"][here_kills % 3]);
-            // The signal may have come between the last write and the end.
+            // The signal may have come between the last write and the end of the process.
             let now = std::fs::read(&table).expect("a table");
             assert!(now == b"old" || now == whole, "half a table");
             std::fs::write(&table, "old").expect("writes");
@@ -130,7 +131,7 @@ fn stopped_at_50_random_moments_it_ends_with_the_same_bytes() {
     assert!(went_on > 10, "a test of going on, not of beginning again");
 }
 
-/// Names of what is in a folder.
+/// Returns the names of everything in a folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("lists").flatten();
     let mut names: Vec<String> = entries
@@ -146,8 +147,7 @@ fn a_full_disk_leaves_the_old_table() {
     let here = folder.path();
     design(here);
     std::fs::write(here.join("table.h5"), "old").expect("writes");
-    // Files of 1 kB at most, which a shell can say without root; the signal that goes with it is
-    // ignored.
+    // A shell can limit files to 1 kB without root. The signal that the limit sends is ignored.
     let output = Command::new("sh")
         .current_dir(here)
         .args(["-c", "trap '' XFSZ; ulimit -f 2; exec \"$@\"", "sh"])
@@ -197,7 +197,7 @@ fn what_was_saved_of_another_bake_is_refused() {
         refused += 1;
     }
     assert_eq!(refused, 4);
-    // More rays of the same bake go on from it.
+    // A bake with more rays and otherwise equal options goes on from the save.
     let more = ["--rays", "80000"];
     done(
         &command(here, "whole.h5", &more)
@@ -211,7 +211,7 @@ fn what_was_saved_of_another_bake_is_refused() {
     );
     let bytes = |file: &str| std::fs::read(here.join(file)).expect("a table");
     assert!(bytes("table.h5") == bytes("whole.h5"));
-    // Begun anew, with a word.
+    // Without --resume the bake begins anew, and a message says so.
     std::fs::copy(here.join("saved.h5"), here.join("table.h5.resume")).expect("copies");
     let output = command(here, "table.h5", &more)
         .output()

@@ -1,4 +1,4 @@
-//! `bake study` from outside.
+//! Tests of `bake study` from outside.
 
 use std::process::Command;
 
@@ -43,7 +43,8 @@ fn the_verb_writes_what_it_measures() {
     }
     let csv = std::fs::read_to_string(folder.path().join("study.csv")).expect("a CSV file");
     let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
-    // A heading, the exact bake, and two tracers x two samplers x 1,024 and 4,096 rays.
+    // The rows are a heading, the exact bake, and two tracers x two samplers x 1,024 and 4,096
+    // rays.
     assert_eq!(rows.len(), 1 + 1 + 2 * 2 * 2);
     assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{csv}");
     assert_eq!(rows[1][..4], ["exact", "beams", "none", "0"]);
@@ -63,7 +64,7 @@ fn the_verb_writes_what_it_measures() {
     let png = std::fs::read(folder.path().join("study.png")).expect("a picture");
     assert!(png.starts_with(b"\x89PNG"));
 
-    // Every bake takes longer than a quarter of a nanosecond: one point a series is left.
+    // Every bake takes longer than a quarter of a nanosecond, so one point of each series is left.
     let short = run(&["--json", "--longest", "1e-9", "--repeats", "1"]);
     let value: serde_json::Value = serde_json::from_slice(&short.stdout).expect("JSON");
     for series in value["series"].as_array().expect("a list") {
