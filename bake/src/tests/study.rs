@@ -167,7 +167,7 @@ fn without_an_exact_table() {
         "{text}"
     );
     assert!(
-        text.contains("the exact mean over azimuths is a quadrature"),
+        text.contains("a mean over all azimuths is a numerical integral"),
         "{text}"
     );
     assert!(text.contains("not reached; give more --rays"), "{text}");
