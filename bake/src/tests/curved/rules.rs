@@ -291,7 +291,8 @@ fn methods_for_planes_are_refused() {
     assert_eq!(bakes::symmetry(&curved), Symmetry::NONE);
 }
 
-/// A cell of 16,854 facets has too many to be joined to planes, whatever planes they lie in.
+/// A cell of 16,854 facets is refused by the exact method: it has too many facets to join them to
+/// planes, whatever planes they lie in.
 #[test]
 fn fine_meshes_are_traced_by_rays() {
     for sag in [0.0, 1e-3] {
