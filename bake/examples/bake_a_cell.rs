@@ -1,4 +1,4 @@
-//! Designs a cell, bakes it and prints how much light comes back at each angle.
+//! Designs a cell, bakes it and prints the share of the light that it retroreflects at each angle.
 //!
 //! `cargo run --release -p bake --example bake_a_cell`
 
@@ -8,7 +8,7 @@ use meshes::design::{Design, Shape};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // A pair of cubes, one dihedral angle 0.1 mrad too wide.
+    // A pair of cubes, each with one dihedral angle 0.1 mrad too wide.
     let design = Design {
         dihedral_error_rad: [1e-4, 0.0, 0.0],
         ..Design::new(Shape::TriangularPair)

@@ -1,5 +1,6 @@
-//! Bakes the mesh file that is given by rays, with progress and an end after ten seconds, and
-//! judges the table by other rays.
+//! Bakes a mesh file by rays, and compares the table with other rays.
+//!
+//! The program shows its progress and stops after ten seconds.
 //!
 //! `cargo run --release -p bake --example own_mesh -- cell.obj`
 
@@ -15,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Some(file) = std::env::args_os().nth(1).map(PathBuf::from) else {
         return Err("give a mesh: .obj, .gltf or .glb".into());
     };
-    // Light comes from +z of the file; a lattice or a scale would be named here.
+    // Light comes from +z of the file. A lattice or a scale would be given in these options.
     let prepared = Prepared::new(meshes::load_cell(&file, &CellOptions::default())?);
     for warning in &prepared.cell().warnings {
         eprintln!("warning: {warning}");

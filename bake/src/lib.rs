@@ -1,9 +1,11 @@
-//! Bakes a corner-cube cell into a table of ray shifts: where the light comes back that the cell
-//! returns, for each direction of incidence.
+//! Traces the light through a retroreflective cell and stores the ray shifts in a table.
 //!
-//! A mesh of the crate [`meshes`] enters; a [`tables::Table`] leaves. The cell is dissected once
-//! ([`Prepared`]), what is asked for is checked once ([`Plan`]), and [`trace`] does the rest, by
-//! beams where facets are planes and by rays elsewhere.
+//! For each direction of incidence the table says which share of the light is retroreflected, and
+//! by which ray shift.
+//!
+//! A mesh of the crate [`meshes`] enters and a [`tables::Table`] leaves. [`Prepared`] dissects the
+//! cell once. [`Plan`] checks once what is asked for. [`trace`] does the rest: by beams if all
+//! facets are planes, by rays otherwise.
 //!
 //! ```
 //! use bake::{Plan, Prepared, Request, Watch, trace};
@@ -18,7 +20,7 @@
 //!     ..Request::default()
 //! })?;
 //! let table = trace(&prepared, &plan, Watch::none())?;
-//! // eta, the retroreflected fraction: two thirds of a cube's triangle, seen straight on.
+//! // eta, the retroreflected share: two thirds of a cube's triangle at normal incidence.
 //! assert!((table.retroreflected[[0, 0]] - 2.0 / 3.0).abs() < 1e-12);
 //! assert!(table.retroreflected[[1, 0]] < table.retroreflected[[0, 0]]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -26,17 +28,25 @@
 //!
 //! # Units
 //!
-//! Lengths are edge lengths of the cell, angles radians, both in the cell frame; names of other
-//! units say so (`incidence_deg`, `wavelength_nm`). Degrees exist at the door only: in a
-//! [`Request`] and in the axes of a table. Probabilities are per launched ray. The shift is p' - p
-//! in the entrance plane, u along the direction of travel, v = n x u.
+//! Lengths are edge lengths of the cell and angles are radians, both in the cell frame. A name ends
+//! in its unit if the unit is another one (`incidence_deg`, `wavelength_nm`). Degrees stand only in
+//! a [`Request`] and in the axes of a table. Probabilities are per launched ray. The ray shift is
+//! p' - p in the entrance plane, with the axes u along the direction of travel and v = n x u.
 //!
 //! # Rooms
 //!
-//! Each folder imports only those before it: `geometry` (polygons), `samples` (points of the
-//! entrance), `optics` (what one surface does), `cell` (what a mesh is), `plan` (what is asked),
-//! `rays` and `beams` (how light is followed), `run` (the bake), `plots`, `study` (speed against
-//! error), `cli` (the program).
+//! Each folder imports only the folders before it in this list:
+//!
+//! - `geometry`: polygons
+//! - `samples`: points of the entrance
+//! - `optics`: what one surface does to light
+//! - `cell`: what a mesh is to light
+//! - `plan`: what is asked for
+//! - `rays` and `beams`: two ways to follow light
+//! - `run`: the whole bake
+//! - `plots`: pictures of tables
+//! - `study`: speed against error
+//! - `cli`: the program
 #![deny(unsafe_code)]
 #![warn(unreachable_pub)]
 
@@ -52,7 +62,7 @@ mod run;
 mod samples;
 mod study;
 
-// What others may use. The options themselves are types of `tables`.
+// The public interface of this crate. The types of the options belong to the crate `tables`.
 pub use cell::ExactError;
 pub use cell::Prepared;
 pub use optics::{MaterialError, metal, refractive_index};

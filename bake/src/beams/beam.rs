@@ -1,10 +1,9 @@
-//! Follows beams: which part of a beam meets which facet, what becomes of it, and by which map it
-//! leaves.
+//! Follows beams: which part of a beam meets which facet, its fate, and the map by which it leaves.
 //!
 //! A beam is a convex polygon of entry points whose light has met the same facets in the same
-//! order. At each step it is cut into the parts that see each facet first; what sees none leaves.
-//! Areas are those of entry points, so reflection changes no area and the parts of a beam sum to
-//! it.
+//! order. Each step cuts the beam into the parts that meet each facet first. The part that meets no
+//! facet leaves. Areas are areas of entry points. A reflection therefore changes no area, and the
+//! areas of the parts of a beam sum to the area of the beam.
 
 use glam::{DMat2, DVec2, DVec3};
 use tables::Fate;
@@ -16,82 +15,90 @@ use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
 use crate::optics::{BOUNCE_LIMIT, Light, Rules, element, fate_of_leaving};
 
-/// How far a beam looks for lattice copies at first, edge lengths; four times further each time
-/// that is not enough.
+/// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
+/// the beam looks four times further, again and again.
 const FIRST_LOOK: f64 = 4.0;
-/// Light still under way after this distance runs along a valley of the lattice, within 0.005 deg
-/// of the sheet: it counts as `bounce_limit`.
+/// Last distance within which a beam looks for lattice copies, edge lengths. Light that is still
+/// under way after it runs along a valley of the lattice, within 0.005 deg of the sheet. Its fate
+/// is `bounce_limit`.
 const LAST_LOOK: f64 = 16384.0;
 
-/// Light that leaves within this angle of straight back has no deviation but rounding, rad: some
-/// 1e-15 over the cosine of the incidence, and far below any dihedral error that a mesh can mean.
+/// Largest angle from the exact way back that counts as no deviation, rad. Rounding turns light by
+/// some 1e-15 over the cosine of the incidence. Any dihedral error that a mesh can mean is far
+/// larger than this limit.
 const STRAIGHT: f64 = 1e-12;
 
-/// Retroreflected light of one facet sequence.
+/// Retroreflected light of one sequence of facets.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LitPiece {
+    /// Polygon of entry points, incidence frame, edge lengths.
     pub polygon: Polygon,
-    /// shift = matrix p + offset.
+    /// Linear part of the ray shift: shift = matrix p + offset for the entry point p.
     pub matrix: DMat2,
+    /// Constant part of the ray shift, edge lengths.
     pub offset: DVec2,
-    /// Part of its power that comes back.
+    /// Share of the launched power that is retroreflected.
     pub weight: f64,
-    /// As in [`tables::Path`].
+    /// Deviation of the light, as in [`tables::Path::deviation`].
     pub deviation: DVec2,
 }
 
-/// What became of the light of one direction.
+/// Pieces and fates of the light of one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Followed {
+    /// Retroreflected light.
     pub pieces: Vec<LitPiece>,
-    /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]; what returns
-    /// is in `pieces` alone.
+    /// Area times power by fate, square edge lengths, in the order of [`Fate::ALL`]. Retroreflected
+    /// light is in `pieces` alone.
     pub area: [f64; Fate::ALL.len()],
-    /// Net area of the slivers given up as rounding, square edge lengths.
+    /// Net area of the slivers that were given up as rounding, square edge lengths.
     pub dropped: f64,
 }
 
-/// What the light of a beam has in common: the facets that it has met.
+/// The history that all light of a beam shares: the facets that it has met.
 #[derive(Clone, Copy)]
 struct BeamCourse {
     isometry: Isometry,
     reflections: u32,
-    /// `None` without losses.
+    /// Polarised light of the path, or `None` without losses.
     light: Option<Light>,
 }
 
 impl BeamCourse {
-    /// Power that is left, 1 at the launch.
+    /// Returns the power that is left, as a share of the launched power.
     fn power(&self) -> f64 {
         self.light.map_or(1.0, |light| light.power())
     }
 
-    /// What of it leaves the sheet along `toward`, through a face of it.
+    /// Returns the power that passes the front face along `toward`, a direction inside the sheet,
+    /// as a share of the launched power.
     fn power_outside(&self, toward: DVec3, index: f64) -> f64 {
         self.light
             .map_or(1.0, |light| light.power_outside(toward, index))
     }
 }
 
+/// Light that has met the same facets in the same order and travels in one direction.
 struct Beam {
     polygon: Polygon,
     course: BeamCourse,
-    /// Depth of the facet that it leaves.
+    /// Depth of the facet that the beam leaves.
     depth: Depth,
 }
 
-/// What a beam looks for facets with.
+/// The state with which a beam looks for the facets ahead of it.
 struct Ahead<'a> {
     beam: &'a Beam,
-    /// Where it starts, corner by corner, and its direction of travel, unit length: real space.
+    /// Corners of the beam at its start, real space.
     from: Vec<DVec3>,
+    /// Direction of travel, unit length, real space.
     toward: DVec3,
-    /// How far it travels before it has left the layer of facets.
+    /// Distance to the end of the layer of facets, edge lengths.
     leave: f64,
     shadows: Vec<Shadow>,
 }
 
-/// Follows all light of one direction to its end.
+/// Follows all light of one direction to its fate.
 pub(crate) fn trace(view: &View, rules: &Rules) -> Followed {
     let mut tracer = Follower {
         view,
@@ -110,6 +117,7 @@ pub(crate) fn trace(view: &View, rules: &Rules) -> Followed {
     tracer.outcome
 }
 
+/// The state of following all light of one direction: what is settled and what is under way.
 struct Follower<'a> {
     view: &'a View,
     rules: &'a Rules,
@@ -118,9 +126,11 @@ struct Follower<'a> {
 }
 
 impl Follower<'_> {
-    /// First facets. A periodic cell is lit facet by facet, not parallelogram by parallelogram: the
-    /// entry points of one facet of the base period, wherever they are, so that no beam is cut at
-    /// the parallelogram's sides.
+    /// Lights the first facets.
+    ///
+    /// A periodic cell is lit facet by facet and not parallelogram by parallelogram. The light of
+    /// one facet of the base period is all its entry points, wherever they are. So no beam is cut
+    /// at the sides of the parallelogram.
     fn enter(&mut self) {
         let view = self.view;
         let index = self.rules.refractive_index;
@@ -165,7 +175,7 @@ impl Follower<'_> {
         }
     }
 
-    /// The parts of a facet that light reaches: less what stands before it.
+    /// Returns the parts of a facet that light reaches: the facet less what other facets hide.
     fn lit_parts(&self, candidate: &Candidate, base: &[Shadow]) -> Vec<Polygon> {
         let view = self.view;
         let mut parts = vec![candidate.seen.clone()];
@@ -198,13 +208,13 @@ impl Follower<'_> {
         }
     }
 
-    /// Takes away from the parts of a lit facet what `shadow` hides.
+    /// Removes from the parts of a lit facet what `shadow` hides.
     fn hide(&self, parts: &mut Vec<Polygon>, candidate: &Candidate, shadow: Shadow) {
         if (shadow.facet, shadow.translation) == (candidate.shadow.facet, DVec3::ZERO) {
             return;
         }
         let least = self.view.least_area;
-        // Of two facets that coincide exactly one is lit: the first.
+        // Of two facets that coincide exactly only the first is lit.
         let first =
             (shadow.facet, shadow.translation.to_array()) < (candidate.shadow.facet, [0.0; 3]);
         let tie = if first {
@@ -234,7 +244,7 @@ impl Follower<'_> {
         *parts = cut;
     }
 
-    /// Cuts a beam by what it meets next.
+    /// Cuts a beam by the facets that it meets next, and sends the parts on.
     fn step(&mut self, beam: &Beam) {
         let view = self.view;
         let isometry = &beam.course.isometry;
@@ -264,7 +274,8 @@ impl Follower<'_> {
         }
     }
 
-    /// The facets within `look` of where the beam starts, for each of its parts.
+    /// Returns the facets within the distance `look` of the start of the beam, for each of its
+    /// `parts`.
     fn candidates(&self, ahead: &Ahead, parts: &[Polygon], look: f64) -> Vec<Vec<Candidate>> {
         let Ahead { beam, toward, .. } = *ahead;
         let view = self.view;
@@ -290,9 +301,10 @@ impl Follower<'_> {
         candidates
     }
 
-    /// Sends the light of one part of a beam to what it meets of its own `candidates`: a facet that
-    /// two parts see is a candidate of each, and must not hide itself. Gives what has to look
-    /// further.
+    /// Sends the light of one part of a beam to the facets that it meets among its `candidates`.
+    ///
+    /// A facet that two parts see is a candidate of each part, so that it does not hide itself.
+    /// Returns the parts of `part` that have to look further than `look`.
     fn cut(
         &mut self,
         ahead: &Ahead,
@@ -305,7 +317,7 @@ impl Follower<'_> {
         let all_seen = view.lattice.is_none() || ahead.leave <= look || look >= LAST_LOOK;
         let mut visible = self.visible(candidates, &beam.depth);
         if !all_seen {
-            // Beyond what was looked at another copy may stand before these.
+            // Beyond `look` an unseen copy may stand before these facets.
             visible.retain(|(i, polygon)| {
                 let depth = &candidates[*i].shadow.depth;
                 polygon
@@ -335,7 +347,8 @@ impl Follower<'_> {
         open
     }
 
-    /// What the light sees of each candidate: (its number, convex part).
+    /// Returns the parts of the candidates that light reaches, each as (number of the candidate,
+    /// convex part).
     fn visible(&self, candidates: &[Candidate], start: &Depth) -> Vec<(usize, Polygon)> {
         let least = self.view.least_area;
         let mut visible = Vec::new();
@@ -367,7 +380,7 @@ impl Follower<'_> {
         visible
     }
 
-    /// Reflects what hit a facet, or ends it there.
+    /// Reflects the light that hit a facet, or ends it there.
     fn hit(&mut self, shadow: &Shadow, polygon: Polygon, course: &BeamCourse) {
         let rules = self.rules;
         let facet = &self.view.facets[shadow.facet];
@@ -400,8 +413,8 @@ impl Follower<'_> {
         });
     }
 
-    /// Ends what sees no facet any more: the convex `parts` of a beam, their areas summing to
-    /// `rest` within rounding.
+    /// Ends the light of a beam that meets no further facet. `parts` are convex, and their areas
+    /// sum to `rest` within rounding.
     fn leave(&mut self, beam: &Beam, toward: DVec3, parts: Vec<Polygon>, rest: f64) {
         let rules = self.rules;
         let BeamCourse {
@@ -420,6 +433,7 @@ impl Follower<'_> {
         }
     }
 
+    /// Stores retroreflected light with its map, weight and deviation.
     fn return_light(
         &mut self,
         isometry: &Isometry,
@@ -435,8 +449,9 @@ impl Follower<'_> {
         } = *self.view;
         let kind = self.rules.element;
         let plane = element::plane(kind, height, floor);
-        // Exit point of the light that entered at p: y = linear (p, height) + shift, carried along
-        // `toward` to the plane of the shift, as the entry point is along `direction`.
+        // The light that entered at p leaves at y = linear (p, height) + shift. Here y is carried
+        // along `toward` to the plane of the shift, as the entry point is carried along
+        // `direction`.
         let carry = |y: DVec3| y.truncate() - y.z / toward.z * toward.truncate();
         let (u, v) = (carry(isometry.linear.x_axis), carry(isometry.linear.y_axis));
         let start = isometry.linear.z_axis * height + isometry.shift - DVec3::Z * plane;
@@ -458,6 +473,7 @@ impl Follower<'_> {
             }));
     }
 
+    /// Adds an area times power to a fate, or to the slivers if it is no more than rounding.
     fn settle(&mut self, area: f64, fate: Fate) {
         if area <= self.view.least_area {
             self.outcome.dropped += area;

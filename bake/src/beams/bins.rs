@@ -1,28 +1,29 @@
-//! Exact probability of each bin of the shift histogram.
+//! Exact probability of each bin of the histogram of ray shifts.
 //!
-//! A piece spreads its light evenly over the image of its polygon under the shift map. The image's
-//! area in each bin is found by Green's theorem, edge by edge: each edge adds, in each bin that it
-//! crosses, the area between it and the bin's right side, and its height to every bin further
-//! right, which a running sum along the row carries there. The cost is edges x bins crossed, plus
-//! one pass over the rows that the image touches.
+//! A piece spreads its light evenly over the image of its polygon under the map of the ray shift.
+//! The image's area in each bin follows from Green's theorem, edge by edge. In each bin that an
+//! edge crosses, it adds the area between itself and the right side of the bin. To every bin
+//! further right it adds its height; a running sum along the row carries the height there. The cost
+//! is edges x bins crossed, plus one pass over the rows that the image touches.
 //!
-//! Where the map nearly loses a dimension (a shift that all light of the piece shares, or a
-//! segment) the image has no area to speak of: there the bins' lines are pulled back to the
-//! entrance plane and cut the polygon itself.
+//! If the map nearly loses a dimension, the image is a point or a segment and has no area to speak
+//! of. Then the lines of the bins are carried back to the entrance plane and cut the polygon
+//! itself.
 
 use glam::{DMat2, DVec2};
 
 use crate::geometry::{HalfPlane, Polygon, polygon};
 
-/// Images thinner than this (ratio of the map's singular values) are binned on the entrance plane.
+/// Largest thinness, as the ratio of the map's singular values, of an image that is binned on the
+/// entrance plane.
 const THIN: f64 = 1e-3;
 
-/// A shift histogram being filled: `[v][u]`, row-major.
+/// A histogram of ray shifts that is being filled: `[v][u]`, row-major.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Histogram {
     bins: usize,
     range: f64,
-    /// Mass of each bin.
+    /// Mass of each bin, `[v][u]`, row-major.
     pub mass: Vec<f64>,
     /// Mass outside the histogram.
     pub out_of_range: f64,
@@ -30,7 +31,7 @@ pub(crate) struct Histogram {
 }
 
 impl Histogram {
-    /// An empty histogram of `bins` x `bins` over [-range, range], edge lengths.
+    /// Creates an empty histogram of `bins` x `bins` over [-range, range], edge lengths.
     pub(crate) fn new(bins: usize, range: f64) -> Self {
         Histogram {
             bins,
@@ -41,8 +42,8 @@ impl Histogram {
         }
     }
 
-    /// Adds the shifts matrix p + offset of the entry points p of a polygon, each square edge
-    /// length of it weighing `density`.
+    /// Adds the shifts `matrix` p + `offset` of all entry points p of a polygon. Each square edge
+    /// length of the polygon weighs `density`.
     pub(crate) fn add(&mut self, polygon: &[DVec2], matrix: DMat2, offset: DVec2, density: f64) {
         let mass = density * polygon::area(polygon);
         if mass <= 0.0 {
@@ -53,7 +54,8 @@ impl Histogram {
         let matrix = matrix * scale;
         let offset = (offset + self.range) * scale;
         let squares = matrix.x_axis.length_squared() + matrix.y_axis.length_squared();
-        // |det| = s1 s2 and squares = s1^2 + s2^2: the ratio is about s2/s1 where it is small.
+        // With the singular values s1 and s2, |det| = s1 s2 and squares = s1^2 + s2^2. Their ratio
+        // is about s2 / s1 if it is small.
         if matrix.determinant().abs() <= THIN * squares {
             return self.add_strips(polygon, matrix, offset, density);
         }
@@ -79,7 +81,8 @@ impl Histogram {
         }
     }
 
-    /// Adds the areas of a polygon in bin units, inside the histogram, times `density`.
+    /// Adds the area that a polygon has in each bin, times `density`. The polygon is in bin units
+    /// and lies inside the histogram.
     fn add_image(&mut self, image: &[DVec2], density: f64) {
         let (low, high) = polygon::bounds(image);
         let last = self.bins - 1;
@@ -98,17 +101,20 @@ impl Histogram {
             let bins = &mut self.mass[row * self.bins..][..self.bins];
             for column in columns.clone() {
                 running += self.row_sums[column];
-                // Rounding may leave -1e-17 where the image has ended.
+                // Rounding may leave -1e-17 behind the end of the image.
                 bins[column] += density * f64::max(running, 0.0);
             }
             self.row_sums[*columns.start()..columns.end() + 3].fill(0.0);
         }
     }
 
-    /// Adds an edge within one row: heights upwards are negative, so that a counter-clockwise
-    /// polygon, whose left side runs down, gets a positive area.
+    /// Adds an edge that lies within one row.
+    ///
+    /// A height upward counts as negative. The left side of a counter-clockwise polygon runs down,
+    /// so its area comes out positive.
     fn add_edge(&mut self, x0: f64, y0: f64, x1: f64, y1: f64) {
-        // From left to right; the sign keeps the sense.
+        // The ends are sorted from left to right. The sign of the height keeps the sense of the
+        // edge.
         let (left, right, height) = if x0 <= x1 {
             (x0, x1, y0 - y1)
         } else {
@@ -127,16 +133,16 @@ impl Histogram {
         }
     }
 
-    /// A piece of edge of the given height with mean abscissa `x` in `column`: its area there, the
-    /// rest to the right.
+    /// Adds a piece of an edge with the given `height` and mean abscissa `x` in `column`: its area
+    /// to this column, and the rest of its height to the columns on the right.
     fn add_part(&mut self, column: usize, x: f64, height: f64) {
         let inside = height * (column as f64 + 1.0 - x);
         self.row_sums[column] += inside;
         self.row_sums[column + 1] += height - inside;
     }
 
-    /// The same by cutting the polygon of entry points along the bins' lines: slower, right for any
-    /// map.
+    /// Adds the shifts by cutting the polygon of entry points along the lines of the bins. This is
+    /// slower than [`Histogram::add_image`] and right for any map.
     fn add_strips(&mut self, polygon: &[DVec2], matrix: DMat2, offset: DVec2, density: f64) {
         let rows = strips(polygon.to_vec(), matrix.row(1), offset.y, self.bins);
         for (row, part) in rows {
@@ -155,7 +161,7 @@ impl Histogram {
     }
 }
 
-/// Abscissa of the line through `a` and `b` at height `y`, between the two.
+/// Returns the abscissa of the line through `a` and `b` at the height `y`, between the two points.
 fn x_at(a: DVec2, b: DVec2, y: f64) -> f64 {
     if y == a.y {
         a.x
@@ -166,8 +172,9 @@ fn x_at(a: DVec2, b: DVec2, y: f64) -> f64 {
     }
 }
 
-/// Cuts a polygon where gradient.p + constant is an integer in [0, bins]; `None` is what lies
-/// outside.
+/// Cuts a polygon where gradient.p + constant is an integer in [0, bins].
+///
+/// Returns the parts with the numbers of their strips, `None` for parts outside [0, bins].
 fn strips(
     polygon: Polygon,
     gradient: DVec2,
@@ -181,7 +188,7 @@ fn strips(
     );
     let index = |x: f64| (x >= 0.0 && x < bins as f64).then_some(x as usize);
     let middle = 0.5 * (low + high);
-    // Less than rounding wide: one bin, found as a ray's would be.
+    // A polygon narrower than rounding lies in one bin, which is found as for a ray.
     if high - low <= 1e-12 * (1.0 + middle.abs()) {
         return vec![(index(middle), polygon)];
     }
@@ -213,7 +220,7 @@ fn strips(
 mod tests {
     use super::*;
 
-    /// Every bin by clipping its square: the slow way.
+    /// Computes every bin by clipping its square, slowly and plainly.
     fn by_boxes(
         polygon: &[DVec2],
         matrix: DMat2,
@@ -249,8 +256,8 @@ mod tests {
 
     #[test]
     fn scanline_strips_and_boxes_agree() {
-        // Areas of bins are below 1, got by sums of at most 40 terms: 1e-14 bounds each, and one
-        // row's running sum.
+        // Areas of bins are below 1 and come from sums of at most 40 terms. So 1e-14 bounds the
+        // error of each area and of the running sum of a row.
         let cases = [
             (
                 DMat2::from_diagonal(DVec2::splat(-2.0)),

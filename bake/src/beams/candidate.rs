@@ -1,22 +1,27 @@
-//! One facet within one beam: the part of the beam that would meet it, and what it hides.
+//! One facet within one beam: the part of the beam that would meet the facet, and what the facet
+//! hides.
 
 use glam::DVec2;
 
 use crate::beams::view::{Depth, Shadow};
 use crate::geometry::{HalfPlane, Polygon, polygon};
 
-/// A facet's shadow on a beam, cut to the beam.
+/// The shadow of a facet on a beam, cut to the beam.
 pub(crate) struct Candidate {
     pub shadow: Shadow,
-    /// The cut outline, in entry points.
+    /// Outline of the shadow within the beam, in entry points.
     pub seen: Polygon,
-    /// Nearest and furthest depth over `seen`.
+    /// Least depth over `seen`, edge lengths.
     pub near: f64,
+    /// Greatest depth over `seen`, edge lengths.
     pub far: f64,
 }
 
 impl Candidate {
-    /// `None` where the shadow misses `polygon` or lies before `start`.
+    /// Cuts `shadow` to the beam `polygon`, whose light starts at the depth `start`.
+    ///
+    /// Returns `None` if no more than the area `least` of the shadow lies in `polygon` and behind
+    /// `start`.
     pub(crate) fn new(
         shadow: Shadow,
         polygon: &[DVec2],
@@ -45,15 +50,18 @@ impl Candidate {
         })
     }
 
-    /// Whether the two can overlap, `self` in front somewhere.
+    /// Returns whether this facet may hide a part of `other`: they may overlap, and some of this
+    /// facet is nearer than some of `other`.
     pub(crate) fn may_hide(&self, other: &Candidate) -> bool {
         let ((low, high), (other_low, other_high)) =
             (polygon::bounds(&self.seen), polygon::bounds(&other.seen));
         self.near < other.far + 1e-12 && low.cmplt(other_high).all() && other_low.cmplt(high).all()
     }
 
-    /// Where the facet lies before one at `depth` + `tie`: a positive tie hides a facet that
-    /// coincides.
+    /// Returns half-planes; this facet hides a facet at `depth` in their intersection.
+    ///
+    /// That is where the depth of this facet is at most `depth` + `tie`. With a positive `tie` a
+    /// facet hides one that coincides with it; with a negative `tie` it does not.
     pub(crate) fn hiding(&self, depth: &Depth, start: Option<&Depth>, tie: f64) -> Vec<HalfPlane> {
         polygon::edges(&self.shadow.outline)
             .chain([self.shadow.depth.at_most(depth, tie)])

@@ -1,19 +1,23 @@
 //! The exact bake: beam tracing instead of samples.
 //!
-//! After Heckbert and Hanrahan, "Beam Tracing Polygonal Objects", SIGGRAPH 1984. On planar facets a
-//! collimated beam is piecewise affine: every sequence of facets maps one polygon of the entrance
-//! plane by one affine map, so the whole distribution of ray shifts is a finite set of polygons,
-//! and the probability of a bin is an area. Where this differs from the article: all light of a
-//! direction is parallel and stays so, so that facets are unfolded into the entrance plane and the
-//! whole problem is two-dimensional; cells may be periodic; of many equal cubes one is followed.
+//! The method follows Heckbert and Hanrahan, "Beam Tracing Polygonal Objects", SIGGRAPH 1984. On
+//! planar facets a collimated beam is piecewise affine: every sequence of facets maps one polygon
+//! of the entrance plane by one affine map. So the whole distribution of ray shifts is a finite set
+//! of polygons, and the probability of a bin is an area. This bake differs from the article in
+//! three points:
 //!
-//! Losses are a weight: all light of a facet sequence meets each facet at one angle, so one
-//! polarised path (`light`) says what part of its power comes back, and the rest goes to the fates
-//! that took it.
+//! - All light of a direction is parallel and stays parallel. So facets are unfolded into the
+//!   entrance plane, and the whole problem is two-dimensional.
+//! - Cells may be periodic.
+//! - Of many equal cubes one is followed.
 //!
-//! Accuracy: areas and shifts to a few ulp of the longest path in the cell, 1e-15 / cos(incidence)
-//! edge lengths. Facets mirror on the side that is wound counter-clockwise; light ends at their
-//! backs, which only a lattice with gaps shows.
+//! Losses are a weight. All light of a facet sequence meets each facet at one angle. So one
+//! polarised path (`light`) gives the share of its power that is retroreflected; the rest goes to
+//! the fates that took it.
+//!
+//! Accuracy: areas and shifts are known to a few ulp of the longest path in the cell, 1e-15 /
+//! cos(incidence) edge lengths. Facets mirror on the side from which their corners run
+//! counter-clockwise. Light ends at their backs, which only a lattice with gaps shows.
 
 use crate::beams::beam;
 use crate::beams::bins;
@@ -31,8 +35,9 @@ use crate::geometry::polygon;
 use crate::optics::{Incidence, Rules};
 
 impl ExactCell {
-    /// Traces one direction: angles in degrees, outside the front face, cell frame; `bins` x `bins`
-    /// over [-range, range] edge lengths.
+    /// Traces one direction, given by its angles in degrees outside the front face, cell frame.
+    ///
+    /// The histogram has `bins` x `bins` bins over [-range, range] edge lengths.
     pub(crate) fn direction(
         &self,
         incidence_deg: f64,
@@ -81,8 +86,8 @@ impl ExactCell {
     }
 }
 
-/// Probability per launched ray that `paths` give each bin, `[v][u]` row-major, and that beyond the
-/// histogram.
+/// Returns the probability per launched ray that `paths` give each bin, `[v][u]` row-major, and the
+/// probability outside the histogram.
 pub(crate) fn spread(
     paths: &[Path],
     entrance_area: f64,
@@ -100,21 +105,21 @@ pub(crate) fn spread(
     (filled.mass, filled.out_of_range)
 }
 
-/// The arrays of an exact table, as [`tables::Table`] names them.
+/// The arrays of an exact table, named as in [`tables::Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Baked {
     /// Conditional probability `[incidence, azimuth, v, u]`.
     pub histogram: Array4<f64>,
-    /// Eta `[incidence, azimuth]`.
+    /// Retroreflected share eta `[incidence, azimuth]`.
     pub retroreflected: Array2<f64>,
-    /// Shares `[incidence, azimuth, fate]`.
+    /// Shares of the launched light by fate `[incidence, azimuth, fate]`.
     pub fate: Array3<f64>,
-    /// Polygons and maps.
+    /// Polygons and maps of every direction.
     pub exact: Exact,
 }
 
 impl Baked {
-    /// The table of these arrays over `axes`.
+    /// Makes the table of these arrays over `axes`.
     pub(crate) fn table(self, axes: Axes, provenance: Provenance) -> Table {
         let shape = axes.shape();
         Table {
@@ -133,10 +138,12 @@ impl Baked {
     }
 }
 
-/// The prepared cell, where its table in the directions of `axes` has no error at all.
+/// Returns the prepared cell if its table in the directions of `axes` has no error but rounding.
 ///
 /// # Errors
-/// [`ExactError`]: why it has one.
+///
+/// Returns [`ExactError::MeanAzimuth`] if an azimuth is NaN, the mean over all azimuths. Returns
+/// any error of [`Prepared::exact`] if the exact method does not take the cell.
 pub(crate) fn prepare<'a>(
     prepared: &'a Prepared,
     axes: &Axes,
@@ -147,10 +154,12 @@ pub(crate) fn prepare<'a>(
     prepared.exact().map_err(ExactError::clone)
 }
 
-/// Bakes every direction of `axes`, in parallel; the result does not depend on the number of
-/// threads. `done` is called once per finished direction, from any thread, and says whether to go
-/// on; where it once said no there is no result. An azimuth of NaN is the mean over all, within
-/// [`crate::cell::MEAN_ERROR`], and has no paths.
+/// Bakes every direction of `axes`, in parallel. The result does not depend on the number of
+/// threads.
+///
+/// `done` is called once per finished direction, from any thread, and returns whether to go on. If
+/// it once returns `false`, the result is `None`. An azimuth of NaN stands for the mean over all
+/// azimuths, which is within [`crate::cell::MEAN_ERROR`] and has no paths.
 pub(crate) fn bake(
     exact: &ExactCell,
     axes: &Axes,

@@ -1,28 +1,31 @@
-//! The mean over azimuths of what the exact method finds.
+//! The mean over all azimuths of the exact shares.
 //!
-//! Of a direction, eta x histogram and the shares of the fates are piecewise smooth in the azimuth:
-//! the edges of polygons pass corners of bins, and fates begin and end. So each of [`PARTS`] equal
-//! parts of a turn is halved until the trapezoids of two halves agree with that of the whole. At a
-//! kink or a jump the halves are off by no more than this change, where the light is smooth by a
-//! third of it: the error of the mean is below [`MEAN_ERROR`], unless light comes and goes between
-//! two azimuths half a part from each other.
+//! For one incidence, eta x histogram and the shares of the fates are piecewise smooth functions of
+//! the azimuth: edges of polygons pass corners of bins, and fates begin and end. So each of
+//! [`PARTS`] equal parts of a turn is halved until the trapezoids of its two halves agree with the
+//! trapezoid of the whole part. At a kink or a jump the error of the halves is at most this change;
+//! where the functions are smooth it is a third of this change. The error of the mean is therefore
+//! below [`MEAN_ERROR`]. The one exception is light that appears and disappears between two
+//! azimuths half a part from each other.
 
 use rayon::prelude::*;
 
 use crate::beams::share::Share;
 use crate::cell::MEAN_ERROR;
 
-/// Parts of a turn that are halved at least once: of one degree.
+/// Number of equal parts of a turn, each of one degree and halved at least once.
 const PARTS: usize = 360;
 
-/// Parts under way at a time, added in order: the sum does not depend on the threads, and memory
-/// not on the parts.
+/// Number of parts that are under way at a time. They are added in order, so that the sum does not
+/// depend on the number of threads and the memory does not depend on the number of parts.
 const TOGETHER: usize = 24;
 
-/// Most halvings of a part: a jump then costs less than 2^-20 of the light of its part.
+/// Largest number of halvings of a part. A jump then costs less than 2^-20 of the light of its
+/// part.
 const HALVINGS: u32 = 20;
 
-/// The mean of `at` (azimuth in degrees) over a turn. It has no paths, which belong to a direction.
+/// Returns the mean of `at`, a function of the azimuth in degrees, over a turn. The mean has no
+/// paths: a path belongs to one direction.
 pub(crate) fn mean(at: &(impl Fn(f64) -> Share + Sync)) -> Share {
     let width = 360.0 / PARTS as f64;
     let part = |part: usize| {
@@ -44,7 +47,8 @@ pub(crate) fn mean(at: &(impl Fn(f64) -> Share + Sync)) -> Share {
     sum.unwrap_or_else(|| at(0.0))
 }
 
-/// The mean between two azimuths, of which `first` and `last` are the ends.
+/// Returns the mean between the azimuths `from` and `to`, degrees; `first` and `last` are the
+/// shares at these ends.
 fn over(
     at: &impl Fn(f64) -> Share,
     (from, to): (f64, f64),
@@ -62,8 +66,8 @@ fn over(
     mixture(&[(0.5, &left), (0.5, &right)])
 }
 
-/// What the trapezoids of two halves differ by from that of the whole, L1: (2 middle - first -
-/// last) / 4.
+/// Returns the L1 difference of the trapezoids of two halves from the trapezoid of the whole: (2
+/// middle - first - last) / 4.
 fn change(first: &Share, middle: &Share, last: &Share) -> f64 {
     let bins = first
         .histogram

@@ -1,7 +1,8 @@
-//! Light as polygons: the exact distribution of shifts of cells of planar facets.
+//! Light as polygons: the exact distribution of the ray shifts of cells with planar facets.
 //!
-//! A [`crate::cell::ExactCell`], the rules and directions enter; polygons with their maps, fates
-//! and exact bins leave. This room may touch `cell`, `optics` and `geometry`. It takes no samples.
+//! A [`crate::cell::ExactCell`], the rules and directions enter. Polygons with their maps, their
+//! fates and exact bins leave. This room may touch `cell`, `optics` and `geometry`. It takes no
+//! samples.
 
 mod beam;
 mod bins;

@@ -1,15 +1,15 @@
-//! Convex parts that a beam is cut into.
+//! Convex parts into which a beam is cut.
 
 use glam::DVec2;
 
 use crate::geometry::{HalfPlane, Polygon, polygon};
 
-/// Sum of the areas.
+/// Returns the sum of the areas of `parts`.
 pub(crate) fn total_area(parts: &[Polygon]) -> f64 {
     parts.iter().map(|part| polygon::area(part)).sum()
 }
 
-/// A convex polygon less some of its parts, as convex parts of more than `least` area.
+/// Returns `polygon` less the convex parts `taken`, as convex parts of more than `least` area each.
 pub(crate) fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
     let mut left = vec![polygon.clone()];
     for (_, taken) in taken {
@@ -23,7 +23,7 @@ pub(crate) fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64)
     left
 }
 
-/// The box of all.
+/// Returns the lowest and the highest coordinates of all `parts` together.
 pub(crate) fn bounds_of_all(parts: &[Polygon]) -> (DVec2, DVec2) {
     let start = polygon::bounds(&[]);
     parts

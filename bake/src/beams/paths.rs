@@ -1,10 +1,12 @@
-//! Pieces that share a map and a weight become one polygon.
+//! Joins pieces of light that share a map and a weight into one polygon.
 //!
-//! Light that meets the same cube's faces in another order is shifted alike: the six facet
-//! sequences of an ideal cube are one polygon with one map. Where there are losses, orders differ
-//! in what they do to the polarisation, and stay apart. In a lattice the pieces of one cube may
-//! have been lit through different copies; each is brought to the period that holds its map's fixed
-//! point (the cube's own centre), where they meet.
+//! The order in which light meets the faces of one cube does not change its ray shift: the six
+//! facet sequences of an ideal cube are one polygon with one map. If there are losses, the orders
+//! change the polarisation in different ways and stay apart.
+//!
+//! In a lattice the pieces of one cube may have been lit through different copies. Each piece is
+//! moved to the period that holds the fixed point of its map, which is the centre of the cube.
+//! There the pieces meet.
 
 use glam::DVec2;
 use tables::Path;
@@ -13,17 +15,18 @@ use crate::beams::beam::LitPiece;
 use crate::beams::view::View;
 use crate::geometry::{Polygon, polygon};
 
-/// Maps closer than this are the same one, relative to the offset's size: rounding of a few
-/// reflections is 1e-15.
+/// Largest difference of two maps that count as the same one, relative to the size of the offset.
+/// The rounding of a few reflections is 1e-15.
 const SAME_MAP: f64 = 1e-13;
 
-/// Weights closer than this are the same one: rounding of a few reflections, as above.
+/// Largest difference of two weights that count as the same one. The rounding of a few reflections
+/// is 1e-15.
 const SAME_WEIGHT: f64 = 1e-13;
 
-/// Directions closer than this are the same one, rad: rounding, as above.
+/// Largest angle between two deviations that count as the same one, rad. Rounding is far smaller.
 const SAME_DIRECTION: f64 = 1e-12;
 
-/// The table's paths.
+/// Joins `pieces` and returns them as the paths of a table.
 pub(crate) fn merge(mut pieces: Vec<LitPiece>, view: &View) -> Vec<Path> {
     if let Some(lattice) = view.lattice {
         pieces
@@ -51,12 +54,14 @@ pub(crate) fn merge(mut pieces: Vec<LitPiece>, view: &View) -> Vec<Path> {
 }
 
 /// Moves a piece by the lattice vector that brings its fixed point into the base period.
+///
+/// A piece with a nearly singular map has no fixed point to speak of and stays where it is.
 fn bring_home(piece: &mut LitPiece, [a, b]: [DVec2; 2]) {
     if piece.matrix.determinant().abs() < 1e-3 {
         return;
     }
     let fixed = -(piece.matrix.inverse() * piece.offset);
-    // The 1e-9 keeps pieces whose fixed points differ by rounding from landing in different
+    // Without the 1e-9, pieces whose fixed points differ by rounding could land in different
     // periods.
     let i = (fixed.perp_dot(b) / a.perp_dot(b) + 1e-9).floor();
     let j = (a.perp_dot(fixed) / a.perp_dot(b) + 1e-9).floor();
@@ -77,8 +82,9 @@ fn same_map(a: &LitPiece, b: &LitPiece) -> bool {
             <= SAME_MAP * (1.0 + a.matrix.x_axis.length())
 }
 
-/// Unites convex polygons that do not overlap as far as the unions are convex: a hull with no more
-/// area than its parts.
+/// Unites convex polygons that do not overlap, as far as their unions are convex.
+///
+/// A union is convex if the hull has no more area than its parts, within `slack`.
 fn unite(mut polygons: Vec<Polygon>, slack: f64) -> Vec<Polygon> {
     let union = |parts: &[&Polygon]| {
         let points: Vec<DVec2> = parts.iter().flat_map(|p| p.iter().copied()).collect();
@@ -97,7 +103,7 @@ fn unite(mut polygons: Vec<Polygon>, slack: f64) -> Vec<Polygon> {
             Some((j, joined)) => {
                 polygons[i] = joined;
                 polygons.remove(j);
-                // What an earlier polygon could not join with before may fit now.
+                // An earlier polygon that fitted nothing before may fit the union.
                 i = 0;
             }
             None => i += 1,

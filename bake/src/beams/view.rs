@@ -1,10 +1,12 @@
 //! A cell seen along one direction: everything that the beams of that direction share.
 //!
-//! Frame: the cell frame turned about n so that the light travels in +x: x = u, y = v, z = n. Beams
-//! are followed in **unfolded** space: instead of the beam, the facets are reflected, so the beam
-//! runs straight along `direction` for ever and a point of it is named by where it entered, p = (u,
-//! v) on the entrance plane, and by its `depth`, the distance travelled since. Facets then become
-//! shadows on the entrance plane, and all clipping happens there.
+//! The frame is the cell frame, turned about n so that the light travels towards +x: x = u, y = v,
+//! z = n.
+//!
+//! Beams are followed in **unfolded** space. There the facets are reflected instead of the beam, so
+//! the beam runs straight along `direction` for ever. A point of it is named by its entry point p =
+//! (u, v) on the entrance plane and by its `depth`, the distance travelled since. Facets then
+//! become shadows on the entrance plane, and all clipping happens there.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -12,24 +14,28 @@ use crate::cell::{Body, Facet};
 use crate::geometry::{HalfPlane, Polygon, polygon};
 use crate::optics::{EDGE_ON, Incidence};
 
-/// Light that has left a facet's front by less than this is not behind it, edge lengths: far above
-/// rounding.
+/// Least distance from its start at which a beam meets the back of a facet, edge lengths. It is far
+/// above rounding.
 const OFF: f64 = 1e-12;
 
-/// The distance that light has travelled, an affine function of its entry point.
+/// The distance that light has travelled, edge lengths, as an affine function of its entry point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Depth {
+    /// Entry point at which the distance is `value`.
     pub anchor: DVec2,
+    /// Distance at `anchor`, edge lengths.
     pub value: f64,
+    /// Gradient of the distance by the entry point.
     pub gradient: DVec2,
 }
 
 impl Depth {
+    /// Returns the distance for the light that entered at `p`, edge lengths.
     pub(crate) fn at(&self, p: DVec2) -> f64 {
         self.value + self.gradient.dot(p - self.anchor)
     }
 
-    /// Where `self` is at most `other` + `slack`.
+    /// Returns the half-plane of the entry points where `self` is at most `other` + `slack`.
     pub(crate) fn at_most(&self, other: &Depth, slack: f64) -> HalfPlane {
         HalfPlane {
             gradient: self.gradient - other.gradient,
@@ -39,7 +45,7 @@ impl Depth {
     }
 }
 
-/// x -> linear x + shift: from unfolded space to where the light really is.
+/// The map x -> linear x + shift from unfolded space to real space, where the light really is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Isometry {
     pub linear: DMat3,
@@ -52,7 +58,7 @@ impl Isometry {
         shift: DVec3::ZERO,
     };
 
-    /// Followed by the reflection in the plane normal.x = offset.
+    /// Returns this map followed by the reflection in the plane normal.x = offset.
     pub(crate) fn reflected(&self, normal: DVec3, offset: f64) -> Isometry {
         let mirror = |x: DVec3| x - 2.0 * normal.dot(x) * normal;
         let l = &self.linear;
@@ -66,6 +72,7 @@ impl Isometry {
 /// One facet (or a lattice copy of it) as a beam meets it.
 #[derive(Debug, Clone)]
 pub(crate) struct Shadow {
+    /// Number of the facet in [`View::facets`].
     pub facet: usize,
     /// Lattice translation of the copy.
     pub translation: DVec3,
@@ -73,14 +80,15 @@ pub(crate) struct Shadow {
     pub outline: Polygon,
     pub low: DVec2,
     pub high: DVec2,
-    /// Distance travelled to it, by entry point.
+    /// Distance that light travels to the facet, by entry point.
     pub depth: Depth,
-    /// How far behind its start a beam may seem to meet it: less than 0 for the back of a facet,
-    /// which light that leaves the facet's front does not meet.
+    /// Distance, edge lengths, by which a facet may seem to lie behind the start of a beam that
+    /// still meets it. It is negative for the back of a facet: light that leaves the front of the
+    /// facet does not meet its back.
     pub slack: f64,
 }
 
-/// What a lattice translation does to a shadow.
+/// The displacement of a shadow by a lattice translation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Translation {
     translation: DVec3,
@@ -89,12 +97,13 @@ pub(crate) struct Translation {
 }
 
 impl Shadow {
-    /// Whether the copy's outline can overlap a box of entry points.
+    /// Returns whether the outline of the copy may overlap the box from `low` to `high` of entry
+    /// points.
     pub(crate) fn may_touch(&self, step: &Translation, low: DVec2, high: DVec2) -> bool {
         (self.low + step.entry).cmplt(high).all() && (self.high + step.entry).cmpgt(low).all()
     }
 
-    /// The copy.
+    /// Returns the copy of this shadow that `step` makes.
     pub(crate) fn moved(&self, step: &Translation) -> Shadow {
         Shadow {
             facet: self.facet,
@@ -114,22 +123,22 @@ impl Shadow {
 
 /// Light on its way, in real space.
 pub(crate) struct Flight<'a> {
-    /// From unfolded space to real space.
+    /// Map from unfolded space to real space.
     pub isometry: &'a Isometry,
-    /// Where it starts.
+    /// Points from which the light starts.
     pub from: &'a [DVec3],
-    /// Where it goes, unit length.
+    /// Direction of travel, unit length.
     pub toward: DVec3,
-    /// How far it goes.
+    /// Distance that the light travels, edge lengths.
     pub travel: f64,
 }
 
-/// An axis of the plane, and the least and the greatest coordinate along it.
+/// An axis of the plane, with the least and the greatest coordinate along it.
 type Span = (DVec2, f64, f64);
 
 impl Flight<'_> {
-    /// Where the translations lie that bring `facet` into the way of the light, along its way and
-    /// across.
+    /// Returns the range of the translations that bring `facet` into the way of the light, along
+    /// the way and across it.
     fn strip(&self, facet: &[DVec3]) -> [Span; 2] {
         let horizontal = self.toward.truncate();
         let along = horizontal.try_normalize().unwrap_or(DVec2::X);
@@ -141,10 +150,9 @@ impl Flight<'_> {
                 .map(|x| x.truncate().dot(axis))
                 .fold(start, widened)
         };
-        // Copies that touch the strip's rim by rounding must not be lost: the strip is widened by
-        // far more than that.
+        // Widens the strip by far more than rounding, so that no copy is lost that touches its rim.
         let widen = 1e-9;
-        // A translation r is wanted where along.r and across.r lie in these ranges.
+        // A translation r is wanted if along.r and across.r lie in these ranges.
         [along, along.perp()].map(|axis| {
             let (start, target) = (span(self.from, axis), span(facet, axis));
             let ahead = self.travel * horizontal.dot(axis).abs();
@@ -159,7 +167,7 @@ impl Flight<'_> {
 
 /// Visits the lattice vectors i a + j b whose coordinates lie in both spans.
 fn vectors_between([a, b]: [DVec2; 2], strip: [Span; 2], mut visit: impl FnMut(DVec2)) {
-    // The strip's corners bound j.
+    // The corners of the strip bound j.
     let [(x, x_low, x_high), (y, y_low, y_high)] = strip;
     let rows = [
         (x_low, y_low),
@@ -193,24 +201,29 @@ fn vectors_between([a, b]: [DVec2; 2], strip: [Span; 2], mut visit: impl FnMut(D
 pub(crate) struct View {
     /// Travel direction inside the front face, unit length.
     pub direction: DVec3,
+    /// Facets in the frame of the light.
     pub facets: Vec<Facet>,
+    /// Lattice vectors in the frame of the light, or `None` for a body without neighbours.
     pub lattice: Option<[DVec2; 2]>,
-    /// Where light enters, in convex parts; of no use where there is a lattice.
+    /// Openings that light enters by, in convex parts. They are not used if there is a lattice.
     pub doors: Vec<Polygon>,
+    /// Area of the entrance, square edge lengths.
     pub entrance_area: f64,
+    /// Height of the entrance plane, edge lengths.
     pub height: f64,
-    /// Lowest point of any facet.
+    /// Height of the lowest point of any facet, edge lengths.
     pub floor: f64,
-    /// Areas at most this are rounding, square edge lengths.
+    /// Largest area that counts as rounding, square edge lengths.
     pub least_area: f64,
-    /// Depths closer than this coincide, edge lengths.
+    /// Largest difference of depths that counts as none, edge lengths.
     pub least_depth: f64,
 }
 
 impl View {
-    /// A body seen along `light`.
+    /// Turns `body` into the frame of `light`.
     pub(crate) fn new(body: &Body, light: &Incidence) -> View {
-        // The frame's u is the light's own, so that nothing but rounding is left of v.
+        // u of the frame is that of the light, so that only rounding is left of the component along
+        // v.
         let (sin, cos) = (light.travel.truncate().dot(light.u), -light.travel.z);
         let turn = |p: DVec2| light.to_frame(p);
         let facets: Vec<Facet> = body.facets.iter().map(|f| f.turned(light)).collect();
@@ -220,8 +233,8 @@ impl View {
             .flat_map(|f| &f.corners)
             .map(|x| x.z)
             .fold(height, f64::min);
-        // Entry points are known to an ulp of the longest path's extent along u, (height - floor)
-        // tan(incidence).
+        // Rounding moves an entry point by an ulp of the extent of the longest path along u, which
+        // is (height - floor) tan(incidence).
         let extent = 1.0 + (height - floor) * sin / cos;
         View {
             direction: DVec3::new(sin, 0.0, -cos),
@@ -240,12 +253,14 @@ impl View {
         }
     }
 
-    /// The point of unfolded space where the light that entered at `p` is after travelling `depth`.
+    /// Returns the point of unfolded space that the light which entered at `p` reaches after the
+    /// distance `depth`.
     pub(crate) fn point(&self, p: DVec2, depth: f64) -> DVec3 {
         p.extend(self.height) + depth * self.direction
     }
 
-    /// The facets as `beam` meets them, without those that it meets from behind or along.
+    /// Returns the shadows of the facets that `beam` meets from the front. Facets that it would
+    /// meet from behind or edge-on are left out.
     pub(crate) fn shadows(&self, beam: &Isometry) -> Vec<Shadow> {
         (0..self.facets.len())
             .filter_map(|facet| self.shadow(facet, beam))
@@ -288,7 +303,8 @@ impl View {
         })
     }
 
-    /// The shadow's copies that light can meet on its flight. Without a lattice, the shadow itself.
+    /// Visits the copies of `shadow` that light may meet on its flight. Without a lattice this is
+    /// the shadow itself.
     pub(crate) fn copies(
         &self,
         shadow: &Shadow,
@@ -319,8 +335,8 @@ impl View {
         vectors_between(lattice, flight.strip(facet), |vector| visit(&step(vector)));
     }
 
-    /// How far light can travel from the points `from` along `toward` before it leaves the layer of
-    /// facets.
+    /// Returns the distance that light can travel from the points `from` along `toward` before it
+    /// leaves the layer of facets, edge lengths.
     pub(crate) fn travel_to_leave(&self, from: &[DVec3], toward: DVec3) -> f64 {
         let far = if toward.z > 0.0 {
             self.height

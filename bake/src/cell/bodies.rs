@@ -1,102 +1,102 @@
-//! A sheet of many small cells, taken apart: bodies that light cannot pass between, and which of
-//! them are alike.
+//! A sheet of many small cells, taken apart into bodies that light cannot pass between.
 //!
-//! A **body** is a piece of the mesh whose own rim, its aperture, lies in the entrance plane. Where
-//! the apertures are convex and side by side, and each body lies under its own aperture, a ray
-//! stays in the body that it enters: it can leave only through the aperture, upward. Bodies that
-//! are copies of each other (a **kind**) shift it alike, so one of each kind is traced, as often as
-//! the kind's share of the entrance.
+//! A **body** is a piece of the mesh whose own rim, its aperture, lies in the entrance plane.
+//! Suppose that the apertures are convex and side by side, and that each body lies under its own
+//! aperture. Then a ray stays in the body that it enters: it can leave only upward, through the
+//! aperture. Bodies that are copies of each other form a **kind** and shift a ray alike. So one
+//! body of each kind is traced, with the kind's share of the rays.
 //!
-//! Every condition is checked; where one fails, [`apart`] says so and the mesh is traced as a
+//! Every condition is checked. If one fails, [`apart`] names the reason and the mesh is traced as a
 //! whole:
 //!
-//! - every edge of a body has a facet on either side, or lies in the entrance plane with the body
-//!   on its left;
-//! - the latter form one convex loop, the aperture, and no vertex of the body is above or beside
-//!   it;
-//! - an edge of an aperture is shared with a neighbour's, or lies on the entrance polygon. Then the
-//!   number of apertures over a point is the same everywhere in the entrance, and it is 1 because
-//!   the areas add up.
+//! - Every edge of a body has a facet on either side, or lies in the entrance plane with the body
+//!   on its left.
+//! - The edges in the entrance plane form one convex loop, the aperture. No vertex of the body is
+//!   above or beside it.
+//! - An edge of an aperture is shared with a neighbour's aperture or lies on the entrance polygon.
+//!   Then the number of apertures over a point is the same everywhere in the entrance, and it is 1
+//!   because the areas add up.
 //!
-//! Vertices are shared where their coordinates are equal to the last bit, as they are in a file
-//! that gives them the same digits.
+//! Two vertices are one vertex if their coordinates are equal to the last bit, as they are in a
+//! file that gives them the same digits.
 
 use crate::cell::limits::PROGRAM_FACETS;
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 use std::collections::HashMap;
 
-/// Kinds at most: each costs a program per direction, as much time as some hundred rays and about 3
-/// kB.
+/// Largest number of kinds. Each costs a program per direction, which takes the time of some
+/// hundred rays and about 3 kB.
 const KINDS: usize = 4096;
 
-/// The same where a body is too large for a program: every ray then looks at each kind.
+/// Largest number of kinds if a body is too large for a program: every ray then looks at each kind.
 const LARGE_KINDS: usize = 16;
 
-/// Facets of a body at most, for the comparison of bodies is quadratic in them.
+/// Largest number of facets of a body. The comparison of two bodies takes a time that grows with
+/// its square.
 const MOST_OF_BODY: usize = 256;
 
-/// Comparisons of rim edges with the entrance's sides at most.
+/// Largest number of comparisons of rim edges with the sides of the entrance.
 const COMPARISONS: usize = 1 << 24;
 
-/// Rounding of coordinates, as a part of the mesh's extent: bodies are alike, and points are in the
-/// plane, to this.
+/// Rounding of coordinates, relative to the extent of the mesh. To this accuracy bodies are alike
+/// and points lie in the plane.
 const COORDINATE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// The areas of the apertures add up to that of the entrance to this part of it.
+/// Largest relative difference of the sum of the apertures' areas from the area of the entrance.
 const COVERED: f64 = 1e-9;
 
 /// Bodies that are copies of each other.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Kind {
-    /// Facets of one of them, moved so that the middle of its aperture's corners is over the
+    /// Facets of one of the bodies, moved so that the middle of its aperture's corners is over the
     /// origin.
     pub facets: Vec<[DVec3; 3]>,
-    /// Its aperture.
+    /// Aperture of that body.
     pub entrance: Entrance,
-    /// Where they all are: displacements that carry `facets` onto the mesh's, within rounding.
+    /// Places of all bodies: displacements that carry `facets` onto those of the mesh, within
+    /// rounding.
     pub places: Vec<DVec2>,
 }
 
-/// Why a cell is traced as a whole.
+/// The reason why a cell is traced as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Whole {
-    /// It is one.
+    /// The cell has few facets.
     #[error("the cell has few facets")]
     Small,
-    /// Its facets stand for curved faces.
+    /// The facets stand for curved faces.
     #[error("its faces are curved")]
     Curved,
-    /// Light goes through facets.
+    /// The facets are surfaces of glass, which light passes.
     #[error("light goes through faces of glass")]
     Glass,
-    /// Its neighbours are what the lattice says.
+    /// The cell is periodic: its neighbours are those of the lattice.
     #[error("the cell is periodic")]
     Periodic,
-    /// It is no set of separate bodies.
+    /// The cell is no set of separate bodies.
     #[error(
-        "its facets do not fall into cubes side by side whose rims lie in one plane and share \
-        their vertices, to the \
-         last digit"
+        "its facets do not form separate cubes side by side, with all rims in one plane and with \
+        the vertices of neighbours equal to the last digit"
     )]
     Connected,
-    /// Too many bodies differ.
+    /// The cell has too many bodies that differ.
     #[error(
-        "more than {KINDS} of its cubes ({LARGE_KINDS} of more than {facets} facets) differ by \
-        more than the rounding of \
-         their coordinates",
+        "more than {KINDS} of its cubes ({LARGE_KINDS}, if one has more than {facets} facets) \
+        differ from each other by more than the rounding of their coordinates",
         facets = PROGRAM_FACETS
     )]
     Unlike,
 }
 
-/// A vertex: the same position is the same vertex.
+/// The number of a vertex. Equal positions have equal numbers.
 type Vertex = usize;
 
-/// The kinds of bodies of `cell`, as described above, however few its facets.
+/// Takes `cell` apart and returns the kinds of its bodies, however few its facets.
 ///
 /// # Errors
-/// [`Whole`]: why it is not taken apart.
+///
+/// Returns [`Whole`], the reason, if the cell cannot be taken apart.
 pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.normals.is_some() {
         return Err(Whole::Curved);
@@ -107,8 +107,8 @@ pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     if cell.entrance.lattice.is_some() {
         return Err(Whole::Periodic);
     }
-    // Each body has two facets on its rim at least: where there are too few, one is too large, and
-    // nothing is to be looked up.
+    // Each body has two facets on its rim at least. If there are too few such facets, one body is
+    // too large, and nothing has to be looked up.
     let height = cell.entrance.height;
     let extent = cell.facets.iter().flatten().map(|p| p.length());
     let tolerance = COORDINATE_ROUNDING * extent.fold(1.0, f64::max);
@@ -133,7 +133,7 @@ pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
         let place = corners.iter().sum::<DVec2>() / corners.len() as f64;
         let local = |p: DVec3| p - place.extend(0.0);
         let facets: Vec<[DVec3; 3]> = body.iter().map(|&f| cell.facets[f].map(local)).collect();
-        // Coordinates of copies add up alike, so that only kinds of nearly the same sum are
+        // The coordinates of copies have nearly the same sum, so only kinds of nearly that sum are
         // compared.
         let sum: DVec3 = facets.iter().flatten().sum();
         let terms = 9.0 * facets.len() as f64;
@@ -169,7 +169,7 @@ pub(crate) fn apart(cell: &Cell) -> Result<Vec<Kind>, Whole> {
     }
 }
 
-/// The facets with their vertices numbered.
+/// The facets of a cell with their vertices numbered.
 struct NumberedMesh {
     points: Vec<DVec3>,
     triangles: Vec<[Vertex; 3]>,
@@ -212,13 +212,15 @@ impl NumberedMesh {
         (self.points[vertex].z - self.height).abs() <= self.tolerance
     }
 
-    /// Whether an edge may be part of an aperture: it joins nothing.
+    /// Returns whether an edge may be part of an aperture. Such an edge joins no facets.
     fn is_rim(&self, (from, to): (Vertex, Vertex)) -> bool {
         self.is_in_plane(from) && self.is_in_plane(to)
     }
 
-    /// The facets of each body, in the order of their first facets. `None` where an edge below the
-    /// entrance plane has no facet on one side, or more than one.
+    /// Returns the facets of each body, in the order of their first facets.
+    ///
+    /// Returns `None` if an edge below the entrance plane has no facet on one side, or more than
+    /// one, or if a body has too many facets.
     fn bodies(&self) -> Option<Vec<Vec<usize>>> {
         let mut facet_left_of: HashMap<(Vertex, Vertex), usize> = HashMap::new();
         for (facet, triangle) in self.triangles.iter().enumerate() {
@@ -257,13 +259,14 @@ impl NumberedMesh {
         Some(bodies)
     }
 
-    /// The corners of the aperture of `body`, counter-clockwise from the light, if it is convex and
-    /// over the body.
+    /// Returns the corners of the aperture of `body`, counter-clockwise seen from the light.
+    ///
+    /// Returns `None` if the aperture is not one convex loop over the whole body.
     fn aperture(&self, body: &[usize]) -> Option<Vec<Vertex>> {
         let mut next: HashMap<Vertex, Vertex> = HashMap::new();
         for &facet in body {
             let triangle = &self.triangles[facet];
-            // A facet in the plane itself has no depth, and its rays no cell.
+            // A facet in the entrance plane itself has no depth, and its rays enter no body.
             if triangle.iter().all(|&v| self.is_in_plane(v)) {
                 return None;
             }
@@ -298,7 +301,8 @@ impl NumberedMesh {
         (rim.len() == next.len() && rim.len() >= 3 && below).then_some(rim)
     }
 
-    /// Whether those of `rims` that have no opposite among them lie on the sides of `polygon`.
+    /// Returns whether every edge of `rims` that has no opposite among them lies on a side of
+    /// `polygon`.
     fn has_outline(&self, rims: &[(Vertex, Vertex)], polygon: &[DVec2]) -> bool {
         let mut sum: HashMap<(Vertex, Vertex), i32> = HashMap::new();
         for &(from, to) in rims {
@@ -349,8 +353,9 @@ fn without_straight_corners(polygon: Vec<DVec2>) -> Vec<DVec2> {
     (0..n).filter(is_corner).map(|i| polygon[i]).collect()
 }
 
-/// Whether two lists hold the same facets, in any order and from any corner on, to `tolerance` in
-/// each coordinate.
+/// Returns whether two lists hold the same facets, to `tolerance` in each coordinate.
+///
+/// The order of the facets and the corner with which a facet begins do not matter.
 fn same_facets(one: &[[DVec3; 3]], other: &[[DVec3; 3]], tolerance: f64) -> bool {
     let near = |a: DVec3, b: DVec3| (a - b).abs().max_element() <= tolerance;
     let same = |a: &[DVec3; 3], b: &[DVec3; 3]| {

@@ -1,4 +1,4 @@
-//! A cell, or one of the bodies that it falls into, prepared for exact baking.
+//! A cell, or one of the bodies that it falls into, prepared for the exact bake.
 
 use glam::DVec2;
 
@@ -7,16 +7,17 @@ use crate::cell::planes::Facet;
 use crate::cell::rim;
 use crate::geometry::{Polygon, polygon};
 
-/// Facets that leave more than this part of a period open show their backs to the light that comes
-/// through.
+/// Largest share of a period that facets may leave open without showing their backs. Through a
+/// wider gap light comes through and meets the backs.
 const OPEN: f64 = 1e-9;
 
 /// Planar facets and the openings that light enters by.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
-    /// Planar facets, the backs of a lattice with gaps too.
+    /// Planar facets. For a lattice with gaps they include the backs.
     pub facets: Vec<Facet>,
-    /// `None` too where the body is a lattice of pits, which do not see each other.
+    /// Lattice vectors, edge lengths. They are `None` without a lattice and for a lattice of pits,
+    /// which do not see each other.
     pub lattice: Option<[DVec2; 2]>,
     /// Convex parts of the openings.
     pub doors: Vec<Polygon>,
@@ -24,12 +25,12 @@ pub(crate) struct Body {
     pub entrance_area: f64,
     /// Height of the entrance plane, edge lengths.
     pub height: f64,
-    /// How often it occurs, as a part of the most frequent body of the cell.
+    /// Frequency of the body, relative to the most frequent body of the cell.
     pub weight: f64,
 }
 
 impl Body {
-    /// Finds the openings of a part.
+    /// Finds the openings of `part`; `weight` is its frequency relative to the most frequent part.
     pub(crate) fn new(part: &Part, weight: f64) -> Self {
         let (mut facets, entrance) = (part.facets.clone(), &part.entrance);
         let entrance_area = polygon::area(&entrance.polygon);

@@ -1,22 +1,25 @@
-//! Numbers of facets at which one way to bake takes the place of another, and the error of an exact
-//! mean.
+//! Numbers of facets at which one way to bake replaces another, and the error of an exact mean.
 
-/// From this number of facets on, the hierarchy is faster than a loop over all, and a cell is worth
-/// taking apart. Ray by ray, measured by `tests/speed.rs`, million rays/s on 1 thread: 6 facets 2.9
-/// against 5.0, 24 facets 2.6 against 2.0, 54 facets 2.0 against 1.0.
+/// Least number of facets from which the hierarchy is faster than a loop over all facets, and a
+/// cell is worth taking apart.
+///
+/// Measured ray by ray by `tests/speed.rs`, in million rays/s on 1 thread, loop against hierarchy:
+/// 6 facets 5.0 against 2.9, 24 facets 2.0 against 2.6, 54 facets 1.0 against 2.0.
 pub(crate) const SMALL: usize = 24;
 
-/// Facets at most of a body that rays cross as a program, many side by side.
+/// Largest number of facets of a body that rays cross as a program, many rays side by side.
 pub(crate) const PROGRAM_FACETS: usize = 16;
 
-/// Most facets, after joining coplanar triangles, that the exact method takes of a cell, or of one
-/// body of each kind where the cell is taken apart: the work grows with their square.
+/// Largest number of planar facets that the exact method takes, after joining coplanar triangles.
+///
+/// They are the facets of a cell, or of one body of each kind if the cell is taken apart. The work
+/// grows with their square.
 pub(crate) const MOST_FACETS: usize = 2048;
 
-/// Most triangles of a cell that is not taken apart: those of a plane are joined in a time that
-/// grows with their square.
+/// Largest number of triangles of a cell that is not taken apart. Joining those of a plane takes a
+/// time that grows with their square.
 pub(crate) const MOST_TRIANGLES: usize = 1 << 14;
 
-/// Most that an exact mean over azimuths is off: L1 of eta x histogram together with the shares of
-/// the fates.
+/// Largest error of an exact mean over azimuths: the L1 norm of eta x histogram together with the
+/// shares of the fates.
 pub(crate) const MEAN_ERROR: f64 = 1e-4;

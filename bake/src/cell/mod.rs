@@ -1,9 +1,8 @@
-//! What a mesh is to light, found once: the bodies that it falls into, its planar facets and their
-//! openings, its symmetry.
+//! The facts of a mesh that matter to light, each found once: its bodies, its planar facets and
+//! their openings, its symmetry.
 //!
-//! A [`meshes::Cell`] enters; a [`prepared::Prepared`] leaves, which everything above asks instead
-//! of the mesh. This room may touch `geometry` and `optics`. No direction of incidence is known
-//! here.
+//! A [`meshes::Cell`] enters. A [`prepared::Prepared`] leaves, and every room above asks it instead
+//! of the mesh. This room may touch `geometry` and `optics`. It knows no direction of incidence.
 
 mod bodies;
 mod body;

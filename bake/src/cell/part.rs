@@ -1,24 +1,25 @@
-//! What light meets of a cell, its triangles joined to planar facets: one body of each kind, or the
-//! cell as it is.
+//! Planar facets that light meets: one body of each kind, or the cell as a whole.
+//!
+//! Triangles of one plane are joined.
 
 use crate::cell::bodies::Kind;
 use crate::cell::planes;
 use crate::cell::planes::Facet;
 use meshes::{Cell, Entrance};
 
-/// The planar facets under one entrance.
+/// Planar facets under one entrance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Part {
-    /// Facets, coplanar neighbours joined.
+    /// Planar facets, with coplanar neighbours joined.
     pub facets: Vec<Facet>,
-    /// Where light enters.
+    /// The entrance that light enters by.
     pub entrance: Entrance,
-    /// How often it occurs in the cell.
+    /// Number of copies of the part in the cell.
     pub copies: usize,
 }
 
 impl Part {
-    /// One body of a kind.
+    /// Joins the facets of one body of `kind`.
     pub(crate) fn of(kind: &Kind) -> Self {
         Part {
             facets: planes::join(&kind.facets),
@@ -27,7 +28,7 @@ impl Part {
         }
     }
 
-    /// The cell as it is.
+    /// Joins the facets of the whole cell.
     pub(crate) fn whole(cell: &Cell) -> Self {
         Part {
             facets: planes::join(&cell.facets),

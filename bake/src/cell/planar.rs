@@ -1,60 +1,64 @@
-//! A cell as the exact method takes it: the planar facets and the openings of its bodies, or why it
-//! does not.
+//! A cell in the form that the exact method takes, or why the method does not take it.
+//!
+//! The form is the planar facets and the openings of the bodies of the cell.
 
 use crate::cell::body::Body;
 use crate::cell::limits::{MEAN_ERROR, MOST_FACETS};
 use crate::cell::part::Part;
 
-/// Why a cell cannot be baked exactly.
+/// The reason why a cell cannot be baked exactly.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExactError {
-    /// An average over azimuths is an integral that no finite set of polygons gives.
-    #[error("the exact mean over azimuths is a quadrature, within {MEAN_ERROR}")]
-    MeanAzimuth,
-    /// A mean has no paths to say where their light goes.
+    /// The table is a mean over all azimuths: an integral that no finite set of polygons gives.
     #[error(
-        "the cell sends light off straight back, and an exact mean over azimuths would not say \
-        where; rays do (or leave it out: \
-         --deviations off)"
+        "a mean over all azimuths is a numerical integral with an error of up to {MEAN_ERROR}, so \
+        it has no exact table"
+    )]
+    MeanAzimuth,
+    /// The table is a mean over all azimuths of a cell that sends light off the exact way back. A
+    /// mean has no paths, so it could not store where the light goes.
+    #[error(
+        "the cell sends light off the exact way back, and an exact mean over azimuths cannot store \
+        where this light goes; give --method rays, or --deviations off to leave it out"
     )]
     MeanDeviates,
-    /// Facets that are no mirrors of one normal each.
+    /// The facets are no plane mirrors: they do not have one normal each.
     #[error("{option} leaves no plane mirrors, which the exact method needs")]
     NoPlanes {
-        /// The option that asks for others.
+        /// The option that asks for such facets.
         option: String,
     },
-    /// Joining triangles to planes would take minutes.
+    /// The cell has too many triangles in one piece: joining them to planes would take minutes.
     #[error(
         "the cell has {triangles} triangles in one piece and the exact method takes at most \
         {limit}; give --method rays"
     )]
     TooFine {
-        /// Triangles.
+        /// Number of triangles.
         triangles: usize,
-        /// The limit.
+        /// Largest number of triangles.
         limit: usize,
     },
-    /// The work grows faster than the number of facets.
+    /// The cell has too many planar facets: the work grows faster than their number.
     #[error(
         "the cell has {facets} planar facets and the exact method takes at most {limit}; give \
         --method rays"
     )]
     TooManyFacets {
-        /// Facets after joining coplanar triangles.
+        /// Number of facets after joining coplanar triangles.
         facets: usize,
-        /// The limit.
+        /// Largest number of facets.
         limit: usize,
     },
 }
 
-/// A cell prepared for exact baking: of a sheet of many cells one body of each kind.
+/// A cell prepared for the exact bake. Of a sheet of many cells it holds one body of each kind.
 #[derive(Debug, Clone)]
 pub(crate) struct ExactCell {
-    /// Its bodies.
+    /// Bodies of the cell, one of each kind.
     pub bodies: Vec<Body>,
-    /// Of all bodies, each by its weight, square edge lengths.
+    /// Area of the entrances of all bodies, each times its weight, square edge lengths.
     pub entrance_area: f64,
 }
 
@@ -62,7 +66,8 @@ impl ExactCell {
     /// Finds the openings of the parts of a cell and checks the number of their facets.
     ///
     /// # Errors
-    /// [`ExactError::TooManyFacets`].
+    ///
+    /// Returns [`ExactError::TooManyFacets`] if there are more than [`MOST_FACETS`] planar facets.
     pub(crate) fn new(parts: &[Part]) -> Result<Self, ExactError> {
         let most = parts.iter().map(|part| part.copies).max();
         let weight = |copies: usize| copies as f64 / most.unwrap_or(1) as f64;
@@ -87,13 +92,14 @@ impl ExactCell {
         Ok(exact)
     }
 
-    /// Area of the entrance, square edge lengths; of a sheet of many cells as
-    /// [`tables::Exact::entrance_area`] says.
+    /// Returns the area of the entrance, square edge lengths. For a sheet of many cells it is that
+    /// of [`tables::Exact::entrance_area`].
     pub(crate) fn entrance_area(&self) -> f64 {
         self.entrance_area
     }
 
-    /// Number of planar facets after joining coplanar triangles, in one body of each kind.
+    /// Returns the number of planar facets in one body of each kind, after joining coplanar
+    /// triangles.
     pub(crate) fn facet_count(&self) -> usize {
         self.bodies.iter().map(|body| body.facets.len()).sum()
     }

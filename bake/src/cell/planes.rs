@@ -1,7 +1,7 @@
-//! Convex planar facets, made of the mesh's triangles.
+//! Convex planar facets, made of the triangles of the mesh.
 //!
-//! Triangles that share an edge and a plane are joined where the result is convex: a square face is
-//! one facet, not two, and a beam that it reflects stays in one piece.
+//! Triangles that share an edge and a plane are joined if the result is convex. So a square face is
+//! one facet and not two, and a beam that it reflects stays in one piece.
 
 use std::collections::HashMap;
 
@@ -10,9 +10,9 @@ use glam::{DVec2, DVec3};
 use crate::geometry::polygon;
 use crate::optics::{Incidence, triangle};
 
-/// Corners further from a facet's plane than this do not join it, edge lengths. Far above the
-/// rounding of a placed mesh (1e-16), far below a dihedral error that anyone could ask for (1e-9
-/// rad).
+/// Largest distance of a corner from the plane of a facet that it joins, edge lengths. It is far
+/// above the rounding of a placed mesh (1e-16) and far below any dihedral error that anyone could
+/// ask for (1e-9 rad).
 const COPLANAR: f64 = 1e-13;
 
 /// A convex planar mirror, cell frame, edge lengths.
@@ -22,14 +22,14 @@ pub(crate) struct Facet {
     pub corners: Vec<DVec3>,
     /// Unit normal towards the light.
     pub normal: DVec3,
-    /// The plane is normal.x = offset.
+    /// Offset of the plane normal.x = offset, edge lengths.
     pub offset: f64,
-    /// Whether it is the back of a mirror, where light ends.
+    /// True for the back of a mirror, where light ends.
     pub dark: bool,
 }
 
 impl Facet {
-    /// `None` for corners without area.
+    /// Makes the facet of `corners`, or `None` if they have no area.
     fn new(corners: Vec<DVec3>) -> Option<Self> {
         let normal = triangle::normal(&corners)?;
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
@@ -41,7 +41,7 @@ impl Facet {
         })
     }
 
-    /// What light meets that comes from behind.
+    /// Returns the back of the facet, which light from behind meets.
     pub(crate) fn back(&self) -> Facet {
         Facet {
             corners: self.corners.iter().rev().copied().collect(),
@@ -51,13 +51,13 @@ impl Facet {
         }
     }
 
-    /// Area of its projection along n, square edge lengths.
+    /// Returns the area of the facet's projection along n, square edge lengths.
     pub(crate) fn area_from_above(&self) -> f64 {
         let flat: Vec<DVec2> = self.corners.iter().map(|x| x.truncate()).collect();
         polygon::area(&flat)
     }
 
-    /// The facet in the frame of the light: x = u, y = v, z = n.
+    /// Turns the facet into the frame of the light: x = u, y = v, z = n.
     pub(crate) fn turned(&self, light: &Incidence) -> Facet {
         let turn = |x: DVec3| light.to_frame(x.truncate()).extend(x.z);
         Facet {
@@ -84,7 +84,8 @@ impl Facet {
     }
 }
 
-/// Joins coplanar neighbours; triangles without area are dropped. The order follows the triangles'.
+/// Joins coplanar neighbours into facets, in the order of the triangles. Triangles without area are
+/// dropped.
 pub(crate) fn join(triangles: &[[DVec3; 3]]) -> Vec<Facet> {
     let mut facets: Vec<Option<Facet>> = triangles.iter().map(|t| Facet::new(t.to_vec())).collect();
     let mut owner: HashMap<[Key; 2], usize> = HashMap::new();
@@ -121,7 +122,8 @@ fn neighbour_to_join(
         })
 }
 
-/// The union across `facet`'s edge number `edge`, where it is planar and convex.
+/// Returns the union of two facets across the edge number `edge` of `facet`, or `None` if it is not
+/// planar and convex.
 fn join_at(facet: &Facet, edge: usize, other: &Facet, reversed: [Key; 2]) -> Option<Facet> {
     let coplanar = |a: &Facet, b: &Facet| {
         b.corners
@@ -150,15 +152,15 @@ fn join_at(facet: &Facet, edge: usize, other: &Facet, reversed: [Key; 2]) -> Opt
         .filter(Facet::is_convex)
 }
 
-/// Both ends of each edge.
+/// Returns the keys of both ends of each edge.
 pub(crate) fn edge_keys(corners: &[DVec3]) -> impl Iterator<Item = [Key; 2]> + '_ {
     (0..corners.len()).map(|i| [key(corners[i]), key(corners[(i + 1) % corners.len()])])
 }
 
-/// A position's bits.
+/// The bits of a position.
 pub(crate) type Key = [u64; 3];
 
-/// Bits of a position; + 0.0 makes one zero of the two.
+/// Returns the bits of a position. Adding 0 turns -0 into 0, which is the same place.
 fn key(x: DVec3) -> Key {
     (x + DVec3::ZERO).to_array().map(f64::to_bits)
 }

@@ -1,5 +1,4 @@
-//! A cell, dissected once for everything that asks: which bodies it falls into, its planar facets,
-//! its symmetry.
+//! A cell that is dissected once: its bodies, its planar facets, its symmetry.
 
 use crate::cell::bodies;
 use crate::cell::bodies::{Kind, Whole};
@@ -11,12 +10,13 @@ use meshes::Cell;
 use std::sync::OnceLock;
 use tables::Symmetry;
 
-/// A cell and what its mesh says of it. Each answer is found at most once, and what nobody asks for
-/// is not found at all.
+/// A cell and the facts that its mesh tells: bodies, planar facets, symmetry.
+///
+/// Each fact is found at most once, when it is first asked for.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     cell: Cell,
-    /// Its bodies by kind, however few its facets.
+    /// Bodies of the cell by kind, however few facets it has, or why there are none.
     apart: Result<Vec<Kind>, Whole>,
     parts: OnceLock<Option<Vec<Part>>>,
     exact: OnceLock<Result<ExactCell, ExactError>>,
@@ -24,7 +24,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Takes the cell apart where it can be.
+    /// Takes the cell apart into bodies if that is possible.
     pub fn new(cell: Cell) -> Self {
         Prepared {
             apart: bodies::apart(&cell),
@@ -35,15 +35,16 @@ impl Prepared {
         }
     }
 
-    /// The cell itself.
+    /// Returns the cell itself.
     pub fn cell(&self) -> &Cell {
         &self.cell
     }
 
-    /// The kinds of bodies that the cell is traced as, one of each.
+    /// Returns the kinds of bodies that the cell is traced as, one body of each kind.
     ///
     /// # Errors
-    /// [`Whole`]: why it is traced as it is.
+    ///
+    /// Returns [`Whole`], the reason, if the cell is traced as a whole.
     pub(crate) fn kinds(&self) -> Result<&[Kind], Whole> {
         match &self.apart {
             Err(whole @ (Whole::Curved | Whole::Glass | Whole::Periodic)) => Err(*whole),
@@ -53,10 +54,13 @@ impl Prepared {
         }
     }
 
-    /// The cell as the exact method takes it.
+    /// Returns the cell in the form that the exact method takes.
     ///
     /// # Errors
-    /// [`ExactError::NoPlanes`], [`ExactError::TooFine`], [`ExactError::TooManyFacets`].
+    ///
+    /// Returns [`ExactError::NoPlanes`] if the facets have normals from the file. Returns
+    /// [`ExactError::TooFine`] if the cell is one piece of too many triangles, and
+    /// [`ExactError::TooManyFacets`] if it has too many planar facets.
     pub(crate) fn exact(&self) -> Result<&ExactCell, &ExactError> {
         let exact = self.exact.get_or_init(|| {
             if self.cell.normals.is_some() {
@@ -73,8 +77,10 @@ impl Prepared {
         exact.as_ref()
     }
 
-    /// The symmetry of the cell about the sheet's normal; [`Symmetry::NONE`] where there is none,
-    /// where the cell has too many facets to look, and where they stand for curved faces.
+    /// Returns the symmetry of the cell about the sheet's normal.
+    ///
+    /// It is [`Symmetry::NONE`] if the cell has none, if it has too many facets to look, or if its
+    /// facets stand for curved faces or for surfaces of glass.
     pub fn symmetry(&self) -> Symmetry {
         *self.symmetry.get_or_init(|| {
             if self.cell.normals.is_some() || !self.cell.glass.is_empty() {
@@ -82,7 +88,7 @@ impl Prepared {
             }
             let periodic = self.cell.entrance.lattice.is_some();
             match (&self.apart, self.parts()) {
-                // Two cubes are traced as they are, but their order makes no difference to light.
+                // Two cubes are traced as a whole, but their order makes no difference to light.
                 (Ok(kinds), _) if self.is_small() => {
                     symmetry::of(&kinds.iter().map(Part::of).collect::<Vec<_>>())
                 }
@@ -93,12 +99,13 @@ impl Prepared {
         })
     }
 
-    /// Whether it has too few facets to be worth taking apart.
+    /// Returns whether the cell has too few facets to be worth taking apart.
     fn is_small(&self) -> bool {
         self.cell.facets.len() < SMALL
     }
 
-    /// What light meets, in planar facets; `None` where joining them would take minutes.
+    /// Returns what light meets, in planar facets, or `None` if joining the triangles would take
+    /// minutes.
     fn parts(&self) -> Option<&[Part]> {
         let parts = self.parts.get_or_init(|| match self.kinds() {
             Ok(kinds) => Some(kinds.iter().map(Part::of).collect()),
@@ -142,13 +149,13 @@ mod tests {
             (Shape::TriangularPair, |_| (), false, 6, true),
             (Shape::FullCube, |_| (), false, 3, true),
             (Shape::TriangularPair, equal, false, 6, true),
-            // A mirror through the edge that has the error, and the half turn of the pair.
+            // One mirror plane through the edge that has the error, and the half turn of the pair.
             (Shape::TriangularPair, one, false, 2, true),
             (Shape::TriangularPair, unequal, false, 2, false),
             (Shape::Triangular, unequal, false, 1, false),
             (Shape::Canted, canted, false, 2, true),
-            // Where single precision rounds, the rims are no longer in one plane, so that the pair
-            // is one body with its own rim.
+            // Single precision moves the rims out of one plane, so that the pair is one body with
+            // its own rim.
             (Shape::Triangular, |_| (), true, 3, true),
             (Shape::TriangularPair, |_| (), true, 6, true),
             (Shape::TriangularPair, equal, true, 2, true),

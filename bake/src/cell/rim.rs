@@ -1,8 +1,7 @@
-//! Pits: a surface whose whole rim lies in the entrance plane.
+//! Pits: surfaces whose whole rim lies in the entrance plane.
 //!
-//! Light that enters such a pit leaves it through the same opening, whatever the lattice around it,
-//! so a periodic cell of pits needs no neighbours. This saves the long search for them along
-//! grazing light.
+//! Light that enters a pit leaves through the same opening, whatever the lattice around it. So a
+//! periodic cell of pits needs no neighbours, and grazing light needs no long search for them.
 
 use std::collections::HashMap;
 
@@ -11,14 +10,16 @@ use glam::DVec2;
 use crate::cell::planes::{Facet, Key, edge_keys};
 use crate::geometry::{Polygon, polygon};
 
-/// How far a rim corner may lie from the entrance plane, edge lengths: rounding of a placed mesh,
-/// no more.
+/// Largest distance of a rim corner from the entrance plane, edge lengths. It allows for the
+/// rounding of a placed mesh and no more.
 const IN_PLANE: f64 = 1e-12;
-/// Largest difference between the openings' area and the entrance's that counts as none, relative.
+/// Largest relative difference between the area of the openings and that of the entrance that
+/// counts as none.
 const SAME_AREA: f64 = 1e-9;
 
-/// The openings of the pits in the plane z = `height`; `None` where the rim leaves that plane, or
-/// the openings are not the whole entrance.
+/// Returns the openings of the pits in the plane z = `height`.
+///
+/// Returns `None` if the rim leaves that plane or the openings are not the whole entrance.
 pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Option<Vec<Polygon>> {
     let mut edges: HashMap<[Key; 2], (DVec2, DVec2)> = HashMap::new();
     let mut order = Vec::new();
@@ -54,7 +55,8 @@ pub(crate) fn openings(facets: &[Facet], height: f64, entrance_area: f64) -> Opt
     (all_open && (area / entrance_area - 1.0).abs() <= SAME_AREA).then_some(loops)
 }
 
-/// The closed loop that begins with an edge, taken out of `edges`.
+/// Returns the closed loop that begins with the edge `first`, from `start` to `next`, and removes
+/// its edges from `edges`.
 fn follow(
     first: [Key; 2],
     start: DVec2,
@@ -67,8 +69,7 @@ fn follow(
         let [.., before, here] = corners[..] else {
             break;
         };
-        // Where openings touch at a corner, the sharpest turn to the left stays with its own
-        // opening.
+        // If openings touch at a corner, the sharpest turn to the left stays with the same opening.
         let turn = |to: DVec2| (here - before).angle_to(to - here);
         let leaving = edges.iter().filter(|(edge, _)| edge[0] == at);
         let Some((&edge, &(_, to))) = leaving.max_by(|a, b| turn(a.1.1).total_cmp(&turn(b.1.1)))
@@ -93,8 +94,8 @@ mod tests {
     #[test]
     fn a_corner_is_a_pit_and_one_with_a_lifted_rim_is_not() {
         let ends = [DVec3::X, DVec3::Y, DVec3::Z];
-        // In a frame where the apex is below: z grows along (1, 1, 1), only the rim's height
-        // matters here.
+        // The frame has the apex below: z grows along (1, 1, 1). Only the height of the rim matters
+        // here.
         let frame = |x: DVec3| {
             DVec3::new(
                 (x.x - x.y) / 2_f64.sqrt(),

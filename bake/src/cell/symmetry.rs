@@ -1,33 +1,37 @@
-//! The symmetry of a cell about the sheet's normal, found from its facets, so that only a sector of
-//! azimuths is baked.
+//! The symmetry of a cell about the sheet's normal, found from its facets.
 //!
-//! What light meets decides: a cell that falls into bodies ([`crate::cell::bodies`]) has every
-//! symmetry that carries its bodies onto copies of each other wherever they lie, so a pair of cubes
-//! has the six rotations of its tiling; a periodic cell is compared modulo its lattice; any other
-//! one as it is, with its rim.
+//! Of a symmetric cell only a sector of azimuths is baked. The symmetry is that of what light
+//! meets:
+//!
+//! - A cell that falls into bodies ([`crate::cell::bodies`]) has every symmetry that carries its
+//!   bodies onto copies of each other, wherever they lie. So a pair of cubes has the six rotations
+//!   of its tiling.
+//! - A periodic cell is compared modulo its lattice.
+//! - Any other cell is compared as it is, with its rim.
 
 use crate::cell::part::Part;
 use crate::cell::planes::Facet;
 use glam::{DMat2, DVec2, DVec3};
 use tables::Symmetry;
 
-/// Corners closer than this coincide, as a part of the cell's extent: files of six digits and of
-/// single precision round to less. What moves by it has that part of its light in the wrong place,
-/// below all but the exact method's errors.
+/// Largest distance of corners that coincide, relative to the extent of the cell. Files of six
+/// digits and of single precision round to less. A corner that is off by this much puts the same
+/// share of its light in the wrong place. This is below all errors but those of the exact method.
 const SAME: f64 = 1e-6;
 
-/// Rotations looked for; no lattice has more than 6.
+/// Largest number of rotations that is tried. No lattice has more than 6.
 const MOST_ROTATIONS: u32 = 12;
 
-/// Facets in all bodies at most: comparisons grow with their square.
+/// Largest number of facets in all bodies. The number of comparisons grows with its square.
 const MOST_COMPARED: usize = 512;
 
-/// Mirrors are planes of round angles in nearly all designs: within this of a quarter degree they
-/// are there, degrees.
+/// Largest difference of a mirror plane's azimuth from a multiple of a quarter degree that is
+/// rounded away, degrees. Nearly all designs have their mirror planes at such round angles.
 const ROUND_DEG: f64 = 1e-4;
 
-/// The symmetry of a cell, which light meets as `parts`; [`Symmetry::NONE`] where there is none,
-/// and where the parts have too many facets to look.
+/// Returns the symmetry of a cell that light meets as `parts`.
+///
+/// It is [`Symmetry::NONE`] if the cell has none or if the parts have too many facets to look.
 pub(crate) fn of(parts: &[Part]) -> Symmetry {
     let forms: Vec<Form> = parts.iter().map(Form::of).collect();
     let facets: usize = forms.iter().map(|form| form.facets.len()).sum();
@@ -47,11 +51,11 @@ pub(crate) fn of(parts: &[Part]) -> Symmetry {
         .rev()
         .find(|&n| holds(DMat2::from_angle(std::f64::consts::TAU / f64::from(n))))
         .unwrap_or(1);
-    // Mirror planes are half a rotation apart.
+    // The angle between two mirror planes is half the angle of a rotation.
     let step = 180.0 / f64::from(rotations);
     let mut mirrors: Vec<f64> = mirrors_deg(&forms)
         .into_iter()
-        // -0 is 0.
+        // Adding 0 turns -0 into 0.
         .map(|mirror| rounded(mirror.rem_euclid(step)).rem_euclid(step) + 0.0)
         .collect();
     mirrors.sort_by(f64::total_cmp);
@@ -68,6 +72,7 @@ pub(crate) fn of(parts: &[Part]) -> Symmetry {
     }
 }
 
+/// Rounds an angle in degrees to a quarter degree if it is within [`ROUND_DEG`] of one.
 fn rounded(angle_deg: f64) -> f64 {
     let round = (4.0 * angle_deg).round() / 4.0;
     if (angle_deg - round).abs() < ROUND_DEG {
@@ -77,7 +82,7 @@ fn rounded(angle_deg: f64) -> f64 {
     }
 }
 
-/// Azimuths of the planes that would carry one facet's normal onto another's, degrees.
+/// Returns the azimuths of the planes that would carry one facet's normal onto another's, degrees.
 fn mirrors_deg(forms: &[Form]) -> Vec<f64> {
     let slopes = || {
         let facets = forms.iter().flat_map(|form| form.facets);
@@ -93,10 +98,10 @@ fn mirrors_deg(forms: &[Form]) -> Vec<f64> {
     })
 }
 
-/// A part as maps are tried on it.
+/// A part in the form that maps are tried on.
 struct Form<'a> {
     facets: &'a [Facet],
-    /// Empty where there is a lattice.
+    /// Corners of the rim, none if there is a lattice.
     rim: Vec<DVec3>,
     lattice: Option<DMat2>,
     copies: usize,
@@ -129,13 +134,14 @@ impl<'a> Form<'a> {
         corners.map(|x| x.length()).fold(0.0, f64::max)
     }
 
-    /// All polygons: facets and rim.
+    /// Returns all polygons: the facets and the rim.
     fn polygons(&self) -> impl Iterator<Item = &[DVec3]> {
         let facets = self.facets.iter().map(|facet| facet.corners.as_slice());
         facets.chain((!self.rim.is_empty()).then_some(self.rim.as_slice()))
     }
 
-    /// Whether `map` and a translation carry this form onto `other`.
+    /// Returns whether `map` and a translation carry this form onto `other`, to the distance
+    /// `same`.
     fn maps_onto(&self, other: &Form, map: DMat2, same: f64) -> bool {
         if self.copies != other.copies || self.facets.len() != other.facets.len() {
             return false;
@@ -148,7 +154,7 @@ impl<'a> Form<'a> {
                 if !(whole(image.x_axis) && whole(image.y_axis)) {
                     return false;
                 }
-                // The first facet lands on one of them.
+                // The first facet must land on one of the facets.
                 let from = turn(middle(&self.facets[0].corners));
                 let onto = other
                     .facets
@@ -173,7 +179,8 @@ impl<'a> Form<'a> {
         })
     }
 
-    /// Whether two polygons have the same corners, up to a lattice vector.
+    /// Returns whether two polygons have the same corners, to the distance `same` and up to a
+    /// lattice vector.
     fn coincide(&self, one: &[DVec3], other: &[DVec3], same: f64) -> bool {
         let apart = middle(other) - middle(one);
         let step = self.lattice.map_or(DVec2::ZERO, |lattice| {

@@ -1,7 +1,7 @@
 //! Polygons of the plane: areas, clipping, differences, hulls.
 //!
-//! Corners enter, and polygons, areas or lists of convex parts leave, in whatever unit the corners
-//! had. This is the ground: it touches no other room.
+//! Corners enter. Polygons, areas or lists of convex parts leave, in the unit of the corners. This
+//! room is the ground and touches no other room.
 
 pub(crate) mod polygon;
 

@@ -1,21 +1,22 @@
-//! Convex polygons of the plane: area, clipping, splitting, subtraction, union.
+//! Convex polygons of the plane: area, clipping, splitting, subtraction, hull.
 //!
-//! A polygon is a list of corners, counter-clockwise, any length unit. Every cut shares its new
-//! corners between both sides, so the parts of a polygon cover it without gap or overlap and their
-//! areas sum to its area within rounding. A corner that lies closer to a cutting line than the
-//! rounding error of its distance counts as on the line: this is what keeps slivers of no meaning
-//! from being born at shared edges.
+//! A polygon is a list of corners, counter-clockwise, in any unit of length. Both sides of a cut
+//! share its new corners. So the parts of a polygon cover it without gap or overlap, and their
+//! areas sum to its area within rounding.
+//!
+//! A corner counts as on a cutting line if it is closer to the line than the rounding error of its
+//! distance. Without this rule, cuts along shared edges would leave meaningless slivers.
 
 use glam::DVec2;
 use tables::polygon::{Met, walk};
 
-/// Corners of a convex polygon, counter-clockwise; empty where nothing is left.
+/// The corners of a convex polygon, counter-clockwise. An empty list means that nothing is left.
 pub(crate) type Polygon = Vec<DVec2>;
 
-/// The points where an affine function is not positive.
+/// A half-plane: the points where an affine function is not positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HalfPlane {
-    /// Gradient of the function; need not be of unit length.
+    /// Gradient of the function, of any length.
     pub gradient: DVec2,
     /// Point where the function takes the value `constant`.
     pub anchor: DVec2,
@@ -24,8 +25,8 @@ pub(crate) struct HalfPlane {
 }
 
 impl HalfPlane {
-    /// What lies to the left of the directed line from `a` to `b`: the inside of a
-    /// counter-clockwise polygon's edge.
+    /// Returns the half-plane to the left of the directed line from `a` to `b`. It is the inside of
+    /// an edge of a counter-clockwise polygon.
     pub(crate) fn left_of(a: DVec2, b: DVec2) -> Self {
         let edge = b - a;
         HalfPlane {
@@ -35,12 +36,13 @@ impl HalfPlane {
         }
     }
 
-    /// Value of the affine function at `p`, 0 where rounding could have changed the sign.
+    /// Evaluates the affine function at `p`. The result is 0 if rounding could have changed its
+    /// sign.
     pub(crate) fn value(&self, p: DVec2) -> f64 {
         let offset = p - self.anchor;
         let value = self.gradient.dot(offset) + self.constant;
-        // Three roundings of the products and sums and one of each coordinate: 4 ulp of the terms'
-        // sizes bound it.
+        // The products and sums are rounded three times and each coordinate once: 4 ulp of the
+        // sizes of the terms bound the error.
         let size = self.gradient.abs().dot(p.abs() + self.anchor.abs()) + self.constant.abs();
         if value.abs() <= 4.0 * f64::EPSILON * size {
             0.0
@@ -49,7 +51,7 @@ impl HalfPlane {
         }
     }
 
-    /// The complement.
+    /// Returns the complement.
     #[cfg(test)]
     pub(crate) fn flipped(&self) -> Self {
         HalfPlane {
@@ -60,12 +62,12 @@ impl HalfPlane {
     }
 }
 
-/// Signed area: positive for counter-clockwise corners; 0 for fewer than three.
+/// Returns the signed area: positive for counter-clockwise corners, 0 for fewer than three.
 pub(crate) fn area(polygon: &[DVec2]) -> f64 {
     let Some(&first) = polygon.first() else {
         return 0.0;
     };
-    // Relative to a corner: far from the origin the plain shoelace formula would cancel.
+    // Offsets from a corner are used: far from the origin the plain shoelace formula would cancel.
     let twice: f64 = polygon
         .windows(2)
         .map(|w| (w[0] - first).perp_dot(w[1] - first))
@@ -73,7 +75,7 @@ pub(crate) fn area(polygon: &[DVec2]) -> f64 {
     0.5 * twice
 }
 
-/// Smallest and largest coordinates; (+inf, -inf) for no points.
+/// Returns the smallest and the largest coordinates; (+inf, -inf) for no points.
 pub(crate) fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
     let start = (DVec2::splat(f64::INFINITY), DVec2::splat(f64::NEG_INFINITY));
     polygon
@@ -81,7 +83,8 @@ pub(crate) fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
         .fold(start, |(low, high), &p| (low.min(p), high.max(p)))
 }
 
-/// The edges' half-planes, whose intersection is the polygon; edges of no length are left out.
+/// Returns the half-planes of the edges, whose intersection is the polygon. Edges of length 0 are
+/// left out.
 pub(crate) fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
     (0..polygon.len()).filter_map(move |i| {
         let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
@@ -89,7 +92,7 @@ pub(crate) fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
     })
 }
 
-/// Cuts a convex polygon into the part inside and the part outside a half-plane; a part of no
+/// Cuts a convex polygon into the part inside and the part outside a half-plane. A part without
 /// extent is empty.
 pub(crate) fn split(polygon: &[DVec2], plane: &HalfPlane) -> (Polygon, Polygon) {
     let (mut inside, mut outside) = (Polygon::new(), Polygon::new());
@@ -97,8 +100,8 @@ pub(crate) fn split(polygon: &[DVec2], plane: &HalfPlane) -> (Polygon, Polygon) 
     (inside, outside)
 }
 
-/// Writes the part of `polygon` inside the half-plane to `inside`, and the rest to `outside` where
-/// asked for.
+/// Writes the part of `polygon` inside the half-plane to `inside`, and the rest to `outside` if
+/// given.
 fn cut(
     polygon: &[DVec2],
     plane: &HalfPlane,
@@ -115,8 +118,8 @@ fn cut(
         |p| plane.value(p),
         |met| match met {
             Met::Crossing([before, here]) => {
-                // Always from the inside corner outwards, so that both neighbours of an edge get
-                // the same bits.
+                // The crossing is computed from the inside corner outwards, so that both neighbours
+                // of an edge get the same bits.
                 let ((from, at), (to, far)) = if here.1 < 0.0 {
                     (here, before)
                 } else {
@@ -150,7 +153,7 @@ fn cut(
     }
 }
 
-/// The part of a convex polygon inside every half-plane; empty where nothing is left.
+/// Returns the part of a convex polygon inside every half-plane, empty if nothing is left.
 pub(crate) fn clip(polygon: &[DVec2], planes: impl IntoIterator<Item = HalfPlane>) -> Polygon {
     let mut kept = polygon.to_vec();
     let mut scratch = Polygon::with_capacity(polygon.len() + 4);
@@ -164,8 +167,10 @@ pub(crate) fn clip(polygon: &[DVec2], planes: impl IntoIterator<Item = HalfPlane
     kept
 }
 
-/// A convex polygon less the intersection of half-planes, as convex parts; `None` where less than
-/// `least` area is cut off, so that an untouched polygon stays in one piece.
+/// Returns a convex polygon less the intersection of half-planes, as convex parts.
+///
+/// Returns `None` if no more than the area `least` would be cut off, so that an untouched polygon
+/// stays in one piece.
 pub(crate) fn subtract(
     polygon: &[DVec2],
     planes: &[HalfPlane],
@@ -186,8 +191,10 @@ pub(crate) fn subtract(
     Some(parts)
 }
 
-/// Convex hull, counter-clockwise, without corners that lie within `slack` (same unit as the
-/// points) of the line between their neighbours.
+/// Returns the convex hull, counter-clockwise.
+///
+/// Corners within `slack` (the unit of the points) of the line between their neighbours are left
+/// out.
 pub(crate) fn hull(points: &[DVec2], slack: f64) -> Polygon {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
@@ -218,7 +225,7 @@ pub(crate) fn hull(points: &[DVec2], slack: f64) -> Polygon {
         let n = hull.len();
         if idle(hull[(i + n - 1) % n], hull[i], hull[(i + 1) % n]) {
             hull.remove(i);
-            // The corner before has a new neighbour.
+            // The corner before this one has a new neighbour.
             i = i.saturating_sub(1);
         } else {
             i += 1;
@@ -227,7 +234,7 @@ pub(crate) fn hull(points: &[DVec2], slack: f64) -> Polygon {
     if hull.len() < 3 { Polygon::new() } else { hull }
 }
 
-/// Whether the corners turn left everywhere (or go straight on).
+/// Returns whether the polygon turns left, or goes straight on, at every corner.
 pub(crate) fn is_convex(polygon: &[DVec2]) -> bool {
     let n = polygon.len();
     (0..n).all(|i| {
@@ -237,7 +244,7 @@ pub(crate) fn is_convex(polygon: &[DVec2]) -> bool {
     })
 }
 
-/// A simple counter-clockwise polygon as convex parts: itself where it is convex, otherwise
+/// Cuts a simple counter-clockwise polygon into convex parts: itself if it is convex, otherwise
 /// triangles, by ear clipping.
 pub(crate) fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
     if is_convex(polygon) {
@@ -254,8 +261,8 @@ pub(crate) fn convex_parts(polygon: &[DVec2]) -> Vec<Polygon> {
                     .iter()
                     .any(|p| !triangle.contains(p) && holds(&triangle, *p))
         });
-        // A simple polygon always has an ear; one that crosses itself loses a corner here instead
-        // of looping for ever.
+        // A simple polygon always has an ear. One that crosses itself loses a corner here, so that
+        // the loop ends.
         let i = ear.unwrap_or(0);
         let triangle = vec![rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
         if area(&triangle) > 0.0 {
@@ -332,8 +339,9 @@ mod tests {
     }
 
     proptest! {
-        // Each part is computed from corners good to 1 ulp of the coordinates (here below 4): the
-        // areas' errors stay below corners x extent x ulp = 16 x 4 x 4.4e-16 = 3e-14.
+        // Each part is computed from corners good to 1 ulp of the coordinates, which are below 4
+        // here. The errors of the areas stay below corners x extent x ulp = 16 x 4 x 4.4e-16 =
+        // 3e-14.
         #[test]
         fn parts_sum_to_the_whole(
             angles in proptest::collection::vec(0.0..std::f64::consts::TAU, 3..12),

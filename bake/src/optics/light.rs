@@ -1,15 +1,17 @@
-//! What surfaces do to the power of unpolarised light: Fresnel's amplitudes, carried along a path
-//! in three dimensions.
+//! The power of unpolarised light at surfaces: Fresnel's amplitudes, carried along a path in three
+//! dimensions.
 //!
-//! Unpolarised light is an even mixture of any two orthogonal polarisations, so its power after a
-//! path is the mean of what two orthogonal unit fields have become; both are followed as complex
-//! vectors (polarisation ray tracing: Yun, Crabtree and Chipman, Applied Optics 50, 2855, 2011).
-//! The mean of s and p at every single surface would forget that a facet polarises what the next
-//! one receives. Fields are scaled so that |E|^2 is the power through an area that travels along: a
-//! transmitted amplitude contains sqrt(n2 cos2 / n1 cos1).
+//! Unpolarised light is an even mixture of any two orthogonal polarisations. So its power after a
+//! path is the mean power of two orthogonal fields that were launched with unit power. Both are
+//! followed as complex vectors (polarisation ray tracing: Yun, Crabtree and Chipman, Applied Optics
+//! 50, 2855, 2011). Taking the mean of s and p at every single surface would be wrong: a facet
+//! polarises the light that the next facet receives.
 //!
-//! Time is exp(-i omega t) and an index n + ik with k >= 0; s = d x N for the direction d and the
-//! facet's normal N, p = d x s for each direction, so that at normal incidence r_p = -r_s. Only
+//! Fields are scaled so that |E|^2 is the power through an area that travels along. A transmitted
+//! amplitude therefore contains sqrt(n2 cos2 / n1 cos1).
+//!
+//! Time is exp(-i omega t), and an index is n + ik with k >= 0. For the direction d and the facet's
+//! normal N, s = d x N and, for each direction, p = d x s. So r_p = -r_s at normal incidence. Only
 //! square roots are taken, so that all processors give the same bits.
 
 use crate::optics::mirror::reflect;
@@ -17,23 +19,23 @@ use glam::DVec3;
 use num_complex::Complex64;
 use tables::Fate;
 
-/// What is behind a facet.
+/// The medium or the coating behind a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Backing {
-    /// A mirror that reflects this part of the power at every angle and keeps the polarisation of
-    /// an ideal one.
+    /// A mirror that reflects a fixed share of the power at every angle. It keeps the polarisation
+    /// of an ideal mirror.
     Mirror {
-        /// The part, above 0 and at most 1.
+        /// Share of the power that is reflected, above 0 and at most 1.
         reflectance: f64,
     },
     /// A thick metal of this complex refractive index.
     Metal(Complex64),
-    /// Vacuum: total internal reflection, or what Fresnel's equations leave of it.
+    /// Vacuum. Light is reflected by total internal reflection, or in part by Fresnel's equations.
     Bare,
 }
 
 impl Backing {
-    /// What becomes of the light that the facet does not reflect.
+    /// Returns the fate of the light that the facet does not reflect.
     pub(crate) fn takes(&self) -> Fate {
         match self {
             Backing::Mirror { .. } | Backing::Metal(_) => Fate::Absorbed,
@@ -41,8 +43,11 @@ impl Backing {
         }
     }
 
-    /// Amplitudes [r_s, r_p] of the reflection inside a medium of refractive index `index`, at an
-    /// angle of cosine `cosine` from the normal. The power is never more than 1 but for rounding.
+    /// Returns the amplitudes [r_s, r_p] of the reflection inside a medium of refractive index
+    /// `index`.
+    ///
+    /// `cosine` is that of the angle from the normal. The power is never more than 1 but for
+    /// rounding.
     pub(crate) fn reflection(&self, index: f64, cosine: f64) -> [Complex64; 2] {
         match *self {
             Backing::Mirror { reflectance } => {
@@ -55,19 +60,20 @@ impl Backing {
     }
 }
 
-/// Fresnel's [r_s, r_p] between a medium of real index `from` and one of complex index `to`.
+/// Returns Fresnel's [r_s, r_p] between a medium of real index `from` and one of complex index
+/// `to`.
 fn reflection(from: f64, cosine: f64, to: Complex64) -> [Complex64; 2] {
     let squared = to * to;
-    // n2 cos2; behind a totally reflecting facet the field decays, which is the root with the
-    // positive imaginary part.
+    // This is n2 cos2. Behind a totally reflecting facet the field decays, which is the root with
+    // the positive imaginary part.
     let onward = root(squared - from * from * (1.0 - cosine * cosine));
     let s = (from * cosine - onward) / (from * cosine + onward);
     let p = (squared * cosine - onward * from) / (squared * cosine + onward * from);
     [s, p]
 }
 
-/// Amplitudes [t_s, t_p] between two transparent media, given n cos of either side and the indices;
-/// scaled to power.
+/// Returns the amplitudes [t_s, t_p] between two transparent media, scaled to power. A side is
+/// given as (index, cosine of the angle).
 fn transmission(from: (f64, f64), to: (f64, f64)) -> [f64; 2] {
     let ((n1, cos1), (n2, cos2)) = (from, to);
     let both = 2.0 * (n1 * cos1 * n2 * cos2).sqrt();
@@ -77,13 +83,14 @@ fn transmission(from: (f64, f64), to: (f64, f64)) -> [f64; 2] {
     ]
 }
 
-/// The square root whose imaginary part is not negative, of a number that has none below 0.
+/// Returns the square root whose imaginary part is not negative, of a number whose imaginary part
+/// is not negative.
 fn root(z: Complex64) -> Complex64 {
     let size = (z.re * z.re + z.im * z.im).sqrt();
     if size == 0.0 {
         return Complex64::ZERO;
     }
-    // The part without cancellation first.
+    // The part that does not cancel is computed first.
     let large = (f64::midpoint(size, z.re.abs())).sqrt();
     let small = z.im / (2.0 * large);
     if z.re >= 0.0 {
@@ -93,9 +100,9 @@ fn root(z: Complex64) -> Complex64 {
     }
 }
 
-/// s and p of light along `direction` at a surface with unit normal `normal`.
+/// Returns the axes s and p of light along `direction` at a surface with unit normal `normal`.
 fn axes(direction: DVec3, normal: DVec3) -> (DVec3, DVec3) {
-    // Along the normal any s will do: there r_p = -r_s, to the square of the angle.
+    // Along the normal any s is right: there r_p = -r_s, to the square of the angle.
     let across = direction.cross(normal);
     let s = if across.length_squared() > 1e-24 {
         across.normalize()
@@ -105,7 +112,7 @@ fn axes(direction: DVec3, normal: DVec3) -> (DVec3, DVec3) {
     (s, direction.cross(s))
 }
 
-/// A field, as real and imaginary part.
+/// An electric field as real and imaginary part, scaled so that |E|^2 is the power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Field {
     re: DVec3,
@@ -129,13 +136,16 @@ impl Field {
     }
 }
 
-/// Light on its way: what two orthogonal unit fields, launched outside the sheet, have become.
+/// Light on its way, as two fields that were orthogonal and of unit power at the launch outside the
+/// sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light([Field; 2]);
 
 impl Light {
-    /// Light that has passed the flat front face, normal +z, of a sheet of refractive index `index`
-    /// and now travels along `travel`, unit length.
+    /// Returns light that has passed the flat front face of a sheet.
+    ///
+    /// The face has the normal +z and the sheet the refractive index `index`. The light now travels
+    /// along `travel`, unit length, inside the sheet.
     pub(crate) fn entered(travel: DVec3, index: f64) -> Self {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
@@ -143,12 +153,14 @@ impl Light {
         Light([Field::along(s, ts), Field::along(p, tp)])
     }
 
-    /// Power as a part of that launched.
+    /// Returns the power as a share of the launched power.
     pub(crate) fn power(&self) -> f64 {
         f64::midpoint(self.0[0].power(), self.0[1].power()).min(1.0)
     }
 
-    /// After the reflection at a facet: `travel` is the direction before it, `index` that of the
+    /// Returns the light after the reflection at a facet.
+    ///
+    /// `travel` is the direction before it, unit length, and `index` the refractive index of the
     /// medium.
     pub(crate) fn reflected(
         &self,
@@ -169,8 +181,9 @@ impl Light {
         }))
     }
 
-    /// Power that leaves through the front face along `travel` inside: none beyond the critical
-    /// angle.
+    /// Returns the power that leaves through the front face, as a share of the launched power.
+    ///
+    /// `travel` is the direction inside, unit length. Beyond the critical angle the power is 0.
     pub(crate) fn power_outside(&self, travel: DVec3, index: f64) -> f64 {
         let (inside, outside) = cosines(travel, index);
         let (s, p) = axes(travel, DVec3::Z);
@@ -181,7 +194,8 @@ impl Light {
     }
 }
 
-/// Cosines of the angles from z inside and outside; 0 outside where light is totally reflected.
+/// Returns the cosines of the angles from z inside and outside. The outer cosine is 0 if light is
+/// totally reflected.
 fn cosines(travel: DVec3, index: f64) -> (f64, f64) {
     let sine = index * travel.truncate().length();
     (travel.z.abs(), (1.0 - sine * sine).max(0.0).sqrt())
@@ -191,12 +205,12 @@ fn cosines(travel: DVec3, index: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Roundings of a dozen operations.
+    /// Rounding error of a dozen operations.
     const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-    /// Fresnel's closed forms: ((m - 1)/(m + 1))^2 at normal incidence, ((n - m)^2 + k^2)/((n +
-    /// m)^2 + k^2) of a metal, no p at Brewster's angle, the energy of both sides of a dielectric,
-    /// 1 beyond the critical angle.
+    /// Checks Fresnel's closed forms: ((m - 1)/(m + 1))^2 at normal incidence, ((n - m)^2 +
+    /// k^2)/((n + m)^2 + k^2) of a metal, no p at Brewster's angle, the energy of both sides of a
+    /// dielectric, and 1 beyond the critical angle.
     #[test]
     fn closed_forms() {
         let mut cases = 0;
@@ -222,8 +236,8 @@ mod tests {
                 if sine < 1.0 {
                     let t = transmission((index, cosine), (1.0, (1.0 - sine * sine).sqrt()));
                     for (r, t) in r.iter().zip(t) {
-                        // Near the critical angle the outer cosine loses half its digits, and t^2
-                        // as many.
+                        // Near the critical angle the outer cosine loses half its digits, and so
+                        // does t^2.
                         let slack = ROUNDING / (1.0 - sine * sine).sqrt();
                         assert!((r.norm_sqr() + t * t - 1.0).abs() < slack, "{degrees}");
                     }
@@ -238,8 +252,8 @@ mod tests {
         assert_eq!(cases, 360);
     }
 
-    /// The phases of total reflection: tan(d_s/2) = sqrt(sin^2 - 1/m^2)/cos and tan(d_p/2) = m^2
-    /// times that (Born and Wolf, 1.5.4), here in a frame where r_p has the other sign.
+    /// Checks the phases of total reflection: tan(d_s/2) = sqrt(sin^2 - 1/m^2)/cos and tan(d_p/2) =
+    /// m^2 times that (Born and Wolf, 1.5.4), here in a frame in which r_p has the other sign.
     #[test]
     fn total_reflection_turns_the_phase() {
         let index = 1.49;
@@ -271,7 +285,7 @@ mod tests {
         assert_eq!(cases, 200);
     }
 
-    /// Along a facet's normal s is arbitrary, and must not matter.
+    /// Checks that the choice of s does not matter along a facet's normal, where s is arbitrary.
     #[test]
     fn a_field_along_the_normal_depends_on_no_axis() {
         let surface = Backing::Metal(Complex64::new(0.96, 6.69));
@@ -283,7 +297,7 @@ mod tests {
             let tilt = DVec3::new(1e-9 * x, 1e-9 * y, 1.0).normalize();
             let tilted = light.reflected(DVec3::NEG_Z, tilt, &surface, 1.0);
             for (a, b) in straight.0.iter().zip(&tilted.0) {
-                // The direction after it turns by twice the tilt.
+                // The direction after the reflection turns by twice the tilt.
                 assert!((a.re - b.re).length() + (a.im - b.im).length() < 1e-8);
             }
             cases += 1;

@@ -1,52 +1,59 @@
 //! Refractive indices by wavelength, of published materials and of what a user types.
 //!
-//! Wavelengths are those in vacuum, nm. Transparent: PMMA and polycarbonate by Sultanova, Kasarova
-//! and Nikolov (Acta Physica Polonica A 116, 585, 2009), N-BK7 by Schott's data sheet, each as a
-//! Sellmeier formula. Metals: the Lorentz-Drude models of Rakic, Djurisic, Elazar and Majewski
-//! (Applied Optics 37, 5271, 1998), fits to measured films. Silver as Johnson and Christy measured
-//! it (Physical Review B 6, 4370, 1972) absorbs less, 2 % against the model's 3 to 8 % from 450 nm
-//! on; mirrors of the trade are nearer to the model. Whoever knows better gives N,K.
+//! Wavelengths are in vacuum, nm.
+//!
+//! - Transparent materials are Sellmeier formulas: PMMA and polycarbonate by Sultanova, Kasarova
+//!   and Nikolov (Acta Physica Polonica A 116, 585, 2009), N-BK7 by Schott's data sheet.
+//! - Metals are the Lorentz-Drude models of Rakic, Djurisic, Elazar and Majewski (Applied Optics
+//!   37, 5271, 1998), which are fits to measured films.
+//!
+//! Silver as measured by Johnson and Christy (Physical Review B 6, 4370, 1972) absorbs less than
+//! the model of silver: 2 % against 3 to 8 % from 450 nm on. Commercial mirrors are nearer to the
+//! model. A user who knows better gives N,K.
 
 use num_complex::Complex64;
 use thiserror::Error;
 
-/// Most that a refractive index may be.
+/// Largest refractive index that is accepted.
 const LARGEST: f64 = 10.0;
 
 /// Energy of a photon times its wavelength, eV nm.
 const EV_NM: f64 = 1_239.841_984;
 
-/// Why a text names no index.
+/// The reason why a text gives no refractive index.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MaterialError {
-    /// Neither a number nor a name.
+    /// The text is neither a number nor the name of a material nor a list of pairs.
     #[error(
         "--refractive-index {text}: give a number from 1 to 10, {} or nm:index pairs such as \
         450:1.50,650:1.49",
         names(GLASSES.iter().map(|glass| glass.name))
     )]
     Glass {
-        /// What was given.
+        /// The text that was given.
         text: String,
     },
-    /// Neither a name nor two numbers.
+    /// The text is neither the name of a metal nor two numbers.
     #[error(
         "--metal {text}: give {} or the complex refractive index N,K, such as 0.96,6.7",
         names(METALS.iter().map(|metal| metal.name))
     )]
     Metal {
-        /// What was given.
+        /// The text that was given.
         text: String,
     },
-    /// What depends on the wavelength, without one.
-    #[error("{option} {text} depends on the wavelength; give it too, such as --wavelength-nm 550")]
+    /// The index depends on the wavelength, and no wavelength was given.
+    #[error(
+        "{option} {text} depends on the wavelength; give the wavelength too, such as \
+        --wavelength-nm 550"
+    )]
     NoWavelength {
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// The text that was given.
         text: String,
     },
-    /// A wavelength at which nothing is known.
+    /// The index is not known at the wavelength.
     #[error(
         "{option} {text} is known from {from} to {to} nm, not at --wavelength-nm {wavelength_nm}; \
         give a number instead"
@@ -54,27 +61,28 @@ pub enum MaterialError {
     Unknown {
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// The text that was given.
         text: String,
         /// Wavelength asked for, nm.
         wavelength_nm: f64,
-        /// Shortest wavelength, nm.
+        /// Shortest wavelength at which the index is known, nm.
         from: f64,
-        /// Longest, nm.
+        /// Longest wavelength at which the index is known, nm.
         to: f64,
     },
 }
 
+/// Joins names by commas.
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     Vec::from_iter(names).join(", ")
 }
 
-/// n^2 = 1 + sum B l^2 / (l^2 - C), l in micrometres.
+/// A transparent material: n^2 = 1 + sum B l^2 / (l^2 - C), with the wavelength l in micrometres.
 struct Glass {
     name: &'static str,
-    /// (B, C).
+    /// Terms (B, C), C in square micrometres.
     terms: &'static [(f64, f64)],
-    /// Wavelengths that it is for, nm.
+    /// Shortest and longest wavelength of the formula, nm.
     range: (f64, f64),
 }
 
@@ -100,15 +108,15 @@ const GLASSES: [Glass; 3] = [
     },
 ];
 
-/// A Lorentz-Drude metal; all but the strengths in eV.
+/// A Lorentz-Drude metal. All numbers but the strengths are in eV.
 struct Metal {
     name: &'static str,
     plasma: f64,
     /// Strength and damping of the free electrons.
     free: (f64, f64),
-    /// Strength, damping and frequency of the bound ones.
+    /// Strength, damping and frequency of the bound electrons.
     bound: &'static [(f64, f64, f64)],
-    /// Wavelengths that it is for, nm.
+    /// Shortest and longest wavelength of the model, nm.
     range: (f64, f64),
 }
 
@@ -140,7 +148,12 @@ const METALS: [Metal; 2] = [
     },
 ];
 
-/// The wavelength, if it lies in `range`.
+/// Returns the wavelength, nm, if it is given and lies in the range `from` to `to`, nm.
+///
+/// # Errors
+///
+/// Returns [`MaterialError::NoWavelength`] if no wavelength is given and [`MaterialError::Unknown`]
+/// if it lies outside the range.
 fn within(
     option: &'static str,
     text: &str,
@@ -168,10 +181,17 @@ fn finite(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|x| x.is_finite())
 }
 
-/// Reads a number, a name, or nm:index pairs, between which the index is linear in the wavelength.
+/// Reads a refractive index: a number, a name, or nm:index pairs.
+///
+/// Between two pairs the index is linear in the wavelength. A plain number is returned as it is;
+/// [`crate::Plan::new`] checks its range.
 ///
 /// # Errors
-/// [`MaterialError`]. Whether a plain number is in range is for [`crate::Plan::new`] to say.
+///
+/// Returns [`MaterialError::Glass`] if `text` is none of these, if a pair does not have a
+/// wavelength above 0 and an index from 1 to 10, or if two pairs have the same wavelength. Returns
+/// [`MaterialError::NoWavelength`] if a name or pairs are given without a wavelength, and
+/// [`MaterialError::Unknown`] if the index is not known at the wavelength.
 pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, MaterialError> {
     let option = "--refractive-index";
     if let Some(index) = finite(text) {
@@ -208,10 +228,14 @@ pub fn refractive_index(text: &str, wavelength_nm: Option<f64>) -> Result<f64, M
     Ok(before + part * (index - before))
 }
 
-/// Reads a name or `N,K`: the complex refractive index n + ik.
+/// Reads the complex refractive index n + ik of a metal: a name or `N,K`.
 ///
 /// # Errors
-/// [`MaterialError`].
+///
+/// Returns [`MaterialError::Metal`] if `text` is neither a known name nor two numbers with N above
+/// 0 and K at least 0, both at most 1000. Returns [`MaterialError::NoWavelength`] if a name is
+/// given without a wavelength, and [`MaterialError::Unknown`] if the index is not known at the
+/// wavelength.
 pub fn metal(text: &str, wavelength_nm: Option<f64>) -> Result<Complex64, MaterialError> {
     let Some(metal) = METALS.iter().find(|metal| metal.name == text.trim()) else {
         let numbers: Option<Vec<f64>> = text.split(',').map(finite).collect();
@@ -245,8 +269,8 @@ mod tests {
         refractive_index(text, Some(nm)).unwrap()
     }
 
-    /// N-BK7: the data sheet's n_d, n_F and n_C; the polymers: what the article's formulas give at
-    /// their d line.
+    /// Checks N-BK7 against n_d, n_F and n_C of the data sheet, and the polymers against what the
+    /// formulas of the article give at their d line.
     #[test]
     fn glasses_are_those_of_the_sheets() {
         let cases = [
@@ -257,14 +281,14 @@ mod tests {
             ("polycarbonate", 587.6, 1.5848),
         ];
         for (name, nm, expected) in cases {
-            // To the digits given.
+            // Half of the last digit that is given.
             let digits = if name == "bk7" { 5e-6 } else { 5e-5 };
             assert!((index(name, nm) - expected).abs() <= digits, "{name} {nm}");
         }
     }
 
-    /// Five digits of the model's tables in the database refractiveindex.info, whose wavelengths
-    /// have five digits too.
+    /// Checks metals against five digits of the model's tables in the database
+    /// refractiveindex.info, whose wavelengths have five digits too.
     #[test]
     fn metals_are_those_of_the_article() {
         let cases = [
@@ -276,8 +300,9 @@ mod tests {
         let mut compared = 0;
         for (name, nm, (n, k)) in cases {
             let found = metal(name, Some(nm)).unwrap();
-            // A wavelength rounded to 1e-5 moves n and k by their slopes, at most 7 a micrometre
-            // and 15: half of 1e-5 of it.
+            // The slopes of n and k by the wavelength are at most 7 and 15 a micrometre. A
+            // wavelength that is rounded to 1e-5 micrometres is off by half of that and moves n and
+            // k by its slopes.
             assert!((found.re - n).abs() < 5e-5, "{name} {nm}: {found}");
             assert!((found.im - k).abs() < 15e-5, "{name} {nm}: {found}");
             compared += 1;
@@ -308,7 +333,7 @@ mod tests {
             (glass("450:0.5", Some(450.0)), "give a number"),
             (
                 glass("bk7", None),
-                "bk7 depends on the wavelength; give it too",
+                "bk7 depends on the wavelength; give the wavelength too",
             ),
             (
                 glass("pmma", Some(300.0)),

@@ -1,27 +1,30 @@
-//! Reflection and refraction at a plane: pure functions of directions.
+//! Reflection and refraction at a plane, as pure functions of directions.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// The direction after a mirror reflection at a plane with unit normal `normal` (either sign).
-/// Length is kept.
+/// Returns the direction after a mirror reflection at a plane with unit normal `normal` (either
+/// sign). The length is kept.
 pub(crate) fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * direction.dot(normal))
 }
 
-/// The linear map of a mirror reflection at a plane with unit normal `normal`: I - 2 n n^T.
+/// Returns the linear map of a mirror reflection at a plane with unit normal n (either sign): I - 2
+/// n n^T.
 pub(crate) fn reflection(normal: DVec3) -> DMat3 {
     let [x, y, z] = normal.to_array();
     DMat3::IDENTITY - DMat3::from_cols(normal * (2.0 * x), normal * (2.0 * y), normal * (2.0 * z))
 }
 
-/// Snell: sine of the angle inside a medium of refractive index `index`, from the sine outside
-/// (vacuum).
+/// Returns the sine of the angle inside a medium of refractive index `index`, from the sine outside
+/// (vacuum), by Snell's law.
 pub(crate) fn refracted_sine(outside_sine: f64, index: f64) -> f64 {
     outside_sine / index
 }
 
-/// The direction after refraction at a plane with unit normal `normal` (either sign) from a medium
-/// of refractive index `from` into one of index `to`; `None` where reflection is total.
+/// Returns the direction after refraction at a plane with unit normal `normal` (either sign), from
+/// a medium of refractive index `from` into one of index `to`.
+///
+/// Returns `None` if reflection is total.
 pub(crate) fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Option<DVec3> {
     let (cosine, ratio) = (direction.dot(normal), from / to);
     let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
@@ -31,10 +34,13 @@ pub(crate) fn refract(direction: DVec3, normal: DVec3, from: f64, to: f64) -> Op
     })
 }
 
-/// Where light goes that was launched along `launched` and leaves along `left`, both inside a sheet
-/// of refractive index `index` with normal +z, the launch in the plane of x and z: tangents of its
-/// angles from straight back, outside, across that direction within the plane of incidence, towards
-/// +x, and along y.
+/// Returns the deviation outside of light that was launched along `launched` and leaves along
+/// `left`.
+///
+/// Both directions are inside a sheet of refractive index `index` with the normal +z, and
+/// `launched` lies in the plane of x and z. The deviation is the two tangents of the angles from
+/// the exact way back: first across that way within the plane of incidence, towards +x, then along
+/// y.
 pub(crate) fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
     let outside = |inside: DVec3| {
         let along = inside.truncate() * index;
@@ -46,9 +52,11 @@ pub(crate) fn deviation(launched: DVec3, left: DVec3, index: f64) -> DVec2 {
     DVec2::new(out.dot(across), out.y) / out.dot(back)
 }
 
-/// Whether a ray inside a medium of refractive index `index` is totally reflected at a facet
-/// against vacuum; `cosine` is that of its angle from the facet's normal, either sign. At the
-/// critical angle itself it still is.
+/// Returns whether a ray inside a medium of refractive index `index` is totally reflected at a
+/// facet against vacuum.
+///
+/// `cosine` is that of the angle from the facet's normal, either sign. At the critical angle itself
+/// reflection is total.
 pub(crate) fn totally_reflected(cosine: f64, index: f64) -> bool {
     (1.0 - cosine * cosine) * index * index >= 1.0
 }
@@ -66,9 +74,9 @@ mod tests {
             let d = DVec3::new((0.4 * t).cos(), (3.1 * t).sin(), -0.7).normalize();
             let r = reflect(d, n);
             assert!((reflection(n) * d - r).length() < 1e-15);
-            // A unit vector keeps its length, and the normal component changes sign: each of a
-            // dozen roundings, those of the normal's own length counted four times, adds at most
-            // half an epsilon.
+            // A unit vector keeps its length, and its component along the normal changes sign.
+            // There are a dozen roundings, with those of the normal's own length counted four
+            // times. Each adds at most half an epsilon.
             assert!((r.length() - 1.0).abs() < 8.0 * f64::EPSILON);
             assert!((r.dot(n) + d.dot(n)).abs() < 8.0 * f64::EPSILON);
             cases += 1;
@@ -76,8 +84,8 @@ mod tests {
         assert_eq!(cases, 50);
     }
 
-    /// Snell's law, the plane of incidence and the way back; total from the critical angle on. A
-    /// dozen roundings.
+    /// Checks Snell's law, the plane of incidence, the way to the other side, and total reflection
+    /// from the critical angle on, to a dozen roundings.
     #[test]
     fn refraction_obeys_snell() {
         let (mut through, mut total) = (0, 0);

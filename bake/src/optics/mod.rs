@@ -1,9 +1,9 @@
-//! What one surface does to light: reflection, refraction, losses, roughness, and the rules that
-//! say what counts as returned.
+//! The action of one surface on light: reflection, refraction, losses, roughness, and the rules
+//! that decide what counts as retroreflected.
 //!
-//! Directions, normals and refractive indices enter; directions, fields and fates leave. No mesh is
-//! known here, only one triangle at a time. This room may touch `samples`, from which rough facets
-//! draw their normals.
+//! Directions, normals and refractive indices enter. Directions, fields and fates leave. This room
+//! knows no mesh, only one triangle at a time. It may touch `samples`, from which rough facets draw
+//! their normals.
 
 pub(crate) mod element;
 mod light;

@@ -1,4 +1,4 @@
-//! Rays, and the directions that they are launched in.
+//! Rays and the directions in which they are launched.
 
 use crate::optics::mirror as optics;
 use crate::optics::mirror::refracted_sine;
@@ -7,20 +7,21 @@ use glam::{DVec2, DVec3};
 /// A straight piece of a path, in the cell frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ray {
-    /// Where the piece starts, edge lengths.
+    /// Start of the piece, edge lengths.
     pub origin: DVec3,
-    /// Incidence of travel, unit length.
+    /// Direction of travel, unit length.
     pub direction: DVec3,
-    /// Bound on the error of `origin`, edge lengths: how far behind a facet it may seem to lie
-    /// although it is in front. It takes the place of the usual self-hit epsilon.
+    /// Bound on the error of `origin`, edge lengths. By this much a facet may seem to lie behind
+    /// the start of the ray although it is in front. The bound replaces the usual self-hit epsilon.
     pub slack: f64,
-    /// Bound on the rounding error of a triple product of vectors from `origin` to a facet's
-    /// corners, cubed edge lengths per unit direction (an area).
+    /// Bound on the rounding error of a triple product of the unit direction and two vectors from
+    /// `origin` to corners of a facet, square edge lengths.
     pub grain: f64,
 }
 
 impl Ray {
-    /// A ray whose origin is exact to rounding, among facets within `reach` edge lengths of it.
+    /// Creates a ray whose origin is exact to rounding, among facets within `reach` edge lengths of
+    /// it.
     pub(crate) fn new(origin: DVec3, direction: DVec3, reach: f64) -> Self {
         Ray {
             origin,
@@ -33,23 +34,23 @@ impl Ray {
 
 /// A direction of incidence and its frame.
 ///
-/// The **incidence frame** of the entrance plane is u = the in-plane direction of travel at the
-/// azimuth (at normal incidence too), v = n x u; the angle is taken outside the sheet, the travel
-/// direction inside it.
+/// The **incidence frame** of the entrance plane has the axes u and v = n x u. u is the in-plane
+/// direction of travel at the azimuth, at normal incidence too. The angle is taken outside the
+/// sheet and the direction of travel inside it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Incidence {
-    /// Incidence of travel inside the cell, unit length, cell frame.
+    /// Direction of travel inside the cell, unit length, cell frame.
     pub travel: DVec3,
     /// Axis u of the incidence frame in the entrance plane, unit length, cell frame.
     pub u: DVec2,
 }
 
 impl Incidence {
-    /// The direction at `incidence_rad` from n outside a sheet of refractive index `index`, at
-    /// `azimuth_rad` about n.
+    /// Creates the direction with the angle `incidence_rad` from n outside a sheet of refractive
+    /// index `index`, at the azimuth `azimuth_rad` about n.
     ///
-    /// Sines come from `libm`, not from the system: the system's depend on the processor, and a
-    /// table may not.
+    /// Sines come from `libm` and not from the system. The system's sines depend on the processor,
+    /// and a table must not.
     pub(crate) fn new(incidence_rad: f64, azimuth_rad: f64, index: f64) -> Self {
         let (sine, cosine) = if index == 1.0 {
             libm::sincos(incidence_rad)
@@ -64,18 +65,18 @@ impl Incidence {
         }
     }
 
-    /// Axis v = n x u of the incidence frame.
+    /// Returns the axis v = n x u of the incidence frame, cell frame.
     pub(crate) fn v(&self) -> DVec2 {
         DVec2::new(-self.u.y, self.u.x)
     }
 
-    /// A vector of the entrance plane in the incidence frame (u, v).
+    /// Turns a vector of the entrance plane from the cell frame to the incidence frame (u, v).
     pub(crate) fn to_frame(self, vector: DVec2) -> DVec2 {
         DVec2::new(vector.dot(self.u), vector.dot(self.v()))
     }
 
-    /// The deviation, as [`tables::Path::deviation`] has it, of light that leaves along `travel`
-    /// inside a sheet of refractive index `index`.
+    /// Returns the deviation of light that leaves along `travel` inside a sheet of refractive index
+    /// `index`, as [`tables::Path::deviation`] defines it.
     pub(crate) fn deviation(&self, travel: DVec3, index: f64) -> DVec2 {
         let turned = |x: DVec3| self.to_frame(x.truncate()).extend(x.z);
         optics::deviation(turned(self.travel), turned(travel), index)

@@ -1,47 +1,52 @@
-//! Rough facets: at each reflection the ray meets a normal that is drawn from the slopes of the
-//! facet, as the ray sees them.
+//! Rough facets: at each reflection the ray meets a normal that is drawn from the facet's slopes,
+//! as the ray sees them.
 //!
-//! A facet's small mirrors have the normals n - s, s their slope. Per unit of the roughness alpha,
-//! z = |s| / alpha, the densities of slopes are exp(-z^2) / pi (Beckmann; alpha is sqrt 2 times the
-//! rms slope) and 1 / (pi (1 + z^2)^2) (GGX). From the direction w a mirror is seen in proportion
-//! to its projected area, max(0, w.(n - s)): that is the density of **visible normals** (Heitz and
-//! d'Eon 2014) that is drawn here, GGX by the spherical caps of Dupuy and Benyoub (2023), Beckmann
-//! by inverting the cumulative distribution of the slope towards the light, which `seen_slope` does
-//! to rounding.
+//! The small mirrors of a facet have the normals n - s, where s is the slope. Per unit of the
+//! roughness alpha, with z = |s| / alpha, the density of slopes is exp(-z^2) / pi for Beckmann and
+//! 1 / (pi (1 + z^2)^2) for GGX. Beckmann's alpha is sqrt 2 times the rms slope.
 //!
-//! Single scattering: what is reflected to behind the facet's plane meets the facet again in truth,
-//! and counts as absorbed here; that light on its way out may meet other small mirrors of the facet
-//! is left out. Both matter only where the cosine of the light's angle from the facet's normal is
-//! not large against alpha.
+//! From the direction w a mirror is seen in proportion to its projected area, max(0, w.(n - s)).
+//! This gives the density of **visible normals** (Heitz and d'Eon 2014), from which normals are
+//! drawn here. GGX uses the spherical caps of Dupuy and Benyoub (2023). Beckmann inverts the
+//! cumulative distribution of the slope towards the light; `seen_slope` does this to rounding.
+//!
+//! Light is scattered once. Light that is reflected to behind the facet's plane would meet the
+//! facet again; here it counts as absorbed. Light on its way out could meet other small mirrors of
+//! the facet; this is left out. Both matter only if the cosine of the light's angle from the
+//! facet's normal is not large against alpha.
 
 use crate::samples::centred;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2, TAU};
 use tables::options::{Roughness, Slopes};
 
-/// The unit normal that a ray along `travel` meets on a facet with unit normal `facet`, towards the
-/// ray; `at` are two coordinates that are uniform over [0, 2^32).
+/// Draws the unit normal, towards the ray, that a ray along `travel` meets on a facet with the unit
+/// normal `facet`.
+///
+/// `at` are two coordinates that are uniform over [0, 2^32).
 pub(crate) fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: [u32; 2]) -> DVec3 {
     let cosine = -facet.dot(travel);
     let along = -travel - facet * cosine;
     let sine = along.length();
-    // Nearer to the normal what is along the facet is rounding, and the side that it leans to makes
-    // no difference.
+    // Nearer to the normal, the part along the facet is rounding, and its direction makes no
+    // difference.
     let x = if sine > 1e-8 {
         along / sine
     } else {
         facet.any_orthonormal_vector()
     };
-    // Stretched to alpha = 1 the facet is as rough, and the light comes from elsewhere.
+    // Stretched to alpha = 1, the facet has unit roughness and the light comes from another
+    // direction.
     let light = DVec2::new(roughness.alpha() * sine, cosine).normalize();
     let [u, v] = at.map(|cell| centred(cell) + 0.5);
     let slope = roughness.alpha() * seen_from(roughness.slopes(), light, u, v);
     (facet - x * slope.x - facet.cross(x) * slope.y).normalize()
 }
 
-/// The angle that hardly any light of three perpendicular facets turns by more than, rad: 8
-/// standard deviations about each axis of what Beckmann's slopes do; of GGX's, whose tails have no
-/// end, what leaves 0.7 % outside.
+/// Returns the angle, rad, by which hardly any light of three perpendicular facets is turned more.
+///
+/// For Beckmann's slopes it is 8 standard deviations about each axis. GGX has endless tails; 0.7 %
+/// of its light lies outside.
 pub(crate) fn reach_rad(roughness: &Roughness) -> f64 {
     match roughness.slopes() {
         Slopes::Beckmann => 8.0 * roughness.alpha(),
@@ -49,12 +54,12 @@ pub(crate) fn reach_rad(roughness: &Roughness) -> f64 {
     }
 }
 
-/// About which part of the light that three perpendicular facets send back turns by more than
+/// Estimates the share of the light that three perpendicular facets send back turned by more than
 /// `tolerance_rad`.
 ///
 /// A slope s turns light by 2 s about an axis in the facet. Of three perpendicular facets two turn
-/// about each axis: Beckmann's turns are a Gaussian of the variance 4 alpha^2 about each; of GGX's
-/// long tails one of three is large.
+/// light about each axis. Beckmann's turns are a Gaussian of the variance 4 alpha^2 about each
+/// axis. For the long tails of GGX, one large slope of the three decides.
 pub(crate) fn part_beyond(roughness: &Roughness, tolerance_rad: f64) -> f64 {
     let turns = tolerance_rad / (2.0 * roughness.alpha());
     match roughness.slopes() {
@@ -65,8 +70,11 @@ pub(crate) fn part_beyond(roughness: &Roughness, tolerance_rad: f64) -> f64 {
         Slopes::Ggx => (3.0 / (1.0 + turns * turns)).min(1.0),
     }
 }
-/// A slope of unit roughness seen from `light` = (sine, cosine) of the angle from the facet's
-/// normal, its first coordinate towards the light; `u` and `v` in (0, 1) choose it.
+/// Draws a slope of unit roughness as seen from `light`, the (sine, cosine) of its angle from the
+/// facet's normal.
+///
+/// The first coordinate of the slope points towards the light. `u` and `v` in (0, 1) choose the
+/// slope.
 fn seen_from(slopes: Slopes, light: DVec2, u: f64, v: f64) -> DVec2 {
     let DVec2 { x: sine, y: cosine } = light;
     match slopes {
@@ -79,21 +87,22 @@ fn seen_from(slopes: Slopes, light: DVec2, u: f64, v: f64) -> DVec2 {
         }
     }
 }
-/// The slope towards the light, of Beckmann's of unit roughness, below which the part `part` of
-/// what is seen lies.
+/// Returns the slope towards the light below which the share `part` of what is seen lies, for
+/// Beckmann's slopes of unit roughness.
 ///
 /// Slopes x are seen in proportion to (cosine - x sine) exp(-x^2), up to x = cosine / sine, where
-/// mirrors turn away. Newton's method on the integral, halving where it would leave the bracket.
+/// mirrors turn away. The integral is inverted by Newton's method, with a bisection if a step would
+/// leave the bracket.
 fn seen_slope(sine: f64, cosine: f64, part: f64) -> f64 {
     // 1 / (2 sqrt pi)
     const HALF: f64 = 0.25 * FRAC_2_SQRT_PI;
     let below = |x: f64| 0.5 * cosine * libm::erfc(-x) + HALF * sine * libm::exp(-x * x);
     let most = cosine / sine;
     let sought = part * below(most);
-    // 2^-33 of the light lies beyond 4.8.
+    // At most 2^-33 of the light lies beyond 4.8.
     let (mut low, mut high) = (-6.0, most.min(6.0));
-    // Winitzki's approximation of the inverse error function, good to 2e-3: where the light would
-    // come from the normal.
+    // The start is Winitzki's approximation of the inverse error function, good to 2e-3, for light
+    // along the normal.
     let log = libm::log(4.0 * part * (1.0 - part));
     let half = 2.0 / (PI * 0.147) + 0.5 * log;
     let upright = ((half * half - log / 0.147).sqrt() - half).max(0.0).sqrt();
@@ -107,7 +116,7 @@ fn seen_slope(sine: f64, cosine: f64, part: f64) -> f64 {
         }
         let newton = x - excess / (2.0 * HALF * (cosine - x * sine) * libm::exp(-x * x));
         let inside = newton > low && newton < high;
-        // The error squares with each step.
+        // The error squares with each step, so the next one would be rounding.
         if inside && (newton - x).abs() < 1e-8 {
             return newton;
         }

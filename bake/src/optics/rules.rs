@@ -1,4 +1,4 @@
-//! What facets do to light, and what counts as retroreflected: the rules that rays and beams share.
+//! The rules that rays and beams share: what facets do to light, and what counts as retroreflected.
 
 use crate::optics::element;
 use crate::optics::light::Backing;
@@ -7,34 +7,34 @@ use glam::{DMat3, DVec3};
 use tables::Fate;
 use tables::options::{Element, Roughness};
 
-/// Reflections after which a ray is given up. A corner cube takes three; periodic and canted ones
-/// take up to about ten.
+/// Largest number of reflections of a ray that is followed. A corner cube takes three; periodic and
+/// canted cubes take up to about ten.
 pub(crate) const BOUNCE_LIMIT: u32 = 64;
 
-/// What facets do to light, and what counts as retroreflected.
+/// The rules of a bake: what facets do to light, and what counts as retroreflected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rules {
     /// Refractive index behind the flat front face; 1 for a hollow cell.
     pub refractive_index: f64,
-    /// Whether facets reflect at every angle (a mirror coating) or only totally.
+    /// True if facets reflect at every angle (a mirror coating), false if only totally.
     pub mirror_back: bool,
-    /// What is behind the facets, where Fresnel's losses count; then `mirror_back` says nothing.
+    /// Backing of the facets if Fresnel's losses count. Then `mirror_back` has no effect.
     pub losses: Option<Backing>,
-    /// Largest angle of the rotation between a path's linear map and that of [`Rules::element`]
-    /// which counts as retroreflected, rad.
+    /// Largest angle, rad, of the rotation between a path's linear map and the ideal map of
+    /// [`Rules::element`] that still counts as retroreflected.
     pub angular_tolerance_rad: f64,
-    /// How rough facets are; `None` where they are smooth.
+    /// Roughness of the facets, `None` if they are smooth.
     pub roughness: Option<Roughness>,
-    /// What counts as retroreflected.
+    /// Element whose ideal map counts as retroreflected.
     pub element: Element,
-    /// Refractive index of bodies of glass; `None` where all facets are mirrors. A path through
-    /// glass has no linear map: its direction alone counts.
+    /// Refractive index of bodies of glass, `None` if all facets are mirrors. A path through glass
+    /// has no linear map, so its direction alone counts.
     pub glass_index: Option<f64>,
 }
 
 impl Rules {
-    /// Whether all light goes through a facet that it meets at an angle of cosine `cosine` from the
-    /// normal.
+    /// Returns whether all light passes a facet that it meets at an angle of cosine `cosine` from
+    /// the normal.
     pub(crate) fn lets_through(&self, cosine: f64) -> bool {
         self.losses.is_none()
             && !self.mirror_back
@@ -42,10 +42,11 @@ impl Rules {
     }
 }
 
-/// Whether the linear maps `map` and `ideal` are one within the rotation angle `tolerance_rad`.
+/// Returns whether the rotation between the linear maps `map` and `ideal` is at most
+/// `tolerance_rad`.
 ///
-/// For a rotation by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2); an improper map
-/// is never near.
+/// For a rotation R by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2). An improper
+/// map is never near.
 fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
     let defect = map - ideal;
     let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
@@ -53,11 +54,11 @@ fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
     squared <= 8.0 * sine * sine
 }
 
-/// The fate of a ray that leaves after `bounces` reflections with the linear map `map`, launched
-/// along `travel`.
+/// Returns the fate of a ray that leaves after `bounces` reflections with the linear map `map`,
+/// launched along `travel`.
 ///
-/// All angles are those inside the cell. Light that a front face would reflect back inside counts
-/// as leaving.
+/// All angles are inside the cell. Light that a front face would reflect back inside counts as
+/// leaving.
 pub(crate) fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &Rules) -> Fate {
     if bounces == 0 {
         return element::unmet(rules.element);

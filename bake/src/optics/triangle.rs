@@ -1,21 +1,22 @@
 //! A mirror facet and its ray test: in f64, edges and corners included, with an error bound instead
 //! of an epsilon.
 //!
-//! The test asks on which side of the three edges the *line* of the ray passes (triple products of
-//! direction, edge and the way from a corner to the ray's origin), so it stays sharp at grazing
-//! incidence, where a test of the hit point in the plane loses digits as 1/cos. A ray is on an edge
-//! when it is within its own error bound of it, so that a ray through a shared edge or corner meets
-//! at least one of the facets there, and one that lies, by rounding, a hair behind the next facet
-//! still meets that one.
+//! The test asks on which side of the three edges the *line* of the ray passes. It computes triple
+//! products of the direction, an edge, and the way from a corner to the ray's origin. So it stays
+//! sharp at grazing incidence, where a test of the hit point in the plane loses digits as 1/cos.
+//!
+//! A ray is on an edge if it is within its own error bound of the edge. So a ray through a shared
+//! edge or corner meets at least one of the facets there. A ray that rounding has put a hair behind
+//! the next facet still meets that facet.
 
 use crate::optics::ray::Ray;
 use glam::DVec3;
 
-/// Facets closer to parallel with the ray than this (cosine) are seen edge-on and not met: their
-/// cross-section is below the rounding error of the ray.
+/// Least cosine of the angle between a ray and the normal of a facet that it meets. Below it the
+/// facet is seen edge-on, and its cross-section is below the rounding error of the ray.
 pub(crate) const EDGE_ON: f64 = 1e-14;
 
-/// A triangular facet in the cell frame: a mirror from the front, where its corners run
+/// A triangular facet in the cell frame. It mirrors on its front, from which its corners run
 /// counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Triangle {
@@ -25,42 +26,42 @@ pub(crate) struct Triangle {
     pub normal: DVec3,
     /// Lengths of the edges 0-1, 1-2, 2-0.
     lengths: [f64; 3],
-    /// Whether it counts from behind as it does from the front: a surface of glass.
+    /// True for a surface of glass, which rays meet from either side.
     two_sided: bool,
 }
 
-/// Where a ray meets a facet.
+/// The point where a ray meets a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Contact {
     /// Distance along the ray, edge lengths, >= 0.
     pub distance: f64,
-    /// Whether the ray comes from the front.
+    /// True if the ray comes from the front.
     pub front: bool,
 }
 
-/// A facet as all rays of one direction see it: what of its test does not depend on where a ray
-/// starts.
+/// A facet as all rays of one direction see it: the part of the test that does not depend on where
+/// a ray starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Aspect {
     /// A corner on each edge.
     pub corners: [DVec3; 3],
-    /// For each edge the gradient of the triple product by the ray's origin: it points to the inner
-    /// side.
+    /// Gradient of each edge's triple product by the ray's origin. It points to the inner side.
     pub inward: [DVec3; 3],
     /// Lengths of the edges.
     pub lengths: [f64; 3],
     /// Unit normal on the front.
     pub normal: DVec3,
-    /// Of the angle between the rays and the normal.
+    /// Cosine of the angle between the rays and the normal.
     pub cosine: f64,
-    /// 1 where the rays come from the front, -1 from the back.
+    /// Side that the rays come from: 1 for the front, -1 for the back.
     pub side: f64,
-    /// 1 where a ray within its error of an edge meets the facet, -1 where it passes.
+    /// Rule for a ray within its error of an edge: 1 if it meets the facet, -1 if it passes.
     edge: f64,
 }
 
 impl Aspect {
-    /// The distance at which `ray`, which has the aspect's direction, meets the facet, or `None`.
+    /// Returns the distance at which `ray` meets the facet, edge lengths, or `None`. The ray must
+    /// have the direction of this aspect.
     #[inline]
     pub(crate) fn meet(&self, ray: &Ray) -> Option<f64> {
         let height = (ray.origin - self.corners[0]).dot(self.normal);
@@ -68,8 +69,8 @@ impl Aspect {
             return None;
         }
         // A ray within its error of an edge meets the facet from the front and passes it from the
-        // back: one that grazes a ridge or a rim goes on, it is not caught by the back of the facet
-        // beyond. Within glass none may pass.
+        // back. So a ray that grazes a ridge or a rim goes on and is not caught by the back of the
+        // facet beyond. Within glass no ray may pass.
         let on = |edge: usize| {
             (ray.origin - self.corners[edge]).dot(self.inward[edge])
                 >= -(self.edge * (ray.slack * self.lengths[edge] + ray.grain))
@@ -80,7 +81,7 @@ impl Aspect {
 }
 
 impl Triangle {
-    /// A facet from its corners. `None` where they span no plane (zero area).
+    /// Makes a facet of its corners, or `None` if they span no plane (zero area).
     pub(crate) fn new(corners: [DVec3; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let normal = normal(&corners)?;
@@ -92,7 +93,7 @@ impl Triangle {
         })
     }
 
-    /// The facet as a surface of glass, which rays meet from either side.
+    /// Returns the facet as a surface of glass, which rays meet from either side.
     pub(crate) fn two_sided(self) -> Self {
         Triangle {
             two_sided: true,
@@ -100,7 +101,7 @@ impl Triangle {
         }
     }
 
-    /// The facet moved by `offset`.
+    /// Returns the facet moved by `offset`.
     pub(crate) fn moved(&self, offset: DVec3) -> Self {
         Triangle {
             corners: self.corners.map(|corner| corner + offset),
@@ -108,7 +109,7 @@ impl Triangle {
         }
     }
 
-    /// The facet as rays along `direction` see it; `None` edge-on.
+    /// Returns the facet as rays along `direction` see it, or `None` if they see it edge-on.
     #[inline(always)]
     pub(crate) fn along(&self, direction: DVec3) -> Option<Aspect> {
         let cosine = direction.dot(self.normal);
@@ -132,10 +133,10 @@ impl Triangle {
         })
     }
 
-    /// Where `ray` meets the facet, or `None`.
+    /// Returns the point where `ray` meets the facet, or `None`.
     ///
-    /// A facet that the ray starts on, leaving to its front, is not met; one that it starts on
-    /// (within the ray's error bound) heading into is met at distance 0.
+    /// A ray that starts on the facet and leaves to its front does not meet it. A ray that starts
+    /// on it, within the ray's error bound, and heads into it meets it at the distance 0.
     #[inline]
     pub(crate) fn meet(&self, ray: &Ray) -> Option<Contact> {
         let aspect = self.along(ray.direction)?;
@@ -145,8 +146,10 @@ impl Triangle {
         })
     }
 
-    /// Weights of the corners at `point` of the facet: not negative, adding up to 1. `point` is
-    /// brought back to the facet where rounding has it beside.
+    /// Returns the weights of the corners at `point` of the facet. They are not negative and sum to
+    /// 1.
+    ///
+    /// If rounding has put `point` beside the facet, it is brought back.
     pub(crate) fn weights(&self, point: DVec3) -> [f64; 3] {
         let [a, b, c] = self.corners;
         let (along, beside, way) = (b - a, c - a, point - a);
@@ -156,21 +159,22 @@ impl Triangle {
         [1.0 - second - third, second, third]
     }
 
-    /// Error bound of the point `distance` along a ray in `direction` as a point of this facet's
-    /// plane, edge lengths: rounding of the height over the plane, divided by the cosine, shifts
-    /// the point along the ray.
+    /// Returns the error bound, edge lengths, of the point `distance` along a ray in `direction`,
+    /// as a point of this facet's plane.
+    ///
+    /// Rounding of the height over the plane shifts the point along the ray by that height over the
+    /// cosine.
     pub(crate) fn slack_after(&self, direction: DVec3, distance: f64, reach: f64) -> f64 {
         16.0 * f64::EPSILON * (reach + distance) / direction.dot(self.normal).abs()
     }
 }
 
-/// Unit normal of a planar polygon, on the side from which its corners run counter-clockwise;
-/// `None` without area.
+/// Returns the unit normal of a planar polygon, or `None` without area.
 ///
-/// It is square to the longest side within rounding, whatever the height over that side: rounding
-/// of a cross product tilts a sliver by 1e-16 / height about any axis, which lifts its ends off its
-/// plane by as much. About the longest side it stays tilted so, which lifts no corner by more than
-/// rounding.
+/// It points to the side from which the corners run counter-clockwise. It is perpendicular to the
+/// longest side within rounding, even for a sliver. The rounding of a cross product tilts a sliver
+/// by 1e-16 / height about any axis, which lifts its ends off its plane by as much. Here such a
+/// tilt is left only about the longest side, where it lifts no corner by more than rounding.
 pub(crate) fn normal(corners: &[DVec3]) -> Option<DVec3> {
     let first = *corners.first()?;
     let sum: DVec3 = corners
@@ -188,7 +192,8 @@ pub(crate) fn normal(corners: &[DVec3]) -> Option<DVec3> {
 mod tests {
     use super::*;
 
-    /// Corners of unit coordinates are known to 1.1e-16 each, and so is the plane where they are.
+    /// Checks slivers: their corners have unit coordinates, known to 1.1e-16 each, and lie in their
+    /// planes to that accuracy.
     #[test]
     fn slivers_lie_in_their_planes() {
         let (mut cases, mut worst) = (0, 0.0_f64);

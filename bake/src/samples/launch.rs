@@ -1,40 +1,41 @@
-//! From a sample to the point of the entrance where its ray starts: uniform over the entrance.
+//! The way from a sample to the point of the entrance where its ray starts, uniform over the
+//! entrance.
 
 use crate::samples::sequence::{Stream, centred};
 use glam::DVec2;
 use meshes::Entrance;
 
-/// The entrance, cut so that a point of the square maps onto it uniformly.
+/// The entrance, cut so that a point of the unit square maps onto it uniformly.
 ///
 /// Coordinates of the square are centred: (c0, c1) in (-1/2, 1/2)^2. A triangle is half of a
-/// parallelogram, and the other half is folded onto it along the diagonal: unlike the usual
-/// square-root map this is affine piece by piece, which the fast kernel needs, and it is
-/// continuous, which keeps the gain of a low-discrepancy sequence (turning the other half about the
-/// centre instead: 15 times the error of a mean at 65,536 points).
+/// parallelogram, and the other half is folded onto it along the diagonal. This map is affine piece
+/// by piece, which the fast kernel needs and the usual square-root map is not. It is also
+/// continuous, which keeps the gain of a low-discrepancy sequence: turning the other half about the
+/// centre instead gives 15 times the error of a mean at 65,536 points.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Launch {
     /// Pieces of the entrance.
     pieces: Vec<Piece>,
-    /// The box of all pieces.
+    /// Lower and upper corner of the box of all pieces, cell frame, edge lengths.
     bounds: [DVec2; 2],
 }
 
-/// A parallelogram, or the half of it where c0 + c1 <= 0.
+/// A parallelogram, or the half of it with c0 + c1 <= 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Piece {
     /// Centre of the parallelogram, cell frame, edge lengths.
     pub centre: DVec2,
-    /// Its sides.
+    /// Sides of the parallelogram, edge lengths.
     pub sides: [DVec2; 2],
-    /// Whether only one half belongs to the entrance.
+    /// True if only one half belongs to the entrance.
     pub folded: bool,
-    /// Which scene it leads into.
+    /// Number of the scene that the piece leads into.
     pub scene: usize,
-    /// The part of [0, 1) from which the first coordinate chooses it: where it starts,
+    /// Start of the range in [0, 1) of the first coordinates that choose the piece.
     pub from: f64,
-    /// and ends.
+    /// End of that range.
     pub to: f64,
-    /// 1 over its length.
+    /// Reciprocal of the length of that range.
     stretch: f64,
 }
 
@@ -44,7 +45,7 @@ impl Piece {
         if self.folded { whole / 2.0 } else { whole }
     }
 
-    /// Its corners, cell frame.
+    /// Returns the corners of the piece, counter-clockwise if its sides are, cell frame.
     pub(crate) fn polygon(&self) -> Vec<DVec2> {
         let [a, b] = self.sides.map(|side| side / 2.0);
         let corners = [
@@ -53,7 +54,7 @@ impl Piece {
             self.centre - a + b,
             self.centre + a + b,
         ];
-        // The half c0 + c1 <= 0 ends at the diagonal between the second and the third.
+        // The half with c0 + c1 <= 0 ends at the diagonal between the second and the third corner.
         if self.folded {
             corners[..3].to_vec()
         } else {
@@ -61,19 +62,19 @@ impl Piece {
         }
     }
 
-    /// Whether every sample chooses it.
+    /// Returns whether every sample chooses this piece.
     #[inline(always)]
     pub(crate) fn takes_all(&self) -> bool {
         self.from == 0.0 && self.to == 1.0
     }
 
-    /// The first centred coordinate, which has chosen the piece, stretched over it.
+    /// Stretches the first centred coordinate, which has chosen the piece, over the whole piece.
     #[inline(always)]
     pub(crate) fn stretched(&self, c0: f64) -> f64 {
         (c0 + 0.5 - self.from) * self.stretch - 0.5
     }
 
-    /// The point of the piece for centred coordinates of the square.
+    /// Returns the point of the piece for centred coordinates of the square.
     #[inline(always)]
     pub(crate) fn point(&self, c0: f64, c1: f64) -> DVec2 {
         let flip = self.folded && c0 + c1 > 0.0;
@@ -83,12 +84,14 @@ impl Piece {
 }
 
 impl Launch {
-    /// The launch over `entrance`: a simple polygon, or the parallelogram of a periodic cell.
+    /// Creates the launch over `entrance`: a simple polygon, or the parallelogram of a periodic
+    /// cell.
     pub(crate) fn new(entrance: &Entrance) -> Self {
         Launch::among(&[(entrance, 1)])
     }
 
-    /// The launch over several entrances, one for each scene, that stand for so many of their kind.
+    /// Creates the launch over several entrances, one for each scene. Each is given with the number
+    /// of equal entrances that it stands for.
     pub(crate) fn among(entrances: &[(&Entrance, usize)]) -> Self {
         let mut pieces = Vec::new();
         let mut areas = Vec::new();
@@ -115,27 +118,29 @@ impl Launch {
         Launch { pieces, bounds }
     }
 
-    /// The least box that holds the entrance: its lower and its upper corner.
+    /// Returns the lower and the upper corner of the least box that holds the entrance.
     pub(crate) fn box_of_entrance(&self) -> [DVec2; 2] {
         self.bounds
     }
 
-    /// The pieces.
+    /// Returns the pieces of the entrance.
     pub(crate) fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// Where the ray of sample `index` of `stream` starts, cell frame, edge lengths.
+    /// Returns the point where the ray of sample `index` of `stream` starts, cell frame, edge
+    /// lengths.
     #[inline]
     #[cfg(test)]
     pub(crate) fn point(&self, stream: &Stream, index: u64) -> DVec2 {
         self.entry(stream, index).1
     }
 
-    /// The scene that the ray of sample `index` of `stream` enters, and where.
+    /// Returns the scene that the ray of sample `index` of `stream` enters, and the point where it
+    /// starts, cell frame, edge lengths.
     ///
-    /// The first coordinate chooses the piece by area, and what is left of it is stretched over the
-    /// piece.
+    /// The first coordinate chooses the piece by area. The rest of this coordinate is stretched
+    /// over the piece.
     #[inline]
     pub(crate) fn entry(&self, stream: &Stream, index: u64) -> (usize, DVec2) {
         let [x, y] = stream.pair(index);
@@ -149,20 +154,19 @@ impl Launch {
         (piece.scene, piece.point(piece.stretched(c0), c1))
     }
 
-    /// Where an azimuth between 0 and 2 pi lies that is the third coordinate of sample `index`,
-    /// rad.
+    /// Returns the azimuth of sample `index`, rad, between 0 and 2 pi. It is the third coordinate.
     #[inline]
     pub(crate) fn azimuth_rad(&self, stream: &Stream, index: u64) -> f64 {
         (centred(stream.third(index)) + 0.5) * std::f64::consts::TAU
     }
 
-    /// The chance of the photon `index` where there are losses, in (0, 1).
+    /// Returns the chance, in (0, 1), that decides whether the photon `index` is kept at losses.
     pub(crate) fn chance(&self, stream: &Stream, index: u64) -> f64 {
         centred(stream.fourth(index)) + 0.5
     }
 }
 
-/// An entrance cut into pieces.
+/// Cuts an entrance into pieces.
 fn cut(entrance: &Entrance) -> Vec<Piece> {
     match entrance.polygon[..] {
         [a, b, c, d] if (a + c - b - d).length() <= 1e-12 * (c - a).length() => {
@@ -177,7 +181,7 @@ fn cut(entrance: &Entrance) -> Vec<Piece> {
     }
 }
 
-/// A piece that takes all samples.
+/// A piece that every sample chooses.
 const WHOLE: Piece = Piece {
     centre: DVec2::ZERO,
     sides: [DVec2::X, DVec2::Y],
@@ -189,8 +193,7 @@ const WHOLE: Piece = Piece {
 };
 
 fn folded([a, b, c]: [DVec2; 3]) -> Piece {
-    // The half c0 + c1 <= 0 of the parallelogram a, b, ., c about the middle of b and c is the
-    // triangle.
+    // The triangle is the half with c0 + c1 <= 0 of the parallelogram about the middle of b and c.
     Piece {
         centre: (b + c) / 2.0,
         sides: [b - a, c - a],
@@ -211,7 +214,7 @@ fn ears(polygon: &[DVec2]) -> Vec<[DVec2; 3]> {
             let others = (0..n - 3).map(|k| left[(i + 2 + k) % n]);
             (b - a).perp_dot(c - b) > 0.0 && others.into_iter().all(|p| !inside([a, b, c], p))
         };
-        // A polygon that touches itself may have no proper ear left: then any corner ends the cut.
+        // A polygon that touches itself may have no proper ear left. Then any corner is cut off.
         let ear = (0..n).find(|&i| is_ear(i)).unwrap_or(0);
         triangles.push(corner(ear));
         left.remove(ear);
@@ -233,9 +236,11 @@ mod tests {
     use super::*;
     use tables::options::Sampler;
 
-    /// Mean and second moments of 2^16 points against those of the polygon. Scrambled Sobol points:
-    /// the error of a mean falls as N^-1 or faster for the continuous map of one piece (2^-16 =
-    /// 1.5e-5), as N^-3/4 (2.4e-4) where it jumps between pieces.
+    /// Checks the mean and the second moment of 2^16 points against those of the polygon.
+    ///
+    /// The points are scrambled Sobol points. The error of a mean falls as N^-1 or faster for the
+    /// continuous map of one piece (2^-16 = 1.5e-5), and as N^-3/4 (2.4e-4) if the map jumps
+    /// between pieces.
     fn moments(polygon: Vec<DVec2>, mean: DVec2, xx: f64, tolerance: f64) {
         let launch = Launch::new(&Entrance {
             height: 0.5,
@@ -258,21 +263,21 @@ mod tests {
     #[test]
     fn uniform_over_triangle_square_and_an_l() {
         let p = DVec2::new;
-        // triangle (0,0) (1,0) (0,1): mean 1/3, E[x^2] = 1/6
+        // Triangle (0,0) (1,0) (0,1): mean 1/3, E[x^2] = 1/6.
         moments(
             vec![p(0., 0.), p(1., 0.), p(0., 1.)],
             p(1. / 3., 1. / 3.),
             1. / 6.,
             1.5e-5,
         );
-        // parallelogram (0,0) (1,0) (1.5,1) (0.5,1): mean (0.75, 0.5), E[x^2] = 1/3 + 1/4 + 1/12
+        // Parallelogram (0,0) (1,0) (1.5,1) (0.5,1): mean (0.75, 0.5), E[x^2] = 1/3 + 1/4 + 1/12.
         moments(
             vec![p(0., 0.), p(1., 0.), p(1.5, 1.), p(0.5, 1.)],
             p(0.75, 0.5),
             1. / 3. + 0.25 + 1. / 12.,
             1.5e-5,
         );
-        // L: [0,2]x[0,1] and [0,1]x[1,2]: area 3, mean 5/6, E[x^2] = (2 x 4/3 + 1/3) / 3 = 1
+        // L of [0,2]x[0,1] and [0,1]x[1,2]: area 3, mean 5/6, E[x^2] = (2 x 4/3 + 1/3) / 3 = 1.
         let l = vec![
             p(0., 0.),
             p(2., 0.),

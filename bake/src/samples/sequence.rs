@@ -2,11 +2,11 @@
 //! low-discrepancy.
 //!
 //! A **stream** is one independent randomisation for one direction. Coordinates are 32-bit
-//! integers, read as the centres of 2^32 equal cells, so that no sample falls on the end of the
-//! interval and means have no bias.
+//! integers, read as the centres of 2^32 equal cells. So no sample falls on the end of the
+//! interval, and means have no bias.
 //!
-//! - random: Philox2x32-10 (Salmon et al. 2011), a counter-based generator: any index costs the
-//!   same;
+//! - random: Philox2x32-10 (Salmon et al. 2011), a counter-based generator. Every index costs the
+//!   same.
 //! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008), Owen-scrambled by
 //!   the hash of Laine and Karras (2011) with the constants of Vegdahl (2021). Every 2^k points
 //!   from a multiple of 2^k on are a (0, k, 2)-net in the first two dimensions.
@@ -15,17 +15,18 @@ use tables::options::Sampler;
 /// One independent randomisation of the samples of one direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Stream {
-    /// How the points are spread.
+    /// Method that spreads the points.
     pub sampler: Sampler,
     /// Scrambling seeds of the four dimensions (sobol) or key and counter tweak (random).
     pub keys: [u32; 4],
 }
 
 impl Stream {
-    /// Stream number `randomisation` of the direction given by its angles in degrees, for `seed`.
+    /// Creates stream number `randomisation` of the direction given by its angles in degrees, for
+    /// `seed`.
     ///
-    /// It depends on the angles themselves, not on their place in a list: a direction has the same
-    /// samples in every table that names it.
+    /// The stream depends on the angles themselves and not on their place in a list. So a direction
+    /// has the same samples in every table that names it.
     pub(crate) fn new(
         sampler: Sampler,
         seed: u64,
@@ -54,7 +55,7 @@ impl Stream {
         }
     }
 
-    /// Point `index` of the stream: two coordinates, as cells of [0, 1) cut in 2^32.
+    /// Returns the first two coordinates of point `index`, as cells of [0, 1) cut in 2^32.
     #[inline]
     pub(crate) fn pair(&self, index: u64) -> [u32; 2] {
         match self.sampler {
@@ -70,13 +71,13 @@ impl Stream {
         }
     }
 
-    /// Counter of the random point `index`.
+    /// Returns the counter of the random point `index`.
     #[inline(always)]
     pub(crate) fn counter(&self, index: u64) -> [u32; 2] {
         [index as u32, (index >> 32) as u32 ^ self.keys[1]]
     }
 
-    /// A third coordinate of point `index`.
+    /// Returns the third coordinate of point `index`, as a cell of [0, 1) cut in 2^32.
     #[inline]
     pub(crate) fn third(&self, index: u64) -> u32 {
         match self.sampler {
@@ -85,7 +86,7 @@ impl Stream {
         }
     }
 
-    /// A fourth coordinate of point `index`.
+    /// Returns the fourth coordinate of point `index`, as a cell of [0, 1) cut in 2^32.
     #[inline]
     pub(crate) fn fourth(&self, index: u64) -> u32 {
         match self.sampler {
@@ -94,15 +95,18 @@ impl Stream {
         }
     }
 
-    /// Two random numbers for reflection number `bounce`, below 64, of ray `index`, below 2^48,
-    /// whatever the sampler: its counter has their own bits for the number.
+    /// Returns two random numbers for reflection number `bounce`, below 64, of ray `index`, below
+    /// 2^48.
+    ///
+    /// They are random for every sampler. The counter has bits of its own for the number of the
+    /// reflection.
     pub(crate) fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 2] {
         let [low, high] = self.counter(index);
         philox_one([low, high ^ ((bounce + 1) << 24)], self.keys[0])
     }
 
-    /// Two more random numbers for point `index`: the top bit of the counter is free (an index
-    /// stays below 2^62).
+    /// Returns two more random numbers for point `index`. They use the top bit of the counter,
+    /// which is free because an index stays below 2^62.
     #[inline]
     fn second_block(&self, index: u64) -> [u32; 2] {
         let [low, high] = self.counter(index);
@@ -110,13 +114,14 @@ impl Stream {
     }
 }
 
-/// The centre of cell `cell` of [0, 1) cut in 2^32, less 1/2: in (-1/2, 1/2), exact.
+/// Returns the centre of cell `cell` of [0, 1) cut in 2^32, less 1/2. It lies in (-1/2, 1/2) and is
+/// exact.
 #[inline(always)]
 pub(crate) fn centred(cell: u32) -> f64 {
     (f64::from((cell ^ 0x8000_0000) as i32) + 0.5) * (1.0 / 4_294_967_296.0)
 }
 
-/// A bijective mix of 64 bits (the finaliser of SplitMix64).
+/// Mixes 64 bits bijectively (the finaliser of SplitMix64).
 fn mix(word: u64) -> u64 {
     let word = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -124,7 +129,7 @@ fn mix(word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
-/// Philox2x32 with ten rounds, on many counters (`low`, `high`) at once.
+/// Computes Philox2x32 with ten rounds, on many counters (`low`, `high`) at once, in place.
 #[inline(always)]
 pub(crate) fn philox<const N: usize>(low: &mut [u32; N], high: &mut [u32; N], key: u32) {
     let mut key = key;
@@ -144,7 +149,7 @@ fn philox_one([low, high]: [u32; 2], key: u32) -> [u32; 2] {
     [low[0], high[0]]
 }
 
-/// Owen scrambling of the point whose digits are the bits of `reversed`, lowest bit first.
+/// Scrambles by Owen's method the point whose digits are the bits of `reversed`, lowest bit first.
 #[inline(always)]
 pub(crate) fn scramble(reversed: u32, seed: u32) -> u32 {
     let mut x = reversed;
@@ -156,8 +161,10 @@ pub(crate) fn scramble(reversed: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Second dimension of the Sobol sequence, lowest bit first: the Pascal matrix modulo 2, which is a
-/// Kronecker power, so five steps stand for 32 columns.
+/// Returns the second dimension of the Sobol sequence, lowest bit first.
+///
+/// Its matrix is the Pascal matrix modulo 2. This is a Kronecker power, so five steps replace 32
+/// columns.
 #[inline(always)]
 pub(crate) fn pascal(index: u32) -> u32 {
     let mut x = index;
@@ -169,7 +176,8 @@ pub(crate) fn pascal(index: u32) -> u32 {
     x
 }
 
-/// The dimension of the Sobol sequence with these direction numbers, lowest bit first.
+/// Returns the dimension of the Sobol sequence with the direction numbers `columns`, lowest bit
+/// first.
 fn dimension(columns: &[u32; 32], index: u32) -> u32 {
     let mut digits = 0;
     for (bit, column) in columns.iter().enumerate() {
@@ -178,7 +186,7 @@ fn dimension(columns: &[u32; 32], index: u32) -> u32 {
     digits.reverse_bits()
 }
 
-/// Incidence numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
+/// Direction numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
 const THIRD: [u32; 32] = {
     let mut columns = [0_u32; 32];
     columns[0] = 1 << 31;
@@ -191,7 +199,7 @@ const THIRD: [u32; 32] = {
     columns
 };
 
-/// Those of the fourth: polynomial x^3 + x + 1, m = 1, 3, 1.
+/// Direction numbers of the fourth dimension: polynomial x^3 + x + 1, m = 1, 3, 1.
 const FOURTH: [u32; 32] = {
     let mut columns = [0_u32; 32];
     columns[0] = 1 << 31;
@@ -209,7 +217,7 @@ const FOURTH: [u32; 32] = {
 mod tests {
     use super::*;
 
-    /// Known answers of the Random123 distribution (kat_vectors).
+    /// Checks the known answers of the Random123 distribution (kat_vectors).
     #[test]
     fn philox_known_answers() {
         assert_eq!(philox_one([0, 0], 0), [0xff1d_ae59, 0x6cd1_0df2]);
@@ -223,7 +231,7 @@ mod tests {
         );
     }
 
-    /// The first points of the plain sequence, as Joe and Kuo's program prints them.
+    /// Checks the first points of the plain sequence, as Joe and Kuo's program prints them.
     #[test]
     fn sobol_first_points() {
         let points = [
@@ -238,15 +246,15 @@ mod tests {
                 .map(|digits| f64::from(digits.reverse_bits()) / 4_294_967_296.0);
             let expected = match index {
                 0 | 1 => [point.0, point.1, point.2],
-                // natural order: 2 = (0.25, 0.75, ..), 3 = (0.75, 0.25, ..)
+                // In natural order, 2 = (0.25, 0.75, ..) and 3 = (0.75, 0.25, ..).
                 _ => [point.0, point.1, plain[2]],
             };
             assert_eq!(plain, expected, "point {index}");
         }
     }
 
-    /// Every elementary box of area 2^-10 holds exactly one of 1024 consecutive points: a (0, 10,
-    /// 2)-net, which Owen scrambling must keep.
+    /// Checks that every elementary box of area 2^-10 holds exactly one of 1024 consecutive points.
+    /// Such points are a (0, 10, 2)-net, which Owen scrambling must keep.
     #[test]
     fn scrambled_sobol_is_a_net() {
         let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);
@@ -279,7 +287,8 @@ mod tests {
         }
     }
 
-    /// Its first points unscrambled, as the tables of Joe and Kuo give them.
+    /// Checks the first points of the fourth dimension, unscrambled, against the tables of Joe and
+    /// Kuo.
     #[test]
     fn fourth_dimension_is_the_published_one() {
         let eighths = |index| dimension(&FOURTH, index).reverse_bits() >> 29;
@@ -289,7 +298,8 @@ mod tests {
         );
     }
 
-    /// Streams differ: no two of 2,000 (directions x randomisations x seeds) share a key triple.
+    /// Checks that no two of 2,000 streams (directions x randomisations x seeds) have the same
+    /// keys.
     #[test]
     fn streams_are_distinct() {
         let mut keys = std::collections::HashSet::new();

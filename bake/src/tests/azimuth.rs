@@ -1,4 +1,4 @@
-//! Tables over all azimuths: the sector that is baked stands for the rest.
+//! Tables over all azimuths: the sector that is baked stands for the other azimuths.
 
 use crate::tests::bakes;
 use crate::tests::cells;
@@ -23,13 +23,13 @@ fn table(cell: &Cell, incidence: &str, azimuth: &str) -> Table {
     bake(cell, &plan).expect("bakes")
 }
 
-/// Total variation of eta x histogram.
+/// Returns the total variation of eta x histogram.
 fn apart(a: &ndarray::Array2<f64>, b: &ndarray::Array2<f64>) -> f64 {
     0.5 * (a - b).iter().map(|x| x.abs()).sum::<f64>()
 }
 
-/// Every azimuth that the symmetry gives, baked by itself, is what the table of the sector says of
-/// it.
+/// Every azimuth that the symmetry gives, baked on its own, equals what the table of the sector
+/// says of it.
 #[test]
 fn a_sector_says_what_all_azimuths_are() {
     let mut turned = cells::triangular();
@@ -60,7 +60,7 @@ fn a_sector_says_what_all_azimuths_are() {
                 for (i, &incidence) in sector.axes.incidence_deg.iter().enumerate() {
                     let found = sector.direction(incidence, Some(image)).unwrap();
                     let expected = alone.direction(incidence, Some(image)).unwrap();
-                    // Areas are good to some 1e-15; 64 x 64 bins of them.
+                    // Areas are good to some 1e-15, and there are 64 x 64 bins of them.
                     let apart = apart(&found.probability, &alone.probability(i, 0));
                     assert!(
                         apart < 1e-12,
@@ -76,11 +76,11 @@ fn a_sector_says_what_all_azimuths_are() {
         }
     }
     println!("{compared} directions");
-    // Half of the images: 12 elements of the pair's group, 6 of the others'.
+    // Half of the images are compared: 12 elements of the pair's group, 6 of the others' groups.
     assert_eq!(compared, 3 * (4 * 6 + 3 * 7 * 3));
 }
 
-/// A cell without symmetry has its whole turn, and a table of rays its sector too.
+/// A cell without symmetry is baked over the whole turn. A table of rays has its sector too.
 #[test]
 fn what_has_no_symmetry_is_baked_all_around() {
     let mut skew = cells::triangular();
@@ -119,12 +119,14 @@ fn design(name: &str, change: impl FnOnce(&mut Design)) -> Cell {
     meshes::load_cell(&file, &meshes::CellOptions::default()).unwrap()
 }
 
-/// A direction anywhere in a turn, by the golden ratio and its square.
+/// Returns the area of a polygon, positive if it runs counter-clockwise.
 fn area(polygon: &[[f64; 2]]) -> f64 {
     let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
     0.5 * ends.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>()
 }
 
+/// Returns direction `k` of a low-discrepancy sequence over incidences up to `steepest_deg` and all
+/// azimuths, degrees. The steps are the first two powers of the reciprocal plastic number.
 fn anywhere(k: u32, steepest_deg: f64) -> (f64, f64) {
     let part = |step: f64| (f64::from(k) * step + 0.37).fract();
     (
@@ -133,13 +135,14 @@ fn anywhere(k: u32, steepest_deg: f64) -> (f64, f64) {
     )
 }
 
-/// Tables whose directions were chosen for a tolerance, at 500 directions each that the choice did
-/// not try, against the exact method.
+/// Tables whose directions were chosen for a tolerance keep it at 500 directions that the choice
+/// did not try. The exact method gives the truth.
 #[test]
 fn between_chosen_directions_polygons_keep_the_tolerance() {
     let tolerance = 0.005;
     let uneven = |design: &mut Design| design.dihedral_error_rad = [5e-4, 0.0, -3e-4];
-    // Cell, index, steepest incidence, most directions: a fall back to mixing would take hundreds.
+    // Each case is cell, index, steepest incidence, most directions. Mixing bins instead would take
+    // hundreds of directions.
     let cases = [
         (design("triangular-pair", |_| ()), 1.49, 45.0, 9),
         (design("triangular-pair", |_| ()), 1.0, 60.0, 12),
@@ -183,7 +186,7 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             by_polygons = by_polygons.max(total(&mass));
             by_mixing = by_mixing.max(total(found.probability.as_slice().unwrap()));
             by_eta = by_eta.max((found.eta - truth.eta).abs());
-            // Every path goes where one of the truth goes.
+            // Every path has the direction of a path of the truth.
             for path in paths.iter().filter(|path| area(&path.polygon) > tolerance) {
                 let apart = truth.paths.iter().map(|own| {
                     let [x, y] = [0, 1].map(|k| own.deviation[k] - path.deviation[k]);
@@ -202,8 +205,9 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             cell.design
         );
         assert!(by_polygons <= tolerance, "{}: {by_polygons}", cell.design);
-        // 5 um at a distance of 1 m, a twentieth of the smallest corners: affine functions are
-        // exact, but a path that only two directions around have is known along one line.
+        // The limit is 5 um at a distance of 1 m, a twentieth of the smallest corners. Affine
+        // functions are exact, but a path that only two neighbouring directions have is known along
+        // one line only.
         assert!(astray <= 5e-6, "{}: {astray}", cell.design);
         // |difference of eta| is at most twice the total variation.
         assert!(by_eta <= 2.0 * tolerance, "{}: {by_eta}", cell.design);
@@ -217,8 +221,8 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
     assert_eq!(tried, 6 * 500);
 }
 
-/// Where total reflection ends the distribution jumps, and no grid reaches a tolerance: the error
-/// says where.
+/// The error names the place where no grid reaches the tolerance: the distribution jumps where
+/// total reflection ends.
 #[test]
 fn a_jump_is_said() {
     let cell = cells::pair();
@@ -238,7 +242,7 @@ fn a_jump_is_said() {
         error.contains("still") && error.contains("at incidence"),
         "{error}"
     );
-    // Below the limit of 18.9 deg there is none.
+    // Below the limit of 18.9 deg there is no jump.
     let request = Request {
         incidence: "0,18".into(),
         ..request
@@ -249,7 +253,8 @@ fn a_jump_is_said() {
     assert!(baked.axes().shape().0 <= 3, "{:?}", baked.axes());
 }
 
-/// What mixed bins would take for the same tolerance; run by hand, for the figures in
+/// Prints the error of mixed bins for finer and finer grids of directions. The grid that keeps the
+/// tolerance of 0.005 is the one to compare with. The test is run by hand, for the figures in
 /// BENCHMARKS.md.
 #[test]
 #[ignore = "figures for BENCHMARKS.md, a minute"]

@@ -10,17 +10,17 @@ use tables::options::Element;
 use tables::options::Method;
 use tables::{Symmetry, Table};
 
-/// The table of a cell, by the method that the plan names.
+/// Bakes the table of a cell by the method that the plan names.
 pub(crate) fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
     trace(&prepared(cell), plan, Watch::none())
 }
 
-/// Its table of rays, whatever method the plan names.
+/// Bakes the table of a cell by rays, whatever method the plan names.
 pub(crate) fn rays(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
     rays_by(Tracer::Fastest, cell, plan)
 }
 
-/// Its table of rays by a tracer.
+/// Bakes the table of a cell by rays that `tracer` follows.
 pub(crate) fn rays_by(tracer: Tracer, cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
     let plan = Plan {
         method: Method::Rays,
@@ -34,7 +34,7 @@ pub(crate) fn prepared(cell: &Cell) -> Prepared {
     Prepared::new(cell.clone())
 }
 
-/// The cell as the exact method takes it.
+/// Returns the cell in the form that the exact method takes.
 pub(crate) fn exact(cell: &Cell) -> Result<ExactCell, ExactError> {
     prepared(cell).exact().cloned().map_err(ExactError::clone)
 }
@@ -48,8 +48,8 @@ pub(crate) fn symmetry(cell: &Cell) -> Symmetry {
 }
 
 impl Rules {
-    /// Mirrors that take nothing, behind a flat front face of that refractive index, and the usual
-    /// tolerance: what rules name beyond that is an option.
+    /// Returns rules of perfect mirrors behind a flat front face of the given refractive index,
+    /// with the usual tolerance. All other rules are options and left out.
     pub(crate) const fn mirrors(refractive_index: f64) -> Self {
         Rules {
             refractive_index,

@@ -4,10 +4,10 @@
 use glam::{DVec2, DVec3};
 use meshes::{Cell, Entrance};
 
-/// Height of the aperture plane of an ideal cube over its apex.
+/// Height of the aperture plane of an ideal cube over its apex, edge lengths.
 pub(super) const HEIGHT: f64 = 0.577_350_269_189_625_8;
 
-/// Ends of the three edges of an ideal cube, turned by `turn_deg` about n.
+/// Returns the ends of the three edges of an ideal cube, turned by `turn_deg` about n.
 pub(super) fn edges(turn_deg: f64) -> [DVec3; 3] {
     [0.0, 120.0, 240.0].map(|azimuth: f64| {
         let (y, x) = (azimuth + turn_deg).to_radians().sin_cos();
@@ -19,7 +19,7 @@ pub(super) fn edges(turn_deg: f64) -> [DVec3; 3] {
     })
 }
 
-/// Facets of the cube with the apex at `apex` and the edge ends `ends`.
+/// Returns the facets of the cube with the apex at `apex` and the edge ends `ends`.
 pub(super) fn faces(apex: DVec3, ends: [DVec3; 3]) -> Vec<[DVec3; 3]> {
     (0..3).map(|i| [apex, ends[i], ends[(i + 1) % 3]]).collect()
 }
@@ -41,7 +41,7 @@ fn cell(facets: Vec<[DVec3; 3]>, entrance: Entrance, design: &str) -> Cell {
     }
 }
 
-/// One ideal cube with a triangular aperture.
+/// Returns one ideal cube with a triangular aperture.
 pub(super) fn triangular() -> Cell {
     let ends = edges(0.0);
     let polygon = ends.map(|end| end.truncate()).to_vec();
@@ -56,7 +56,7 @@ pub(super) fn triangular() -> Cell {
     )
 }
 
-/// The pair with unequal errors of its right angles, rad.
+/// Returns a pair of cubes with unequal errors of its right angles, rad.
 pub(super) fn uneven_pair(dihedral_error_rad: [f64; 3]) -> Cell {
     let design = meshes::design::Design {
         dihedral_error_rad,
@@ -69,7 +69,7 @@ pub(super) fn uneven_pair(dihedral_error_rad: [f64; 3]) -> Cell {
     meshes::load_cell(&file, &meshes::CellOptions::default()).expect("a cell")
 }
 
-/// A cube and its copy turned by 180 deg, sharing the rim edge opposite the first edge.
+/// Returns a cube and its copy turned by 180 deg, which share the rim edge opposite the first edge.
 pub(super) fn pair() -> Cell {
     let ends = edges(0.0);
     let centre = (ends[1] + ends[2]).truncate() / 2.0;
@@ -93,7 +93,7 @@ pub(super) fn pair() -> Cell {
     )
 }
 
-/// A periodic array of full cubes: square faces, hexagonal outline, non-planar rim.
+/// Returns a periodic array of full cubes: square faces, hexagonal outline, non-planar rim.
 pub(super) fn full_cube() -> Cell {
     let e = edges(0.0);
     let mut facets = Vec::new();
@@ -102,7 +102,8 @@ pub(super) fn full_cube() -> Cell {
         facets.push([DVec3::ZERO, a, a + b]);
         facets.push([DVec3::ZERO, a + b, b]);
     }
-    // Neighbours lie where two rims coincide: differences of edges, which have no height.
+    // Two neighbours share a part of their rims: the lattice vectors are differences of edges and
+    // have no height.
     let lattice = [(e[0] - e[2]).truncate(), (e[1] - e[0]).truncate()];
     let corner = -(lattice[0] + lattice[1]) / 2.0;
     let polygon = vec![
@@ -120,19 +121,19 @@ pub(super) fn full_cube() -> Cell {
     cell(facets, entrance, "full-cube")
 }
 
-/// Twice the area of a polygon, positive where it runs counter-clockwise.
+/// Returns twice the area of a polygon, positive if it runs counter-clockwise.
 fn doubled_area(polygon: &[DVec2]) -> f64 {
     (0..polygon.len())
         .map(|i| polygon[i].perp_dot(polygon[(i + 1) % polygon.len()]))
         .sum()
 }
 
-/// Area of a polygon, whichever way it runs.
+/// Returns the area of a polygon, positive whichever way it runs.
 pub(super) fn area(polygon: &[DVec2]) -> f64 {
     doubled_area(polygon).abs() / 2.0
 }
 
-/// The part of a convex polygon where `normal` . p >= `offset` (Sutherland and Hodgman).
+/// Returns the part of a convex polygon with `normal` . p >= `offset` (Sutherland and Hodgman).
 pub(super) fn clip(polygon: &[DVec2], normal: DVec2, offset: f64) -> Vec<DVec2> {
     let mut kept = Vec::new();
     for (i, &p) in polygon.iter().enumerate() {
@@ -148,12 +149,14 @@ pub(super) fn clip(polygon: &[DVec2], normal: DVec2, offset: f64) -> Vec<DVec2> 
     kept
 }
 
-/// The closed form for an ideal hollow cube seen at the *inside* direction `travel` (cell frame):
-/// the polygon of shifts in the cell frame, and the retroreflected fraction. K = T intersected with
-/// 2q - T; shift = 2 (q - p).
+/// Evaluates the closed form of an ideal hollow cube seen at the *inside* direction `travel`, cell
+/// frame: the polygon of ray shifts, cell frame, and the retroreflected share.
+///
+/// With the apex q carried along the light and the aperture T, light enters in K = T intersected
+/// with 2q - T, and its shift is 2 (q - p).
 pub(super) fn closed_form(travel: DVec3, turn_deg: f64) -> (f64, Vec<DVec2>) {
     let triangle = edges(turn_deg).map(|end| end.truncate());
-    // The apex seen along the ray: the point of the plane z = HEIGHT on the line through the
+    // The apex seen along the ray is the point of the plane z = HEIGHT on the line through the
     // origin.
     let q = (travel * (HEIGHT / travel.z)).truncate();
     let mut k: Vec<DVec2> = triangle.to_vec();
@@ -166,8 +169,8 @@ pub(super) fn closed_form(travel: DVec3, turn_deg: f64) -> (f64, Vec<DVec2>) {
     (fraction, k.iter().map(|&p| 2.0 * (q - p)).collect())
 }
 
-/// The area of the intersection of a convex polygon with each bin of [-range, range]^2, v slow, u
-/// fast.
+/// Returns the area of the intersection of a convex polygon with each bin of [-range, range]^2, v
+/// slow, u fast.
 pub(super) fn bin_areas(polygon: &[DVec2], bins: usize, range: f64) -> Vec<f64> {
     let width = 2.0 * range / bins as f64;
     let edge = |i: usize| i as f64 * width - range;

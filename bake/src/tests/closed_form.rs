@@ -1,4 +1,5 @@
-//! Baked tables against the closed form for the ideal cube and known figures of other cells.
+//! Baked tables against the closed form for the ideal cube and against known figures of other
+//! cells.
 
 use crate::tests::cells;
 
@@ -25,7 +26,7 @@ fn request(incidence: &str, azimuth: &str, rays: u64) -> Request {
     }
 }
 
-/// Fates sum to the rays, fractions to 1, the conditional histogram to 1 or to 0.
+/// Checks that fates sum to the rays, shares to 1, and the conditional histogram to 1 or to 0.
 fn check_sums(table: &Table) {
     let counts = table.fate_counts.as_ref().expect("rays are counted");
     for ((i, a), &rays) in table.rays.indexed_iter() {
@@ -40,8 +41,8 @@ fn check_sums(table: &Table) {
     }
 }
 
-/// The retroreflected fraction at every direction that the model lists, within 4 standard errors of
-/// plain random sampling, and exactly 0 where it is 0.
+/// The retroreflected share is within 4 standard errors of plain random sampling, at every
+/// direction that the model lists. It is exactly 0 where the model has 0.
 #[test]
 fn retroreflected_fraction_of_the_hollow_cube() {
     let listed: [(f64, f64, f64); 12] = [
@@ -70,7 +71,7 @@ fn retroreflected_fraction_of_the_hollow_cube() {
         );
         check_sums(&table);
         let (eta, error) = (table.retroreflected[[0, 0]], table.standard_error[[0, 0]]);
-        // 5e-6: the listed figures are rounded to five digits.
+        // The listed figures are rounded to five digits, hence 5e-6.
         assert!(
             (eta - expected).abs() <= 4.0 * error + 5e-6,
             "({incidence}, {azimuth}): {eta} is not {expected}"
@@ -88,7 +89,7 @@ fn retroreflected_fraction_of_the_hollow_cube() {
     }
 }
 
-/// Chi-square of all bins and directions against exact bin probabilities.
+/// The chi-square of all bins and directions against exact probabilities of the bins is likely.
 #[test]
 fn every_bin_within_counting_error() {
     let n = 4_194_304_u64;
@@ -149,7 +150,8 @@ fn every_bin_within_counting_error() {
     );
 }
 
-/// The pair at index 1.49: the hollow cube at the inside angle, half of it turned by 180 deg.
+/// The pair at index 1.49 equals the hollow cube at the inside angle, with half of it turned by 180
+/// deg.
 #[test]
 fn pair_behind_a_flat_face() {
     let asked = request("0:45:15", "0,30,75", 1 << 20);
@@ -188,8 +190,8 @@ fn pair_behind_a_flat_face() {
     assert_eq!(tested, 12);
 }
 
-/// The periodic full cube: eta as the effective area per cell says, and every ray back at normal
-/// incidence.
+/// The periodic full cube has the eta of its effective area per cell, and returns every ray at
+/// normal incidence.
 #[test]
 fn full_cube_array() {
     let listed: [(f64, f64, f64); 6] = [
@@ -207,7 +209,7 @@ fn full_cube_array() {
         );
         check_sums(&table);
         let (eta, error) = (table.retroreflected[[0, 0]], table.standard_error[[0, 0]]);
-        // 5e-5: the listed figures are rounded to four digits.
+        // The listed figures are rounded to four digits, hence 5e-5.
         assert!(
             (eta - expected).abs() <= 4.0 * error + 5e-5,
             "({incidence}, {azimuth}): {eta} is not {expected}"
@@ -215,7 +217,7 @@ fn full_cube_array() {
     }
 }
 
-/// The azimuth mean of the model, where one table entry averages eta over all azimuths.
+/// The mean over all azimuths is that of the model: one entry of the table averages eta over them.
 #[test]
 fn azimuth_mean() {
     let expected = [0.66667, 0.62521, 0.49006, 0.26273, 0.04366, 0.00156];

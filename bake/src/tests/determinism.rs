@@ -1,4 +1,4 @@
-//! The same inputs give the same bytes, whatever the number of threads.
+//! Equal inputs give equal bytes, whatever the number of threads.
 
 use crate::plan::{Plan, Request};
 use crate::tests::bakes::rays;
@@ -44,7 +44,7 @@ fn one_two_and_three_threads_write_the_same_bytes() {
     assert_eq!(compared, 5);
 }
 
-/// A bake to a tolerance stops where its estimate says, and the true error is about that.
+/// A bake to a tolerance stops when its estimate reaches it, and the true error is about as large.
 #[test]
 fn tolerance_is_reached() {
     let request = Request {
@@ -68,8 +68,8 @@ fn tolerance_is_reached() {
             .zip(exact)
             .map(|(p, exact)| (p - exact).abs())
             .sum();
-        // The estimate sums some 300 bins, each with 15 degrees of freedom: good to a few percent.
-        // Rounds double the rays, so the error may lie well below the tolerance.
+        // The estimate sums some 300 bins, each with 15 degrees of freedom, and is good to a few
+        // percent. Every round doubles the rays, so the error may lie well below the tolerance.
         assert!(
             l1 < 0.011 && l1 > 0.001,
             "L1 error at {incidence} deg is {l1}"

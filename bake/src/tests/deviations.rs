@@ -1,5 +1,5 @@
-//! Exit directions of rays, against the exact method's and the closed form of cubes with errors of
-//! their right angles.
+//! Exit directions of rays, against those of the exact method and of the closed form of cubes with
+//! dihedral errors.
 
 use crate::tests::bakes;
 use crate::tests::cells;
@@ -29,8 +29,8 @@ fn of(record: Record) -> SceneOptions {
     }
 }
 
-/// Of one direction of a table of rays: deviation, rays and mean shift of every bin of deviations
-/// that has rays.
+/// Returns every bin of deviations that has rays, of one direction of a table of rays: its
+/// deviation, its rays and their mean shift.
 fn spots(table: &Table, direction: usize) -> Vec<(DVec2, u64, DVec2)> {
     let found = table.deviations.as_ref().expect("recorded");
     let axes = &table.axes;
@@ -62,8 +62,8 @@ fn centroid(polygon: &[[f64; 2]]) -> (f64, DVec2) {
     (area, moment / area)
 }
 
-/// Every spot of beams has its share of the rays, with the mean shift of its own polygons, and no
-/// ray goes elsewhere.
+/// Every spot that beams find gets its share of the rays, with the mean shift of its own polygons.
+/// No ray goes elsewhere.
 #[test]
 fn rays_go_where_beams_go() {
     let cell = cells::uneven_pair([5e-4, 0.0, -3e-4]);
@@ -86,8 +86,8 @@ fn rays_go_where_beams_go() {
                 .iter()
                 .map(|entry| entry.rays)
                 .sum();
-            // The two cubes' spots differ in second order, 2.5e-7 rad: less than a bin apart they
-            // are one.
+            // The spots of the two cubes differ in second order, 2.5e-7 rad. Spots less than a bin
+            // apart count as one.
             let near = |a: DVec2, b: DVec2| (a - b).abs().max_element() < 4.0 * grid.bin_width();
             let mut seen: Vec<DVec2> = Vec::new();
             for path in paths {
@@ -109,7 +109,7 @@ fn rays_go_where_beams_go() {
                 }
                 let (mut rays, mut mean) = (0, DVec2::ZERO);
                 for (deviation, n, middle) in spots(&by_rays, direction) {
-                    // In the bin of one of them, or next to it by rounding.
+                    // A ray is in the bin of one of them, or next to it by rounding.
                     let goes = |path: &&Path| {
                         let apart = deviation - DVec2::from_array(path.deviation);
                         apart.abs().max_element() < 0.501 * grid.bin_width()
@@ -119,15 +119,15 @@ fn rays_go_where_beams_go() {
                     }
                 }
                 left -= rays;
-                // Five standard deviations of independent rays, which Sobol's stay below; one ray
-                // at least.
+                // The tolerance is five standard deviations of independent rays, and one ray at
+                // least. Sobol rays stay below it.
                 let sigma = (power * (1.0 - power) / launched)
                     .sqrt()
                     .max(1.0 / launched);
                 let share = rays as f64 / launched;
                 assert!((share - power).abs() < 5.0 * sigma, "{share} for {power}");
                 if rays > 1000 {
-                    // Shifts are known to half a bin, and spread by less than 1.
+                    // Shifts are known to half a bin and spread by less than 1.
                     let apart = (mean / rays as f64 - shift / power).length();
                     let allowed = by_rays.axes.bin_width() + 5.0 / (rays as f64).sqrt();
                     assert!(apart < allowed, "{apart} of {allowed}");
@@ -142,8 +142,8 @@ fn rays_go_where_beams_go() {
     assert!(compared > 60, "{compared}");
 }
 
-/// Model: three equal errors send light into six spots at 4 sqrt(2/3) eps (1 - eps/2), one error
-/// into two at 1.633 eps; times the index.
+/// Three equal errors send light into six spots at 4 sqrt(2/3) eps (1 - eps/2), and one error into
+/// two spots at 1.633 eps, both times the index, as in the model.
 #[test]
 fn spots_of_equal_errors() {
     let eps = 1e-3;
@@ -151,7 +151,8 @@ fn spots_of_equal_errors() {
     let mut compared = 0;
     for (errors, index, radius, count) in [
         ([eps; 3], 1.0, 4.0 * root * eps * (1.0 - eps / 2.0), 6),
-        // Outside a prism the first order is known; the second is below eps^2 times the index.
+        // Outside a prism the first order is known. The second order is below eps^2 times the
+        // index.
         ([eps; 3], 1.49, 1.49 * 4.0 * root * eps, 6),
         ([eps, 0.0, 0.0], 1.0, 2.0 * root * eps, 2),
     ] {
@@ -167,10 +168,11 @@ fn spots_of_equal_errors() {
         let returned: u64 = spots.iter().map(|spot| spot.1).sum();
         let mut left = spots.clone();
         while let Some((at, ..)) = left.first().copied() {
-            // The two cubes' spots differ in second order.
+            // The spots of the two cubes differ in second order.
             let same = |spot: &(DVec2, u64, DVec2)| (spot.0 - at).length() < 10.0 * eps * eps;
             let own: Vec<_> = left.extract_if(.., |spot| same(spot)).collect();
-            // Half the diagonal of a bin; the first order where nothing better is known.
+            // The tolerance is half the diagonal of a bin, and the first order if nothing better is
+            // known.
             let bin = grid.bin_width() / 2_f64.sqrt();
             let known = index == 1.0 && errors == [eps; 3];
             let order = if known { 0.0 } else { 4.0 * index * eps * eps };
@@ -188,7 +190,7 @@ fn spots_of_equal_errors() {
     assert_eq!(compared, 14);
 }
 
-/// A pair whose facets are cut fine and bent, so that rays go in packets.
+/// Returns a pair whose facets are cut fine and bent, so that rays go in packets.
 fn bent() -> Cell {
     let mut cell = cells::pair();
     for _ in 0..4 {
@@ -251,8 +253,8 @@ fn shards_add_up() {
     assert!(entries.iter().all(|entries| entries.len() > 100));
 }
 
-/// Rough facets send light everywhere: the mean square of both components is what three reflections
-/// make of the slopes.
+/// Rough facets send light everywhere. The mean square of the deviation is that of three
+/// reflections at random slopes.
 #[test]
 fn rough_facets_spread_light() {
     let roughness = "0.0005".parse().expect("a roughness");
@@ -270,12 +272,12 @@ fn rough_facets_spread_light() {
     let spread = found.spread(0);
     println!("{spread:?}, {} entries", found.entries[0].len());
     // A facet whose normal is off by the slope s, across and along the plane of reflection, turns
-    // light by 2 s along and by 2 s cos across it, cos = 1/sqrt 3; three of them, with slopes of
-    // mean square alpha^2 / 2 each.
+    // light by 2 s along and by 2 s cos across that plane, with cos = 1/sqrt 3. There are three
+    // facets, with slopes of mean square alpha^2 / 2 each.
     let rms = (3.0_f64 * 4.0 * 0.5 * (1.0 + 1.0 / 3.0)).sqrt() * 5e-4;
-    // Counting: 1/sqrt(2 n) for n = 3 components; bins add w^2/12 twice, 1e-3 of the square. Slopes
-    // seen from aside and light that leaves the path at facets' rims change squares by parts of
-    // alpha.
+    // Counting adds an error of 1/sqrt(2 n) for n = 3 components. Bins add w^2/12 twice, 1e-3 of
+    // the square. Slopes seen from aside, and light that leaves the path at rims of facets, change
+    // squares by parts of alpha.
     assert!(
         (spread.rms_rad / rms - 1.0).abs() < 5e-3,
         "{spread:?} {rms}"
@@ -297,8 +299,8 @@ fn ideal_cells_record_nothing() {
         let mesh = design.mesh().expect("a design");
         normalise(&mesh, std::path::Path::new("pair"), &CellOptions::default()).expect("a cell")
     };
-    // Rounded edges send light far away or not at all; coordinates of single precision are no
-    // errors of angles.
+    // Rounded edges send light far away or not at all. Rounding of coordinates to single precision
+    // is no error of an angle.
     let worn = design(0.03, 1);
     let mut single = design(0.0, 20);
     for corner in single.facets.iter_mut().flatten() {
@@ -326,7 +328,7 @@ fn ideal_cells_record_nothing() {
     assert_eq!(grid(&uneven, Record::Off), None);
     let auto = grid(&uneven, Record::Auto).expect("recorded");
     let asked = grid(&ideal[0], Record::Within(2.0)).expect("asked for");
-    // 2 sqrt 3 times the error, twice: room for steep incidence.
+    // The range is 2 sqrt 3 times the error, doubled for steep incidence.
     assert!(
         (auto.range - 4.0 * 3_f64.sqrt() * 1e-4).abs() < 1e-9,
         "{auto:?}"
@@ -334,8 +336,8 @@ fn ideal_cells_record_nothing() {
     assert_eq!((asked.range, asked.cells), (2e-3, 128));
 }
 
-/// An exact mean over azimuths would forget where the light goes: rays are traced, or the exact
-/// method says why not.
+/// An exact mean over azimuths would not store where the light goes. So rays are traced, or
+/// `--method exact` is refused with this reason.
 #[test]
 fn means_of_cells_that_are_not_ideal_are_of_rays() {
     let mean = |method, record, cell: &Cell| {
@@ -365,7 +367,8 @@ fn means_of_cells_that_are_not_ideal_are_of_rays() {
     }
 }
 
-/// A plate whose mirrors lean images beside: its mirrors meet at right angles all the same.
+/// A plate with leaning mirrors makes its image beside the right place, although its mirrors meet
+/// at right angles.
 #[test]
 fn leaning_mirrors_of_a_plate_are_recorded() {
     let plate = Plate {
@@ -399,7 +402,7 @@ fn leaning_mirrors_of_a_plate_are_recorded() {
     for corner in cell.facets.iter_mut().flatten() {
         corner.x += 2e-3 * corner.z;
     }
-    // Without what lies flat, no two planes are off a right angle.
+    // Without the flat facets, no two planes are off a right angle.
     cell.facets
         .retain(|[a, b, c]| (b - a).cross(c - a).normalize().z.abs() < 0.5);
     assert!(grid(&cell).is_some(), "leaning ones");
@@ -413,7 +416,7 @@ fn leaning_mirrors_of_a_plate_are_recorded() {
     let found = rays.deviations.as_ref().expect("recorded");
     let spread = found.spread(0);
     println!("beams {beams:e}, {spread:?}");
-    // The middle of a bin is half its diagonal away at most.
+    // The middle of a bin is at most half its diagonal away.
     assert!((spread.largest_rad - beams).abs() < 0.71 * found.grid.bin_width());
     assert!(beams > 2e-3);
 }

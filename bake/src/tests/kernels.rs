@@ -20,7 +20,7 @@ const MIRROR: Rules = Rules {
     ..Rules::mirrors(1.0)
 };
 
-/// A cube whose first edge is bent: dihedral errors of some mrad, six different maps.
+/// Returns a cube whose first edge is bent: dihedral errors of some mrad and six different maps.
 fn bent() -> Cell {
     let mut cell = cells::triangular();
     let mut ends = cells::edges(0.0);
@@ -31,8 +31,8 @@ fn bent() -> Cell {
     cell
 }
 
-/// Fates and bins of the program are those of the tracer, for every cell, direction, sampler and
-/// back.
+/// The fates and bins of the program are those of the tracer, for every cell, direction, sampler
+/// and kind of back.
 #[test]
 fn program_equals_tracer_ray_for_ray() {
     let bins = Bins::new(32, 1.0);
@@ -41,7 +41,8 @@ fn program_equals_tracer_ray_for_ray() {
         mirror_back: false,
         ..MIRROR
     };
-    // Enough for a block that is traced cell by cell, and for what lies before and after it.
+    // The number of rays is enough for a block that is traced cell by cell, and for the rays before
+    // and after the block.
     let (first, rays) = ((1 << 15) - 5, 40_000);
     let (mut directions, mut maps) = (0, 0);
     for cell in [cells::triangular(), cells::pair(), bent()] {
@@ -85,7 +86,7 @@ fn program_equals_tracer_ray_for_ray() {
     assert!(maps >= 6, "a bent cube has a map per sequence, got {maps}");
 }
 
-/// Bit for bit the same counts on every instruction set of this processor.
+/// The counts are equal, bit for bit, on every instruction set of this processor.
 #[test]
 fn instruction_sets_agree_bit_for_bit() {
     let bins = Bins::new(64, 1.5);
@@ -123,10 +124,10 @@ fn instruction_sets_agree_bit_for_bit() {
     );
 }
 
-/// Every node of a program ends with a step that takes all that is left, and has no other such
-/// step: so every ray is counted once, wherever it enters.
+/// Returns whether every node of a program ends with a step that takes all rays that are left, and
+/// has no other such step. Then every ray is counted once, wherever it enters.
 fn counts_every_ray_once(program: &Program) -> bool {
-    // Whether the node open at each depth has had its last step.
+    // The entry at each depth says whether the node that is open there has had its last step.
     let mut ended = vec![false];
     program.steps.iter().all(|step| {
         let deeper = ended.drain(step.from + 1..).all(|ended| ended);
@@ -139,8 +140,9 @@ fn counts_every_ray_once(program: &Program) -> bool {
     }) && ended.iter().all(|&ended| ended)
 }
 
-/// Entrances that reach over a side of the cube's rim by about the width that counts as rounding: a
-/// strip beside the last facet that no test sees must not be a second end for all rays.
+/// No ray counts twice if the entrance reaches over a side of the cube's rim by about the width of
+/// rounding. No test sees the strip beside the last facet; it must not be a second end for all
+/// rays.
 #[test]
 fn a_strip_of_rounding_counts_no_ray_twice() {
     let bins = Bins::new(32, 1.5);
@@ -177,7 +179,7 @@ fn a_strip_of_rounding_counts_no_ray_twice() {
     assert_eq!(cases, 3 * 7 * 3);
 }
 
-/// A hierarchy, a loop and the program find the same hits.
+/// A hierarchy, a loop and the program find equal hits.
 #[test]
 fn hierarchy_equals_loop() {
     let bins = Bins::new(32, 1.0);
@@ -202,7 +204,7 @@ fn hierarchy_equals_loop() {
     assert_eq!(compared, 12);
 }
 
-/// A parallelogram of `columns` x `rows` pairs of cubes, welded along the rims.
+/// Returns a parallelogram of `columns` x `rows` pairs of cubes, welded along the rims.
 fn patch(columns: usize, rows: usize) -> Cell {
     let pair = cells::pair();
     let [a, b, _, d] = pair.entrance.polygon[..] else {
@@ -242,9 +244,9 @@ fn patch(columns: usize, rows: usize) -> Cell {
     }
 }
 
-/// A patch of 120 pairs falls into two kinds of cubes, and tracing one of each gives, ray for ray,
-/// what the whole mesh gives by hierarchy and, for fewer rays, by the loop over all its facets.
-/// Which body of its kind a ray of the whole enters is chosen at random.
+/// A patch of 120 pairs falls into two kinds of cubes. One cube of each kind gives, ray for ray,
+/// the outcomes of the whole mesh by the hierarchy and, for fewer rays, by the loop over all its
+/// facets. The body of its kind that a ray of the whole enters is chosen at random.
 #[test]
 fn bodies_equal_the_whole_mesh_ray_for_ray() {
     let cell = patch(12, 10);
@@ -307,7 +309,7 @@ fn bodies_equal_the_whole_mesh_ray_for_ray() {
     assert!(entered.iter().flatten().all(|&entered| entered));
 }
 
-/// What is not a set of separate bodies is traced as a whole.
+/// A cell that is not a set of separate bodies is traced as a whole.
 #[test]
 fn what_is_no_set_of_bodies_is_left_whole() {
     let cell = patch(3, 3);
@@ -324,30 +326,30 @@ fn what_is_no_set_of_bodies_is_left_whole() {
     };
     let cases = [
         spoilt(&|cell| cell.entrance.lattice = Some([glam::DVec2::X, glam::DVec2::Y])),
-        // a facet missing: a hole below the entrance plane
+        // A facet is missing: there is a hole below the entrance plane.
         spoilt(&|cell| cell.facets.truncate(cell.facets.len() - 1)),
-        // a facet twice
+        // A facet occurs twice.
         spoilt(&|cell| cell.facets.push(cell.facets[0])),
-        // a facet turned over
+        // A facet is turned over.
         spoilt(&|cell| cell.facets[4].swap(0, 1)),
-        // a rim vertex off the entrance plane
+        // A rim vertex is off the entrance plane.
         spoilt(&|cell| rims(cell, &|p| p.z -= 1e-6)),
-        // a body left out: the apertures do not cover the entrance
+        // A body is missing: the apertures do not cover the entrance.
         spoilt(&|cell| drop(cell.facets.drain(0..3))),
-        // a body moved over its neighbours
+        // A body is moved over its neighbours.
         spoilt(&|cell| {
             cell.facets[..3]
                 .iter_mut()
                 .flatten()
                 .for_each(|p| p.x += 0.1);
         }),
-        // an apex outside its aperture
+        // An apex is outside its aperture.
         spoilt(&|cell| {
             let apex = cell.facets[0][0];
             let corners = cell.facets.iter_mut().flatten();
             corners.filter(|p| **p == apex).for_each(|p| p.x += 2.0);
         }),
-        // a facet in the entrance plane
+        // A facet lies in the entrance plane.
         spoilt(&|cell| {
             cell.facets
                 .push(cell.facets[0].map(|p| p.with_z(cells::HEIGHT)));
@@ -357,14 +359,14 @@ fn what_is_no_set_of_bodies_is_left_whole() {
     expected[0] = Some(Whole::Periodic);
     assert_eq!(cases, expected);
     assert_eq!(bakes::kinds(&patch(3, 1)).err(), Some(Whole::Small));
-    // Bodies of 9 facets have programs, as many as there are bodies; those of 27 have none.
+    // Bodies of 9 facets have programs, so there may be many kinds. Bodies of 27 facets have none.
     let nine = split(uneven(3, 3));
     assert_eq!(bakes::kinds(&nine).map(|kinds| kinds.len()), Ok(18));
     assert_eq!(bakes::kinds(&split(nine)).err(), Some(Whole::Unlike));
     assert_eq!(bakes::kinds(&uneven(50, 41)).err(), Some(Whole::Unlike));
 }
 
-/// The same cell, each facet split in three at its middle.
+/// Splits each facet of a cell in three at its middle.
 fn split(cell: Cell) -> Cell {
     let thirds = |[a, b, c]: [DVec3; 3]| {
         let middle = (a + b + c) / 3.0;
@@ -376,9 +378,9 @@ fn split(cell: Cell) -> Cell {
     }
 }
 
-/// Sheets of 8, 60 and 240 cubes that all differ are traced cube by cube, whatever the order of the
-/// samples, on every instruction set, with the fates and bins that each ray has in the whole mesh,
-/// by hierarchy.
+/// Sheets of 8, 60 and 240 cubes that all differ are traced cube by cube. Each ray has the fate and
+/// bin that it has in the whole mesh by the hierarchy, whatever the order of the samples, on every
+/// instruction set.
 #[test]
 fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
     let bins = Bins::new(32, 1.5);
@@ -419,8 +421,8 @@ fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
     assert_eq!(compared, 3 * 4 * 2 * sets * 40_000);
 }
 
-/// A patch whose cubes all differ, each a kind of its own: every vertex below the entrance plane is
-/// moved.
+/// Returns a patch whose cubes all differ, so that each is a kind of its own: every vertex below
+/// the entrance plane is moved.
 fn uneven(columns: usize, rows: usize) -> Cell {
     let mut cell = patch(columns, rows);
     for corner in cell.facets.iter_mut().flatten() {
@@ -432,9 +434,9 @@ fn uneven(columns: usize, rows: usize) -> Cell {
     cell
 }
 
-/// Rays in packets have, on every instruction set, the outcomes that they have one by one, and by a
-/// loop over all facets, bit for bit: of meshes of like and of unlike cubes and of one whose rays
-/// stay in it for long.
+/// Rays in packets have the outcomes of single rays and of a loop over all facets, bit for bit, on
+/// every instruction set. The meshes have equal cubes, different cubes, and one whose rays stay in
+/// it for long.
 #[test]
 fn packets_equal_single_rays_bit_for_bit() {
     let bins = Bins::new(64, 1.5);

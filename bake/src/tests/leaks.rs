@@ -1,5 +1,5 @@
-//! Rays aimed exactly at shared edges and at the apex, and rays relaunched from where they hit:
-//! none may be lost.
+//! Rays aimed exactly at shared edges and at the apex, and rays relaunched from where they hit.
+//! None may be lost.
 
 use crate::tests::cells;
 
@@ -13,7 +13,7 @@ use tables::options::Sampler;
 
 const MIRROR: Rules = Rules::mirrors(1.0);
 
-/// Two numbers in (0, 1) and a third, as functions of the index.
+/// Returns three numbers in (0, 1) as functions of the index.
 fn numbers(index: u64) -> [f64; 3] {
     let stream = Stream::new(Sampler::Random, 2024, 0.0, 0.0, 0);
     let [a, b] = stream.pair(index);
@@ -27,13 +27,14 @@ fn inside(polygon: &[DVec2], p: DVec2, margin: f64) -> bool {
     })
 }
 
-/// A ray that is out of the cell must travel upward: downward it has gone through a mirror.
+/// Returns whether a ray has leaked. A ray that left the cell must travel upward; one that travels
+/// downward has gone through a mirror.
 fn has_leaked(fate: Fate, travel: DVec3) -> bool {
     matches!(fate, Fate::Missed | Fate::Absorbed | Fate::BounceLimit) || travel.z <= 0.0
 }
 
-/// Rays through points of the edges that facets share, and through the apex, of a cell; (rays,
-/// leaks).
+/// Traces rays through points of the edges that facets share, and through the apex. Returns the
+/// numbers of rays and of leaks.
 fn aimed(cell: &Cell, index: Index, targets: &[(DVec3, DVec3)], rays: u64) -> (u64, u64) {
     let scene = Scene::new(cell, index);
     let (mut launched, mut leaks) = (0, 0);
@@ -42,15 +43,15 @@ fn aimed(cell: &Cell, index: Index, targets: &[(DVec3, DVec3)], rays: u64) -> (u
         let [a, b, c] = numbers(sample);
         sample += 1;
         let (from, to) = targets[(sample % targets.len() as u64) as usize];
-        // Every eighth ray aims at the apex itself, some at round fractions of the edge.
+        // Every eighth ray aims at the apex itself, and some aim at round fractions of the edge.
         let along = match sample % 8 {
             0 => 0.0,
             1 => (c * 16.0).floor() / 16.0,
             _ => c,
         };
         let target = from + (to - from) * along;
-        // Up to 89.9 deg, often at multiples of 15 deg in azimuth, where rays run in planes of
-        // symmetry.
+        // Incidences go up to 89.9 deg. Azimuths are often multiples of 15 deg, where rays run in
+        // planes of symmetry.
         let azimuth = if sample % 3 == 0 {
             (b * 24.0).floor() * 15.0
         } else {
@@ -76,7 +77,7 @@ fn a_million_rays_at_edges_and_apices() {
     let cube = aimed(&cells::triangular(), Index::Loop, &edges, 600_000);
     let hierarchy = aimed(&cells::triangular(), Index::Hierarchy, &edges, 100_000);
     let pair = aimed(&cells::pair(), Index::Loop, &edges, 200_000);
-    // Of the array also the ridges between neighbours, and the seams inside the square faces.
+    // The array adds the ridges between neighbours and the seams inside the square faces.
     let mut seams = edges.to_vec();
     for i in 0..3 {
         let (a, b) = (ends[i], ends[(i + 1) % 3]);
@@ -90,8 +91,7 @@ fn a_million_rays_at_edges_and_apices() {
     assert_eq!(all.map(|(_, leaks)| leaks), [0; 5]);
 }
 
-/// Aimed rays do not only survive: their fate and shift are those of the closed form, away from its
-/// boundary.
+/// Aimed rays have the fates and shifts of the closed form, away from its boundary.
 #[test]
 fn aimed_rays_have_the_right_shift() {
     let cell = cells::triangular();
@@ -130,8 +130,8 @@ fn aimed_rays_have_the_right_shift() {
     );
 }
 
-/// A ray relaunched from its hit never meets the facet that it leaves, and always meets or passes
-/// the others.
+/// A ray relaunched from its hit never meets the facet that it leaves. It meets each other facet
+/// from the front, is reflected at most three times and leaves upward.
 #[test]
 fn a_million_relaunched_rays() {
     let cell = cells::triangular();
@@ -140,7 +140,7 @@ fn a_million_relaunched_rays() {
     while relaunched < 1_000_000 {
         let [a, b, c] = numbers(sample);
         sample += 1;
-        // Half of the rays graze: cosines down to 1e-9 with the aperture's plane.
+        // Half of the rays graze: the cosines with the plane of the aperture go down to 1e-9.
         let grazing = std::f64::consts::FRAC_PI_2 - 10_f64.powf(-9.0 * c);
         let incidence = if sample % 2 == 0 { grazing } else { c * 1.55 };
         let direction = Incidence::new(incidence.max(0.0), a * std::f64::consts::TAU, 1.0);
@@ -170,7 +170,7 @@ fn a_million_relaunched_rays() {
             bounces += 1;
             relaunched += 1;
         }
-        // Three mirrors at right angles: at most one reflection at each.
+        // The three mirrors are at right angles, so each reflects a ray at most once.
         assert!(
             (1..=3).contains(&bounces),
             "sample {sample} was reflected {bounces} times"

@@ -1,5 +1,5 @@
-//! Tests of what is inside: every fast path against a slow one that is plain, and all against
-//! closed forms.
+//! Tests of the inside of the crate. Every fast path is compared with a slow one that is plain, and
+//! all paths with closed forms.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

@@ -1,5 +1,5 @@
-//! A bake that is shared by ranks is the bake of one process, byte for byte. Here threads stand in
-//! for processes; `mpi.rs` starts the processes.
+//! A bake that is shared by ranks equals the bake of one process, byte for byte. Here threads act
+//! as processes; `mpi.rs` starts real processes.
 
 use crate::tests::cells;
 
@@ -13,7 +13,7 @@ use std::time::Duration;
 use tables::Table;
 use tables::options::Sampler;
 
-/// What the ranks share: the numbers under way, and how much each has given so far.
+/// State that the ranks share: the numbers under way, and the sum that each rank has given so far.
 struct Team {
     meeting: Barrier,
     numbers: Mutex<Vec<u64>>,
@@ -79,7 +79,7 @@ fn bake_from(
     Bake::new(&prepared, plan)?.table_from(Watch::none(), saves, ranks)
 }
 
-/// A plan with one thread a rank.
+/// Makes a plan with one thread a rank.
 fn plan(request: &Request) -> Plan {
     Plan::new(&Request {
         bins: 32,
@@ -89,8 +89,8 @@ fn plan(request: &Request) -> Plan {
     .expect("a valid request")
 }
 
-/// The table that `count` ranks bake, from where `start` was saved, and the first that was saved on
-/// the way.
+/// Returns the table that `count` ranks bake, going on from the saved table `start`, and the first
+/// table that was saved on the way.
 fn shared(count: usize, cell: &Cell, plan: &Plan, start: Option<Table>) -> (Table, Option<Table>) {
     let team = Team {
         meeting: Barrier::new(count),
@@ -102,7 +102,7 @@ fn shared(count: usize, cell: &Cell, plan: &Plan, start: Option<Table>) -> (Tabl
         let mut save = |table: &Table| {
             first.lock().unwrap().get_or_insert_with(|| table.clone());
         };
-        // Rank 0 alone knows what was saved.
+        // Only rank 0 knows the saved table.
         let start = (number == 0)
             .then(|| start.lock().unwrap().take())
             .flatten();
@@ -171,8 +171,8 @@ fn any_number_of_ranks_bakes_the_same_bytes() {
         let whole = bytes(&rays(&cell, &plan).expect("bakes"));
         let mut saved = None;
         for count in [1, 2, 3, 4] {
-            // Each goes on from where a bake by another number of ranks was saved; the first from
-            // nothing.
+            // Each bake goes on from a table saved by another number of ranks. The first begins
+            // with nothing.
             let (table, first) = shared(count, &cell, &plan, saved.take());
             assert!(bytes(&table) == whole, "{count} ranks");
             saved = first;

@@ -24,7 +24,7 @@ fn stream(seed: u64) -> Stream {
     Stream::new(Sampler::Random, seed, 0.0, 0.0, 0)
 }
 
-/// Density of slopes of unit roughness.
+/// Returns the density of slopes of unit roughness.
 fn density(slopes: Slopes, slope: DVec2) -> f64 {
     let squared = slope.length_squared();
     match slopes {
@@ -33,8 +33,8 @@ fn density(slopes: Slopes, slope: DVec2) -> f64 {
     }
 }
 
-/// The visible area of all small mirrors per area of the facet (Walter et al. 2007; Heitz 2014):
-/// cosine (1 + Lambda).
+/// Returns the visible area of all small mirrors per area of the facet (Walter et al. 2007; Heitz
+/// 2014): cosine (1 + Lambda).
 fn projected(slopes: Slopes, sine: f64, cosine: f64) -> f64 {
     match slopes {
         Slopes::Beckmann => {
@@ -45,8 +45,8 @@ fn projected(slopes: Slopes, sine: f64, cosine: f64) -> f64 {
     }
 }
 
-/// Chi-square of the drawn slopes, in 24 x 24 bins over [-3, 3] alpha and one beyond, against the
-/// visible density.
+/// The chi-square of the drawn slopes against the visible density is likely. There are 24 x 24 bins
+/// over [-3, 3] alpha and one bin for the slopes beyond.
 #[test]
 fn normals_have_the_density_of_visible_ones() {
     const BINS: usize = 24;
@@ -73,7 +73,7 @@ fn normals_have_the_density_of_visible_ones() {
                         stream.at_bounce(index, 0),
                     );
                     assert!((normal.length() - 1.0).abs() < 1e-14);
-                    // -travel.normal >= 0 but for rounding.
+                    // The normal is towards the ray: -travel.normal >= 0 but for rounding.
                     assert!(travel.dot(normal) < 1e-12);
                     let slope = -DVec2::new(normal.dot(x), normal.dot(y)) / normal.dot(facet);
                     let bin = (slope / alpha + 3.0) / side;
@@ -84,8 +84,8 @@ fn normals_have_the_density_of_visible_ones() {
                     };
                     counts[bin] += 1;
                 }
-                // In stretched space; the integral of a bin by 16 x 16 midpoints is good to some
-                // 1e-4 of it, a kink included, which adds DRAWS x 1e-8 to chi-square.
+                // The integral is taken in stretched space. By 16 x 16 midpoints a bin is good to
+                // some 1e-4 of itself, also at a kink, which adds DRAWS x 1e-8 to chi-square.
                 let stretched = DVec2::new(alpha * sine, cosine).normalize();
                 let whole = projected(slopes, stretched.x, stretched.y);
                 let seen = |slope: DVec2| {
@@ -108,7 +108,8 @@ fn normals_have_the_density_of_visible_ones() {
                         rest_expected -= expected;
                     }
                 }
-                // What is left must hold what the integral leaves: the density is whole.
+                // The bins with few draws are taken together. They must hold the rest of the
+                // density, whose integral is 1.
                 if rest_expected >= 10.0 {
                     chi2 += (rest - rest_expected).powi(2) / rest_expected;
                 } else {
@@ -117,7 +118,8 @@ fn normals_have_the_density_of_visible_ones() {
                         "{rest} {rest_expected}"
                     );
                 }
-                // Wilson and Hilferty; 30 cases stay within 4 sigma but for once in 1,000 seeds.
+                // The test follows Wilson and Hilferty. In 999 of 1,000 seeds 30 cases stay within
+                // 4 sigma.
                 let spread: f64 = 2.0 / (9.0 * freedom);
                 let sigmas = ((chi2 / freedom).cbrt() - (1.0 - spread)) / spread.sqrt();
                 assert!(
@@ -133,8 +135,8 @@ fn normals_have_the_density_of_visible_ones() {
     assert_eq!(cases, 30);
 }
 
-/// Sequences of the ideal cube's facets, the unit normals along its edges, for light along
-/// `travel`: what each does to the direction.
+/// Returns the first-order covariance of the exit direction of light along `travel` that meets the
+/// facets of an ideal cube in the given order. The facets' unit normals are the edges of the cube.
 fn first_order(order: [usize; 3], travel: DVec3, alpha: f64) -> DMat3 {
     let axes = cells::edges(0.0);
     let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
@@ -142,7 +144,8 @@ fn first_order(order: [usize; 3], travel: DVec3, alpha: f64) -> DMat3 {
     for facet in order {
         let normal = axes[facet];
         let mirror = DMat3::IDENTITY - outer(normal, normal) * 2.0;
-        // d - 2 (d.n) n with n -> n - s, s square to n, of the covariance alpha^2 / 2.
+        // The derivative of d - 2 (d.n) n by n -> n - s, with s perpendicular to n, of the
+        // covariance alpha^2 / 2.
         let by_slope = (outer(normal, direction) + DMat3::IDENTITY * direction.dot(normal)) * 2.0;
         let slope = (DMat3::IDENTITY - outer(normal, normal)) * (0.5 * alpha * alpha);
         covariance =
@@ -152,8 +155,9 @@ fn first_order(order: [usize; 3], travel: DVec3, alpha: f64) -> DMat3 {
     covariance
 }
 
-/// Which facets a ray from `point` of the aperture of the ideal cube meets, and by what least part
-/// of its way it misses the other orders: facet k is where the coordinate along edge k vanishes.
+/// Returns the order in which a ray from `point` of the aperture of an ideal cube meets the facets,
+/// and the least part of its way by which it misses the other orders. Facet k is where the
+/// coordinate along edge k is 0.
 fn order_of(point: DVec3, travel: DVec3) -> ([usize; 3], f64) {
     let axes = cells::edges(0.0);
     let mut way: Vec<(f64, usize)> = (0..3)
@@ -164,8 +168,8 @@ fn order_of(point: DVec3, travel: DVec3) -> ([usize; 3], f64) {
     ([0, 1, 2].map(|k| way[k].1), apart)
 }
 
-/// The exit direction's covariance outside, of rays that all meet the facets in one order: all six
-/// orders, hollow and solid, normally and obliquely.
+/// The covariance of the exit direction outside is the one of first order, for rays that all meet
+/// the facets in one order: all six orders, hollow and solid, normal and oblique incidence.
 #[test]
 fn exit_directions_spread_as_three_facets_do() {
     const RAYS: u64 = 1 << 15;
@@ -180,13 +184,13 @@ fn exit_directions_spread_as_three_facets_do() {
                 roughness: rough(Slopes::Beckmann, alpha),
                 ..Rules::mirrors(index)
             };
-            // A point for each order, far from the edges between orders as slopes of 6 alpha could
-            // carry the light.
+            // A point for each order, so far from the edges between orders that slopes of 6 alpha
+            // could not carry the light across.
             let mut points: Vec<([usize; 3], DVec2)> = Vec::new();
             for step in 0..100 {
                 let flat = DVec2::new(f64::from(step / 10) - 4.5, f64::from(step % 10) - 4.5) / 9.0;
                 let (order, apart) = order_of(flat.extend(cells::HEIGHT), light.travel);
-                // As far from the rim on its way out.
+                // The ray is as far from the rim on its way out.
                 let returns = |turn: i32| {
                     let aside = DVec2::from_angle(f64::from(turn)) * 0.03;
                     let outcome = trace(&scene, &Rules::mirrors(index), &light, flat + aside, 0.5);
@@ -221,8 +225,8 @@ fn exit_directions_spread_as_three_facets_do() {
                     let products = spots.iter().map(|s| (s[i] - mean[i]) * (s[k] - mean[k]));
                     products.sum::<f64>() / RAYS as f64
                 };
-                // Along the incidence frame, then outside: sines grow by the index, and in the
-                // plane of incidence angles by 1 / cosine more.
+                // The covariance is turned into the incidence frame and then outside: sines grow by
+                // the index, and in the plane of incidence angles grow by 1 / cosine more.
                 let cosine = incidence.to_radians().cos();
                 let covariance = first_order(order, light.travel, alpha);
                 let frame = [light.u.extend(0.0), light.v().extend(0.0)];
@@ -234,8 +238,8 @@ fn exit_directions_spread_as_three_facets_do() {
                     let sigma = ((spread + expected(i, k).powi(2)) / RAYS as f64).sqrt();
                     let off = (moment(i, k) - expected(i, k)) / sigma;
                     worst = worst.max(off.abs());
-                    // First order leaves alpha^2 tan^2 of it, 1e-5 against the 8e-3 of one sigma.
-                    // 100 numbers stay within 4.5 sigma but for once in 1,500 seeds.
+                    // First order leaves out alpha^2 tan^2, 1e-5 against the 8e-3 of one sigma. In
+                    // 1,499 of 1,500 seeds 100 numbers stay within 4.5 sigma.
                     assert!(
                         off.abs() < 4.5,
                         "{index} {incidence} {order:?} {i}{k}: {off:.1} sigma"
@@ -268,7 +272,7 @@ fn bake(request: Request) -> Table {
     bakes::bake(&cells::pair(), &plan).expect("bakes")
 }
 
-/// A slope of 1e-12 moves no ray of these over the edge of a bin or a facet.
+/// A slope of 1e-12 moves no ray of this bake over the edge of a bin or a facet.
 #[test]
 fn without_roughness_the_table_is_that_of_smooth_facets() {
     let smooth = request("0:60:20", None, 1 << 15);
@@ -297,7 +301,8 @@ fn every_ray_has_a_fate_however_rough() {
                     .map(|fate| table.fate[[i, a, fate]])
                     .sum();
                 assert!(rays == 1 << 14 && (all - 1.0).abs() < 1e-12);
-                // A closed cell under its aperture: what enters is reflected at least once.
+                // The cell is closed under its aperture: light that enters is reflected at least
+                // once.
                 assert_eq!(table.fate[[i, a, Fate::Missed as usize]], 0.0);
                 cases += 1;
             }
@@ -306,17 +311,18 @@ fn every_ray_has_a_fate_however_rough() {
     assert_eq!(cases, 36);
 }
 
-/// What turns by more than the tolerance does not return, about as much as the warning says.
+/// Light that turns by more than the tolerance does not return. Its share is about the one that the
+/// warning states.
 #[test]
 fn the_warning_knows_how_much_deviates() {
     let cell = cells::triangular();
     let tolerance = 0.5_f64.to_radians();
     let mut cases = 0;
     for (slopes, alpha, slack) in [
-        // The lobe moves some light to other paths: a part of the order of alpha.
+        // The lobe moves a share of the order of alpha to other paths.
         (Slopes::Beckmann, 1.5e-3, 3.0 * 1.5e-3),
         (Slopes::Beckmann, 4e-3, 3.0 * 4e-3),
-        // One large slope of three is the leading term only: its square is the next.
+        // One large slope of three is the leading term only. The next term is its square.
         (Slopes::Ggx, 3e-4, 3.0 * 0.0142_f64.powi(2) + 3.0 * 3e-4),
         (Slopes::Ggx, 1e-3, 3.0 * 0.137_f64.powi(2) + 3.0 * 1e-3),
     ] {
@@ -400,7 +406,7 @@ fn the_exact_method_refuses_and_auto_traces_rays() {
     }
 }
 
-/// The frame in which [`first_order`] speaks is that of the cell: one facet by hand.
+/// Checks by one facet, by hand, that the frame of [`first_order`] is that of the cell.
 #[test]
 fn one_slope_turns_light_by_twice_itself() {
     let normal = DVec3::Z;
@@ -419,17 +425,17 @@ fn one_slope_turns_light_by_twice_itself() {
         sum += DMat2::from_cols(left * left.x, left * left.y);
     }
     let found = sum * (1.0 / draws as f64);
-    // Twice the slope: variance 4 alpha^2 / 2, of 65,536 draws within 4.5 x sqrt(2 / 65,536) = 2.5
-    // % and 4 alpha^2.
+    // The direction turns by twice the slope, so its variance is 4 alpha^2 / 2. Over 65,536 draws
+    // it is within 4.5 x sqrt(2 / 65,536) = 2.5 % and 4 alpha^2.
     for k in 0..2 {
         let ratio = found.col(k)[k] / (2.0 * alpha * alpha);
         assert!((ratio - 1.0).abs() < 0.025 + 4.0 * alpha * alpha, "{ratio}");
     }
 }
 
-/// Three perpendicular facets turn light about each axis by 2 alpha rms: a table's exit directions
-/// have that spread along and across the plane of incidence, times the index, and in the plane
-/// times cos inside over cos outside.
+/// Three perpendicular facets turn light about each axis by 2 alpha rms. The exit directions of a
+/// table have this spread times the index along and across the plane of incidence, and in the plane
+/// also times cos inside over cos outside.
 #[test]
 fn a_table_has_the_spread_of_its_roughness() {
     let alpha = 5e-4;
@@ -452,15 +458,15 @@ fn a_table_has_the_spread_of_its_roughness() {
                 (rays, sum, squares) = (rays + n, sum + at * n, squares + at * at * n);
             }
             let mean = sum / rays;
-            // Sheppard: a bin adds its width^2 / 12.
+            // By Sheppard's correction a bin adds its width^2 / 12.
             let width = found.grid.bin_width();
             let variance = squares / rays - mean * mean - width * width / 12.0;
             let rms = 2.0 * alpha * index * DVec2::new(inside.cos() / outside.cos(), 1.0);
             for axis in 0..2 {
                 let off = (variance[axis] / rms[axis].powi(2) - 1.0).abs();
                 worst = worst.max(off);
-                // Light near edges meets other facets, a part of some alpha; four numbers a case
-                // within 4.5 sigma of counting.
+                // Light near edges meets other facets, a share of some alpha. The four numbers of a
+                // case are within 4.5 sigma of counting.
                 let allowed = 4.5 * (2.0 / rays).sqrt() + 4.0 * alpha;
                 assert!(
                     off < allowed,

@@ -1,5 +1,5 @@
-//! Rays per second of each way to trace and of each instruction set, and where the hierarchy
-//! overtakes the loop.
+//! Rays per second of each tracer and each instruction set, and the number of facets at which the
+//! hierarchy overtakes the loop.
 //!
 //! `cargo test --release -p bake --lib speed -- --ignored --nocapture`
 
@@ -66,8 +66,8 @@ fn speed() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Time that this thread has had a processor, s: on a shared machine the clock on the wall also
-/// counts the others.
+/// Returns the time that this thread has had a processor, s. On a shared machine the clock on the
+/// wall also counts other programs.
 fn busy_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds: Option<f64> = text
@@ -85,7 +85,7 @@ fn cell(shape: Shape) -> Result<Cell, Box<dyn Error>> {
     )?)
 }
 
-/// `side` x `side` copies of a cell whose entrance is a parallelogram.
+/// Returns `side` x `side` copies of a cell whose entrance is a parallelogram.
 fn tiled(cell: &Cell, side: usize) -> Cell {
     let [a, b, _, d] = cell.entrance.polygon[..] else {
         return cell.clone();
@@ -157,7 +157,8 @@ fn fast(
     Ok(rays as f64 / seconds / 1e6)
 }
 
-/// The whole mesh in bundles, not taken apart.
+/// Returns the speed of tracing the whole mesh in bundles, not taken apart into bodies, million
+/// rays/s.
 fn bundles(cell: &Cell, bins: &Bins) -> f64 {
     let scene = Arc::new(Scene::new(cell, Index::Hierarchy));
     let launch = Launch::new(&cell.entrance);

@@ -1,4 +1,4 @@
-//! `bake study`: measured slopes against those of theory, and its estimate of errors.
+//! Tests of `bake study`: measured slopes against those of theory, and its estimate of errors.
 
 use crate::plan;
 use crate::rays::Tracer;
@@ -25,15 +25,19 @@ fn study(trace: plan::request::Request, repeats: usize, target: f64) -> Study {
     .expect("bakes")
 }
 
-/// Two directions, 16 x 16 bins of which some 100 are met in each, 4 repeats.
+/// Errors fall with the slopes of theory and are as large as estimated. The study has 2 directions,
+/// 16 x 16 bins of which some 100 are met in each direction, and 4 repeats.
 ///
-/// The error of a bin is half normal: standard deviation 0.756 of its mean. The mean L1 of 2
-/// directions x 4 repeats is a sum of 800 of them, some larger than others (half as many count):
-/// good to 0.756 / sqrt 400 = 3.8 %. The six points from 1,024 rays on (4 rays per bin) lie ln 4
-/// apart, so the slope of random rays is good to 3.8 % / (ln 4 sqrt 17.5) = 0.0065. Sobol errors of
-/// neighbouring bins are one elementary box lost by one and found by the other: a third as many
-/// independent ones, 6.5 %; four points from 16,384 on (4 rays per bin and randomisation): 6.5 % /
-/// (ln 4 sqrt 5) = 0.021. Four standard deviations each.
+/// The tolerances are four standard deviations, derived as follows. The error of a bin is half
+/// normal: its standard deviation is 0.756 of its mean. The mean L1 of 2 directions x 4 repeats is
+/// a sum of 800 of them, some larger than others, so that half as many count: it is good to 0.756 /
+/// sqrt 400 = 3.8 %.
+///
+/// The six points of random rays from 1,024 rays on (4 rays per bin) lie ln 4 apart. So their slope
+/// is good to 3.8 % / (ln 4 sqrt 17.5) = 0.0065. With Sobol rays, neighbouring bins share errors:
+/// an elementary box that one loses the other gains. A third as many errors are independent, which
+/// gives 6.5 %. The four points from 16,384 rays on (4 rays per bin and randomisation) give a slope
+/// good to 6.5 % / (ln 4 sqrt 5) = 0.021.
 #[test]
 fn errors_fall_as_theory_says() {
     let target = 0.02;
@@ -80,9 +84,9 @@ fn errors_fall_as_theory_says() {
                     point.rays,
                     point.ratio()
                 );
-                // The scatter of the error itself, four times; the estimate knows its sigmas 15
-                // times better (random) or to 18 % each (16 randomisations), which the sum over
-                // bins averages out.
+                // The tolerance is four times the scatter of the error itself. The estimate knows
+                // its sigmas 15 times better (random), or to 18 % each (16 randomisations), which
+                // the sum over bins averages out.
                 let scatter = if series.sampler == Sampler::Random {
                     0.031
                 } else {
@@ -112,7 +116,8 @@ fn errors_fall_as_theory_says() {
         );
     }
     assert_eq!(points, 4 * 6);
-    // The same samples whoever traces them: at most a ray on a boundary of a bin may change sides.
+    // The samples do not depend on the tracer. At most a ray on a boundary of a bin may change
+    // sides.
     let of = |tracer, sampler| {
         found
             .series
@@ -132,8 +137,8 @@ fn errors_fall_as_theory_says() {
     }
 }
 
-/// No exact table of a mean over azimuths: more Sobol rays are the reference, and every report says
-/// so.
+/// A mean over azimuths has no exact table: a table of more Sobol rays is the reference, and every
+/// report says so.
 #[test]
 fn without_an_exact_table() {
     let found = study(
@@ -167,7 +172,7 @@ fn without_an_exact_table() {
         "{text}"
     );
     assert!(
-        text.contains("the exact mean over azimuths is a quadrature"),
+        text.contains("a mean over all azimuths is a numerical integral"),
         "{text}"
     );
     assert!(text.contains("not reached; give more --rays"), "{text}");

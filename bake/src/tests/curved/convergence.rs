@@ -1,4 +1,4 @@
-//! How fast facets approach the curved face that they stand for.
+//! The speed with which facets approach the curved face that they stand for.
 
 use crate::optics::Incidence;
 use crate::rays::{Index, Outcome, Scene, trace};
@@ -12,13 +12,14 @@ use tables::options::Sampler;
 const INCIDENCE_RAD: f64 = 0.35;
 const AZIMUTH_RAD: f64 = 0.5;
 
-/// Differences from the oracle over rays of the same fate: medians of direction (rad) and shift
-/// (edge lengths), for where facets meet some take another face first; and that of eta.
+/// Differences from the oracle over rays of equal fate: medians of direction (rad) and shift (edge
+/// lengths), and the difference of eta. Medians are taken because near the edges of facets some
+/// rays meet another face first.
 struct Errors {
     direction: f64,
     shift: f64,
     eta: f64,
-    /// Part of the rays with another fate or number of reflections.
+    /// Share of the rays with another fate or number of reflections.
     other: f64,
 }
 
@@ -46,7 +47,7 @@ fn errors(found: &[Outcome], exact: &[Outcome]) -> Errors {
     }
 }
 
-/// Errors with `segments` along an edge: of planar facets, and of interpolated normals.
+/// Returns the errors with `segments` along an edge: of planar facets, and of interpolated normals.
 fn of_segments(shape: Shape, sag: f64, rays: u64, segments: &[u32]) -> Vec<[Errors; 2]> {
     let flat = cell(&design(shape, 0.0, 1), false);
     let oracle = Oracle::new(&flat, sag);
@@ -70,9 +71,9 @@ fn of_segments(shape: Shape, sag: f64, rays: u64, segments: &[u32]) -> Vec<[Erro
     segments.iter().map(of).collect()
 }
 
-/// Halving the facets halves the error of planes and quarters that of interpolated normals, in the
-/// limit; what the next order adds falls with it, and a factor within a quarter of the limit is
-/// asked for between 16, 32 and 64 segments.
+/// Halving the facets halves the error of planes and, in the limit, quarters the error of
+/// interpolated normals. The error of the next order falls too. So factors between 16, 32 and 64
+/// segments must be within a quarter of the limit.
 #[test]
 fn interpolated_normals_converge_with_the_square_of_the_facets() {
     let mut cases = 0;
@@ -107,7 +108,7 @@ fn interpolated_normals_converge_with_the_square_of_the_facets() {
     assert_eq!(cases, 12);
 }
 
-/// The table of doc/curved.md.
+/// Prints the table of doc/curved.md.
 #[test]
 #[ignore = "a minute: the figures of doc/curved.md"]
 fn table_of_convergence() {

@@ -1,5 +1,5 @@
-//! Curved faces: facets with interpolated normals against the curved face itself, and what is
-//! refused or said of them.
+//! Curved faces: facets with interpolated normals against the curved face itself, refusals and
+//! warnings.
 
 pub(crate) mod convergence;
 pub(crate) mod oracle;
@@ -10,7 +10,7 @@ use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh, normalise};
 use std::path::Path;
 
-/// Mirrors in air; what is bent by up to 10 degrees still counts as retroreflected.
+/// Rules of mirrors in air. Light that is bent by up to 10 degrees still counts as retroreflected.
 const RULES: Rules = Rules {
     angular_tolerance_rad: 0.174,
     ..Rules::mirrors(1.0)
@@ -25,7 +25,7 @@ fn design(shape: Shape, sag: f64, segments: u32) -> Mesh {
     design.mesh().expect("a design")
 }
 
-/// The cell of `mesh`, whose facets have its normals or are planes.
+/// Returns the cell of `mesh`. Its facets have the normals of the mesh, or are planes.
 fn cell(mesh: &Mesh, file_normals: bool) -> Cell {
     let options = CellOptions {
         file_normals,

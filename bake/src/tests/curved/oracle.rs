@@ -1,4 +1,4 @@
-//! Rays among the curved faces themselves, one by one: what the facets stand for.
+//! Rays among the curved faces themselves, one by one: the truth that the facets stand for.
 
 use crate::optics::{Incidence, Rules, fate_of_leaving};
 use crate::rays::Outcome;
@@ -6,17 +6,18 @@ use glam::{DMat3, DVec2, DVec3};
 use meshes::Cell;
 use tables::Fate;
 
-/// A triangle raised by 27 sag b0 b1 b2 along its normal, b the barycentric coordinates.
+/// A triangle raised by 27 sag b0 b1 b2 along its normal, with the barycentric coordinates b.
 struct Face {
     corner: DVec3,
     normal: DVec3,
-    /// b1 = first . (p - corner), b2 = second . (p - corner).
+    /// Gradients of the barycentric coordinates: b1 = first . (p - corner), b2 = second . (p -
+    /// corner).
     first: DVec3,
     second: DVec3,
     sag: f64,
 }
 
-/// The value of a polynomial of t, its coefficients from the constant on.
+/// Evaluates a polynomial at t. Its coefficients begin with the constant.
 fn at(polynomial: &[f64], t: f64) -> f64 {
     polynomial.iter().rev().fold(0.0, |sum, c| sum * t + c)
 }
@@ -35,7 +36,7 @@ impl Face {
         }
     }
 
-    /// Constant and slope, along a ray, of the barycentric coordinates.
+    /// Returns constant and slope, along a ray, of the barycentric coordinates.
     fn coordinates(&self, origin: DVec3, direction: DVec3) -> [[f64; 2]; 3] {
         let way = origin - self.corner;
         let b1 = [self.first.dot(way), self.first.dot(direction)];
@@ -43,9 +44,10 @@ impl Face {
         [[1.0 - b1[0] - b2[0], -b1[1] - b2[1]], b1, b2]
     }
 
-    /// The distance to the face: the least root past `start` of a cubic, between the ends of the
-    /// ray's way over the triangle and the turning points of the cubic, between which it has one
-    /// root at most.
+    /// Returns the distance to the face: the least root past `start` of a cubic.
+    ///
+    /// Roots are sought between the ends of the ray's way over the triangle and the turning points
+    /// of the cubic. Between two of these there is at most one root.
     fn meet(&self, origin: DVec3, direction: DVec3, start: f64) -> Option<f64> {
         let b = self.coordinates(origin, direction);
         let (mut from, mut to) = (start, 10.0_f64);
@@ -85,7 +87,7 @@ impl Face {
             if low > high || sign * at(&cubic, high) > 0.0 {
                 return None;
             }
-            // Halved until nothing is between.
+            // The interval is halved until no number lies between its ends.
             loop {
                 let middle = 0.5 * (low + high);
                 if middle <= low || middle >= high {
@@ -100,7 +102,7 @@ impl Face {
         })
     }
 
-    /// Unit normal at `point` of the face.
+    /// Returns the unit normal at `point` of the face.
     fn normal_at(&self, point: DVec3) -> DVec3 {
         let way = point - self.corner;
         let (v, w) = (self.first.dot(way), self.second.dot(way));
@@ -111,7 +113,7 @@ impl Face {
     }
 }
 
-/// What becomes of rays among the faces of `flat`, one facet each, raised by `sag` edge lengths.
+/// An oracle for rays among the faces of `flat`, one facet each, raised by `sag` edge lengths.
 pub(crate) struct Oracle {
     faces: Vec<Face>,
     height: f64,
@@ -131,7 +133,7 @@ impl Oracle {
         let (mut map, mut bounces) = (DMat3::IDENTITY, 0);
         let mut left = usize::MAX;
         loop {
-            // A shallow face is not met again near where it is left.
+            // A shallow face is not met again near the point where a ray leaves it.
             let start = |face| if face == left { 1e-9 } else { 0.0 };
             let met = self.faces.iter().enumerate().filter_map(|(number, face)| {
                 Some((face.meet(origin, direction, start(number))?, number))

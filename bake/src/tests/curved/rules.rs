@@ -1,4 +1,5 @@
-//! What becomes of rays on facets with interpolated normals, and what options say of them.
+//! Rays on facets with interpolated normals: their fates, and the options that allow or refuse
+//! them.
 
 use crate::cell::{ExactError, Whole};
 use crate::optics::Incidence;
@@ -44,8 +45,8 @@ fn loop_and_hierarchy_agree_to_the_last_bit() {
     assert!(fates[Fate::Retroreflected as usize] > 1000);
 }
 
-/// Normals that are those of the facets change nothing but rounding: three reflections about
-/// vectors that are known to 4e-16, over paths of at most three edges.
+/// Interpolated normals that equal those of the facets change nothing but rounding: three
+/// reflections about vectors that are known to 4e-16, over paths of at most three edges.
 #[test]
 fn normals_of_planes_are_planes() {
     let mut flat = design(Shape::TriangularPair, 0.0, 4);
@@ -67,8 +68,8 @@ fn normals_of_planes_are_planes() {
     assert_eq!(cases, RAYS);
 }
 
-/// Two facets of one period, each moved to another period: the same sheet, whose copies have the
-/// same normals.
+/// Two facets of one period, each moved to another period, give an equal sheet, whose copies have
+/// equal normals.
 #[test]
 fn copies_of_a_periodic_cell_have_its_normals() {
     let e = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
@@ -88,7 +89,7 @@ fn copies_of_a_periodic_cell_have_its_normals() {
         let (a, b) = (e[i], e[(i + 1) % 3]);
         facets.extend([[DVec3::ZERO, a, a + b], [DVec3::ZERO, a + b, b]]);
     }
-    // Bent, each corner another way.
+    // The normals are bent, each corner another way.
     let vectors: Vec<DVec3> = facets
         .iter()
         .flat_map(|&[a, b, c]| {
@@ -141,8 +142,8 @@ fn copies_of_a_periodic_cell_have_its_normals() {
     assert!(returned > 1000);
 }
 
-/// The normal at a point is the mean of the corners' by the areas opposite, which Cramer's rule
-/// gives as well.
+/// The normal at a point is the mean of the corners' normals by the areas opposite. Cramer's rule
+/// gives an equal result.
 #[test]
 fn normals_are_interpolated_by_area() {
     let cell = cell(&design(Shape::Triangular, 0.03, 3), true);
@@ -176,8 +177,8 @@ fn normals_are_interpolated_by_area() {
     assert_eq!(cases, 81);
 }
 
-/// A flat mirror whose normals lean by 60 degrees sends level light below itself, where there is
-/// nothing to be met.
+/// A flat mirror whose normals lean by 60 degrees sends level light below itself, where it meets no
+/// facet.
 #[test]
 fn light_sent_behind_its_facet_is_absorbed() {
     let facet = [
@@ -203,13 +204,13 @@ fn light_sent_behind_its_facet_is_absorbed() {
             },
             ..cell(&design(Shape::Triangular, 0.0, 1), false)
         };
-        // 80 degrees from the sheet's normal: 10 over the mirror.
+        // The light is 80 degrees from the sheet's normal, that is 10 degrees over the mirror.
         let light = Incidence::new(80_f64.to_radians(), 0.0, 1.0);
         let scene = Scene::new(&cell, Index::Loop);
         trace(&scene, &RULES, &light, DVec2::new(-0.4, -0.4), 0.5).fate
     };
-    // Up to a lean of 5 degrees away the light leaves above the mirror; past it, and past its own
-    // angle, it does not.
+    // Up to a lean of 5 degrees away from it, the light leaves above the mirror. With a larger lean
+    // it does not, also if the lean is larger than the light's own 10 degrees.
     let cases = [
         (-40, false),
         (0, false),
@@ -253,7 +254,7 @@ fn tables_do_not_depend_on_threads_or_the_way_of_tracing() {
     assert_eq!(one, bake(2, Tracer::OneByOne));
 }
 
-/// A scene that is too large for caches is traced in another order: the same counts.
+/// A scene that is too large for caches is traced in another order, with equal counts.
 #[test]
 fn large_scenes_are_traced_in_any_order() {
     let cell = cell(&design(Shape::TriangularPair, 1e-4, 53), true);
@@ -290,7 +291,8 @@ fn methods_for_planes_are_refused() {
     assert_eq!(bakes::symmetry(&curved), Symmetry::NONE);
 }
 
-/// 16,854 facets are too many to be joined to planes, whatever planes they lie in.
+/// A cell of 16,854 facets is refused by the exact method: it has too many facets to join them to
+/// planes, whatever planes they lie in.
 #[test]
 fn fine_meshes_are_traced_by_rays() {
     for sag in [0.0, 1e-3] {

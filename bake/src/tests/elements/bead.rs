@@ -1,7 +1,10 @@
-//! A glass bead on its mirror, in closed form. A sphere of radius r and index n that light meets at
-//! b off its centre turns it by refraction at theta = asin(b / r) into theta' = asin(b / (r n)),
-//! one reflection and refraction again: it leaves at 2 theta - 4 theta' from straight back, away
-//! from the axis where positive, on a line that is b off the centre too.
+//! A glass bead on its mirror, in closed form.
+//!
+//! Let light meet a sphere of radius r and index n at the distance b from the line through its
+//! centre. Refraction turns it from theta = asin(b / r) into theta' = asin(b / (r n)); then follow
+//! one reflection and a second refraction. The light leaves at the angle 2 theta - 4 theta' from
+//! straight back, away from the axis if positive. The line on which it leaves has the distance b
+//! from the centre too.
 
 use crate::optics::{Incidence, Rules};
 use crate::plan::{Plan, Request};
@@ -28,13 +31,14 @@ fn cell(diameter: f64, segments: u32) -> Cell {
     normalise(&mesh, "bead".as_ref(), &options).expect("a cell")
 }
 
-/// The angle from straight back, rad.
+/// Returns the angle from straight back, rad, for a bead of radius 1.
 fn turn(b: f64, index: f64) -> f64 {
     2.0 * b.asin() - 4.0 * (b / index).asin()
 }
 
-/// Incidence and point of leaving at height `top` above the centre of a bead of radius `r` for
-/// light that travels along `travel` on a line `beside` its centre.
+/// Returns the direction in which light leaves a bead of radius `r` and the point of its line at
+/// the height `top` above the centre. The light arrives along `travel` on a line `beside` the
+/// centre.
 fn leaving(travel: DVec3, beside: DVec3, r: f64, index: f64, top: f64) -> (DVec3, DVec2) {
     let b = beside.length();
     let outward = beside / b;
@@ -47,11 +51,13 @@ fn leaving(travel: DVec3, beside: DVec3, r: f64, index: f64, top: f64) -> (DVec3
     )
 }
 
-/// Ray by ray, of sparse beads, and of dense ones, which overlap the walls of their lattice's
-/// prisms, where light passes between neighbours: where it leaves and which way. Both are off by
-/// the square of the facets' size (a facet's sag and the error of an interpolated normal), so that
-/// a quarter of the size leaves a 16th of the rms: between 1/12 and 1/20, for a cap of some facets
-/// sees one pattern of them.
+/// Each ray leaves at the place and in the direction of the closed form, for sparse beads and for
+/// dense ones. Dense beads overlap the walls of their lattice's prisms, where light passes between
+/// neighbours.
+///
+/// Place and direction are off by the square of the facets' size: a facet's sag and the error of an
+/// interpolated normal. So a quarter of the size should leave a 16th of the rms. The limits are
+/// 1/12 and 1/20, because a cap of some facets sees only one pattern of them.
 #[test]
 fn rays_converge_to_the_meridional_trace() {
     let index = 1.93;
@@ -69,7 +75,8 @@ fn rays_converge_to_the_meridional_trace() {
         for segments in [12, 24, 48] {
             let cell = cell(diameter, segments);
             let scene = Scene::new(&cell, Index::Auto);
-            // All that leaves upward counts, so that every exit is looked at.
+            // All light that leaves upward counts as retroreflected, so that every exit is looked
+            // at.
             let rules = Rules {
                 glass_index: Some(index),
                 angular_tolerance_rad: 0.17,
@@ -78,8 +85,9 @@ fn rays_converge_to_the_meridional_trace() {
             let centre = DVec3::new(0.0, 0.0, r);
             let (mut sum, mut rays) = (0.0, 0);
             for k in 0..4000 {
-                // The first goes, at normal incidence, along an edge of facets. Over the disc of
-                // the bead, evenly, but for its rim, which at 30 degrees is behind the equator.
+                // The rays are spread evenly over the disc of the bead without its rim, which is
+                // behind the equator at 30 degrees. The first ray at normal incidence runs along an
+                // edge of facets.
                 let b = part * r * ((f64::from(k) + 0.5) / 4000.0).sqrt();
                 let around = f64::from(k) * 2.399_963;
                 let across = direction.travel.any_orthonormal_pair();
@@ -112,9 +120,10 @@ fn rays_converge_to_the_meridional_trace() {
     assert!(checked > 20_000);
 }
 
-/// The share within the angular tolerance at normal incidence, from the intervals of b where |2
-/// theta - 4 theta'| is below it, of beads as dense as they come, for several indices: within 4.5
-/// sigma of the count and what the facets are off.
+/// The share within the angular tolerance at normal incidence is that of the closed form: of the
+/// intervals of b with |2 theta - 4 theta'| below the tolerance. The beads are as dense as
+/// possible, with several indices. The limit is 4.5 sigma of the count plus the error of the
+/// facets.
 #[test]
 fn shares_are_those_of_rings() {
     let (diameter, rays) = (0.95, 1 << 15);
@@ -135,7 +144,7 @@ fn shares_are_those_of_rings() {
         };
         let plan = Plan::new(&request).expect("a valid request");
         let table = bakes::bake(&cell(diameter, 64), &plan).expect("bakes");
-        // Midpoints of 10^5 rings: the ends of an interval are known to 1e-5 of r.
+        // With midpoints of 10^5 rings, the ends of an interval are known to 1e-5 of r.
         let steps = 100_000;
         let within = |k: &i32| {
             let b = (f64::from(*k) + 0.5) / f64::from(steps);
@@ -147,7 +156,7 @@ fn shares_are_those_of_rings() {
         let expected = part * std::f64::consts::PI * r * r / area;
         let found = table.retroreflected[[0, 0]];
         let sigma = (expected * (1.0 - expected) / rays as f64).sqrt();
-        // A direction is off by some (pi / 2 / 64)^2 / 2 = 3e-4 rad, 2 % of the narrowest
+        // A direction is off by some (pi / 2 / 64)^2 / 2 = 3e-4 rad, which is 2 % of the narrowest
         // tolerance.
         let facets = 3e-4 / f64::to_radians(tolerance_deg) * expected;
         assert!(

@@ -1,4 +1,4 @@
-//! Elements that are no corner cubes, against their closed forms.
+//! Optical elements that are no corner cubes, against their closed forms.
 
 pub(crate) mod bead;
 pub(crate) mod plate;

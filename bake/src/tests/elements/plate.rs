@@ -1,8 +1,11 @@
-//! A micro-mirror array plate, unfolded by hand. In a layer of slits of clear width w and depth h
-//! light goes s w along the mirrors' normal, s = h tan(theta) |cos phi| / w. Unfolded, what enters
-//! at x in (0, w) arrives at X = x + s w, past m mirrors for X in (m w, (m + 1) w). Odd m turn it
-//! round, at (m + 1) w - X in the slit: a share 1 - |1 - (s mod 2)| of it. The lines extended to
-//! the layer's lower end are (m + 1) w - 2 X apart, to its upper end 2 s w more.
+//! A micro-mirror array plate, unfolded by hand.
+//!
+//! A layer has slits of the clear width w and the depth h. Light goes s w along the normal of the
+//! mirrors, with s = h tan(theta) |cos phi| / w. Unfolded, the light that enters at x in (0, w)
+//! arrives at X = x + s w, and passes m mirrors if X lies in (m w, (m + 1) w). An odd m turns the
+//! light round and brings it to (m + 1) w - X in the slit. This is a share 1 - |1 - (s mod 2)| of
+//! the light. The lines of entering and leaving light, extended to the lower end of the layer, are
+//! (m + 1) w - 2 X apart. Extended to its upper end, they are 2 s w further apart.
 
 use crate::plan::{Plan, Request};
 use crate::tests::bakes;
@@ -43,8 +46,9 @@ fn bake(cell: &Cell, request: Request) -> Table {
     bakes::bake(cell, &plan).expect("bakes")
 }
 
-/// Share of a layer's light that is turned round (mirrors' edges included), that goes straight
-/// through, and the shift's range on the plane of the layer's lower end, along the light.
+/// Returns the share of a layer's light that is turned round (edges of mirrors included), the share
+/// that goes straight through, and the range of the shift along the light, on the plane of the
+/// layer's lower end.
 fn layer(depth: f64, thickness: f64, slope: f64) -> (f64, f64, [f64; 2]) {
     let w = 1.0 - thickness;
     let s = depth * slope.abs() / w;
@@ -61,9 +65,9 @@ fn layer(depth: f64, thickness: f64, slope: f64) -> (f64, f64, [f64; 2]) {
     (w * odd, w * (1.0 - s).max(0.0), [shift(high), shift(low)])
 }
 
-/// Exact tables of four plates: share, straight light and the box that the shifts fill evenly.
-/// Rounding is some ulp of the way through the plate, 2 h tan(inside) up to 22 here, over areas of
-/// 1.
+/// Exact tables of four plates have the share, the straight light and the box of shifts of the
+/// unfolded slits. Shifts fill the box evenly. Rounding is some ulp of the way through the plate, 2
+/// h tan(inside) up to 22 here, over areas of 1.
 #[test]
 fn exact_tables_are_the_unfolded_slits() {
     let (mut cases, mut imaged) = (0, 0);
@@ -99,7 +103,7 @@ fn exact_tables_are_the_unfolded_slits() {
                 (through - straight * straight_below).abs() < 1e-11,
                 "{name}: {through}"
             );
-            // The lower layer's lines meet at its upper end.
+            // The lines of the lower layer are compared at its upper end.
             let lead = 2.0 * depth * slopes.y.abs();
             let expected = [x, y.map(|end| end + lead)];
             let mut area = 0.0;
@@ -124,8 +128,8 @@ fn exact_tables_are_the_unfolded_slits() {
                     }
                 }
             }
-            // The map doubles both sides: the paths' images fill the box, which has four times
-            // their area.
+            // The map doubles both sides: the images of the paths fill the box, which has four
+            // times their area.
             assert!((area - eta).abs() < 1e-11, "{name}");
             let [[a, b], [c, d]] = expected;
             assert!(
@@ -141,9 +145,9 @@ fn exact_tables_are_the_unfolded_slits() {
     assert!(imaged > 80, "{imaged}");
 }
 
-/// Rays go one by one, by a tracer of their own: each fate of each direction within 4.5 sigma of
-/// the exact share (one of 1,440 comparisons is beyond by chance once in a hundred runs, and the
-/// seed is fixed), with and without losses.
+/// Rays agree with beams, with and without losses. Rays of a plate go one by one, by a tracer of
+/// their own. Each fate of each direction is within 4.5 sigma of the exact share. By chance one of
+/// 1,440 comparisons is beyond once in a hundred runs, and the seed is fixed.
 #[test]
 fn rays_agree_with_beams() {
     let plate = cell(3.0, 0.02);
@@ -175,7 +179,7 @@ fn rays_agree_with_beams() {
         for (at, &share) in exact.fate.indexed_iter() {
             let sigma = (share * (1.0 - share) / rays as f64).sqrt();
             let off = (traced.fate[at] - share).abs();
-            // A share of less than a ray has no sigma to speak of.
+            // For a share of less than one ray, sigma has no meaning.
             assert!(
                 off <= 4.5 * sigma + 2.0 / rays as f64,
                 "{at:?}: {off} of {share}"
@@ -196,8 +200,8 @@ fn rays_agree_with_beams() {
             };
             for v in [false, true] {
                 let off = (mean(&exact, v) - mean(&traced, v)).abs();
-                // A box of up to 2 pitches along x and along y: a standard deviation of at most
-                // 0.82.
+                // Shifts fill a box of up to 2 pitches along x and along y: a standard deviation of
+                // at most 0.82.
                 assert!(
                     *eta < 1e-3 || off < 4.5 * 0.82 / (eta * rays as f64).sqrt(),
                     "{at:?}: {off}"

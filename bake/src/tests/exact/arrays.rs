@@ -19,8 +19,8 @@ fn cell(design: Design) -> Cell {
     meshes::normalise(&mesh, Path::new("design.obj"), &CellOptions::default()).expect("a cell")
 }
 
-/// Effective areas perpendicular to the light by its cosines p <= q <= r on the cube's axes:
-/// triangular aperture, square faces.
+/// Returns the effective area perpendicular to the light, by its cosines p <= q <= r on the axes of
+/// the cube, for a triangular aperture or square faces.
 fn effective_area(shape: Shape, travel: DVec3) -> f64 {
     let mut cosines = ideal_edges().map(|edge| -edge.dot(travel));
     cosines.sort_by(f64::total_cmp);
@@ -67,7 +67,7 @@ fn effective_areas_are_those_of_the_model() {
                 };
                 let plan = Plan::new(&request).expect("a plan");
                 let traced = bakes::bake(&cell, &plan).expect("bakes").retroreflected[[0, 0]];
-                // 60 counts stay within 4.5 sigma but for once in 2,500 seeds.
+                // In 2,499 of 2,500 seeds 60 counts stay within 4.5 sigma.
                 let sigma = (eta * (1.0 - eta) / n as f64).sqrt();
                 assert!(
                     (traced - eta).abs() <= 4.5 * sigma,
@@ -82,7 +82,7 @@ fn effective_areas_are_those_of_the_model() {
 }
 
 /// Rays that enter the middle cell of 7 x 7 copies without a lattice have the fates and shifts that
-/// they have in the periodic cell, and fates are as frequent as the exact method says.
+/// they have in the periodic cell. Fates are as frequent as the exact method says.
 #[test]
 fn neighbours_are_those_of_a_patch() {
     const RAYS: u32 = 4000;
@@ -121,7 +121,8 @@ fn neighbours_are_those_of_a_patch() {
                 let [one, other] =
                     [&periodic, &patch].map(|scene| trace(scene, &rules, &light, point, 0.5));
                 fates[one.fate as usize] += 1;
-                // Under open gaps light may run level for long; the patch ends three periods off.
+                // Under open gaps light may run level for a long way, and the patch ends three
+                // periods off.
                 if other.travel.z.abs() < 0.4 && one.fate != other.fate {
                     sideways += 1;
                     continue;
@@ -131,7 +132,7 @@ fn neighbours_are_those_of_a_patch() {
                     "{truncation} {gap} {incidence} {point}"
                 );
                 assert_eq!(one.bounces, other.bounces);
-                // Up to ten lengths of some four edges, each rounded to 1e-15.
+                // A path has up to ten lengths of some four edges, each rounded to 1e-15.
                 assert!((one.shift - other.shift).length() < 1e-12);
                 crossed += usize::from(one.shift.length() > 0.5 * a.length());
                 compared += 1;
@@ -146,7 +147,7 @@ fn neighbours_are_those_of_a_patch() {
                 let sigma = (expected * (1.0 - expected) * f64::from(RAYS))
                     .max(0.0)
                     .sqrt();
-                // 144 counts; half a ray for fates that no ray has.
+                // There are 144 counts. Fates that no ray has get half a ray.
                 let off = (f64::from(count) - expected * f64::from(RAYS)).abs();
                 assert!(
                     off <= 4.5 * sigma + 0.5,
@@ -166,8 +167,8 @@ fn neighbours_are_those_of_a_patch() {
     );
 }
 
-/// A pair, the same turned, one of another size and a canted one, apart in one period: what returns
-/// is the sum of what each returns alone, by its share of the area.
+/// One period holds a pair, a turned pair, a pair of another size and a canted pair, apart. What
+/// returns is the sum of what each returns alone, times its share of the area.
 #[test]
 fn a_period_of_several_cells_is_their_mean() {
     let pair = cell(Design::new(Shape::TriangularPair));
@@ -212,8 +213,8 @@ fn a_period_of_several_cells_is_their_mean() {
             let mut histogram = vec![0.0; bins * bins];
             for (cell, size, turn) in parts {
                 let alone = bakes::exact(cell).expect("planar");
-                // Shifts of a smaller cell are smaller: the same bins over a wider range, of its
-                // own edges.
+                // Shifts of a smaller cell are smaller: its table has equal bins over a wider
+                // range, in its own edge lengths.
                 let range = 2.0 / size;
                 let share = alone.direction(incidence, azimuth - turn, bins, range, &rules(index));
                 let weight = alone.entrance_area() * size * size / period;

@@ -4,7 +4,7 @@ use crate::optics::Rules;
 use glam::{DMat3, DVec2, DVec3};
 use meshes::{Cell, Entrance};
 
-/// Numbers in [0, 1), the same in every run (splitmix64).
+/// Numbers in [0, 1), equal in every run (splitmix64).
 pub(crate) struct Draw(pub u64);
 
 impl Draw {
@@ -17,12 +17,13 @@ impl Draw {
     }
 }
 
-/// Mirrors behind a front face of that index, the usual angular tolerance.
+/// Returns rules of mirrors behind a front face of the given index, with the usual angular
+/// tolerance.
 pub(crate) fn rules(refractive_index: f64) -> Rules {
     Rules::mirrors(refractive_index)
 }
 
-/// Three mutually perpendicular unit edges around +z; the first one's projection is +x.
+/// Returns three perpendicular unit edges around +z. The projection of the first one is along +x.
 pub(crate) fn ideal_edges() -> [DVec3; 3] {
     let (s, c) = ((2.0_f64 / 3.0).sqrt(), (1.0_f64 / 3.0).sqrt());
     let root = 3_f64.sqrt();
@@ -59,14 +60,14 @@ pub(crate) fn cell(
     }
 }
 
-/// The three triangles between edges from `apex`; the edge ends share a height.
+/// Returns the three triangles between edges from `apex`. The ends of the edges have one height.
 fn corner(apex: DVec3, edges: [DVec3; 3]) -> Vec<[DVec3; 3]> {
     (0..3)
         .map(|i| [apex, apex + edges[i], apex + edges[(i + 1) % 3]])
         .collect()
 }
 
-/// A single cube, rim in the entrance plane.
+/// Returns a single cube with its rim in the entrance plane.
 pub(crate) fn single(edges: [DVec3; 3]) -> Cell {
     cell(
         corner(DVec3::ZERO, edges),
@@ -76,7 +77,8 @@ pub(crate) fn single(edges: [DVec3; 3]) -> Cell {
     )
 }
 
-/// A cube and its copy turned by 180 deg about the middle of the rim between its first two edges.
+/// Returns a cube and its copy turned by 180 deg about the middle of the rim between its first two
+/// edges.
 pub(crate) fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
     let middle = (edges[0] + edges[1]).truncate();
     let turn = |x: DVec3| (middle - x.truncate()).extend(x.z);
@@ -92,9 +94,7 @@ pub(crate) fn pair(edges: [DVec3; 3], periodic: bool) -> Cell {
     )
 }
 
-/// Full cubes: three square faces, hexagonal non-planar rim, periodic. `dihedral` bends each second
-/// half-square about its diagonal by that many radians, which leaves the rim and so the neighbours'
-/// fit almost untouched.
+/// Returns a periodic array of full cubes: three square faces each, hexagonal non-planar rim.
 pub(crate) fn full_cube() -> Cell {
     let edges = ideal_edges();
     let facets = (0..3)
@@ -109,17 +109,18 @@ pub(crate) fn full_cube() -> Cell {
     cell(facets, 2.0 / 3_f64.sqrt(), polygon, Some(lattice))
 }
 
-/// Edges of a cube whose axis leans by `tilt_rad` towards +x, cut at height `height`.
+/// Returns the edges of a cube whose axis leans by `tilt_rad` towards +x, cut at the height
+/// `height`.
 pub(crate) fn canted_edges(tilt_rad: f64, height: f64) -> [DVec3; 3] {
     let lean = DMat3::from_rotation_y(tilt_rad);
     ideal_edges().map(|e| lean * e).map(|e| e * (height / e.z))
 }
 
-/// Edges leaning together or apart so that each dihedral angle is wider than 90 deg by `errors_rad`
-/// (first order), the edge ends at one height.
+/// Returns edges that lean together or apart so that each dihedral angle is wider than 90 deg by
+/// `errors_rad` (first order). The ends of the edges have one height.
 pub(crate) fn bent_edges(errors_rad: [f64; 3]) -> [DVec3; 3] {
     let ideal = ideal_edges();
-    // Normals of the faces; widening the angle at edge i turns its two faces apart.
+    // These are normals of the faces. A wider angle at edge i turns its two faces apart.
     let normal = |i: usize| ideal[(i + 2) % 3];
     let turned: Vec<DVec3> = (0..3)
         .map(|i| {
@@ -127,13 +128,13 @@ pub(crate) fn bent_edges(errors_rad: [f64; 3]) -> [DVec3; 3] {
             (normal(i) - errors_rad[(i + 1) % 3] * other).normalize()
         })
         .collect();
-    // Edge i is shared by faces (i, i + 1) and (i - 1, i).
+    // Edge i is shared by the faces (i, i + 1) and (i - 1, i).
     let edge = |i: usize| turned[(i + 2) % 3].cross(turned[i]);
     [edge(0), edge(1), edge(2)].map(|e| e * (1.0 / (3_f64.sqrt() * e.z)))
 }
 
-/// A cube whose apex was cut off by a flat facet at `share` of the height: a flat gap at the
-/// bottom.
+/// Returns a cube whose apex was cut off by a flat facet at `share` of the height: a flat gap at
+/// the bottom.
 pub(crate) fn blunt(share: f64) -> Cell {
     let edges = ideal_edges();
     let cut = edges.map(|e| e * share);
@@ -152,8 +153,8 @@ pub(crate) fn blunt(share: f64) -> Cell {
     )
 }
 
-/// A cube whose aperture triangle lost its three corners: the rim is a hexagon, closed by upright
-/// walls.
+/// Returns a cube whose aperture triangle lost its three corners. The rim is a hexagon, closed by
+/// upright walls.
 pub(crate) fn truncated(share: f64) -> Cell {
     let edges = ideal_edges();
     let height = edges[0].z;
@@ -161,8 +162,8 @@ pub(crate) fn truncated(share: f64) -> Cell {
     let mut rim = Vec::new();
     for i in 0..3 {
         let (here, next, before) = (edges[i], edges[(i + 1) % 3], edges[(i + 2) % 3]);
-        // Points on the rim near the corner, and where the upright wall through them meets the
-        // edge.
+        // The points on the rim near the corner, and the points where the upright wall through them
+        // meets the edge.
         let (left, right) = (here.lerp(before, share), here.lerp(next, share));
         let middle = 0.5 * (left + right);
         let foot = here * (middle.truncate().length() / here.truncate().length());
@@ -171,7 +172,7 @@ pub(crate) fn truncated(share: f64) -> Cell {
         let next_right = next.lerp(before, share);
         let next_foot = next
             * ((0.5 * (next_left + next_right)).truncate().length() / next.truncate().length());
-        // The face between the two edges: apex, foot, right, next_left, next_foot.
+        // The face between the two edges has the corners apex, foot, right, next_left, next_foot.
         facets.push([DVec3::ZERO, foot, right]);
         facets.push([DVec3::ZERO, right, next_left]);
         facets.push([DVec3::ZERO, next_left, next_foot]);

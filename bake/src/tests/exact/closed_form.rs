@@ -1,8 +1,9 @@
-//! Ideal cubes: the whole distribution is known.
+//! Ideal cubes, whose whole distribution is known.
 //!
-//! Oracle: q = the apex carried along the light to the aperture plane; light entering at p leaves
-//! at 2q - p, so that the shift is uniform over 2(q - K), K = T and its point reflection through q.
-//! Its own polygon code and bins by clipping each bin's square: nothing is shared with the crate.
+//! The oracle carries the apex along the light to the aperture plane, at q. Light that enters at p
+//! leaves at 2q - p. So the shift is uniform over 2(q - K), with K the intersection of the aperture
+//! T and its point reflection through q. The oracle has polygon code of its own and computes bins
+//! by clipping the square of each bin. It shares nothing with the crate.
 
 use crate::beams::bake;
 use crate::optics::Rules;
@@ -17,7 +18,8 @@ const RANGE: f64 = 2.0;
 
 type Point = [f64; 2];
 
-/// Sutherland and Hodgman against the convex polygon `frame`; both counter-clockwise.
+/// Clips a polygon by the convex polygon `frame` (Sutherland and Hodgman). Both are
+/// counter-clockwise.
 fn clipped(mut polygon: Vec<Point>, frame: &[Point]) -> Vec<Point> {
     for i in 0..frame.len() {
         let (a, b) = (frame[i], frame[(i + 1) % frame.len()]);
@@ -48,7 +50,8 @@ fn area(polygon: &[Point]) -> f64 {
         .sum()
 }
 
-/// Eta and eta x histogram of one cube, azimuth counted from its first edge, inside angle.
+/// Returns eta and eta x histogram of one cube, at the inside angle and the azimuth from its first
+/// edge.
 fn cube(inside_rad: f64, azimuth_rad: f64) -> (f64, Vec<f64>) {
     let corner = |k: usize| {
         let angle = k as f64 * std::f64::consts::TAU / 3.0 - azimuth_rad;
@@ -90,7 +93,7 @@ fn cube(inside_rad: f64, azimuth_rad: f64) -> (f64, Vec<f64>) {
                 [x + width, y + width],
                 [x, y + width],
             ];
-            // The map has determinant 4.
+            // The map of the shift has determinant 4.
             histogram[row * BINS + column] =
                 area(&clipped(square, &support)) / 4.0 / area(&triangle);
         }
@@ -111,19 +114,20 @@ fn closed_form(inside_rad: f64, azimuth_rad: f64, is_pair: bool) -> (f64, Vec<f6
     (0.5 * (eta + other_eta), histogram)
 }
 
-/// Inside angle at which a cube cuts off: where q leaves the triangle. q moves along -u.
+/// Returns the inside angle at which a cube cuts off: where q leaves the triangle. q moves along
+/// -u.
 fn cutoff_rad(azimuth_rad: f64) -> f64 {
     let inradius = 1.0 / 6_f64.sqrt();
-    // Outward normals of the triangle's sides, in the incidence frame; -u has component -cos on
-    // each.
+    // The outward normals of the triangle's sides in the incidence frame. On each, -u has the
+    // component -cos.
     let steepest = (0..3)
         .map(|k| -((2 * k + 1) as f64 * std::f64::consts::FRAC_PI_3 - azimuth_rad).cos())
         .fold(f64::MIN, f64::max);
     (inradius / steepest * 3_f64.sqrt()).atan()
 }
 
-/// Largest total variation over 500 directions, of which a third lie within 1e-9 to 1e-3 deg of a
-/// cutoff.
+/// Returns the largest total variation over 500 directions. A third of them lies within 1e-9 to
+/// 1e-3 deg of a cutoff.
 fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f64 {
     let exact = bakes::exact(cell).unwrap();
     let rules = rules(index);
@@ -199,7 +203,7 @@ fn ideal_cubes_agree_with_the_closed_form() {
 fn listed_fractions_of_the_hollow_cube() {
     let cell = single(ideal_edges());
     let exact = bakes::exact(&cell).unwrap();
-    // Five digits are listed.
+    // The model lists five digits.
     let listed = [
         (0.0, 0.0, 2.0 / 3.0),
         (10.0, 0.0, 0.62521),
@@ -237,7 +241,8 @@ fn listed_fractions_of_the_hollow_cube() {
     }
 }
 
-/// Effective area perpendicular to the light of a full cube: -d on the cube's axes, sorted.
+/// Returns the effective area of a full cube perpendicular to the light, from the sorted components
+/// of -d on the axes of the cube.
 fn full_cube_area(inside_rad: f64, azimuth_rad: f64) -> f64 {
     let back = glam::DVec3::new(
         -inside_rad.sin() * azimuth_rad.cos(),
@@ -311,7 +316,8 @@ fn mean(cell: &Cell, incidence_deg: Vec<f64>, rules: &Rules) -> Vec<f64> {
     baked.retroreflected.into_iter().collect()
 }
 
-/// The list of the model, of five digits: each is rounded by up to 5e-6.
+/// Means over all azimuths are those that the model lists. The list has five digits, each rounded
+/// by up to 5e-6.
 #[test]
 fn means_over_azimuths_are_those_of_the_model() {
     let listed = [
@@ -331,8 +337,9 @@ fn means_over_azimuths_are_those_of_the_model() {
     }
 }
 
-/// Where total reflection fails light jumps, from all to nothing at once: up to 19.47 deg inside a
-/// cube returns (2/3)(1 - 2 tan^2) at every azimuth, or nothing where a face transmits.
+/// A mean over azimuths finds the azimuths where total reflection fails. There light jumps from all
+/// to nothing at once: up to 19.47 deg inside, a cube returns (2/3)(1 - 2 tan^2) at every azimuth,
+/// or nothing where a face transmits.
 #[test]
 fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
     let prism = Rules {
@@ -356,7 +363,7 @@ fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
         };
         let surviving = (0..many).filter(survives).count() as f64 / f64::from(many);
         partly += usize::from(surviving < 1.0);
-        // Six jumps, each seen within 1e-6 of a turn by the count.
+        // There are six jumps, and the count sees each within 1e-6 of a turn.
         let error = (found - all * surviving).abs();
         assert!(
             error < 1e-5,
@@ -369,7 +376,8 @@ fn a_mean_over_azimuths_sees_where_total_reflection_fails() {
 
 #[test]
 fn total_internal_reflection_fails_where_it_should() {
-    // model: it survives iff every |d_i| < sqrt(1 - 1/m^2) on the cube's axes.
+    // In the model light survives if and only if every |d_i| < sqrt(1 - 1/m^2) on the axes of the
+    // cube.
     let cell = single(ideal_edges());
     let exact = bakes::exact(&cell).unwrap();
     let mut draw = Draw(11);

@@ -1,5 +1,5 @@
-//! The designs that users write, through the same door as their files: exact against rays, and
-//! areas conserved.
+//! The designs that users write, loaded as their files are: the exact method against rays, and
+//! areas that are conserved.
 
 use std::path::Path;
 
@@ -92,8 +92,8 @@ fn bake(cell: &Cell, request: &Request) -> Table {
     bakes::bake(cell, &Plan::new(request).expect("a plan")).expect("bakes")
 }
 
-/// (chi-square, degrees of freedom) of counts against expected counts; bins that expect less than
-/// 10 are taken together, so that the statistic is close to its limit distribution.
+/// Returns chi-square and degrees of freedom of counts against expected counts. Bins that expect
+/// less than 10 are taken together, so that the statistic is close to its limit distribution.
 fn chi_square(pairs: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
     let (mut sum, mut freedom, mut rest) = (0.0, -1.0, (0.0, 0.0));
     let mut add = |(count, expected): (f64, f64)| {
@@ -163,8 +163,8 @@ fn exact_and_rays_agree_within_counting_error() {
                     )
                 });
                 let (sum, freedom) = chi_square(bins.chain(fates));
-                // Wilson and Hilferty: the cube root of chi-square over freedom is close to normal;
-                // 156 cases stay within 4.5 sigma but for once in 900 seeds.
+                // By Wilson and Hilferty the cube root of chi-square over freedom is close to
+                // normal. In 899 of 900 seeds 156 cases stay within 4.5 sigma.
                 let spread = 2.0 / (9.0 * freedom.max(1.0));
                 let sigmas = ((sum / freedom.max(1.0)).cbrt() - (1.0 - spread)) / spread.sqrt();
                 assert!(

@@ -1,8 +1,9 @@
-//! Rounded edges, flat apexes and land between cubes: what still returns has a closed form.
+//! Rounded edges, flat apexes and land between cubes: the light that still returns has a closed
+//! form.
 //!
-//! Reflected in the faces, a path through an ideal cube is a straight line through its apex's eight
-//! octants. It meets only what is left of the facets if it keeps clear of what fills edges and
-//! apex, and then returns as it did.
+//! Reflected in the faces, a path through an ideal cube is a straight line through the eight
+//! octants about its apex. If this line stays clear of what fills edges and apex, it meets only
+//! what is left of the facets and returns as in the ideal cube.
 
 use crate::beams::Share;
 use crate::tests::bakes;
@@ -37,7 +38,7 @@ fn area(polygon: &[DVec2]) -> f64 {
         .sum()
 }
 
-/// The part of a convex polygon where `inside` >= 0, an affine function.
+/// Returns the part of a convex polygon where the affine function `inside` is at least 0.
 fn clipped(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
     let mut kept = Vec::new();
     for (i, &p) in polygon.iter().enumerate() {
@@ -56,7 +57,7 @@ fn clipped(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
 /// Light inside a hollow cube.
 struct Light {
     travel: DVec3,
-    /// The apex, carried along the light to the aperture plane.
+    /// Apex, carried along the light to the aperture plane.
     apex: DVec2,
 }
 
@@ -69,8 +70,8 @@ impl Light {
         Light { travel, apex }
     }
 
-    /// Where an ideal cube's light enters that returns: the aperture and its point reflection
-    /// through the apex's image.
+    /// Returns the polygon through which the light enters that an ideal cube returns: the
+    /// intersection of the aperture and its point reflection through the apex's image.
     fn kept(&self) -> Vec<DVec2> {
         let triangle = ideal_edges().map(DVec3::truncate);
         let mut kept = triangle.to_vec();
@@ -100,10 +101,12 @@ fn at(cell: &Cell, (incidence, azimuth): (f64, f64)) -> (Share, f64) {
     (found, exact.entrance_area())
 }
 
-/// Light returns that meets each facet farther than the radius R from both its edges. Along a ray L
-/// = x cross d is constant; near edge k it keeps clear of the fillet if |L_k| > R max(|d_i|,
-/// |d_j|), whatever the number of strips: what is left of the ideal polygon between the three
-/// bands.
+/// Rounded edges take three bands from the light that returns.
+///
+/// Light returns if it meets each facet farther than the radius R from both its edges. Along a ray
+/// L = x cross d is constant. Near edge k the ray stays clear of the fillet if |L_k| > R max(|d_i|,
+/// |d_j|), whatever the number of strips. So light returns in what is left of the ideal polygon
+/// between the three bands.
 #[test]
 fn rounded_edges_take_three_bands() {
     let axes = ideal_edges();
@@ -145,9 +148,9 @@ fn rounded_edges_take_three_bands() {
                     found.eta * entrance
                 );
                 if direction.0 == 0.0 {
-                    // Three bands of the width sqrt 2 R across a hexagon 2/sqrt 6 wide: 4 R of the
-                    // aperture; where two cross, less: three rhombi of 2 R^2 / sin 60 deg, 8 R^2 of
-                    // it.
+                    // Three bands of the width sqrt 2 R lie across a hexagon 2/sqrt 6 wide: 4 R of
+                    // the aperture. They cross in three rhombi of 2 R^2 / sin 60 deg, which count
+                    // once: 8 R^2 of the aperture.
                     let share = kept / (0.5 * 3_f64.sqrt());
                     let off = share - (2.0 / 3.0 - 4.0 * radius);
                     assert!(
@@ -163,7 +166,8 @@ fn rounded_edges_take_three_bands() {
     assert_eq!(cases, 4 * 3 * 6);
 }
 
-/// Narrower strips spread the light that meets them as the cylinder does: fates settle.
+/// Fates converge as the strips get narrower, because the strips then spread light as the cylinder
+/// does.
 #[test]
 fn strips_converge() {
     let mut cases = 0;
@@ -176,7 +180,7 @@ fn strips_converge() {
                 }),
                 direction,
             );
-            // Per area of the sharp aperture: the corners that arcs cut off differ.
+            // The fates are areas, because the corners that arcs cut off the aperture differ.
             found.0.fate.map(|share| share * found.1)
         };
         let steps: Vec<[f64; 10]> = [2, 4, 8].map(fates).to_vec();
@@ -191,8 +195,9 @@ fn strips_converge() {
     assert_eq!(cases, 2);
 }
 
-/// A flat at the apex is, reflected in the faces, an octahedron of half axis s: it takes its own
-/// shadow, half the sum of its faces' projections, as long as all of that would return.
+/// A flat at the apex takes the light of an octahedron. Reflected in the faces, the flat is an
+/// octahedron of half axis s. It takes its own shadow, half the sum of the projections of its
+/// faces, if all light of this shadow would return.
 #[test]
 fn a_flat_apex_takes_an_octahedron() {
     let mut cases = 0;
@@ -205,7 +210,7 @@ fn a_flat_apex_takes_an_octahedron() {
                 let signed = [0, 1, 2].map(|k| if signs >> k & 1 == 0 { d[k] } else { -d[k] });
                 signed.iter().sum::<f64>().abs()
             });
-            // Its corners' images.
+            // Images of the octahedron's corners.
             let corners = ideal_edges().map(|axis| {
                 let image = axis - light.travel * (axis.z / light.travel.z);
                 [1.0, -1.0].map(|sign| light.apex + image.truncate() * part * sign)
@@ -239,9 +244,9 @@ fn a_flat_apex_takes_an_octahedron() {
     assert!(cases >= 10, "{cases}");
 }
 
-/// Land in the plane of the rim sends its light away at once and takes none of the cubes': eta
-/// falls by the cubes' share of the area, at every angle. It is a strip around the aperture, whose
-/// inradius r becomes r + gap / 2.
+/// Land in the plane of the rim sends its light away at once and takes none of the cubes' light. So
+/// eta falls by the cubes' share of the area, at every angle. The land is a strip around the
+/// aperture, whose inradius r becomes r + gap / 2.
 #[test]
 fn land_dilutes() {
     let mut cases = 0;
@@ -286,7 +291,7 @@ fn land_dilutes() {
     assert_eq!(cases, 9 * 6);
 }
 
-/// Full cubes apart: the gap lets light through, and at normal incidence all the rest returns.
+/// Open gaps between full cubes let light through. At normal incidence all other light returns.
 #[test]
 fn open_gaps_between_full_cubes_dilute() {
     let mut cases = 0;

@@ -1,5 +1,5 @@
-//! What must hold for every cell: light is neither lost nor made, nothing is NaN, hard directions
-//! included.
+//! Invariants of every cell: light is neither lost nor made, nothing is NaN, in hard directions
+//! too.
 
 use crate::beams::{Share, bake, prepare};
 use crate::cell::{ExactError, MEAN_ERROR};
@@ -27,9 +27,11 @@ fn cells() -> Vec<(&'static str, Cell)> {
     ]
 }
 
-/// Shares are sums of some hundred areas, each good to a few ulp of the longest path: 1e-12 up to
-/// 89 deg, in proportion to it beyond. `valley` is the share that may run along the lattice without
-/// end.
+/// Checks the shares of one direction.
+///
+/// They are sums of some hundred areas, each good to a few ulp of the longest path: 1e-12 up to 89
+/// deg, and beyond that in proportion to the path. `valley` is the share that may run along the
+/// lattice without end.
 fn check(name: &str, found: &Share, incidence: f64, azimuth: f64, valley: f64) {
     let place = format!("{name} at ({incidence}, {azimuth})");
     let slack = 1e-12 * (0.02 / incidence.to_radians().cos()).max(1.0);
@@ -51,7 +53,7 @@ fn check(name: &str, found: &Share, incidence: f64, azimuth: f64, valley: f64) {
             fate.name()
         );
     }
-    // The cells are closed: nothing misses, and nothing is trapped for 64 reflections.
+    // The cells are closed: nothing misses them, and nothing is trapped for 64 reflections.
     assert!(
         found.fate[Fate::Missed as usize] < slack,
         "{place}: missed {:e}",
@@ -91,7 +93,7 @@ fn areas_are_conserved_in_every_direction() {
         println!(
             "{name}: fates sum to 1 within {worst:.1e}, {returning} of 150 directions return light"
         );
-        // Errors of 1e-2 rad send all light 1.9 deg or more off: beyond the tolerance.
+        // Errors of 1e-2 rad send all light at least 1.9 deg off, which is beyond the tolerance.
         assert_eq!(returning > 15, name != "bent 1e-2", "{name}: {returning}");
     }
     assert_eq!(cases, 11 * 150);
@@ -129,8 +131,8 @@ fn hard_directions_are_ordinary() {
                 for index in [1.0, 1.0 + 1e-9, 1.49] {
                     let rules = rules(index);
                     let found = exact.direction(incidence, azimuth, 32, 2.0, &rules);
-                    // 1e-9 deg from edge-on some light runs level, between peaks or walls: 1e-11
-                    // rad of it. Grazing light goes to and fro between upright walls.
+                    // At 1e-9 deg from edge-on, 1e-11 rad of the light runs level, between peaks or
+                    // walls. Grazing light goes to and fro between upright walls.
                     let valley = if name == "truncated" && incidence > 89.0 {
                         1.0
                     } else {
@@ -222,12 +224,13 @@ fn dihedral_errors_split_the_return_into_six_maps_or_two() {
     };
     assert_eq!(spots([1e-3; 3]), 6);
     assert_eq!(spots([1e-6; 3]), 6);
-    // One error: sequences differ only by whether its edge is crossed one way or the other.
+    // With one error, sequences differ only by the sense in which its edge is crossed.
     assert_eq!(spots([0.0; 3]), 1);
 }
 
-/// A mean over azimuths is no finite set of polygons, so that it has an error; it is below the one
-/// that is stated, against 36,000 azimuths in their middle, which the halved degrees never meet.
+/// The error of a mean over azimuths, which is no finite set of polygons, is below the stated one.
+/// The truth is the mean of 36,000 azimuths in the middle of their steps, which the halved degrees
+/// never meet.
 #[test]
 fn a_mean_over_azimuths_is_that_of_many_azimuths() {
     let axes = Axes {
@@ -281,7 +284,8 @@ fn a_mean_over_azimuths_is_that_of_many_azimuths() {
     assert_eq!(compared, 4);
 }
 
-/// Ten directions, histogram included; printed, since a test machine's speed is nobody's promise.
+/// Prints the speed of ten directions, histogram included. The speed is not asserted, because test
+/// machines differ.
 #[test]
 fn speed_is_reported() {
     let cell = pair(ideal_edges(), true);

@@ -1,9 +1,9 @@
 //! Losses: closed forms, the sums of power, a plain Jones trace of the ideal cube, and photons.
 //!
-//! Oracle: in the cube's own axes a face turns one sign of the direction, so that a path is an
-//! order of the three. Jones matrices of 2 x 2 in the s and p of each surface, turned from one
-//! surface to the next, with the textbook's amplitudes by complex cosines. Nothing is shared with
-//! the crate but the polygons whose weights are judged.
+//! The oracle works in the cube's own axes. There a face turns one sign of the direction, so a path
+//! is an order of the three faces. Jones matrices of 2 x 2 in the s and p of each surface are
+//! turned from one surface to the next, with textbook amplitudes by complex cosines. Only the
+//! polygons, whose weights are judged, are shared with the crate.
 
 use crate::cli::comparison_text;
 use crate::optics::{Backing, Rules};
@@ -40,12 +40,12 @@ fn product(a: Jones, b: Jones) -> Jones {
     [0, 1].map(|i| [0, 1].map(|k| a[i][0] * b[0][k] + a[i][1] * b[1][k]))
 }
 
-/// From the components along `from` to those along `to`.
+/// Returns the Jones matrix from the components along `from` to those along `to`.
 fn turned(from: [DVec3; 2], to: [DVec3; 2]) -> Jones {
     to.map(|to| from.map(|from| Complex64::from(to.dot(from))))
 }
 
-/// A surface met along `d`: its s and p before and after it, with p = s x d.
+/// Returns s and p before and after a surface that light meets along `d`, with p = s x d.
 fn frame(d: DVec3, after: DVec3, normal: DVec3) -> [[DVec3; 2]; 2] {
     let s = normal.cross(d);
     let s = if s.length() < 1e-9 {
@@ -56,11 +56,12 @@ fn frame(d: DVec3, after: DVec3, normal: DVec3) -> [[DVec3; 2]; 2] {
     [[s, s.cross(d)], [s, s.cross(after)]]
 }
 
-/// Amplitudes (r_s, r_p) and (t_s, t_p) from index n1 to n2; r_p of the sign that goes with s x d.
+/// Returns the amplitudes (r_s, r_p) and (t_s, t_p) from index n1 to n2. The sign of r_p goes with
+/// s x d.
 fn fresnel(n1: f64, cosine: f64, n2: Complex64) -> ([Complex64; 2], [Complex64; 2]) {
     let sine = Complex64::from(n1 * (1.0 - cosine * cosine).sqrt()) / n2;
     let inner = (Complex64::ONE - sine * sine).sqrt();
-    // exp(-i omega t): what decays has a positive imaginary part of n cos.
+    // With exp(-i omega t), a field that decays has a positive imaginary part of n cos.
     let inner = if (n2 * inner).im < 0.0 { -inner } else { inner };
     let (a, b) = (cosine * n1, n2 * inner);
     let (c, d) = (n2 * cosine, inner * n1);
@@ -68,8 +69,8 @@ fn fresnel(n1: f64, cosine: f64, n2: Complex64) -> ([Complex64; 2], [Complex64; 
     (r, [2.0 * a / (a + b), 2.0 * a / (c + d)])
 }
 
-/// Power that unpolarised light keeps on the path of the ray that enters an ideal cube at (u, v)
-/// over its apex.
+/// Returns the power that unpolarised light keeps on the path of the ray that enters an ideal cube
+/// at (u, v) over its apex.
 fn oracle(index: f64, surface: Backing, incidence: f64, azimuth: f64, entry: [f64; 2]) -> f64 {
     let edges = ideal_edges();
     let up = DVec3::Z;
@@ -117,9 +118,9 @@ fn oracle(index: f64, surface: Backing, incidence: f64, azimuth: f64, entry: [f6
         / 2.0
 }
 
-/// Both multiply some twenty amplitudes, each good to some ulp; near the critical angle a cosine is
-/// a root of a difference, which costs at most a factor of some hundred at the directions drawn:
-/// 1e-12.
+/// Weights of paths equal those of the plain Jones trace to 1e-12. Both multiply some twenty
+/// amplitudes, each good to some ulp. Near the critical angle a cosine is the root of a difference,
+/// which costs at most a factor of some hundred at the directions drawn.
 #[test]
 fn weights_are_those_of_a_plain_jones_trace() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
@@ -186,7 +187,7 @@ fn power_is_neither_lost_nor_made() {
                 assert!((sum - 1.0).abs() < 1e-12, "{sum}");
                 assert!(found.dropped.abs() < 1e-12);
                 assert!(found.fate.iter().all(|share| *share > -1e-14));
-                // Without losses no less comes back, and nothing is absorbed.
+                // Without losses no less light comes back, and nothing is absorbed.
                 let whole = exact.direction(incidence, azimuth, 32, 2.0, &rules(1.49));
                 assert!(found.eta <= whole.eta + 1e-13);
                 assert_eq!(whole.fate[Fate::Absorbed as usize], 0.0);
@@ -198,7 +199,7 @@ fn power_is_neither_lost_nor_made() {
     assert_eq!(cases, 560);
 }
 
-/// Perfect mirrors without a front face: the losses that are none.
+/// Perfect mirrors without a front face lose nothing.
 #[test]
 fn losses_of_ideal_surfaces_are_none() {
     let exact = bakes::exact(&pair(ideal_edges(), true)).unwrap();
@@ -215,8 +216,8 @@ fn losses_of_ideal_surfaces_are_none() {
     }
 }
 
-/// Three faces of 96 % lose 12 %, of 91 % 25 %; at normal incidence a front face passes 4 m/(m +
-/// 1)^2, twice.
+/// At normal incidence three faces of 96 % lose 12 % and three of 91 % lose 25 %. A front face
+/// passes 4 m/(m + 1)^2, twice.
 #[test]
 fn known_losses_at_normal_incidence() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
@@ -233,15 +234,17 @@ fn known_losses_at_normal_incidence() {
     for index in [1.49_f64, 1.5168, 1.586] {
         let passed = 4.0 * index / (index + 1.0).powi(2);
         for surface in [Backing::Bare, Backing::Mirror { reflectance: 1.0 }] {
-            // 54.7 deg is beyond every critical angle, so that bare faces lose nothing.
+            // The angle of 54.7 deg is beyond every critical angle, so that bare faces lose
+            // nothing.
             let found = eta(index, surface);
             assert!((found - 2.0 / 3.0 * passed * passed).abs() < 1e-14);
         }
     }
 }
 
-/// Beyond |d_i| = sqrt(1 - 1/m^2) a face lets light through: first at the three azimuths where the
-/// light leans away from an edge, there at the angle known for m.
+/// Total reflection ends at the known angles. Beyond |d_i| = sqrt(1 - 1/m^2) a face lets light
+/// through. This happens first at the three azimuths where the light leans away from an edge, at
+/// the angle known for m.
 #[test]
 fn total_reflection_ends_at_the_known_angles() {
     let exact = bakes::exact(&single(ideal_edges())).unwrap();
@@ -264,7 +267,8 @@ fn total_reflection_ends_at_the_known_angles() {
         assert!((least - known).abs() < 0.005, "{index}: {least}");
         let worst: Vec<usize> = (0..72).filter(|&k| limits[k] < least + 1e-6).collect();
         assert_eq!(worst, [12, 36, 60], "60, 180 and 300 deg");
-        // With Fresnel's losses the step is a slope: all is kept below, part of it above.
+        // With Fresnel's losses the step is a slope: all light is kept below it and a part above
+        // it.
         let share =
             |incidence: f64| exact.direction(incidence, 60.0, 4, 2.0, &lossy(index, Backing::Bare));
         let [below, above] = [least - 0.01, least + 0.5].map(share);
@@ -301,8 +305,8 @@ fn tables(azimuth: &str, sampler: Sampler, threads: usize) -> [Table; 2] {
     })
 }
 
-/// A photon is kept by chance, so that counts are whole, and agree with the weights within their
-/// counting errors.
+/// Photons agree with the weights of beams within their counting errors. A photon is kept by
+/// chance, so that counts are whole.
 #[test]
 fn photons_agree_with_beams() {
     let mut cases = 0;

@@ -1,4 +1,4 @@
-//! The exact bake against closed forms, and its invariants on cells that have none.
+//! The exact bake against closed forms, and its invariants on cells that have no closed form.
 //!
 //! Run with `cargo test -p bake --lib tests::exact`.
 

@@ -1,4 +1,4 @@
-//! Meshes of many cubes, of which one of each kind is baked.
+//! Meshes of many cubes, of which one cube of each kind is baked.
 
 use crate::cell::ExactCell;
 use crate::tests::bakes;
@@ -9,8 +9,8 @@ use std::path::Path;
 
 use crate::tests::exact::cells::{Draw, rules};
 
-/// The design's pair of cubes at `places`, given in steps along its sides; of each pair the first
-/// `facets` facets.
+/// Returns the design's pair of cubes at `places`, given in steps along its sides. Of each pair
+/// only the first `facets` facets are kept.
 fn sheet(places: impl Iterator<Item = (usize, usize, usize)>) -> Cell {
     // All coordinates are whole file units, so that neighbours share vertices.
     let pair = Design::new(Shape::TriangularPair).mesh().unwrap();
@@ -34,9 +34,9 @@ fn sheet(places: impl Iterator<Item = (usize, usize, usize)>) -> Cell {
     normalise(&mesh, Path::new("sheet"), &CellOptions::default()).unwrap()
 }
 
-/// The sheet is 66 edges across: its coordinates are rounded to 7e-15, and so are the cubes taken
-/// out of it. The outlines of the histogram's polygons, at most 12 long, move by a few times that
-/// over an area of 3.5: L1 of some 1e-13.
+/// A sheet of a thousand pairs bakes like one pair. The sheet is 66 edges across. Its coordinates
+/// are rounded to 7e-15, and so are the cubes taken out of it. The outlines of the histogram's
+/// polygons, at most 12 long, move by a few times that over an area of 3.5: an L1 of some 1e-13.
 #[test]
 fn a_thousand_pairs_bake_like_one() {
     let one = sheet([(0, 0, 6)].into_iter());
@@ -65,8 +65,8 @@ fn a_thousand_pairs_bake_like_one() {
     assert!(cases == 100 && returning > 60, "{returning}");
 }
 
-/// A triangle of 6 cubes and 3 turned ones: the mean of the two, 2 to 1; what is stored adds up to
-/// it.
+/// A triangle of 6 cubes and 3 turned cubes gives the mean of the two kinds, 2 to 1, and the stored
+/// data add up to it.
 #[test]
 fn kinds_count_as_often_as_they_occur() {
     let places = [0, 1, 2]
@@ -83,7 +83,7 @@ fn kinds_count_as_often_as_they_occur() {
         let [upright, turned] = [azimuth, azimuth + 180.0].map(|azimuth| at(&single, azimuth));
         let eta = (2.0 * upright.eta + turned.eta) / 3.0;
         assert!((found.eta - eta).abs() < 1e-12, "{} {eta}", found.eta);
-        // Light from the other side, in its own incidence frame, sees a turned cube upright.
+        // Light from the other side sees a turned cube upright, in its own incidence frame.
         let bins = found.histogram.len();
         for bin in 0..bins {
             let mean = (2.0 * upright.histogram[bin] + turned.histogram[bin]) / 3.0;

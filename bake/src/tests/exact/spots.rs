@@ -1,7 +1,7 @@
-//! Dihedral errors: where the light of each path goes.
+//! Dihedral errors: the direction of the light of each path.
 //!
-//! Oracles: the closed form of the six spots; and single rays, reflected facet by facet by the
-//! other method.
+//! There are two oracles: the closed form of the six spots, and single rays that the other method
+//! reflects facet by facet.
 
 use crate::optics::{Backing, Incidence, Rules};
 use crate::rays::{Index, Scene, trace};
@@ -25,7 +25,7 @@ fn paths(cell: &Cell, incidence: f64, azimuth: f64, rules: &Rules) -> Vec<Path> 
     exact.direction(incidence, azimuth, 8, 2.0, rules).paths
 }
 
-/// Distinct directions of the paths.
+/// Returns the distinct directions of the paths.
 fn spots(paths: &[Path]) -> Vec<DVec2> {
     let mut spots: Vec<DVec2> = Vec::new();
     for path in paths {
@@ -37,15 +37,16 @@ fn spots(paths: &[Path]) -> Vec<DVec2> {
     spots
 }
 
-/// Three equal errors e: six spots at 4 sqrt(2/3) e (1 - e/2), to second order; one: two at 1.633 e
-/// to first; behind a front face of index m the sine is m times as large.
+/// Spots are where the model has them. Three equal errors e give six spots at 4 sqrt(2/3) e (1 -
+/// e/2), to second order. One error gives two spots at 1.633 e, to first order. Behind a front face
+/// of index m the sine is m times as large.
 #[test]
 fn spots_are_where_the_model_has_them() {
     let mut cases = 0;
     for error in [-1e-3, -3e-4, 1e-5, 1e-4, 3e-4, 1e-3_f64] {
         for index in [1.0, 1.49] {
             let outside = |inside: f64| (index * inside.sin()).asin();
-            // Third order: some e^3, 1e-9 at most here.
+            // The third order is some e^3, here 1e-9 at most.
             let slack = 10.0 * error.abs().powi(3) + 1e-12;
             let rules = rules(index);
             let six = spots(&paths(&cell([error; 3]), 0.0, 0.0, &rules));
@@ -64,7 +65,7 @@ fn spots_are_where_the_model_has_them() {
             assert_eq!(two.len(), 2);
             for spot in two {
                 let expected = outside(2.0 * (2.0_f64 / 3.0).sqrt() * error.abs());
-                // Second order.
+                // The tolerance is the second order.
                 let off = (spot.length().atan() - expected).abs();
                 assert!(
                     off < 4.0 * index * error * error,
@@ -98,7 +99,8 @@ fn right_angles_deviate_nothing() {
     assert!(cases > 100, "{cases}");
 }
 
-/// Each path's direction against a ray through the middle of its polygon, refracted out by angles.
+/// The direction of each path equals that of a ray through the middle of its polygon, refracted by
+/// angles.
 #[test]
 fn directions_are_those_of_rays() {
     let mut draw = Draw(43);
@@ -121,7 +123,7 @@ fn directions_are_those_of_rays() {
                 / n;
             let entry = middle.x * light.u + middle.y * light.v();
             let out = trace(&scene, &rules, &light, entry, 0.5).travel;
-            // Spherical angles outside, from the normal and about it from u.
+            // The angles are spherical and outside: from the normal, and about it from u.
             let polar = (1.49 * out.truncate().length()).asin();
             let about = light.to_frame(out.truncate()).to_angle();
             let out = DVec3::new(

@@ -7,14 +7,15 @@ use meshes::design::Shape;
 use tables::Fate;
 use tables::options::Method;
 
-/// Eta of one ideal cube by the closed form, first edge at azimuth 0, angles outside in degrees.
+/// Returns eta of one ideal cube by the closed form. The first edge is at azimuth 0, and angles are
+/// outside, degrees.
 fn eta(incidence_deg: f64, azimuth_deg: f64, index: f64) -> f64 {
     let direction = Incidence::new(incidence_deg.to_radians(), azimuth_deg.to_radians(), index);
     closed_form(direction.travel, 0.0).0
 }
 
-/// 89.9 deg: every design, hollow and solid. Light is neither lost nor made, and both methods
-/// agree.
+/// At 89.9 deg light is neither lost nor made, and both methods agree, for every design, hollow and
+/// solid.
 #[test]
 fn grazing_incidence() {
     let (mut cases, mut worst, mut returning) = (0, 0.0_f64, 0);
@@ -22,8 +23,8 @@ fn grazing_incidence() {
         for index in [1.0, 1.49] {
             let mut light = Light::new("89.9", "0,30,77,180").inside(index);
             if shape == Shape::FullCube && index == 1.0 {
-                // A ray crosses hundreds of cells before it meets a mirror: 0.04 million rays a
-                // second.
+                // A ray crosses hundreds of cells before it meets a mirror, which makes 0.04
+                // million rays a second.
                 light.rays = 20_000;
             }
             let both = light.on(&format!("{} at 89.9 deg", shape.name()), &cell(shape));
@@ -39,7 +40,7 @@ fn grazing_incidence() {
     }
     println!("89.9 deg: {cases} directions, {returning} return light, worst fate {worst:.2} sigma");
     assert_eq!(cases, 4 * 2 * 4);
-    // Hollow cubes are cut off; behind a front face light arrives at 42 deg.
+    // Hollow cubes are cut off. Behind a front face light arrives at 42 deg.
     assert!((4..=16).contains(&returning), "{returning}");
     let solid = Light::new("89.9", "60")
         .inside(1.49)
@@ -49,9 +50,9 @@ fn grazing_incidence() {
     assert!(error < 1e-13);
 }
 
-/// Light along the rows of the full-cube lattice skims hundreds of cubes, and meets a few sides of
-/// each at 0.1 deg: here a beam falls into many parts, which see the same facets far ahead. 0.01 of
-/// the light is 5 standard errors.
+/// Both methods agree for light along the rows of the full-cube lattice. At 0.1 deg it skims
+/// hundreds of cubes and meets a few sides of each. A beam falls into many parts, which see the
+/// facets far ahead in common. 0.01 of the light is 5 standard errors.
 #[test]
 fn grazing_incidence_along_the_rows_of_a_lattice() {
     let cube = cell(Shape::FullCube);
@@ -69,7 +70,7 @@ fn grazing_incidence_along_the_rows_of_a_lattice() {
         assert!((one + two - 1.0).abs() < 1e-10 && two > 0.1, "{one} {two}");
         cases += 1;
     }
-    // Rows at 30 and 150 deg are alike.
+    // The rows at 30 and 150 deg are alike.
     for i in 0..2 {
         let [one, other] = [2, 3].map(|a| both.exact.fate[[i, a, Fate::LeftAfter1 as usize]]);
         assert!((one - other).abs() < 1e-10, "{one} {other}");
@@ -81,10 +82,13 @@ fn grazing_incidence_along_the_rows_of_a_lattice() {
     assert_eq!(cases, 8);
 }
 
-/// A hollow cube cuts off where q, the apex seen along the light, leaves the triangle: tan theta =
-/// sqrt(1/2) over a side (35.26 deg), sqrt 2 over a corner (54.74 deg). Over a side the fraction
-/// falls to 0 in proportion to the angle left: 1e-9 deg leave some 1e-11, which areas with errors
-/// of 1e-16 know to 1e-4. Over a corner it falls as the square.
+/// Both methods see the cutoffs at the same angle. A hollow cube cuts off where q, the apex seen
+/// along the light, leaves the triangle: tan theta = sqrt(1/2) over a side (35.26 deg), sqrt 2 over
+/// a corner (54.74 deg).
+///
+/// Over a side the share falls to 0 in proportion to the angle left: 1e-9 deg leave some 1e-11,
+/// which areas with errors of 1e-16 know to 1e-4. Over a corner it falls as the square of that
+/// angle.
 #[test]
 fn both_sides_of_the_cutoffs() {
     let cube = cell(Shape::Triangular);
@@ -108,13 +112,13 @@ fn both_sides_of_the_cutoffs() {
                     worst = worst.max(relative);
                     assert!(relative < 1e-3, "{name}: {found} is not {expected}");
                 } else {
-                    // (1e-9 deg)^2 is 3e-22 rad^2, below the rounding of an area.
+                    // The square of 1e-9 deg is 3e-22 rad^2, below the rounding of an area.
                     assert!(
                         found < if lit { 1e-15 } else { f64::MIN_POSITIVE },
                         "{name}: {found}"
                     );
                 }
-                // Fewer than one ray in 200,000.
+                // The limit is less than one ray in 200,000.
                 assert_eq!(both.rays.retroreflected[[0, 0]], 0.0, "{name}");
                 cases += 1;
             }
@@ -124,9 +128,9 @@ fn both_sides_of_the_cutoffs() {
     assert_eq!(cases, 8);
 }
 
-/// Without mirrors a face stops reflecting where the light meets it steeper than asin(1/m): for
-/// light that leans towards an edge by t, where 54.74 deg - t is that angle; 18.94 deg outside for
-/// m = 1.49. Both methods take the step at the same place, within 1e-9 deg.
+/// Both methods see the end of total reflection at the same angle, within 1e-9 deg. Without mirrors
+/// a face lets light through that it meets steeper than asin(1/m). For light that leans towards an
+/// edge by t, the angle is 54.74 deg - t. This is 18.94 deg outside for m = 1.49.
 #[test]
 fn both_sides_of_total_internal_reflection() {
     let cube = cell(Shape::Triangular);
@@ -134,7 +138,7 @@ fn both_sides_of_total_internal_reflection() {
     let inside = 2_f64.sqrt().atan() - (1.0 / index).asin();
     let limit_deg = (index * inside.sin()).asin().to_degrees();
     assert!((limit_deg - 18.94).abs() < 0.005, "{limit_deg}");
-    // Azimuth 180: light that travels away from the first edge comes from its side.
+    // Azimuth 180 is light that travels away from the first edge and so comes from its side.
     let light = |offset: f64| {
         Light::new(format!("{}", limit_deg + offset), "180")
             .inside(index)
@@ -160,10 +164,12 @@ fn both_sides_of_total_internal_reflection() {
     assert!(gone >= expected - 1e-9, "{gone}");
 }
 
-/// Index 1 + 1e-9: a table next to that of index 1. At 45 deg the angle inside differs by 1e-9 rad,
-/// the shift by at most 2 h / cos^2 times that, 2.3e-9, and with it the outline of the histogram,
-/// less than 6 long, over an area of 4 times the entrance of 0.87: L1 below 2 x 2.3e-9 x 6 / 3.5 =
-/// 8e-9, and as much again for what moves between bins, 62 a row.
+/// A table of the index 1 + 1e-9 is next to that of index 1.
+///
+/// At 45 deg the angle inside differs by 1e-9 rad, and the shift by at most 2 h / cos^2 times that,
+/// 2.3e-9. The outline of the histogram moves by as much. It is less than 6 long, over an area of 4
+/// times the entrance of 0.87: L1 is below 2 x 2.3e-9 x 6 / 3.5 = 8e-9. Light that moves between
+/// bins, 62 a row, adds as much again.
 #[test]
 fn an_index_next_to_one() {
     let (mut cases, mut worst) = (0, 0.0_f64);
@@ -181,7 +187,7 @@ fn an_index_next_to_one() {
             worst = worst.max(l1);
             cases += 1;
         }
-        // Nothing is totally reflected: the critical angle is 89.997 deg.
+        // Nothing is totally reflected, because the critical angle is 89.997 deg.
         let lost = solid.without_mirrors().on(shape.name(), &cell).exact;
         assert!(
             lost.retroreflected.iter().all(|&eta| eta == 0.0),
@@ -194,8 +200,8 @@ fn an_index_next_to_one() {
     assert!(worst < 5e-7 && worst > 0.0, "{worst}");
 }
 
-/// Directions in which a hollow cube returns nothing: exactly 0, in both methods, and a table that
-/// can be kept.
+/// In directions in which a hollow cube returns nothing, eta is exactly 0 by both methods, and the
+/// table can be written and read.
 #[test]
 fn a_cell_that_returns_nothing() {
     let cube = cell(Shape::Triangular);

@@ -1,4 +1,4 @@
-//! One cell by both methods, and how far apart they are.
+//! One cell baked by both methods, and the difference between them.
 
 use crate::cli::comparison_text;
 use crate::plan::{Plan, Request};
@@ -10,23 +10,23 @@ use std::path::Path;
 use tables::options::{Back, Method, Sampler};
 use tables::{Fate, Table};
 
-/// Random rays per direction of a comparison.
+/// Number of random rays per direction of a comparison.
 pub(crate) const RAYS: u64 = 200_000;
 
-/// The same directions by rays and exactly.
+/// Tables of equal directions, one by rays and one by the exact method.
 pub(crate) struct Both {
     pub rays: Table,
     pub exact: Table,
 }
 
-/// What is asked of a cell.
+/// The directions and options of a bake.
 #[derive(Clone)]
 pub(crate) struct Light {
     pub incidence: String,
     pub azimuth: String,
     pub index: f64,
     pub back: Back,
-    /// Random rays per direction.
+    /// Number of random rays per direction.
     pub rays: u64,
 }
 
@@ -70,7 +70,7 @@ impl Light {
         bake(cell, &self.request(method))
     }
 
-    /// Bakes `cell` by both methods and holds them against each other.
+    /// Bakes `cell` by both methods and checks that the tables agree.
     pub(crate) fn on(&self, name: &str, cell: &Cell) -> Both {
         let both = Both {
             rays: self.bake(cell, Method::Rays),
@@ -86,9 +86,10 @@ impl Light {
 }
 
 impl Both {
-    /// The worst difference of a fate's share, in standard errors of the rays.
+    /// Returns the worst difference of a fate's share, in standard errors of the rays.
     ///
-    /// A share f of N rays is binomial: sqrt(f (1 - f) / N), and at least one ray's 1/N.
+    /// A share f of N rays is binomial: its standard error is sqrt(f (1 - f) / N), and at least one
+    /// ray's 1/N.
     pub(crate) fn sigmas(&self) -> f64 {
         let mut worst = 0.0_f64;
         for ((i, a, fate), &exact) in self.exact.fate.indexed_iter() {
@@ -99,9 +100,11 @@ impl Both {
         worst
     }
 
-    /// Both tables are sound, and agree: every fate within 5 standard errors (5e-7 to be wrong by
-    /// chance, a few hundred fates with any light in the whole suite), every histogram within 1.5
-    /// times its counting noise.
+    /// Checks that both tables are sound and agree.
+    ///
+    /// Every fate must be within 5 standard errors: by chance a fate is wrong with 5e-7, and the
+    /// whole suite has a few hundred fates with any light. Every histogram must be within 1.5 times
+    /// its counting noise.
     fn check(&self, name: &str) {
         sound(&self.rays, name);
         sound(&self.exact, name);
@@ -116,7 +119,8 @@ impl Both {
     }
 }
 
-/// No NaN, nothing negative, fates sum to 1, histograms to 1 or, where nothing returns, to 0.
+/// Checks that nothing is NaN or negative, that fates sum to 1, and that histograms sum to 1, or to
+/// 0 if nothing returns.
 pub(crate) fn sound(table: &Table, name: &str) {
     let (method, axes) = (table.provenance.method.text(), &table.axes);
     for ((i, a), eta) in table.retroreflected.indexed_iter() {

@@ -1,4 +1,4 @@
-//! From one ray to more than 2^34: samples, tallies, sums and tables.
+//! Samples, tallies, sums and tables from one ray to more than 2^34.
 
 use crate::optics::Rules;
 use crate::plan::Request;
@@ -11,8 +11,8 @@ use std::sync::Arc;
 use tables::options::{Method, Sampler};
 use tables::{Fate, Table};
 
-/// One ray: a whole table, by either sampler, that can be written, read and held against the exact
-/// one.
+/// One ray makes a whole table, by either sampler, that can be written, read and compared with the
+/// exact one.
 #[test]
 fn one_ray() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -50,9 +50,9 @@ fn one_ray() {
     assert_eq!(cases, 8);
 }
 
-/// The last samples of a Sobol randomisation (2^32 less a few) and random samples beyond 2^34: the
-/// program counts what the plain tracer counts, and the random samples are not those from 0 on
-/// again.
+/// The program counts what the plain tracer counts at the last samples of a Sobol randomisation
+/// (2^32 less a few) and at random samples beyond 2^34. These random samples do not repeat those
+/// from 0 on.
 #[test]
 fn the_last_samples() {
     let cube = cell(Shape::TriangularPair);
@@ -93,13 +93,13 @@ fn the_last_samples() {
     assert_eq!(cases, 6);
 }
 
-/// Counters started near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the tally to
-/// the file.
+/// Counters that start near the limits of 2^32 and 2^34 rays a bin go on in 64 bits, from the tally
+/// to the file.
 #[test]
 fn more_than_2_to_the_34_rays() {
     let bins = Bins::new(4, 2.0);
     let mut tally = Tally::new(&bins);
-    // A tally takes at most 2^32 - 1 rays: runs are cut to fewer.
+    // A tally takes at most 2^32 - 1 rays, so runs are cut to fewer.
     let full = u32::MAX;
     tally.histogram[5] = full;
     tally.fates[Fate::Retroreflected as usize] = u64::from(full);
@@ -146,7 +146,7 @@ fn more_than_2_to_the_34_rays() {
     let file = folder.path().join("large.h5");
     tables::write(&table, &file).expect("writes");
     assert_eq!(tables::read(&file).expect("reads"), table);
-    // Seeds 1 and 2 belong to the two randomisations of the first: the next one is 3.
+    // Seeds 1 and 2 belong to the two randomisations of the first bake, so the next seed is 3.
     let merged = tables::merge(&[table, large(3)]).expect("merges");
     assert_eq!(merged.rays[[0, 0]], 2 * (back + 10));
     assert_eq!(merged.counts.expect("counted").sum(), 2 * back);

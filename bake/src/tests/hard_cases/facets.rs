@@ -9,9 +9,9 @@ use meshes::{Fault, Mesh};
 use tables::Fate;
 use tables::options::Method;
 
-/// A face of the design cut in three by a point `height` edges above the middle of one of its
-/// sides: one part is a sliver of that height. Sides 0 and 2 are edges of the cube, side 1 is its
-/// rim.
+/// Returns the design with one face cut in three by a point `height` edges above the middle of one
+/// of its sides, so that one part is a sliver of that height. Sides 0 and 2 are edges of the cube;
+/// side 1 is its rim.
 fn with_sliver(height: f64, side: usize) -> Mesh {
     let mut mesh = Design::new(Shape::TriangularPair).mesh().expect("a design");
     let [a, b, c] = [0, 1, 2].map(|i| mesh.triangles[1][(side + i) % 3]);
@@ -25,10 +25,12 @@ fn with_sliver(height: f64, side: usize) -> Mesh {
     mesh
 }
 
-/// Slivers down to 1e-11 of an edge high. The rounding of its corners, 1e-16, tilts a sliver about
-/// its long side by 1e-16 / height; the light that meets it is a share of at most the height, so
-/// that what moves, moves 1e-16 on average. Besides, a dozen facet sequences more each give up
-/// parts of up to 9e-16 of the light as rounding, which count twice in L1.
+/// Slivers down to 1e-11 of an edge high change the table by no more than rounding.
+///
+/// The rounding of its corners, 1e-16, tilts a sliver about its long side by 1e-16 / height. The
+/// light that meets it is a share of at most the height. So the mean displacement of light is
+/// 1e-16. Besides, each of a dozen more facet sequences gives up parts of up to 9e-16 of the light
+/// as rounding, which count twice in L1.
 #[test]
 fn slivers() {
     let light = Light::new("0,20,40", "0,30").inside(1.49);
@@ -71,7 +73,7 @@ fn slivers() {
     );
 }
 
-/// Documented errors, each naming file, face and remedy.
+/// The errors are the documented ones, and each names file, face and remedy.
 #[test]
 fn duplicated_and_coincident_faces() {
     let design = Design::new(Shape::Triangular).mesh().expect("a design");
@@ -107,13 +109,13 @@ fn duplicated_and_coincident_faces() {
     assert_eq!(cases, 4);
 }
 
-/// Three equal errors: six spots at 4 sqrt(2/3) eps (1 - eps/2) from antiparallel, to second order,
-/// at normal incidence.
+/// Three equal errors eps send light into six spots at 4 sqrt(2/3) eps (1 - eps/2) from
+/// antiparallel, to second order, at normal incidence.
 ///
-/// Relative to that: 2 eps^2 is left to the third order, and the directions of two nearly
-/// antiparallel rays are known to 1e-15, over 3.3 eps. The composite map turns by no more than 4
-/// eps, so light is retroreflected for eps up to 1e-3 and deviated at 1e-2 (tolerance 0.5 deg =
-/// 8.7e-3 rad): in both methods, which see no error too small.
+/// Relative to that, 2 eps^2 is left to the third order. The directions of two nearly antiparallel
+/// rays are known to 1e-15, over 3.3 eps. The composite map turns by no more than 4 eps. So light
+/// is retroreflected for eps up to 1e-3 and deviated at 1e-2 (tolerance 0.5 deg = 8.7e-3 rad), by
+/// both methods; no error is too small to be seen.
 #[test]
 fn dihedral_errors() {
     let mut cases = 0;
@@ -130,7 +132,7 @@ fn dihedral_errors() {
         let expected = 4.0 * (2.0_f64 / 3.0).sqrt() * error * (1.0 - error / 2.0);
         let (mut worst, mut spots) = (0.0_f64, Vec::<glam::DVec3>::new());
         for turn in 0..24 {
-            // Near the centre all three faces are met, in the six orders.
+            // Near the centre a ray meets all three faces, in the six orders.
             let (y, x) = (f64::from(turn) * 15.0 + 7.0).to_radians().sin_cos();
             let outcome = trace(&scene, &rules, &normal, glam::DVec2::new(x, y) * 0.15, 0.5);
             assert_eq!(outcome.bounces, 3);

@@ -1,8 +1,8 @@
-//! Rays at shared edges and vertices: none lost.
+//! Rays at shared edges and vertices, of which none is lost.
 //!
-//! Two million of each kind by default; with BAKE_LEAK_RAYS=100000000 in the environment,
-//! 100,187,343 rays one by one and 100,000,004 in programs were traced, none lost (`cargo test -p
-//! bake --lib hard_cases::leaks -- --nocapture`).
+//! The default is two million rays of each kind. With BAKE_LEAK_RAYS=100000000 in the environment,
+//! 100,187,343 rays one by one and 100,000,004 rays in programs were traced, and none was lost
+//! (`cargo test -p bake --lib hard_cases::leaks -- --nocapture`).
 
 use crate::optics::{Incidence, Rules};
 use crate::rays::{Bins, Index, Kernel, Scene, Tally, trace};
@@ -19,7 +19,7 @@ use tables::options::Sampler;
 
 const MIRROR: Rules = Rules::mirrors(1.0);
 
-/// Samples in one piece of work.
+/// Number of samples in one piece of work.
 const PIECE: u64 = 1 << 14;
 
 fn wanted() -> u64 {
@@ -35,9 +35,11 @@ fn inside(polygon: &[DVec2], p: DVec2, margin: f64) -> bool {
     })
 }
 
-/// Rays of `samples` through the edges of `targets` and their first ends; (launched, lost).
+/// Traces the rays of `samples` through the edges of `targets` and through the first ends of these
+/// edges. Returns the numbers of rays that were launched and lost.
 ///
-/// A ray that is out of the cell must travel upward: downward it has gone through a mirror.
+/// A ray that left the cell must travel upward. One that travels downward has gone through a
+/// mirror.
 fn aimed(
     cell: &Cell,
     scene: &Scene,
@@ -50,14 +52,15 @@ fn aimed(
         let [a, b] = stream.pair(sample).map(|x| centred(x) + 0.5);
         let c = centred(stream.third(sample)) + 0.5;
         let [from, to] = targets[(sample % targets.len() as u64) as usize];
-        // An eighth at the vertex itself, an eighth at round fractions of the edge.
+        // An eighth of the rays aims at the vertex itself, and an eighth at round fractions of the
+        // edge.
         let along = match sample / 7 % 8 {
             0 => 0.0,
             1 => (c * 16.0).floor() / 16.0,
             _ => c,
         };
         let target = from + (to - from) * along;
-        // Up to 89.9 deg; a third in the planes of symmetry.
+        // Incidences go up to 89.9 deg. A third of the rays lies in planes of symmetry.
         let azimuth_deg = if sample / 5 % 3 == 0 {
             (b * 24.0).floor() * 15.0
         } else {
@@ -80,7 +83,8 @@ fn aimed(
     (launched, lost)
 }
 
-/// The facets' edges of a cell that are not on its rim, in both directions: both ends are aimed at.
+/// Returns the edges of a cell's facets that are not on its rim, in both directions, so that both
+/// ends are aimed at.
 fn shared_edges(cell: &Cell) -> Vec<[DVec3; 2]> {
     let sides = || {
         cell.facets
@@ -133,9 +137,10 @@ fn none_lost_one_by_one() {
     assert_eq!(lost, 0);
 }
 
-/// The same in programs, which take their rays from samples: the entrance is a strip 1e-9 wide
-/// along the shadow of an edge, so that all rays pass the edge within 5e-10 and one in a million
-/// passes it to the last digit.
+/// Programs lose no rays either.
+///
+/// Programs take their rays from samples. So the entrance is a strip 1e-9 wide along the shadow of
+/// an edge: all rays pass the edge within 5e-10, and one in a million passes it to the last digit.
 #[test]
 fn none_lost_in_programs() {
     let wanted = wanted();

@@ -1,5 +1,5 @@
-//! Hard cases, a number for each: what is documented to happen does, by rays and exactly, and both
-//! agree.
+//! Hard cases, with a number for each: what is documented happens, by rays and by the exact method,
+//! and both agree.
 //!
 //! Every test prints its number (`cargo test -p bake --lib hard_cases -- --nocapture`) and asserts
 //! it.

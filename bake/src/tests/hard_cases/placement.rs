@@ -1,4 +1,4 @@
-//! Where and how large a cell lies in its file does not matter, as far as the file's digits go.
+//! The place and the size of a cell in its file do not matter, as far as the digits of the file go.
 
 use crate::tests::hard_cases::both::{Light, cell};
 use glam::DVec3;
@@ -13,7 +13,7 @@ fn light() -> Light {
     Light::new(LIGHT.0, LIGHT.1).inside(1.49)
 }
 
-/// Writes `mesh` as OBJ and loads it again: the way of a user's file.
+/// Writes `mesh` as OBJ and loads it again, as a user's file is loaded.
 fn through_obj(mesh: &Mesh) -> Cell {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("cell.obj");
@@ -25,11 +25,11 @@ fn worst_l1(a: &Table, b: &Table) -> f64 {
     tables::l1(a, b).into_iter().fold(0.0, f64::max)
 }
 
-/// The moved cell by both methods, against the cell of the design: (L1 of the exact tables, L1 of
-/// the ray tables).
+/// Compares the moved cell with the cell of the design by both methods. Returns the L1 of the exact
+/// tables and the L1 of the ray tables.
 ///
-/// Both ray tables have the same samples, so they differ by the few rays that rounding takes over
-/// the edge of a bin.
+/// Both ray tables have equal samples. So they differ by the few rays that rounding takes over the
+/// edge of a bin.
 fn against_design(name: &str, moved: &Cell, shape: Shape) -> [f64; 2] {
     let here = light().on(name, moved);
     let design = cell(shape);
@@ -39,12 +39,12 @@ fn against_design(name: &str, moved: &Cell, shape: Shape) -> [f64; 2] {
     ]
 }
 
-/// Edges of 1e-6 and 1e6 file units.
+/// Cells with edges of 1e-6 and 1e6 file units bake like the design.
 ///
-/// Every vertex has three rounded coordinates (1.1e-16 of an edge each), the frame turns by about
-/// as much: 1e-15 in all. The outlines of the histogram's polygons, at most 12 long in all, move by
-/// a few times that over an area of 3.5: L1 below 1e-13, and of 200,000 rays none or one crosses
-/// the edge of a bin (1e-15 x 64 bins x 200,000 is 1e-8).
+/// Every vertex has three rounded coordinates (1.1e-16 of an edge each), and the frame turns by
+/// about as much: 1e-15 in all. The outlines of the histogram's polygons, at most 12 long in all,
+/// move by a few times that over an area of 3.5: L1 is below 1e-13. Of 200,000 rays none or one
+/// crosses the edge of a bin (1e-15 x 64 bins x 200,000 is 1e-8).
 #[test]
 fn edges_of_a_millionth_and_of_a_million() {
     let mut cases = 0;
@@ -71,14 +71,17 @@ fn edges_of_a_millionth_and_of_a_million() {
     assert_eq!(cases, 8);
 }
 
-/// A million edges of 0.7 from the origin in OBJ: a coordinate near 7e5 is rounded to 5.8e-11 file
-/// units, 8e-11 of an edge, so that faces tilt by 4e-10 rad and outlines move by 1e-9: L1 up to
-/// 1e-8; 1e-9 x 64 bins x 200,000 rays: none or a few rays change bins.
+/// A cell in OBJ whose place is a million edges of 0.7 from the origin bakes like the design within
+/// the rounding of the file.
+///
+/// A coordinate near 7e5 is rounded to 5.8e-11 file units, 8e-11 of an edge. So faces tilt by 4e-10
+/// rad and outlines move by 1e-9: L1 goes up to 1e-8. 1e-9 x 64 bins x 200,000 rays means that none
+/// or a few rays change bins.
 #[test]
 fn a_million_edges_away_in_obj() {
     let mut cases = 0;
     for shape in Shape::ALL {
-        // 0.7 has no end in binary: every coordinate is rounded anew where it lies.
+        // The number 0.7 has no end in binary, so every coordinate is rounded anew where it lies.
         let design = Design {
             edge_length: 0.7,
             ..Design::new(shape)
@@ -104,8 +107,8 @@ fn a_million_edges_away_in_obj() {
     assert_eq!(cases, 8);
 }
 
-/// The same through a node translation in GLB: the local vertices are exact, and so is the cell,
-/// whatever the node.
+/// A node translation in GLB of a million edges changes nothing: the local vertices are exact, and
+/// so is the cell, whatever the node.
 #[test]
 fn a_million_edges_away_in_a_glb_node() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -127,7 +130,7 @@ fn a_million_edges_away_in_a_glb_node() {
     assert_eq!(cases, 3);
 }
 
-/// A binary glTF file of one node.
+/// Returns a binary glTF file of one node.
 fn glb(mesh: &Mesh, translation: [f64; 3]) -> Vec<u8> {
     let positions = mesh.positions.iter().flat_map(|p| p.as_vec3().to_array());
     let mut bytes: Vec<u8> = positions.flat_map(f32::to_le_bytes).collect();
@@ -155,17 +158,21 @@ fn glb(mesh: &Mesh, translation: [f64; 3]) -> Vec<u8> {
         ],
         "accessors": [
             {
-                "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": mesh.positions.len(),
+                "bufferView": 0, "componentType": 5126, "type": "VEC3",
+                "count": mesh.positions.len(),
                 "min": [0.0, 0.0, 0.0], "max": [6.0, 6.0, 6.0],
             },
-            { "bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * mesh.triangles.len() },
+            {
+                "bufferView": 1, "componentType": 5125, "type": "SCALAR",
+                "count": 3 * mesh.triangles.len(),
+            },
         ],
     });
     if let Some(lattice) = lattice {
         document["extras"]["lattice"] = serde_json::json!(lattice);
     }
-    // Two chunks, each of a multiple of four bytes: the document padded with blanks, the buffer (of
-    // numbers of four bytes) as it is.
+    // There are two chunks, each of a multiple of four bytes. The document is padded with blanks.
+    // The buffer has numbers of four bytes and stays as it is.
     let mut document = document.to_string().into_bytes();
     document.resize(document.len().next_multiple_of(4), b' ');
     let word = |length: usize| u32::try_from(length).expect("a small file").to_le_bytes();
