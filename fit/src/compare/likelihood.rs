@@ -9,11 +9,11 @@
 //! E is the unit edge through blur and camera. The gradient (g_d, g_t) is that of the illumination:
 //! it multiplies the light of the edge, not the camera's offset.
 //!
-//! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts it off at 0, the
-//! mean and the variance after the cut are used. Both noise numbers are the most likely ones for
-//! the scatter of the pixels about a smooth model. The weights follow from that model and stay
-//! fixed while the likelihood is maximised, because weights that follow the data or the parameters
-//! bias the estimate.
+//! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts
+//! it off at 0, the mean and the variance after the cut are used. Both noise numbers are the most
+//! likely ones for the scatter of the pixels about a smooth model. The weights follow from that
+//! model and stay fixed while the likelihood is maximised, because weights that follow the data or
+//! the parameters bias the estimate.
 //!
 //! Position and angle of the edge, both plateaus and the gradient are nuisances of each photograph.
 //! For each trial blur they are set to their optimum and projected out (variable projection). What

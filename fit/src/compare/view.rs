@@ -166,7 +166,8 @@ impl View {
         v
     }
 
-    /// Multiplies the differences of two MTFs by their weights. The zero frequency is left out. The map is linear.
+    /// Multiplies the differences of two MTFs by their weights. The zero frequency is left out. The
+    /// map is linear.
     pub fn weigh(&self, weights: Weights, difference: &[f64]) -> DVector<f64> {
         match weights {
             Weights::Noise => self.whiten(difference),

@@ -1,11 +1,12 @@
-//! What a user should know of the table that a campaign is fitted with.
+//! Warnings about the table with which a campaign is fitted.
 
 use tables::Table;
 use tables::options::Element;
 
 use crate::photographs::Campaign;
 
-/// How far the table's light goes from straight back, rad, if it says so and that is seen.
+/// Returns the largest angle of the table's light off the exact way back, rad, or `None` if the
+/// table records none or it is too small to see.
 fn deviates(table: &Table) -> Option<f64> {
     let of_beams = || {
         let exact = table.exact.as_ref().filter(|exact| exact.deviates())?;
@@ -18,7 +19,7 @@ fn deviates(table: &Table) -> Option<f64> {
     of_rays.or_else(of_beams)
 }
 
-/// What the table means for the estimates of a campaign, one sentence each.
+/// Returns the warnings about a table for the estimates of a campaign, one sentence each.
 pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
     let mut warnings = Vec::new();
     let spectrum = &campaign.setup.spectrum;

@@ -119,8 +119,8 @@ fn quadrature(k: f64) -> (f64, f64) {
     sum
 }
 
-/// Evaluates g and its derivative by k, not normalised, for large k by a series that starts from the
-/// cut.
+/// Evaluates g and its derivative by k, not normalised, for large k by a series that starts from
+/// the cut.
 ///
 /// The series is I[F] = T F J1(kT)/k + T F' J0(kT)/k^2 - I[lap F]/k^2, with F = sinc^2 and its
 /// Laplacian in two dimensions (two integrations by parts). F is band-limited to k <= 2, so beyond

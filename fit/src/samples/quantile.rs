@@ -67,8 +67,8 @@ impl Quantile {
 mod tests {
     use super::*;
 
-    /// Compares with an inversion by hand of cells of masses 0, 1, 0, 3, 0 between -1 and 1.5. Empty
-    /// cells hold no quantile.
+    /// Compares with an inversion by hand of cells of masses 0, 1, 0, 3, 0 between -1 and 1.5.
+    /// Empty cells hold no quantile.
     #[test]
     fn quantiles_skip_empty_cells() {
         let q = Quantile::new(-1.0, 0.5, &[0.0, 1.0, 0.0, 3.0, 0.0]).expect("there is mass");

@@ -19,10 +19,10 @@
 //!
 //! The pixels are taken bin by bin of the profile. Each pixel takes the next points of one
 //! sequence. After [`EVEN_POINTS`] (or [`INDEPENDENT_POINTS`]) the points begin again. So the
-//! pixels of a bin, and those of neighbouring bins, form one net together. With 256 Sobol points for each
-//! pixel the transform of the line spread has 1/50 to 1/25 of the variance of independent points.
-//! If every bin had the same net, the variance would be 20 times larger, because the pixels lie
-//! differently in each bin. One net for all pixels of a photograph would not reduce it.
+//! pixels of a bin, and those of neighbouring bins, form one net together. With 256 Sobol points
+//! for each pixel the transform of the line spread has 1/50 to 1/25 of the variance of independent
+//! points. If every bin had the same net, the variance would be 20 times larger, because the pixels
+//! lie differently in each bin. One net for all pixels of a photograph would not reduce it.
 
 pub(crate) mod texture;
 

@@ -144,8 +144,8 @@ const fn columns(m: &[u32], inner: u32) -> [u32; 32] {
 mod tests {
     use super::*;
 
-    /// Compares with scipy.stats.qmc.Sobol(4, scramble=False, bits=32).random(8), put from Gray-code
-    /// into natural order. The program of Joe and Kuo prints the same points.
+    /// Compares with scipy.stats.qmc.Sobol(4, scramble=False, bits=32).random(8), put from
+    /// Gray-code into natural order. The program of Joe and Kuo prints the same points.
     #[test]
     fn plain_points_are_those_of_joe_and_kuo() {
         let expected = [
@@ -165,8 +165,8 @@ mod tests {
     }
 
     /// Checks that of 1024 consecutive points one lies in each elementary box of area 2^-10 in the
-    /// first two dimensions, and in each interval of length 2^-10 in each dimension. Scrambling must
-    /// keep this property.
+    /// first two dimensions, and in each interval of length 2^-10 in each dimension. Scrambling
+    /// must keep this property.
     #[test]
     fn scrambled_points_are_a_net() {
         let points = Points::new(Sequence::Sobol, 7, 3);
@@ -188,8 +188,9 @@ mod tests {
         assert_eq!(boxes, (11 + 4) * 1024);
     }
 
-    /// Means and products of pairs of coordinates of independent points have the standard
-    /// deviations sqrt(1/12n) and sqrt(7/144n). The tolerance is 5 of them for ten figures.
+    /// Checks means and products of pairs of coordinates of independent points. They have the
+    /// standard deviations sqrt(1/12n) and sqrt(7/144n). The tolerance is 5 of them for ten
+    /// figures.
     #[test]
     fn independent_points_are_uncorrelated() {
         let points = Points::new(Sequence::Independent, 1, 0);

@@ -146,8 +146,8 @@ mod tests {
         }),
     };
 
-    /// Compares with the known edge of the pixel's box across a normal at 0 and a Gaussian lens. With
-    /// sigma = blur / (sqrt 2 pi) it is a difference of integrals of the normal distribution.
+    /// Compares with the known edge of the pixel's box across a normal at 0 and a Gaussian lens.
+    /// With sigma = blur / (sqrt 2 pi) it is a difference of integrals of the normal distribution.
     ///
     /// Tolerance: lines over h = 1/32 of a pixel leave h^2 E'' / 12 at their corners, and half of
     /// that between them. E'', the difference of two normal densities a pixel apart, stays below
