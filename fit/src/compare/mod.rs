@@ -1,7 +1,7 @@
 //! Comparison of a model with a photograph, both seen through the photograph's own estimator.
 //!
-//! Input: a measured edge and a model's curve. Output: differences of MTFs in units of their noise,
-//! the two plateaus, or the likelihood of the pixels. The room compares one photograph at a time
+//! A measured edge and a model's curve enter. Differences of MTFs in units of their noise, the two
+//! plateaus, or the likelihood of the pixels leave. The room compares one photograph at a time
 //! and fits nothing but its nuisances: place, angle, plateaus and gradient. It may touch `model`,
 //! `photographs` and `numerics`.
 

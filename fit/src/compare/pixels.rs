@@ -8,8 +8,8 @@
 //! the pixels' own positions, and no position is rounded to a bin.
 //!
 //! One part is lost: the differences between pixels of one bin across the edge. Its share of the
-//! information is (1/4 px)^2/12 over the variance of the blur: 1 % for a lens of half a pixel, 0.1
-//! % for an aerial image.
+//! information is (1/4 px)^2/12 over the variance of the blur. This is 1 % for a lens of half a
+//! pixel and 0.1 % for a mid-air image.
 
 use crate::photographs::BIN_PX;
 use crate::photographs::edge::line::EdgeLine;

@@ -132,9 +132,9 @@ pub(crate) fn flexible(scene: &Scene) -> Choice {
 /// Returns [`Error::OneAzimuth`] if the table is a mean over azimuths or holds only one.
 fn check(table: &Table) -> Result<(), Error> {
     let held = if table.axes.is_mean() {
-        "it is a mean over all"
+        "it is a mean over all azimuths"
     } else if table.axes.azimuth_deg.len() < 2 {
-        "it holds one"
+        "it holds only one"
     } else {
         return Ok(());
     };

@@ -25,9 +25,8 @@ pub enum Error {
         fault: wave::Fault,
     },
     /// Baseline that needs a front face, named alone for hollow cubes.
-    #[error("{}: --model guo blurs by the roughness of the front, which hollow cubes lack (index \
-    1 in the table); \
-             name another model", manifest.display())]
+    #[error("{}: --model guo needs a front face, but the table's cubes are hollow (refractive \
+             index 1); choose another --model", manifest.display())]
     Hollow {
         /// File of the manifest.
         manifest: PathBuf,
@@ -35,8 +34,7 @@ pub enum Error {
     /// Table that cannot tell the azimuth.
     #[error(
         "--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake \
-        trace --azimuth full \
-             --direction-tolerance 0.005"
+        trace --azimuth full --direction-tolerance 0.005"
     )]
     OneAzimuth {
         /// Azimuths that the table holds, in words.
@@ -53,7 +51,7 @@ pub enum Error {
     #[error(transparent)]
     Conflict(#[from] Conflict),
     /// No candidate left.
-    #[error("no kernel, or no lobe shape, is open; name at least one of each")]
+    #[error("no kernel or no lobe shape is left to try; name at least one of each")]
     NothingOpen,
     /// Estimate stopped by its caller.
     #[error(transparent)]
@@ -75,19 +73,20 @@ impl From<scene::Error> for Error {
 pub enum Conflict {
     /// Samples together with the likelihood of pixels.
     #[error(
-        "--forward render compares MTFs, as published; use --loss mtf or mse, or --forward spectral"
+        "--forward render compares MTFs, not pixels; use --loss mtf or --loss mse, or \
+        --forward spectral"
     )]
     PixelsBySamples,
     /// Candidates of which none has samples.
     #[error(
-        "this model has no samples: --forward render does eq1, angular, shift and lobe; use \
-        --forward spectral"
+        "this model has no samples: --forward render can only do the kernels eq1, angular, shift \
+        and lobe; use --forward spectral"
     )]
     NoSamples,
     /// Azimuth wanted for a model without one, or by samples.
     #[error(
-        "--fit-azimuth looks for the azimuth in closed form and with the proposed model; leave \
-        out --forward and --model"
+        "--fit-azimuth works only in closed form and with the proposed model; leave out --forward \
+        and --model"
     )]
     AzimuthOfAnother,
 }

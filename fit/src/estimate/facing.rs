@@ -47,7 +47,7 @@ pub struct Facing {
 pub struct Along<'a> {
     /// Incidence outside the sheet, radians.
     pub incidence_rad: f64,
-    /// Edge normal in the aerial image, (tangential, sagittal).
+    /// Edge normal in the mid-air image, (tangential, sagittal).
     pub normal: [f64; 2],
     /// Wavelengths of the source.
     pub spectrum: Option<&'a Spectrum>,

@@ -1,5 +1,5 @@
 //! The likelihood of all photographs together. They share blur and lens, and the pixels of the
-//! reference count beside those of the aerial photographs.
+//! reference count beside those of the photographs of the mid-air edge.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Estimates of c, a and mu with their errors, from the photographs of a campaign.
 //!
-//! Input: photographs from files or from memory, a table, and options. Output: an estimate with its
-//! terms, bounds and warnings. [`campaign`] does all of it. Photographs are measured once, into a
+//! Photographs from files or from memory, a table, and options enter. An estimate with its terms,
+//! bounds and warnings leaves. [`campaign`] does all of it. Photographs are measured once, into a
 //! scene that nothing rewrites. The room writes no file and prints nothing. It may touch `compare`,
 //! `samples`, `model`, `photographs`, `names` and `numerics`, but not the simulator.
 //!

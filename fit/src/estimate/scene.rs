@@ -60,8 +60,9 @@ pub enum Error {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// Campaign in which no capture returns light.
-    #[error("{}: no capture is left: nothing is retroreflected at any incidence of it; \
-             photograph smaller incidence angles, or check azimuth_deg", manifest.display())]
+    #[error("{}: no capture is left: the table says that nothing is retroreflected at the \
+             incidence of any capture; photograph at smaller incidences, or check azimuth_deg",
+             manifest.display())]
     NothingLeft {
         /// File of the manifest.
         manifest: PathBuf,
@@ -353,8 +354,8 @@ fn source_edge(
     let Some(shot) = &campaign.reference else {
         if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
             warnings.push(format!(
-                "{NO_REFERENCE} photograph: the camera is taken for its pixel box alone, and mu \
-                cannot be found"
+                "{NO_REFERENCE} photograph: the lens is left out of the model, and mu cannot be \
+                found; photograph the source edge too"
             ));
         }
         return Ok(None);

@@ -32,10 +32,9 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
         .all(|shot| (shot.r_mm / scene.shots[0].r_mm - 1.0).abs() < 1e-6);
     if open && one_distance {
         warnings.push(
-            "all photographs are at one floating distance: whether a (eq1) or a R (angular) is \
-            constant cannot be told, \
-             and predictions at other distances depend on it; photograph a second distance, or \
-             name --kernel"
+            "all photographs are at one floating distance, so it is unknown whether a (kernel eq1) \
+            or a R (kernel angular) is constant, and predictions at other distances depend on \
+            this; photograph at a second distance too, or choose with --kernel"
                 .into(),
         );
     }
@@ -43,9 +42,8 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     if reduced > POOR_FIT {
         warnings.push(format!(
             "the model does not describe the photographs within their noise (chi-square \
-            {reduced:.1} per degree of \
-             freedom): the standard errors are raised accordingly; try another --kernel or \
-             --lobe, or check the manifest"
+            {reduced:.1} per degree of freedom): the standard errors are raised accordingly; try \
+            another --kernel or --lobe, or check the manifest"
         ));
     }
     warnings.extend(coarse(best));
@@ -54,8 +52,8 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
     if let Some(mu) = best.mu.iter().flatten().find(above_one) {
         warnings.push(format!(
-            "mu {:.3} is more light than falls on the sheet: check the exposures, the half mirror \
-            and the table's cell",
+            "mu {:.3} means more light than falls on the sheet: check the exposures, the half \
+            mirror and the table's cell",
             mu.value
         ));
     }
@@ -66,8 +64,7 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     {
         warnings.push(format!(
             "the lens model does not describe the reference photograph within its noise \
-            (chi-square {:.1} per degree \
-             of freedom)",
+            (chi-square {:.1} per degree of freedom)",
             reference.reduced_chi2
         ));
     }
@@ -82,8 +79,8 @@ fn not_told(best: &Estimate) -> Option<String> {
     let lost: Vec<String> = lost.map(|(id, _)| id.to_string()).collect();
     (!lost.is_empty()).then(|| {
         format!(
-            "the photographs do not tell {}, or not apart: covariances without a finite value are \
-            null in the result",
+            "the photographs do not determine {} (not at all, or not separately): covariances that \
+            are not finite are null in the result",
             lost.join(", ")
         )
     })
@@ -113,8 +110,8 @@ pub(crate) fn of_azimuth(found: &Azimuth) -> Vec<String> {
     let others = found.others_deg.iter();
     let said = others.map(|deg| {
         format!(
-            "the photographs are as likely at azimuth {deg:.2} deg; an edge in another \
-        direction would tell"
+            "azimuth {deg:.2} deg fits the photographs as well; a photograph of an edge in another \
+            direction would tell the azimuths apart"
         )
     });
     said.collect()

@@ -5,7 +5,7 @@
 //!
 //! If there is a mid-air image at all, the roughness is a few thousandths. So each model is taken
 //! to first order in the slopes of its facets. A slope s turns the light by gain x s, which
-//! displaces it by R x gain x s in the aerial image. The density of slopes (`microfacet`) becomes
+//! displaces it by R x gain x s in the mid-air image. The density of slopes (`microfacet`) becomes
 //! the blur. Independent facets convolve, so their OTFs multiply. With theta outside, theta'
 //! inside, m the index and G = m cos theta' - cos theta, the gains (tangential, sagittal) are:
 //!
@@ -42,7 +42,7 @@ struct Facets {
     count: i32,
 }
 
-/// The facets of one direction, seen along one line of the aerial image.
+/// The facets of one direction, seen along one line of the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Baseline {
     /// Facets whose roughness is the spread of a [`Blur`].

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use crate::numerics::sinc::sinc;
 
-/// Transfer function of a camera in the plane of the aerial image.
+/// Transfer function of a camera in the plane of the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Size of one pixel in the plane of the aerial image, mm.
+    /// Size of one pixel in the plane of the mid-air image, mm.
     pub pitch_mm: f64,
     /// Blur beside the pixel's box; `None` without a reference photograph.
     pub lens: Option<Lens>,

@@ -38,12 +38,12 @@ pub struct Model<'a> {
     pub baseline: Option<Baseline>,
     /// Floating distance (optical path), mm.
     pub r_mm: f64,
-    /// Edge normal in the aerial image, (tangential, sagittal).
+    /// Edge normal in the mid-air image, (tangential, sagittal).
     pub normal: [f64; 2],
 }
 
 impl Model<'_> {
-    /// Evaluates the OTF of the aerial image at `frequency` (1/mm) along the normal, and its
+    /// Evaluates the OTF of the mid-air image at `frequency` (1/mm) along the normal, and its
     /// derivatives by ln(spread) and ln(c).
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
         let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);

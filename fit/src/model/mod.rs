@@ -1,8 +1,8 @@
 //! The blur of a sheet as a transfer function (ray shift, diffraction lobe, wave optics, rough
 //! facets), and that of the camera.
 //!
-//! Input: a direction of the table, a kernel and its numbers. Output: the OTF along a line of the
-//! image with its derivatives, and the edge that it blurs. Of a photograph the room knows only the
+//! A direction of the table, a kernel and its numbers enter. The OTF along a line of the image, its
+//! derivatives, and the edge that it blurs leave. Of a photograph the room knows only the
 //! widths of its bins. It may touch `names`, `numerics` and `photographs`.
 
 pub(crate) mod baseline;

@@ -1,7 +1,7 @@
 //! Mathematics without a subject: transforms, quadrature, triangular factors, least squares.
 //!
-//! Input and output are arrays of numbers and closures. Each file states its accuracy. Nothing here
-//! knows of light or photographs. This is the lowest room: it may touch no other.
+//! Arrays of numbers and closures enter. Arrays of numbers leave. Each file states its accuracy.
+//! Nothing here knows of light or photographs. This is the lowest room: it may touch no other.
 
 pub(crate) mod clip;
 pub(crate) mod factor;

@@ -1,4 +1,4 @@
-//! Samples of the blur: points where rays from one point of the source meet the aerial image.
+//! Samples of the blur: points where rays from one point of the source meet the mid-air image.
 //!
 //! Input: a direction of a table and a lobe. Output: points, and the model of one photograph by
 //! such points. The room may touch `model`, `names`, `numerics` and `photographs`.
