@@ -74,7 +74,7 @@ impl Candidates {
     /// Returns the candidates that have samples.
     ///
     /// # Errors
-    /// Returns [`Conflict::PixelsBySamples`] if `loss` is `edge`, and [`Conflict::NoSamples`] if no
+    /// Returns `Conflict::PixelsBySamples` if `loss` is `edge`, and `Conflict::NoSamples` if no
     /// candidate has samples.
     pub fn with_samples(mut self, loss: Option<Kind>) -> Result<Candidates, Conflict> {
         if loss == Some(Kind::Edge) {

@@ -62,7 +62,7 @@ impl Watch<'_> {
     /// Reports that a step is done.
     ///
     /// # Errors
-    /// Returns [`Cancelled`] if the flag is set.
+    /// Returns `Cancelled` if the flag is set.
     pub fn done(&self, step: Step) -> Result<(), Cancelled> {
         if let Some(progress) = self.progress {
             progress(step);

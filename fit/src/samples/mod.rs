@@ -1,6 +1,6 @@
 //! Samples of the blur: points where rays from one point of the source meet the mid-air image.
 //!
-//! Input: a direction of a table and a lobe. Output: points, and the model of one photograph by
+//! A direction of a table and a lobe enter. Points leave, and the model of one photograph by
 //! such points. The room may touch `model`, `names`, `numerics` and `photographs`.
 //!
 //! A sample is a pure function of (seed, stream, index). A [`sequence`] gives four coordinates. The
