@@ -114,8 +114,8 @@ impl Profile<'_> {
     }
 }
 
-/// Returns the candidate for the search. All that may differ by incidence does differ, so that the
-/// azimuth does not compensate for it.
+/// Returns the candidate for the search. In it a and mu differ by incidence, so that the azimuth
+/// does not compensate for such differences.
 pub(crate) fn flexible(scene: &Scene) -> Choice {
     let several = scene.groups.len() > 1;
     Choice {

@@ -1,11 +1,12 @@
 //! One-sided bounds from the profile likelihood, for parameters that the photographs cannot
 //! determine.
 //!
-//! A term that was left out is bounded only if the criterion left it out. This happens more often
-//! the more noise has hidden the term. Among such photographs a plain bound of 95 % holds less
-//! often. So the level of this bound is conditional on the choice (Fithian, Sun and Taylor, Optimal
-//! inference after model selection, arXiv 1410.2597): the estimate, in standard deviations, is a
-//! normal number below the threshold of the criterion, see `rise_below`.
+//! A term that is not in the chosen candidate gets a bound only if the criterion left it out. The
+//! criterion does so more often the more noise has hidden the term. Among such photographs a plain
+//! bound of 95 % holds less often. So the level of this bound is conditional on the choice
+//! (Fithian, Sun and Taylor, Optimal inference after model selection, arXiv 1410.2597): the
+//! estimate, in standard deviations, is a normal number below the threshold of the criterion, see
+//! `rise_below`.
 
 use std::collections::BTreeMap;
 

@@ -87,10 +87,10 @@ impl Candidates {
         Ok(self)
     }
 
-    /// Returns the candidates that the photographs and the table allow, with a warning for each one
-    /// that is left out although it was asked for.
+    /// Returns the candidates that the photographs and the table allow, with warnings.
     ///
-    /// `wave` needs wavelengths and polygons. `saito-surface` needs a front face.
+    /// `wave` needs wavelengths and polygons. A warning says why it is left out if wavelengths are
+    /// given. `saito-surface` needs a front face. It is left out without a warning.
     ///
     /// # Errors
     /// Returns [`Error::Wave`] if `wave` is the only kernel and cannot be computed, and

@@ -1,4 +1,4 @@
-//! Mathematics without a subject: transforms, quadrature, triangular factors, least squares.
+//! Mathematics for all rooms: transforms, quadrature, triangular factors, least squares.
 //!
 //! Arrays of numbers and closures enter. Arrays of numbers leave. Each file states its accuracy.
 //! Nothing here knows of light or photographs. This is the lowest room: it may touch no other.
