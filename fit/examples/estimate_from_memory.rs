@@ -1,6 +1,8 @@
-//! Estimates a sheet from photographs in memory, says how far it is, and writes the result: `cargo
-//! run --example estimate_from_memory`. Nothing but the demo photographs themselves is read from
-//! files: in their place stands whatever a camera hands out.
+//! Estimates a sheet from photographs in memory, prints its progress, and prints the result.
+//!
+//! Run it with `cargo run --example estimate_from_memory`. It reads the table and the demo
+//! photographs from files, but no manifest. A program with a camera would put the camera's pictures
+//! in the place of the demo photographs.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -15,18 +17,18 @@ use fit::{
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
-/// Name, floating distance in mm; all at normal incidence.
+/// Names and floating distances (mm) of the photographs, all at normal incidence.
 const CAPTURES: [(&str, f64); 2] = [
     ("aerial_150mm_00deg_tan.exr", 150.0),
     ("aerial_300mm_00deg_tan.exr", 300.0),
 ];
 
-/// The photograph of the edge itself, without the sheet.
+/// Name of the reference: the photograph of the source edge itself, without the sheet.
 const SOURCE: &str = "source.exr";
 
 fn campaign() -> Campaign {
     let capture = |(name, floating_distance_mm): (&str, f64)| Capture {
-        // Six times the exposure of the reference.
+        // The exposure is six times that of the reference.
         shot: Shot::named(name, 6.0),
         floating_distance_mm,
         path_mm: None,
@@ -62,14 +64,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect::<Result<_, Box<dyn Error>>>()?;
     let table = tables::read(&Path::new(ROOT).join("tables/tests/kept/version_1_exact.h5"))?;
 
-    // Another thread may set this flag; the estimate then ends after its next step.
+    // Another thread may set this flag. Then the estimate ends after its next step.
     let cancel = AtomicBool::new(false);
     let progress = |step: Step| eprintln!("{step:?}");
     let watch = Watch {
         progress: Some(&progress),
         cancel: Some(&cancel),
     };
-    // Every photograph that the campaign names is in the map.
+    // The map holds every photograph that the campaign names.
     let photo = |shot: &Shot| Ok(photos[&shot.image].clone());
     // The sheet of the demo was simulated with the separable lobe.
     let options = Options::new(Candidates {

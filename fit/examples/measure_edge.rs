@@ -1,4 +1,6 @@
-//! Prints the MTF of the edge in a photograph: `cargo run --example measure_edge [PHOTOGRAPH]`.
+//! Prints the MTF of the edge in a photograph.
+//!
+//! Run it with `cargo run --example measure_edge [PHOTOGRAPH]`.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -10,7 +12,7 @@ const CAMERA: &str = concat!(
     "/../tests/edges/camera_5deg.exr"
 );
 
-/// Frequencies, from 0 to the sampling frequency.
+/// Number of frequencies, from 0 to the sampling frequency.
 const COUNT: usize = 21;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -24,8 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let normal_deg = edge.line.normal_rad.to_degrees();
     println!("edge normal at {normal_deg:.3} deg from +x");
-    // A period of the transform is 4 per pixel, so that the first quarter ends at the sampling
-    // frequency.
+    // The transform reaches 4 cycles per pixel. Its first quarter ends at the sampling frequency.
     let estimator = Estimator::new(&edge.profile, 1.0, 4 * (COUNT - 1), COUNT);
     let mtf = estimator.measure(&edge.profile).modulus;
     println!("cycles/pixel    MTF");

@@ -1,16 +1,18 @@
-//! Estimates what a retroreflective sheet does to mid-air images, and predicts what it will show
-//! elsewhere.
+//! Estimates three numbers of a retroreflective sheet from photographs, and predicts with them the
+//! mid-air images of the sheet at other distances and angles.
 //!
-//! Mid-air images of corner-cube sheets are blurred and dimmed. Three numbers of the sheet describe
-//! it: `c` (corner size, of which the ray shift is a multiple), `a` (diffraction spread) and `mu`
-//! (reflectance). This crate finds them, with standard errors, from photographs of an edge and a
-//! table of the ray shifts that the program `bake` makes; and with them it gives MTF and luminance
-//! at any distance and angle. The method is Sugawara and Koizumi's (SIGGRAPH Asia 2025 Posters).
+//! A sheet of corner cubes blurs and dims its mid-air images. Three numbers describe this: `c`, the
+//! size of the corner cubes, which scales the ray shift; `a`, the diffraction spread; and `mu`, the
+//! reflectance. This crate estimates them, with standard errors, from photographs of an edge and
+//! from a table of ray shifts, which the program `bake` makes. From the three numbers it computes
+//! MTF and luminance at any distance and angle. The method is that of Sugawara and Koizumi
+//! (SIGGRAPH Asia 2025 Posters).
 //!
 //! # Units
-//! Lengths in mm, of the aerial image's plane; `a` and frequencies in 1/mm. Angles in radians, but
-//! for names that end in `_deg`, as in files and options. Light is linear, of any unit, and a
-//! photograph's exposure is relative to the reference's.
+//! - Lengths are in mm, in the plane of the mid-air image. `a` and frequencies are in 1/mm.
+//! - Angles are in radians. Names that end in `_deg`, files and options have degrees.
+//! - Light is linear, in any unit. The exposure of a photograph is relative to that of the
+//!   reference.
 //!
 //! # Measure an edge
 //! ```
@@ -18,7 +20,8 @@
 //!
 //! let photo = load_photo("../tests/edges/camera_5deg.exr".as_ref(), &Decode::default())?;
 //! let edge = measure_edge(&photo, None, &[])?;
-//! // The pitch of the pixels: 1, so that frequencies are in cycles per pixel. 101 of them, up to the sampling frequency.
+//! // With a pixel pitch of 1, frequencies are in cycles per pixel. 101 of them reach from 0 to the
+//! // sampling frequency.
 //! let estimator = Estimator::new(&edge.profile, 1.0, 400, 101);
 //! let mtf = estimator.measure(&edge.profile).modulus;
 //! let half = crossing(&estimator.frequencies_per_mm, &mtf, 0.5);
@@ -29,10 +32,11 @@
 //!
 //! # Estimate a sheet
 //! ```
-//! use fit::{Candidates, Kernel, LobeShape, Options, Shot, Watch, estimate_campaign, load_campaign};
+//! use fit::{Candidates, Kernel, LobeShape, Options, Shot, Watch};
+//! use fit::{estimate_campaign, load_campaign};
 //!
 //! let mut campaign = load_campaign("../tests/captures/public_shared/captures.toml".as_ref())?;
-//! // This small table holds two angles of incidence; the photographs were taken at more.
+//! // This small table holds two incidences. The photographs were taken at more.
 //! let table = tables::read("../tables/tests/kept/version_1_exact.h5".as_ref())?;
 //! campaign.captures.retain(|capture| capture.incidence_deg == 0.0);
 //!
@@ -41,7 +45,7 @@
 //!     shapes: vec![LobeShape::Separable],
 //!     ..Candidates::proposed()
 //! });
-//! // Photographs come from their files here; any other function of a `Shot` will do.
+//! // Here the photographs come from their files. Any other function of a `Shot` can supply them.
 //! let found = estimate_campaign(&campaign, &Shot::load, &table, &options, &Watch::NOBODY)?;
 //! let c = found.best.c_mm.expect("the kernel has a corner size");
 //! println!("c = {:.4} +- {:.4} mm", c.value, c.standard_error);
@@ -51,17 +55,27 @@
 //! ```
 //!
 //! # Rooms
-//! Every folder is a room, and imports only those that stand before it here: `numerics`
-//! (mathematics), `names` (kernels, lobes, parameters), `document` (TOML), `photographs` (files to
-//! edges), `model` (the blur's transfer function), `samples` (the blur by samples), `simulate`
-//! (photographs with a planted answer, by another road than the model's), `compare` (a model seen
-//! through a photograph's estimator), `estimate`, `result` (result.json), `predict`, `images`
-//! (pictures through a sheet; a feature), `study` (how good estimates are), `report` (plots and the
-//! HTML page; a feature), `cli` (the program).
+//! Each folder is a room. A room imports only the rooms before it in this list:
+//!
+//! - `numerics`: mathematics.
+//! - `names`: kernels, lobes, parameters.
+//! - `document`: TOML.
+//! - `photographs`: files to edges.
+//! - `model`: the transfer function of the blur.
+//! - `samples`: the blur by samples.
+//! - `simulate`: photographs with a planted answer, computed in another way than by the model.
+//! - `compare`: a model seen through a photograph's estimator.
+//! - `estimate`: c, a and mu with their errors.
+//! - `result`: the file `result.json`.
+//! - `predict`: MTF and luminance at other distances and angles.
+//! - `images`: pictures through a sheet (a feature).
+//! - `study`: the quality of estimates.
+//! - `report`: plots and the HTML page (a feature).
+//! - `cli`: the program.
 
 #![forbid(unsafe_code)]
 #![warn(unreachable_pub)]
-// A room serves the rooms above it, two of which the lean fitter leaves out.
+// Two rooms are features. Without them some items of the rooms below have no user.
 #![cfg_attr(
     not(all(feature = "images", feature = "report")),
     allow(unused_imports, dead_code, reason = "rooms of features use it")

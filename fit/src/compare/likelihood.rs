@@ -1,18 +1,23 @@
 //! The likelihood of one photograph's pixels under an edge profile.
 //!
-//! Expected light of a pixel at distance d from the edge and t along it: dark + step (1 + g_d d +
-//! g_t t) E(d).
+//! A pixel at distance d from the edge, and t along it, has the expected light
 //!
-//! E is the unit edge through blur and camera. The gradient (g_d, g_t) is of the illumination: it
-//! multiplies the light of the edge, not the camera's offset. Noise is normal with variance read^2
-//! + gain x light, and where the camera cuts it off at 0, mean and variance are those of what is
-//! left. Both noise numbers are the most likely ones for the scatter of the pixels about a smooth
-//! model; the weights that follow from that model stay fixed while the likelihood is climbed, for
-//! weights that follow the data, or the parameters, bias the estimate.
+//! ```text
+//! dark + step (1 + g_d d + g_t t) E(d)
+//! ```
 //!
-//! Position and angle of the edge, both plateaus and the gradient are nuisances of every
-//! photograph: for every trial blur they are put at their optimum and projected out (variable
-//! projection), so that what remains is a function of blur and lens alone.
+//! E is the unit edge through blur and camera. The gradient (g_d, g_t) is that of the illumination:
+//! it multiplies the light of the edge, not the camera's offset.
+//!
+//! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts
+//! it off at 0, the mean and the variance after the cut are used. Both noise numbers are the most
+//! likely ones for the scatter of the pixels about a smooth model. The weights follow from that
+//! model and stay fixed while the likelihood is maximised, because weights that follow the data or
+//! the parameters bias the estimate.
+//!
+//! Position and angle of the edge, both plateaus and the gradient are nuisances of each photograph.
+//! For each trial blur they are set to their optimum and projected out (variable projection). What
+//! remains is a function of blur and lens alone.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -28,7 +33,8 @@ use crate::numerics::factor;
 use crate::photographs::BIN_PX;
 use crate::photographs::PixelNoise;
 
-/// Nuisances of a photograph, in the order of their columns.
+/// Nuisances of a photograph, in the order of their columns: the numbers that each photograph has
+/// for itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Nuisances {
     /// Distance of the edge from the photograph's line, pixels.
@@ -39,46 +45,47 @@ pub(crate) struct Nuisances {
     pub dark: f64,
     /// Gradient of the light across and along the edge, per pixel.
     pub gradient: [f64; 2],
-    /// Bright minus dark plateau, > 0; its column is by ln(step).
+    /// Bright minus dark plateau, > 0. Its column is the derivative by ln(step).
     pub step: f64,
 }
 
-/// Columns of the nuisances; that of ln(step) is the last.
+/// Number of columns of the nuisances. The last is that of ln(step).
 pub(crate) const NUISANCES: usize = 6;
 
 /// Column of ln(step).
 pub(crate) const STEP: usize = NUISANCES - 1;
 
-/// The edge profile of a trial model and its derivatives by what is fitted: ln spread, ln c, then
-/// the lens.
+/// Edge profile of a trial model, with its derivatives by the fitted parameters: ln spread, ln c,
+/// then those of the lens.
 pub(crate) struct Curves {
     value: Even,
     by: Vec<Even>,
 }
 
-/// A photograph at the optimum of its nuisances.
+/// Photograph with its nuisances at their optimum.
 pub(crate) struct Fitted {
-    /// Upper triangular R with R^T R = the weighted normal matrix of (nuisances, derivatives,
+    /// Upper triangular R, where R^T R is the weighted normal matrix of (nuisances, derivatives,
     /// residual).
     pub factor: DMatrix<f64>,
-    /// Where the nuisances ended.
+    /// Nuisances at the optimum.
     pub nuisances: Nuisances,
 }
 
-/// What is known of one bin's pixels.
+/// Weights and noise of one bin.
 #[derive(Debug, Clone, Copy, Default)]
 struct Weight {
-    /// Square roots of the weights of mean and slope.
+    /// Square roots of the weights of the mean and of the slope; 0 for a number that the bin does
+    /// not have.
     root: [f64; 2],
-    /// Standard deviation of a pixel before it is cut off.
+    /// Standard deviation of a pixel before the cut at 0, linear light.
     sigma: f64,
 }
 
-/// A photograph whose noise is known.
+/// Pixels of a photograph with their noise and their weights.
 pub(crate) struct Photograph<'a> {
-    /// Its pixels.
+    /// Pixels of the photograph, by bins.
     pub pixels: &'a Pixels,
-    /// Its noise.
+    /// Noise of the pixels.
     pub noise: PixelNoise,
     grid: Grid,
     weights: Vec<Weight>,
@@ -86,7 +93,8 @@ pub(crate) struct Photograph<'a> {
 }
 
 impl<'a> Photograph<'a> {
-    /// A photograph before anything is known of it but its pixels.
+    /// Prepares a photograph of which only the pixels are known. [`Photograph::settle`] finds the
+    /// rest.
     pub(crate) fn new(pixels: &'a Pixels, pitch_mm: f64) -> Photograph<'a> {
         Photograph {
             pixels,
@@ -106,15 +114,16 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// Independent numbers in it: a mean and, where a bin is spread along the edge, a slope for
-    /// every bin.
+    /// Returns the number of independent numbers in the photograph: for each bin a mean, and a
+    /// slope if its pixels are spread along the edge.
     pub(crate) fn observations(&self) -> usize {
         let known = |w: &Weight| w.root.iter().filter(|&&root| root > 0.0).count();
         self.weights.iter().map(known).sum()
     }
 
-    /// The edge profile through `camera`, of the source edge itself where there is no `model`; with
-    /// derivatives by the first `lens` of the lens's parameters (ln blur, exponent).
+    /// Evaluates the edge profile through `camera`, with its derivatives. Without a `model` the
+    /// profile is that of the source edge itself. Derivatives by the lens are those by the first
+    /// `lens` of its parameters (ln blur, exponent).
     pub(crate) fn curves(
         &self,
         model: Option<(&Model, Blur)>,
@@ -126,7 +135,7 @@ impl<'a> Photograph<'a> {
             (model.kernel.has_lobe(), model.kernel.has_c())
         });
         let n = self.grid.frequencies_per_mm().len();
-        // Value, by ln spread, by ln c, by ln(lens blur), by exponent.
+        // OTF and its derivatives by ln spread, ln c, ln(lens blur) and the exponent.
         let mut otf = [const { Vec::new() }; 5];
         for part in &mut otf {
             part.reserve(n);
@@ -169,9 +178,9 @@ impl<'a> Photograph<'a> {
 
     /// Finds noise, weights and nuisances under a model that is near the truth.
     ///
-    /// Noise and light hang on one another little, so that the second round is the last, but where
-    /// noise is cut off: there the dark plateau moves with the noise, and every round leaves about
-    /// a tenth of what was off.
+    /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
+    /// cut off at 0, the dark plateau moves with the noise, and each round leaves about a tenth of
+    /// the remaining error. Then five rounds are made.
     pub(crate) fn settle(&mut self, curves: &Curves) {
         let rounds = if self.pixels.cut_off { 5 } else { 2 };
         self.start = self.first_guess(curves);
@@ -182,7 +191,7 @@ impl<'a> Photograph<'a> {
         self.weigh(curves);
     }
 
-    /// Replaces the noise by a known one: for bounds at a planted truth.
+    /// Replaces the noise by a known one, as bounds at a planted truth need it.
     pub(crate) fn with_noise(&mut self, curves: &Curves, noise: PixelNoise) {
         self.noise = noise;
         let light = self.light(curves);
@@ -190,8 +199,8 @@ impl<'a> Photograph<'a> {
     }
 
     fn first_guess(&self, curves: &Curves) -> Nuisances {
-        // The line lies at the half level of the photograph; the model's half level may lie beside
-        // its own zero.
+        // The line lies at the half level of the photograph. The half level of the model may lie
+        // beside the model's own zero.
         let reach = self.pixels.reach() as i64;
         let half = (-reach..reach)
             .find(|&j| curves.value.around(j)[0] <= 0.5 && curves.value.around(j + 1)[0] > 0.5)
@@ -220,8 +229,8 @@ impl<'a> Photograph<'a> {
         guess
     }
 
-    /// Expected light of every bin and its slope per pixel across the edge, at the nuisances of the
-    /// start.
+    /// Returns the expected light of each bin and its slope per pixel across the edge, for the
+    /// nuisances of the start.
     fn light(&self, curves: &Curves) -> Vec<[f64; 2]> {
         let start = &self.start;
         let bins = self.pixels.bins.iter().enumerate();
@@ -240,7 +249,8 @@ impl<'a> Photograph<'a> {
 
     fn weigh(&mut self, curves: &Curves) {
         let light = self.light(curves);
-        // The variance of a bin's pixels about the model's slope, and its degrees of freedom.
+        // Degrees of freedom, light, and variance of the pixels about the model's slope, for each
+        // bin.
         let bins = self.pixels.bins.iter().zip(&light);
         let scatter: Vec<[f64; 3]> = bins
             .filter(|(bin, _)| bin.count >= 2.0)
@@ -250,7 +260,8 @@ impl<'a> Photograph<'a> {
                 [bin.count - 1.0, light, squares / (bin.count - 1.0)]
             })
             .collect();
-        // A floor far below any sensor's noise keeps noise-free pictures from dividing by zero.
+        // The floor lies far below the noise of any sensor. It avoids a division by zero for
+        // noise-free pictures.
         let floor = 1e-12 * self.start.step.powi(2) + f64::MIN_POSITIVE;
         self.noise = PixelNoise::most_likely(&scatter, self.pixels.cut_off, floor);
         self.set_weights(&light);
@@ -271,7 +282,7 @@ impl<'a> Photograph<'a> {
                 } else {
                     variance
                 };
-                // The model's own error is one number for a bin, however many pixels it holds.
+                // The model's own error is one number for a bin, however many pixels the bin has.
                 let root = |amount: f64| {
                     if amount > 0.0 {
                         (left / amount + model_error * bin.count / amount)
@@ -289,8 +300,8 @@ impl<'a> Photograph<'a> {
             .collect();
     }
 
-    /// Puts the nuisances at their optimum under a model: Gauss-Newton from the start, which lies
-    /// so near that the problem is all but linear.
+    /// Moves the nuisances to their optimum under a model, by Gauss-Newton steps from the start.
+    /// The start is so near that the problem is almost linear.
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
         let mut nuisances = self.start;
@@ -300,7 +311,7 @@ impl<'a> Photograph<'a> {
             let rest = fitted.factor.column(columns);
             let squares = rest.norm_squared();
             let fall = rest.rows(0, NUISANCES).norm_squared();
-            // The fall that this step promises, in units of chi-square.
+            // Decrease of chi-square that this step promises.
             if fall < 1e-8 + 1e-13 * squares || !fall.is_finite() {
                 break;
             }
@@ -321,8 +332,11 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// The weighted rows (derivatives by the nuisances, by the curves' parameters, residual = model
-    /// - data) of all bins: first of the mean, then of the slope along the edge.
+    /// Passes the weighted rows of all bins to `take`: first the row of a bin's mean, then that of
+    /// its slope along the edge.
+    ///
+    /// The columns of a row are the derivatives by the nuisances, those by the curves' parameters,
+    /// and the residual (model - data).
     pub(crate) fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
         let size = NUISANCES + curves.by.len() + 1;
         let (mut mean, mut slope) = (vec![0.0; size], vec![0.0; size]);
@@ -334,7 +348,8 @@ impl<'a> Photograph<'a> {
             let place = Place::new(bin, self.pixels.first + j as i64, at.line());
             let d = self.pixels.centre_px(j) + bin.across[0];
             let light = 1.0 + by_d * d + by_t * bin.along;
-            // Covariance of t with a curve, from the curve's slope along the edge.
+            // Share for the covariance of t with a curve, which follows from the curve's slope
+            // along the edge.
             let share = bin.spread / bin.count;
             let of_mean = |[unit, along, ..]: [f64; 4]| light * unit + by_t * along * share;
             let of_slope = |[unit, along, ..]: [f64; 4]| light * along + by_t * unit;
@@ -373,8 +388,9 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// The factor of a fitted photograph with the full information of pixels that were cut off at
-    /// 0; the estimate uses their mean alone, which has a little less.
+    /// Returns the factor of a fitted photograph with the full information of pixels that were cut
+    /// off at 0. The estimate uses the mean of such pixels alone, which has a little less
+    /// information.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
         let size = NUISANCES + curves.by.len() + 1;
         let mut normal = DMatrix::zeros(size, size);
@@ -408,15 +424,15 @@ impl<'a> Photograph<'a> {
 }
 
 impl Nuisances {
-    /// Place and turn.
+    /// Returns place (pixels) and turn (rad) of the edge.
     fn line(&self) -> [f64; 2] {
         [self.place_px, self.turn_rad]
     }
 
     fn moved(self, step: &DVector<f64>) -> Nuisances {
         Nuisances {
-            // A step from afar may be far too long: no edge lies more than a few pixels off its
-            // half level.
+            // A step from a poor start may be far too long: no edge lies more than a few pixels
+            // from its half level.
             place_px: self.place_px - step[0].clamp(-4.0, 4.0),
             turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
             dark: self.dark - step[2],

@@ -1,9 +1,9 @@
-//! A model beside a photograph, as the photograph's own estimator sees both.
+//! Comparison of a model with a photograph, both seen through the photograph's own estimator.
 //!
-//! A measured edge and a model's curve enter; MTF differences in units of their noise, plateaus, or
-//! the likelihood of the pixels leave. The room compares one photograph at a time and looks for
-//! nothing but its nuisances: place, angle, plateaus, gradient. It may touch `model`, `photographs`
-//! and `numerics`.
+//! A measured edge and a model's curve enter. Differences of MTFs in units of their noise, the two
+//! plateaus, or the likelihood of the pixels leave. The room compares one photograph at a time
+//! and fits nothing but its nuisances: place, angle, plateaus and gradient. It may touch `model`,
+//! `photographs` and `numerics`.
 
 mod likelihood;
 mod pixels;

@@ -1,53 +1,55 @@
-//! The pixels of a window as a likelihood needs them: their sums over bins of the distance from the
-//! edge.
+//! Sums over the pixels of a window, by bins of the distance from the edge, as a likelihood needs
+//! them.
 //!
-//! Across a quarter of a pixel an edge is a short Taylor series in the distance d, and whatever
-//! else moves a pixel (angle, gradient of the light) is linear in its position t along the edge. So
-//! the pixels of a bin tell what they know by two numbers, their mean and their slope along the
-//! edge, if the moments of their positions are kept beside: the model is averaged over the pixels'
-//! own positions, and nothing is rounded to a bin. What is lost is how the pixels of one bin differ
-//! across it, (1/4 px)^2/12 over the variance of the blur: 1 % of the information on a lens of half
-//! a pixel, 0.1 % on an aerial image.
+//! Across a quarter of a pixel an edge is a short Taylor series in the distance d. The effects of
+//! angle and of a gradient of the light are linear in the position t along the edge. So two numbers
+//! hold what the pixels of a bin say: their mean, and their slope along the edge. The moments of
+//! the pixels' positions are kept beside these two numbers. With them the model is averaged over
+//! the pixels' own positions, and no position is rounded to a bin.
+//!
+//! One part is lost: the differences between pixels of one bin across the edge. Its share of the
+//! information is (1/4 px)^2/12 over the variance of the blur. This is 1 % for a lens of half a
+//! pixel and 0.1 % for a mid-air image.
 
 use crate::photographs::BIN_PX;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::{Raster, Window};
 
-/// Pixels of one bin; u = distance from the bin's centre along the normal, t = position along the
-/// edge, both in pixels.
+/// Pixels of one bin, with u the distance from the bin's centre along the normal and t the position
+/// along the edge, both in pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bin {
     /// Number of pixels.
     pub count: f64,
-    /// Mean of u, u^2 and u^3.
+    /// Means of u, u^2 and u^3.
     pub across: [f64; 3],
     /// Mean of t.
     pub along: f64,
     /// Sum of (t - mean t)^2.
     pub spread: f64,
-    /// Sum of (t - mean t) u, and of (t - mean t) u^2.
+    /// Sums of (t - mean t) u and of (t - mean t) u^2.
     pub cross: [f64; 2],
-    /// Mean value.
+    /// Mean of the values, linear light.
     pub mean: f64,
-    /// Slope of the values along t (per pixel); 0 where `spread` is.
+    /// Slope of the values along t (per pixel); 0 if `spread` is 0.
     pub slope: f64,
-    /// Sums of squares of the values about their mean, of their products with u, and of u about its
-    /// mean.
+    /// Sum of squares of the values about their mean, sum of the products of value and u about both
+    /// means, and sum of squares of u about its mean.
     pub scatter: [f64; 3],
 }
 
-/// All pixels of a window about a line.
+/// All pixels of a window, sorted by their distance from a line.
 #[derive(Debug, Clone)]
 pub struct Pixels {
-    /// Zero of the distances.
+    /// Line from which distances are measured.
     pub line: EdgeLine,
     /// Bins in ascending order of distance.
     pub bins: Vec<Bin>,
-    /// Index of the first bin: bin j is centred at (first + j) x [`BIN_PX`].
+    /// Index of the first bin. Bin j is centred at (first + j) x [`BIN_PX`].
     pub first: i64,
-    /// Whether the camera cut its noise off at 0.
+    /// True if the camera cut its noise off at 0.
     pub cut_off: bool,
-    /// Where they lie in the window.
+    /// Positions of the pixels in the window.
     pub raster: Raster,
 }
 
@@ -75,12 +77,12 @@ impl Pixels {
         }
     }
 
-    /// Distance of a bin's centre from the line, pixels.
+    /// Returns the distance of a bin's centre from the line, pixels.
     pub fn centre_px(&self, bin: usize) -> f64 {
         (self.first + bin as i64) as f64 * BIN_PX
     }
 
-    /// Bins from the line to the farther end.
+    /// Returns the number of bins from the line to the farther end.
     pub fn reach(&self) -> usize {
         let last = self.first + self.bins.len() as i64 - 1;
         self.first.abs().max(last.abs()) as usize
@@ -124,7 +126,7 @@ impl Sums {
         }
         let across = self.u.map(|sum| sum / n);
         let (along, mean) = (self.t / n, self.y / n);
-        // Fewer than two distinct positions have no slope; what is left of the difference is
+        // With fewer than two distinct positions there is no slope, and the difference is mere
         // rounding.
         let spread = self.tt - n * along * along;
         let spread = if spread > 1e-9 * self.tt { spread } else { 0.0 };

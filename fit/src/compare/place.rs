@@ -1,27 +1,27 @@
-//! Where the pixels of a bin lie in an edge profile, and what a profile says of them.
+//! Places of a bin's pixels in an edge profile, and the value and slopes of a profile there.
 
 use crate::compare::pixels::Bin;
 use crate::model::Even;
 use crate::photographs::BIN_PX;
 
-/// Where a bin's pixels lie in a profile that was moved and turned.
+/// Place of a bin's pixels in a profile that was moved and turned.
 pub(crate) struct Place {
-    /// The profile's bin whose centre is nearest to theirs.
+    /// Index of the bin of the profile whose centre is nearest to the pixels.
     offset: i64,
-    /// Means of u and, in excess of an evenly filled bin, of u^2, and of u^3; bins.
+    /// Means of u, of u^2 (less that of an evenly filled bin) and of u^3, in bins.
     moments: [f64; 3],
     /// Slopes of u and u^2 along the edge, bins per pixel.
     pub along: [f64; 2],
-    /// Mean of t, and of t u, pixels and bins.
+    /// Mean of t, pixels, and mean of t u, pixels times bins.
     turned: [f64; 2],
 }
 
 impl Place {
-    /// The pixels of `bin`, number `index`, about an edge at `place` (pixels off the line) with
-    /// `turn` (rad).
+    /// Locates the pixels of `bin`, number `index`, for an edge that lies at `place` (pixels off
+    /// the line) and is turned by `turn` (rad).
     pub(crate) fn new(bin: &Bin, index: i64, [place, turn]: [f64; 2]) -> Place {
         let whole = (place / BIN_PX).round();
-        // u - place + turn t, the turn's own spread kept to second order.
+        // u - place + turn t. The spread that the turn itself makes is kept to second order.
         let by = turn * bin.along - (place - whole * BIN_PX);
         let [u, uu, uuu] = bin.across;
         let n = bin.count.max(1.0);
@@ -50,8 +50,8 @@ impl Place {
         }
     }
 
-    /// A curve's mean over the pixels, its slope along the edge (per pixel), and its first two
-    /// derivatives across it (per pixel, and per pixel and bin).
+    /// Evaluates a curve for the pixels: its mean, its slope along the edge (per pixel), and its
+    /// first two derivatives across the edge (per pixel, and per pixel and bin).
     pub(crate) fn of(&self, curve: &Even) -> [f64; 4] {
         let [here, first, second, third] = curve.around(self.offset);
         let [m1, m2, m3] = self.moments;
@@ -63,7 +63,7 @@ impl Place {
         ]
     }
 
-    /// Derivatives of a curve's mean and of its slope along the edge by the turn.
+    /// Returns the derivatives by the turn of a curve's mean and of its slope along the edge.
     pub(crate) fn by_turn(&self, across: f64, bend: f64) -> [f64; 4] {
         let centre = across - bend * self.moments[0];
         [

@@ -1,22 +1,25 @@
-//! Luminance: the step of an edge, and mu from the ratio of two steps.
+//! Luminance of an edge: the step between its plateaus, from which mu follows.
 //!
-//! The two plateaus are parameters of a straight-line fit of the measured profile to the modelled
-//! unit edge, not means of a corner: a lobe's tails reach beyond any window.
+//! mu is the ratio of two steps. The two plateaus are parameters of a straight-line fit of the
+//! measured profile to the modelled unit edge. They are not means over a part of the window,
+//! because the tails of a lobe reach beyond any window.
 
 use crate::photographs::Profile;
 
-/// The step between the plateaus of an edge, fitted to a modelled unit profile.
+/// Step between the plateaus of an edge, fitted to a modelled unit profile.
 #[derive(Debug, Clone)]
 pub(crate) struct Contrast {
-    /// Bright minus dark plateau, linear light at the photograph's exposure.
+    /// Bright minus dark plateau, in linear light at the photograph's exposure.
     pub step: f64,
-    /// Derivative of `step` by every bin.
+    /// Derivatives of `step` by the mean of each bin.
     pub by_bin: Vec<f64>,
 }
 
 impl Contrast {
-    /// Weighted least squares of the bins to dark + step x unit; weights are the pixels in a bin,
-    /// which keeps the result independent of the noise estimate.
+    /// Fits dark + step x unit to the bins by weighted least squares.
+    ///
+    /// The weight of a bin is its number of pixels. So the result does not depend on the estimate
+    /// of the noise.
     pub(crate) fn fit(profile: &Profile, unit: &[f64]) -> Contrast {
         let total: f64 = profile.count.iter().sum();
         let weighted = |curve: &[f64]| {
@@ -45,7 +48,7 @@ impl Contrast {
         Contrast { step, by_bin }
     }
 
-    /// Variance of `step` by pixel noise.
+    /// Returns the variance of `step` that pixel noise causes.
     pub(crate) fn variance(&self, profile: &Profile) -> f64 {
         self.by_bin
             .iter()
@@ -54,8 +57,8 @@ impl Contrast {
             .sum()
     }
 
-    /// Relative derivative of `step` when the unit profile changes by `change` per unit of a
-    /// parameter.
+    /// Returns the derivative of ln(step) by a parameter for which `change` is the derivative of
+    /// the unit profile.
     pub(crate) fn relative_change(&self, change: &[f64]) -> f64 {
         -self
             .by_bin

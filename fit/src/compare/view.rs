@@ -1,4 +1,4 @@
-//! One photograph made ready for comparison with models: its profile, its estimator, and everything
+//! One photograph made ready for comparison with models: its profile, its estimator, and the parts
 //! of the model that the parameters do not change.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -14,38 +14,38 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::sfr;
 use crate::photographs::{Estimator, Mtf};
 
-/// Residual below which two MTFs are taken for equal whatever the noise: the model's own rounding
-/// and interpolation.
+/// Difference below which two MTFs count as equal whatever the noise: the model's own rounding and
+/// interpolation.
 pub(crate) const MODEL_ERROR: f64 = 2e-5;
 
-/// Most frequencies that one photograph is compared at.
+/// Largest number of frequencies at which one photograph is compared.
 const MOST_FREQUENCIES: usize = 96;
 
-/// How the differences of two MTFs at several frequencies are weighed against each other.
+/// Weights of the differences of two MTFs at several frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weights {
-    /// In units of their noise, correlations between frequencies taken out.
+    /// Units of the noise, with the correlations between frequencies removed.
     Noise,
-    /// All alike, so that the sum of their squares is the mean squared difference, as published.
+    /// Equal weights: the sum of the squares is the mean squared difference, as published.
     Even,
 }
 
 /// A photograph of an edge, measured.
 #[derive(Clone)]
 pub struct View {
-    /// Where the edge lies.
+    /// Line of the edge.
     pub line: EdgeLine,
     /// Pixels sorted by distance from the edge.
     pub profile: Profile,
-    /// The estimator at the frequencies of comparison.
+    /// Estimator at the frequencies of comparison.
     pub estimator: Estimator,
-    /// What it measures.
+    /// MTF of the photograph as measured by `estimator`.
     pub mtf: Mtf,
-    /// Standard error of its modulus.
+    /// Standard errors of the measured modulus.
     pub mtf_standard_error: Vec<f64>,
     grid: Grid,
     pitch_mm: f64,
-    /// Edge normal in the aerial image, (tangential, sagittal).
+    /// Edge normal in the mid-air image, (tangential, sagittal).
     normal: [f64; 2],
     camera: Vec<f64>,
     whitener: Cholesky<f64, Dyn>,
@@ -55,9 +55,9 @@ impl View {
     /// Measures the edge at `line`. `tangential_rad` is the direction of the tangential axis in the
     /// photograph.
     ///
-    /// Frequencies: the spacing is about the reciprocal of the profile's length (closer ones tell
-    /// nothing new); the last is where the measured modulus sinks into three times its noise, at
-    /// most half the sampling frequency.
+    /// The spacing of the frequencies is about the reciprocal of the profile's length, because
+    /// closer ones add nothing new. The last frequency is where the measured modulus sinks below
+    /// three times its noise, and at most half the sampling frequency.
     pub fn new(
         line: EdgeLine,
         profile: Profile,
@@ -65,7 +65,7 @@ impl View {
         tangential_rad: f64,
         camera: &Camera,
     ) -> View {
-        // Half the sampling frequency is the eighth part of a period.
+        // One eighth of a period is half the sampling frequency.
         let period = fast_length(profile.len()).min(8 * 4 * MOST_FREQUENCIES);
         let most = period / 8;
         let wide = Estimator::new(&profile, pitch_mm, period, most);
@@ -96,23 +96,24 @@ impl View {
         }
     }
 
-    /// Edge normal in the aerial image, (tangential, sagittal).
+    /// Returns the edge normal in the mid-air image, (tangential, sagittal).
     pub fn normal(&self) -> [f64; 2] {
         self.normal
     }
 
-    /// The model's edge profile on this photograph's bins.
+    /// Evaluates the model's edge profile on this photograph's bins.
     pub fn curve(&self, model: &Model, blur: Blur) -> Curve {
         self.behind(&self.camera, model, blur)
     }
 
-    /// The model's edge profile as another camera would have it.
+    /// Evaluates the model's edge profile on this photograph's bins as `camera` would see it.
     pub fn curve_by(&self, camera: &Camera, model: &Model, blur: Blur) -> Curve {
         let camera = seen_by(camera, &self.grid, self.line.normal_rad);
         self.behind(&camera, model, blur)
     }
 
-    /// The model's edge profile behind a camera of this OTF at the grid's frequencies.
+    /// Evaluates the model's edge profile behind a camera whose OTF at the grid's frequencies is
+    /// given.
     fn behind(&self, camera: &[f64], model: &Model, blur: Blur) -> Curve {
         let n = camera.len();
         let mut otf = [const { Vec::new() }; 3];
@@ -120,7 +121,7 @@ impl View {
             part.reserve(n);
         }
         for (f, &camera) in self.grid.frequencies_per_mm().zip(camera) {
-            // Beyond the camera's reach the rest need not be worked out.
+            // Beyond the reach of the camera the model's OTF is not needed.
             let values = if camera.abs() < 1e-8 {
                 [Complex64::ZERO; 3]
             } else {
@@ -143,28 +144,30 @@ impl View {
         }
     }
 
-    /// The edge of a camera alone: the model of a reference photograph.
+    /// Evaluates the edge profile of a camera alone, which is the model of a reference photograph.
     pub fn edge_of(&self, camera: &Camera) -> Vec<f64> {
         let otf = seen_by(camera, &self.grid, self.line.normal_rad);
         let otf: Vec<Complex64> = otf.into_iter().map(Complex64::from).collect();
         self.grid.profile(&otf, 0.0, &self.profile)
     }
 
-    /// MTF of a modelled profile and its derivatives, through the estimator of the photograph.
+    /// Returns the MTF of a modelled profile, and its derivatives, through the photograph's
+    /// estimator.
     pub fn predict(&self, bins: &[f64], derivatives: &[Vec<f64>]) -> (Vec<f64>, Vec<Vec<f64>>) {
         self.estimator
             .predict(bins, derivatives, &self.mtf.power_noise)
     }
 
-    /// Differences of two MTFs in units of their noise, correlations between frequencies taken out
-    /// (zero frequency left out). Linear.
+    /// Converts differences of two MTFs to units of their noise and removes the correlations
+    /// between frequencies. The zero frequency is left out. The map is linear.
     pub fn whiten(&self, difference: &[f64]) -> DVector<f64> {
         let mut v = DVector::from_column_slice(&difference[1..]);
         self.whitener.l_dirty().solve_lower_triangular_mut(&mut v);
         v
     }
 
-    /// Differences of two MTFs, weighed (zero frequency left out). Linear.
+    /// Multiplies the differences of two MTFs by their weights. The zero frequency is left out. The
+    /// map is linear.
     pub fn weigh(&self, weights: Weights, difference: &[f64]) -> DVector<f64> {
         match weights {
             Weights::Noise => self.whiten(difference),
@@ -175,7 +178,8 @@ impl View {
         }
     }
 
-    /// The noise response of the weighed MTF: rows are weighed frequencies, columns are bins.
+    /// Returns the noise response of the weighted MTF: a row for each weighted frequency, a column
+    /// for each bin.
     pub fn response(&self, weights: Weights) -> DMatrix<f64> {
         let mut m = self.estimator.response(&self.profile).remove_row(0);
         match weights {
@@ -187,25 +191,26 @@ impl View {
         m
     }
 
-    /// Frequency (1/mm) at which the measured MTF first falls to one half, from the frequencies of
-    /// comparison.
+    /// Returns the frequency (1/mm) at which the measured MTF first falls to one half, interpolated
+    /// between the frequencies of comparison.
     pub fn mtf50_per_mm(&self) -> Option<f64> {
         crate::photographs::crossing(&self.estimator.frequencies_per_mm, &self.mtf.modulus, 0.5)
     }
 
-    /// One pixel, mm.
+    /// Returns the pixel pitch, mm.
     pub fn pitch_mm(&self) -> f64 {
         self.pitch_mm
     }
 }
 
-/// The OTF of a camera at the frequencies of a grid, along a normal.
+/// Evaluates the OTF of a camera along a normal at the frequencies of a grid.
 fn seen_by(camera: &Camera, grid: &Grid, normal_rad: f64) -> Vec<f64> {
     let frequencies = grid.frequencies_per_mm();
     frequencies.map(|f| camera.otf(f, normal_rad)).collect()
 }
 
-/// Covariance of the measured modulus by bin noise, factored; zero frequency left out.
+/// Factors the covariance that bin noise gives the measured modulus. The zero frequency is left
+/// out.
 fn whitener(response: DMatrix<f64>, profile: &Profile) -> Cholesky<f64, Dyn> {
     let mut response = response.remove_row(0);
     for (mut bin, variance) in response.column_iter_mut().zip(&profile.variance) {

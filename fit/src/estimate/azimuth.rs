@@ -1,9 +1,11 @@
-//! The azimuth of the sheet, where the captures do not know it: one angle, added to all of theirs.
+//! The azimuth of the sheet if the captures do not know it: one angle, added to the azimuths of all
+//! captures.
 //!
-//! Its profile, the least whitened sum of squares of the MTFs by every other parameter, has several
-//! minima: it is looked at all around the table's period, and its lowest minima are refined. The
-//! standard error is the profile's curvature. What the other parameters owe to it is added to their
-//! covariance afterwards, from fits at one standard error to either side.
+//! The profile of the azimuth is the least whitened sum of squares of the MTFs over all other
+//! parameters. It has several minima. So it is evaluated all around the table's period, and the
+//! lowest minima are refined. The curvature of the profile gives the standard error. The part of
+//! the other parameters' covariance that stems from the azimuth is added afterwards, from fits at
+//! one standard error to either side.
 
 use nalgebra::DMatrix;
 use tables::Table;
@@ -18,52 +20,58 @@ use crate::estimate::watch::{Step, Watch};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 
-/// Steps of the look around, degrees; minima of the profile of a cube are 30 degrees apart and
-/// more.
+/// Step of the first search, degrees. Minima of the profile of a cube are at least 30 degrees
+/// apart.
 const STEP_DEG: f64 = 5.0;
 
-/// Width to which a minimum is found, degrees: far below the error of any photographs.
+/// Width to which a minimum is found, degrees. It is far below the error of any photographs.
 const FOUND_DEG: f64 = 1e-3;
 
-/// Minima refined at most.
+/// Largest number of minima that are refined.
 const MINIMA: usize = 4;
 
-/// Minima whose sum of squares is that near the lowest, in units of the misfit, fit as well: two
-/// standard deviations.
+/// Rise of the sum of squares, in units of the misfit, below which another minimum fits as well as
+/// the lowest: two standard deviations.
 const AS_WELL: f64 = 4.0;
 
-/// What the photographs say of the azimuth.
+/// Azimuth of the sheet as estimated from the photographs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Azimuth {
-    /// What is to be added to the captures' azimuths, degrees, from 0 to below
-    /// [`Azimuth::period_deg`].
+    /// Angle to add to the captures' azimuths, degrees, from 0 to below [`Azimuth::period_deg`].
     pub deg: Value,
-    /// Azimuths that differ by this cannot be told apart: 360, or less by the symmetry that the
-    /// table records.
+    /// Period of the azimuth, degrees: azimuths that differ by it cannot be told apart. It is 360,
+    /// or less by the symmetry that the table records.
     pub period_deg: f64,
-    /// Others that fit as well.
+    /// Other azimuths that fit as well, degrees.
     pub others_deg: Vec<f64>,
 }
 
-/// The profile of the azimuth, followed from place to place.
+/// Profile of the azimuth, evaluated from place to place.
 struct Profile<'a> {
     scene: &'a Scene,
     table: &'a Table,
-    /// The captures' own, degrees.
+    /// Azimuths of the captures, degrees.
     azimuths_deg: Vec<f64>,
     choice: Choice,
-    /// The last fit, where the next begins.
+    /// Last fit, from which the next one starts.
     last: Option<Optimum>,
 }
 
 impl Profile<'_> {
-    /// The scene as it looks at an azimuth more.
+    /// Returns the scene with all azimuths increased by `deg`.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets one of the directions.
     fn turned(&self, deg: f64) -> Result<Scene, tables::Error> {
         let turned: Vec<f64> = self.azimuths_deg.iter().map(|own| own + deg).collect();
         self.scene.turned(self.table, &turned)
     }
 
-    /// The least sum of squares: infinite where the table says that a photograph shows nothing.
+    /// Returns the least sum of squares at an azimuth. It is infinite if a photograph has no light
+    /// there.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets one of the directions.
     fn squares(&mut self, deg: f64) -> Result<f64, tables::Error> {
         let scene = self.turned(deg)?;
         if !scene.is_lit() {
@@ -82,7 +90,11 @@ impl Profile<'_> {
         })
     }
 
-    /// The minimum between two azimuths, by the golden section.
+    /// Finds the minimum between two azimuths by golden-section search. Returns azimuth and sum of
+    /// squares.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets one of the directions.
     fn minimum(&mut self, mut low: f64, mut high: f64) -> Result<(f64, f64), tables::Error> {
         let part = 0.5 * (5_f64.sqrt() - 1.0);
         let (mut a, mut b) = (high - part * (high - low), low + part * (high - low));
@@ -102,8 +114,8 @@ impl Profile<'_> {
     }
 }
 
-/// The model to look for it with: what may differ by angle does, so that the azimuth does not make
-/// up for it.
+/// Returns the candidate for the search. In it a and mu differ by incidence, so that the azimuth
+/// does not compensate for such differences.
 pub(crate) fn flexible(scene: &Scene) -> Choice {
     let several = scene.groups.len() > 1;
     Choice {
@@ -114,22 +126,27 @@ pub(crate) fn flexible(scene: &Scene) -> Choice {
     }
 }
 
-/// That a table tells azimuths apart.
+/// Checks that a table tells azimuths apart.
+///
+/// # Errors
+/// Returns [`Error::OneAzimuth`] if the table is a mean over azimuths or holds only one.
 fn check(table: &Table) -> Result<(), Error> {
     let held = if table.axes.is_mean() {
-        "it is a mean over all"
+        "it is a mean over all azimuths"
     } else if table.axes.azimuth_deg.len() < 2 {
-        "it holds one"
+        "it holds only one"
     } else {
         return Ok(());
     };
     Err(Error::OneAzimuth { held })
 }
 
-/// Finds the azimuth under `choice`; the scene is given back as it looks there.
+/// Finds the azimuth under `choice`. Returns it with the scene at this azimuth.
 ///
 /// # Errors
-/// [`Error::OneAzimuth`], [`Error::Cancelled`]; the table does not go all around.
+/// Returns [`Error::OneAzimuth`] if the table is a mean over azimuths or holds only one,
+/// [`Error::Table`] if its azimuths do not go all around, and [`Error::Cancelled`] if the flag of
+/// `watch` is set.
 pub(crate) fn find(
     scene: &Scene,
     table: &Table,
@@ -171,7 +188,8 @@ pub(crate) fn find(
     minima.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (best, least) = minima.first().copied().unwrap_or((0.0, f64::INFINITY));
     let misfit = (least / observations.max(1) as f64).max(1.0);
-    // The profile rises by the misfit at one standard error: measured about there.
+    // At one standard error the profile has risen by the misfit. The curvature is measured near
+    // there.
     let mut error = 0.5;
     for _ in 0..3 {
         let sides = [
@@ -199,11 +217,11 @@ pub(crate) fn find(
     Ok((found, profile.turned(best)?))
 }
 
-/// What the error of the azimuth, at which the scene is, adds to the covariance of the logarithms
-/// of all parameters.
+/// Returns the covariance that the error of the azimuth adds to the logarithms of all parameters.
+/// The scene must be at the azimuth `found`.
 ///
 /// # Errors
-/// As [`find`].
+/// Fails if the table neither holds nor brackets one of the directions.
 pub(crate) fn scatter(
     scene: &Scene,
     table: &Table,

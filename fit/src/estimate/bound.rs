@@ -1,10 +1,12 @@
-//! One-sided bounds from the profile likelihood, for what the photographs cannot pin down.
+//! One-sided bounds from the profile likelihood, for parameters that the photographs cannot
+//! determine.
 //!
-//! A term that was left out is bounded only where the criterion left it out, and that happens the
-//! more often the more noise has hidden of it: among such photographs a plain bound of 95 % holds
-//! less often. So the level of its bound is conditional on the choice (Fithian, Sun and Taylor,
-//! Optimal inference after model selection, arXiv 1410.2597): the estimate, in standard deviations,
-//! is a normal number below the threshold of the criterion, see `rise_below`.
+//! A term that is not in the chosen candidate gets a bound only if the criterion left it out. The
+//! criterion does so more often the more noise has hidden the term. Among such photographs a plain
+//! bound of 95 % holds less often. So the level of this bound is conditional on the choice
+//! (Fithian, Sun and Taylor, Optimal inference after model selection, arXiv 1410.2597): the
+//! estimate, in standard deviations, is a normal number below the threshold of the criterion, see
+//! `rise_below`.
 
 use std::collections::BTreeMap;
 
@@ -20,33 +22,35 @@ use crate::estimate::select::{CLEAR, Selection};
 use crate::names::Kernel;
 use crate::names::{ParameterId, ParameterKind};
 
-/// A one-sided bound at a confidence.
+/// One-sided bound of a parameter at a confidence.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bound {
-    /// The parameter is larger.
+    /// Lower bound of the parameter.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub at_least: Option<f64>,
-    /// The parameter is smaller.
+    /// Upper bound of the parameter.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub at_most: Option<f64>,
-    /// Confidence of the bound.
+    /// Confidence of the bound, from 0 to 1.
     pub confidence: f64,
 }
 
-/// The bounds of an estimate, by parameter.
+/// Bounds of an estimate, by parameter.
 pub(crate) type Bounds = BTreeMap<ParameterId, Bound>;
 
-/// Relative standard error beyond which an estimate is a number without meaning: two standard
-/// errors reach to nothing, so that the photographs do not tell the term from none.
+/// Relative standard error from which a parameter gets a bound. Two standard errors then reach
+/// zero, so the photographs cannot show that the term exists.
 const MEANINGLESS: f64 = 0.5;
 
-/// Confidence of the bounds, and the rise of the sum of squares that it stands for (one-sided, one
-/// parameter).
+/// Confidence of the bounds. [`RISE`] is the rise of the sum of squares at this confidence
+/// (one-sided, one parameter).
 const CONFIDENCE: f64 = 0.95;
 const RISE: f64 = 2.706;
 
-/// Bounds of the blur parameters whose error is half of themselves or more: c and roughness at
-/// most, a at least (each is the direction in which its blur fades away).
+/// Bounds the blur parameters whose standard error is at least half of their value.
+///
+/// c and roughness get an upper bound, a gets a lower bound: each in the direction in which its
+/// blur vanishes.
 pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
     let mut found = Bounds::new();
     for i in 0..fit.blur_parameters() {
@@ -59,9 +63,12 @@ pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
     found
 }
 
-/// The bound of a term that the photographs do not need: c where the lobe alone was chosen, a where
-/// the shift alone was, from the literal Eq. (1), which has both; likewise a baseline's rough
-/// front. `None` where all is there, or the fuller model was no candidate.
+/// Bounds a term that the chosen candidate does not have.
+///
+/// This is c if the lobe alone was chosen, and a if the shift alone was chosen. Both bounds come
+/// from the literal Eq. (1), which has both terms. For the baseline `saito` it is the roughness of
+/// the front, from `saito-surface`. Returns `None` for other kernels, or if the fuller model was no
+/// candidate.
 pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterId, Bound)> {
     let choice = selection.best.choice;
     let (kind, with) = match choice.kernel {
@@ -74,8 +81,8 @@ pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterI
     rows.find(|row| row.choice.kernel == with)?;
     let both = Choice {
         kernel: with,
-        // A lobe keeps an a for every angle, or c would make up for what one a cannot; a shift has
-        // one bound.
+        // With a lobe each incidence keeps its own a; otherwise c would compensate for what one a
+        // cannot describe. With a shift, a has one bound.
         per_angle_a: choice.kernel == Kernel::Lobe && choice.per_angle_a,
         ..choice
     };
@@ -83,23 +90,24 @@ pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterI
     let fit = estimate(scene, loss, refined(scene, loss, rough(scene, both)));
     let id = kind.shared();
     let i = fit.parameters.iter().position(|&own| own == id)?;
-    // What the term was worth in the sum of squares, and what it would have had to be.
+    // Fall of the sum of squares by the term, and the fall that the criterion asks for.
     let worth = (selection.best.chi2 - fit.chi2).max(0.0) / fit.reduced_chi2().max(1.0);
     let threshold = (loss.observations() as f64).ln() + CLEAR;
     let rise = rise_below(worth.sqrt(), threshold.sqrt());
     Some((id, bound(scene, loss, &fit, i, rise)))
 }
 
-/// Rise of the sum of squares at the bound of a number that was found at `found` standard
-/// deviations from 0, where one beyond `threshold` would not be bounded: the r^2 at which a normal
-/// number about found + r, known to lie below the threshold, lies below `found` in 5 %. [`RISE`]
-/// where the threshold is far.
+/// Returns the rise of the sum of squares at the bound of a number that was found at `found`
+/// standard deviations from 0 and would have no bound beyond `threshold`.
+///
+/// The rise is r^2. A normal number about found + r, known to lie below the threshold, lies below
+/// `found` with a probability of 5 %. The rise tends to [`RISE`] if the threshold is far.
 fn rise_below(found: f64, threshold: f64) -> f64 {
-    // Nearer than that a bound would lie beyond 30 standard deviations, which says nothing.
+    // Any nearer, a bound would lie beyond 30 standard deviations, which has no meaning.
     let room = (threshold - found).max(0.1);
     let below = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
     let share = |r: f64| below(-r) / below(room - r);
-    // The share falls with r.
+    // The share falls as r grows.
     let (mut low, mut high) = (RISE.sqrt(), 36.0);
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
@@ -115,8 +123,8 @@ fn rise_below(found: f64, threshold: f64) -> f64 {
 fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bound {
     let unit = fit.reduced_chi2().max(1.0);
     let is_a = fit.parameters[i].kind.fades_upwards();
-    // c and roughness vanish downwards, so their bound lies above; a vanishes upwards, so its bound
-    // lies below. Waves spread either way.
+    // The blur of c and of roughness vanishes downwards, so their bound is an upper one. That of a
+    // vanishes upwards, so its bound is a lower one. Waves spread in both cases.
     let wave = fit.choice.kernel == Kernel::Wave;
     let limit = |way| edge(scene, loss, fit, i, way, rise * unit);
     Bound {
@@ -126,17 +134,19 @@ fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bou
     }
 }
 
-/// Where the profile likelihood of parameter `i` has risen by `rise`, walking up or down; `None`
-/// where it never does.
+/// Finds the value at which the profile likelihood of parameter `i` has risen by `rise`, upwards or
+/// downwards (`way`). Returns `None` if it never rises so far.
 fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f64) -> Option<f64> {
     let start = &fit.solution.parameters;
-    // The sum of squares at the vanishing end, where the optimum may lie flat.
+    // Compares the sum of squares with that of the fit, whose optimum may be flat at the vanishing
+    // end.
     let risen = |x: f64, from: &DVector<f64>| {
         let (squares, at) = sum_of_squares_with(scene, loss, fit.choice, from, i, x);
         (squares - fit.chi2 > rise, at)
     };
-    // Where nothing depends on a parameter the solver may leave it anywhere: the walk begins within
-    // what a photograph could ever show, c = 0.1 um, a = 10^9 and a roughness of 10^-7.
+    // If nothing depends on a parameter, the solver may leave it anywhere. So the walk begins
+    // within the range that a photograph could ever show: c = 0.1 um, a = 10^9 and a roughness of
+    // 10^-7.
     let faint: f64 = if fit.choice.kernel.is_baseline() {
         1e-7
     } else {
@@ -162,7 +172,7 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
         step *= 1.5;
     }
     let mut outside = outside?;
-    // To 1 % of the parameter: a bound needs no more.
+    // A bound is found to 1 % of the parameter.
     while (outside - inside).abs() > 0.01 {
         let middle = 0.5 * (inside + outside);
         let (beyond, _) = risen(middle, &at);
@@ -179,9 +189,9 @@ fn edge(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, way: f64, rise: f6
 mod tests {
     use super::*;
 
-    /// Normal numbers about a truth, those beyond the threshold left out: the bound found + r holds
-    /// the truth in 95 % of the rest, wherever the truth lies. Of n the share scatters by sqrt(0.95
-    /// x 0.05 / n), and the limit is 4 of these.
+    /// Checks that the bound found + r holds the truth in 95 % of the cases, wherever the truth
+    /// lies. The cases are normal numbers about a truth, without those beyond the threshold. For n
+    /// cases the share scatters by sqrt(0.95 x 0.05 / n). The limit is 4 of these.
     #[test]
     fn conditional_bounds_hold_wherever_the_truth_lies() {
         let threshold = 3.5;
@@ -218,7 +228,7 @@ mod tests {
             cases += 1;
         }
         assert_eq!(cases, 5);
-        // Far below the threshold nothing is conditional.
+        // Far below the threshold the bound is not conditional.
         assert!((rise_below(0.0, 10.0) - RISE).abs() < 0.01);
     }
 }

@@ -1,5 +1,4 @@
-//! A whole estimate: from a campaign's photographs to c, a and mu with their errors, bounds and
-//! warnings.
+//! A whole estimate: c, a and mu of a campaign, with their errors, bounds and warnings.
 
 use nalgebra::DVector;
 use tables::Table;
@@ -24,26 +23,27 @@ use crate::photographs::Campaign;
 use crate::photographs::photo::channel::Channel;
 use crate::samples::Sampling;
 
-/// What is asked of a campaign.
+/// Options of an estimate.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The terms that are open.
+    /// Candidates for the terms of the model.
     pub candidates: Candidates,
-    /// What is minimised; `None`: `edge`, or `mtf` by samples.
+    /// Loss that is minimised. `None` stands for `edge`, or for `mtf` if the model is evaluated by
+    /// samples.
     pub loss: Option<Kind>,
-    /// Evaluates the model by samples, as published, instead of in closed form.
+    /// Samples by which the model is evaluated, as published. `None` stands for the closed form.
     pub samples: Option<Sampling>,
-    /// Finds the sheet's azimuth too: one angle, added to those of all captures (0 where they have
-    /// none).
+    /// True to estimate the azimuth of the sheet too: one angle that is added to the azimuths of
+    /// all captures (0 for captures without one).
     pub fit_azimuth: bool,
-    /// Wavelengths of the source, in place of the campaign's.
+    /// Wavelengths of the source, instead of the campaign's.
     pub spectrum: Option<Spectrum>,
-    /// The channel of all photographs, in place of the campaign's.
+    /// Channel of all photographs, instead of the campaign's.
     pub channel: Option<Channel>,
 }
 
 impl Options {
-    /// The options of `fit estimate` where none is given, for some candidates.
+    /// Returns the options that `fit estimate` has by default, with these candidates.
     pub fn new(candidates: Candidates) -> Options {
         Options {
             candidates,
@@ -55,7 +55,8 @@ impl Options {
         }
     }
 
-    /// The campaign as the options have it.
+    /// Applies the options to a campaign: its channel, its spectrum, and azimuths where they are
+    /// needed.
     fn applied(&self, campaign: &Campaign) -> Campaign {
         let mut campaign = match &self.channel {
             Some(channel) => campaign.in_channel(channel),
@@ -72,7 +73,12 @@ impl Options {
         campaign
     }
 
-    /// The candidates that these options allow.
+    /// Checks that the options fit together, and returns the candidates that they allow.
+    ///
+    /// # Errors
+    /// Returns [`Conflict::AzimuthOfAnother`] if the azimuth is wanted with samples or with a
+    /// baseline, [`Conflict::PixelsBySamples`] if samples are wanted with the loss `edge`, and
+    /// [`Conflict::NoSamples`] if no candidate has samples.
     fn checked(&self) -> Result<Candidates, Conflict> {
         let candidates = self.candidates.clone();
         let of_another = candidates.kernels.iter().any(|kernel| kernel.is_baseline());
@@ -85,7 +91,7 @@ impl Options {
         }
     }
 
-    /// What is minimised.
+    /// Returns the loss that is minimised.
     fn kind(&self) -> Kind {
         let default = match self.samples {
             Some(_) => Kind::Mtf,
@@ -95,41 +101,49 @@ impl Options {
     }
 }
 
-/// What a campaign says of its sheet.
+/// Result of an estimate.
 pub struct Estimated {
-    /// The campaign as it was fitted.
+    /// Campaign as it was fitted, with the options applied.
     pub campaign: Campaign,
-    /// Its photographs, measured, as the estimate saw them.
+    /// Measured photographs of the campaign, as the estimate saw them.
     pub scene: Scene,
-    /// The estimate.
+    /// Estimate of the chosen candidate.
     pub best: Estimate,
-    /// Every candidate, best criterion first.
+    /// All candidates, best criterion first.
     pub compared: Vec<Ranked>,
-    /// What was minimised.
+    /// Loss that was minimised.
     pub kind: Kind,
-    /// One-sided bounds of what the photographs cannot pin down.
+    /// One-sided bounds of the parameters that the photographs cannot determine.
     pub bounds: Bounds,
-    /// The azimuth, where it was asked for.
+    /// Azimuth of the sheet, if it was estimated.
     pub azimuth: Option<Azimuth>,
-    /// What the user should know of the campaign as a whole.
+    /// Warnings about the campaign as a whole, one sentence each.
     pub warnings: Vec<String>,
-    /// The candidate and its parameters about which the pixels' noise was taken.
+    /// Candidate and parameters from which the noise of the pixels was estimated.
     near: (Choice, DVector<f64>),
 }
 
 impl Estimated {
-    /// The loss, to be evaluated elsewhere: as for profiles of the likelihood.
+    /// Returns the loss, for evaluation at other parameters, such as for a profile of the
+    /// likelihood.
     pub fn loss(&self) -> Loss<'_> {
         Loss::new(self.kind, &self.scene, (self.near.0, &self.near.1))
     }
 }
 
-/// Estimates a sheet from a campaign: measures its photographs, finds the azimuth if asked, chooses
-/// the terms, bounds what the photographs do not tell, and fits. `photo` hands out the photographs:
-/// from their files (`Shot::load`), or from memory.
+/// Estimates a sheet from the photographs of a campaign.
+///
+/// It measures the photographs, finds the azimuth if `options` ask for it, chooses the terms, fits
+/// them, and bounds the parameters that the photographs cannot determine. `photo` supplies the
+/// photographs, from their files (`Shot::load`) or from memory.
 ///
 /// # Errors
-/// [`Error`]: photographs or table, options that exclude each other, a fit that failed, or the watch's flag.
+/// Returns [`Error::Scene`] if a photograph cannot be read or measured or if the table lacks its
+/// direction, [`Error::Table`] if the table lacks an azimuth that is tried, [`Error::OneAzimuth`]
+/// if an azimuth is wanted and the table has only one, [`Error::Conflict`] if options exclude each
+/// other, [`Error::Wave`] or [`Error::Hollow`] if the only kernel named cannot be used with the
+/// table or the campaign, [`Error::NothingOpen`] if there is no candidate, [`Error::NoFit`] if the
+/// fit fails, and [`Error::Cancelled`] if the flag of `watch` is set.
 pub fn campaign(
     campaign: &Campaign,
     photo: &Source,
@@ -183,18 +197,18 @@ pub fn campaign(
     })
 }
 
-/// What comes of a scene.
+/// Result of the fits of one scene.
 struct Fitted {
     best: Estimate,
     compared: Vec<Ranked>,
     bounds: Bounds,
     near: (Choice, DVector<f64>),
-    /// The scene with the samples of the estimate, where it is by samples.
+    /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
 }
 
-/// Chooses the terms, bounds what is not told, and fits by the loss and the forward model that were
-/// asked for.
+/// Chooses the terms, bounds undetermined parameters, and fits by the loss and the forward model of
+/// the options.
 fn fitted(
     scene: &Scene,
     table: &Table,
@@ -203,8 +217,7 @@ fn fitted(
     watch: &Watch,
 ) -> Result<Fitted, Error> {
     let kind = options.kind();
-    // Terms, and what the photographs only bound, are decided in closed form and in units of the
-    // noise.
+    // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
     let selection = select(scene, telling, candidates, watch)?;
     let mut bounds = bounds(scene, &selection.loss, &selection.best);
@@ -243,7 +256,7 @@ fn fitted(
     })
 }
 
-/// Whether a fit has come to numbers.
+/// Returns whether all numbers of a fit are finite.
 fn is_finite(best: &Estimate) -> bool {
     let finite = |value: &Value| value.value.is_finite();
     let blur = best.c_mm.iter().chain(&best.spread);

@@ -1,4 +1,4 @@
-//! Photographs beside a candidate's model of them, through the photographs' own estimator.
+//! Photographs compared with a candidate's model, through the photographs' own estimator.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,19 +11,19 @@ use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::{Curve, Model};
 
-/// One photograph's model with derivatives.
+/// Model of one photograph with its derivatives.
 pub(crate) struct Compared {
-    /// The model on the photograph's bins.
+    /// Modelled edge profile on the photograph's bins.
     pub curve: Curve,
-    /// Its MTF through the photograph's estimator.
+    /// MTF of the modelled profile through the photograph's estimator.
     pub modelled: Vec<f64>,
-    /// Its differences to the measured MTF, not weighed.
+    /// Differences of the modelled and the measured MTF, without weights.
     pub difference: Vec<f64>,
-    /// Their derivatives by ln spread and ln c, those that the kernel has.
+    /// Derivatives of the MTF by ln spread and ln c, as far as the kernel has them.
     pub derivatives: Vec<Vec<f64>>,
 }
 
-/// The model of one photograph under a candidate.
+/// Makes the model of one photograph under a candidate.
 pub(crate) fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
     Model {
         kernel: choice.kernel,
@@ -41,8 +41,9 @@ pub(crate) fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
     }
 }
 
-/// The model's edge profile on a photograph's bins, in closed form or by the photograph's samples;
-/// as `camera` would have it, else the scene's own.
+/// Evaluates the model's edge profile on a photograph's bins, in closed form or by the photograph's
+/// samples. The profile is that seen by `camera`, or by the scene's own camera if `camera` is
+/// `None`.
 pub(crate) fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur: Blur) -> Curve {
     let (view, model) = (&shot.view, model(shot, choice));
     match (&shot.sampled, camera) {
@@ -56,7 +57,7 @@ pub(crate) fn curve(shot: &Aerial, camera: Option<&Camera>, choice: Choice, blur
     }
 }
 
-/// Compares a photograph's MTF with that of a model, as [`curve`] has it.
+/// Compares a photograph's MTF with that of a model. [`curve`] explains `camera`.
 pub(crate) fn compare(
     shot: &Aerial,
     camera: Option<&Camera>,
@@ -84,7 +85,7 @@ pub(crate) fn compare(
     }
 }
 
-/// Stacks the differences of all photographs and their derivatives, weighed.
+/// Stacks the weighted differences of all photographs, and their derivatives.
 pub(crate) fn assemble(
     scene: &Scene,
     layout: &Layout,

@@ -1,4 +1,4 @@
-//! Noise carried through the estimate: covariances of the logarithms of c, spreads and mu.
+//! Noise carried through the estimate: covariances of the logarithms of c, the spreads and mu.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -12,55 +12,54 @@ use crate::estimate::scene::{Aerial, Scene};
 use crate::model::Camera;
 use crate::numerics::Solution;
 
-/// Covariances of logarithms.
+/// Covariances of the logarithms of the parameters.
 pub struct Covariances {
-    /// Of ln c and ln spread.
+    /// Covariance of ln c and ln spread.
     pub blur: DMatrix<f64>,
-    /// Reflectances; `None` without a reference photograph.
+    /// Reflectances with their covariance; `None` without a reference photograph.
     pub mu: Option<Mu>,
 }
 
-/// Reflectances and what they share with the blur.
+/// Reflectances, with their covariance and that of the blur.
 pub struct Mu {
-    /// mu of every incidence group, or of all.
+    /// Values of mu, one per incidence or one for all.
     pub values: Vec<f64>,
-    /// Of ln c, ln spread and ln mu together.
+    /// Covariance of ln c, ln spread and ln mu together.
     pub covariance: DMatrix<f64>,
 }
 
-/// An optimum on the MTFs, about which every estimate is linear in the bins of every photograph.
+/// Optimum on the MTFs, about which each estimate is linear in the bins of each photograph.
 pub(crate) struct Linear<'a> {
-    /// The photographs.
+    /// Photographs of the estimate.
     pub scene: &'a Scene,
-    /// Where the parameters stand.
+    /// Order of the parameters.
     pub layout: &'a Layout,
-    /// The optimum.
+    /// Result of the solver at the optimum.
     pub solution: &'a Solution,
-    /// The photographs beside their models there.
+    /// Photographs compared with their models at the optimum.
     pub parts: &'a [Compared],
-    /// Those of the loss.
+    /// Weights of the loss.
     pub weights: Weights,
-    /// chi^2 per degree of freedom where a model fits worse than its noise, else 1.
+    /// Chi^2 per degree of freedom if the model fits worse than the noise allows, else 1.
     pub inflation: f64,
 }
 
-/// What the blur's parameters follow.
+/// Responses of the blur's parameters to their sources of error.
 struct Followed {
-    /// The noise of each photograph's bins, scaled to unit variance, misfit included (parameters x
-    /// bins).
+    /// Response to the noise of each photograph's bins, scaled to unit variance, misfit included
+    /// (parameters x bins).
     bins: Vec<DMatrix<f64>>,
-    /// The parameters of the lens, one after the other.
+    /// Response to each parameter of the lens.
     lens: Vec<DVector<f64>>,
 }
 
 impl Linear<'_> {
-    /// Carries the noise of every bin, of the lens and of the reference's step through the
-    /// estimate.
+    /// Carries the noise of all bins, of the lens and of the reference's step through the estimate.
     ///
-    /// d(ln p) = -H^-1 J^T dr for the blur, the fit of the plateaus plus its dependence on the blur
-    /// for mu. The bins' noise is carried through the weights of the loss, so that the errors hold
-    /// whether or not they are the best (a sandwich). The blur's covariance is raised by the
-    /// inflation.
+    /// For the blur, d(ln p) = -H^-1 J^T dr. For mu it is the fit of the plateaus plus its
+    /// dependence on the blur. The noise of the bins is carried through the weights of the loss (a
+    /// sandwich), so the errors hold even if these weights are not the best. The blur's covariance
+    /// is multiplied by the inflation.
     pub(crate) fn covariances(&self) -> Covariances {
         let p = self.layout.parameters();
         let answers = self.answers();
@@ -83,7 +82,7 @@ impl Linear<'_> {
         Covariances { blur, mu }
     }
 
-    /// -H^-1 J^T of each shot, over its weighed frequencies.
+    /// Returns H^-1 J^T of each photograph over its weighted frequencies.
     fn answers(&self) -> Vec<DMatrix<f64>> {
         let p = self.layout.parameters();
         let normal = self.solution.jacobian.transpose() * &self.solution.jacobian;
@@ -99,13 +98,13 @@ impl Linear<'_> {
                 jt.row_mut(column)
                     .copy_from(&shot.view.weigh(self.weights, derivative).transpose());
             }
-            // Residual = model - data: the parameters follow the data with a plus sign.
+            // The residual is model - data, so the parameters follow the data with a plus sign.
             &inverse * jt
         };
         shots.map(answer).collect()
     }
 
-    /// The blur by the noise of the bins.
+    /// Returns the response of the blur to the noise of the bins.
     fn by_bins(&self, answers: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
         let shots = self.scene.shots.par_iter().zip(answers);
         let responses = shots.map(|(shot, answer)| {
@@ -120,7 +119,7 @@ impl Linear<'_> {
         responses.collect()
     }
 
-    /// The blur by the parameters of the lens.
+    /// Returns the response of the blur to each parameter of the lens.
     fn by_lens(&self, answers: &[DMatrix<f64>]) -> Vec<DVector<f64>> {
         let reference = self.scene.reference.as_deref();
         let neighbours = reference.map(Reference::neighbours);
@@ -140,14 +139,14 @@ impl Linear<'_> {
                     answer * shot.view.weigh(self.weights, &change)
                 })
                 .collect();
-            // One after the other, so that the rounding is the same whatever the threads.
+            // The sum is taken one by one, so that its rounding does not depend on the threads.
             let none = DVector::zeros(self.layout.parameters());
             changes.iter().fold(none, |sum, change| sum - change)
         };
         neighbours.into_iter().flatten().map(follow).collect()
     }
 
-    /// The covariance that the lens's own makes of what follows it.
+    /// Carries the covariance of the lens to the parameters that respond to it.
     fn carried(&self, by_lens: &[DVector<f64>]) -> DMatrix<f64> {
         let n = by_lens.first().map_or(0, DVector::len);
         let mut sum = DMatrix::zeros(n, n);
@@ -161,16 +160,16 @@ impl Linear<'_> {
         sum
     }
 
-    /// mu of every incidence group (or one), and the covariance of everything.
+    /// Computes mu of each incidence (or one for all), and the covariance of all parameters.
     fn mu(&self, by: &Followed, reference: &Reference) -> Mu {
         let (scene, layout) = (self.scene, self.layout);
         let p = layout.parameters();
         let contrasts = contrasts(scene, self.parts);
         let (values, shares) = reflectances(scene, layout, &contrasts);
         let groups = values.len();
-        // ln mu by ln blur.
+        // Derivatives of ln mu by ln blur.
         let mut by_blur = DMatrix::zeros(groups, p);
-        // Shots of one incidence share one direction of the table, and with it the error of its
+        // Photographs of one incidence share a direction of the table, and with it the error of its
         // eta.
         let mut eta_error = DMatrix::<f64>::zeros(groups, scene.groups.len());
         for (i, (shot, part)) in scene.shots.iter().zip(self.parts).enumerate() {
@@ -210,7 +209,7 @@ impl Linear<'_> {
     }
 }
 
-/// The plateaus of every photograph under its model.
+/// Fits the plateaus of each photograph under its model.
 pub(crate) fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
     let shots = scene.shots.iter().zip(parts);
     shots
@@ -218,9 +217,9 @@ pub(crate) fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
         .collect()
 }
 
-/// mu of every incidence group (or one): means over its photographs with the weights of their own
-/// noise; and by how much of itself it follows the ln(step) of each photograph. NaN without a
-/// reference.
+/// Computes mu of each incidence, or one for all, as means over the photographs with the weights of
+/// their own noise. Also returns the derivative of ln mu by the ln(step) of each photograph. Both
+/// are NaN without a reference.
 pub(crate) fn reflectances(
     scene: &Scene,
     layout: &Layout,

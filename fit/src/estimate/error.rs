@@ -1,4 +1,4 @@
-//! Why a campaign has no estimate.
+//! Reasons why a campaign has no estimate.
 
 use std::path::PathBuf;
 
@@ -6,56 +6,54 @@ use crate::estimate::scene;
 use crate::estimate::watch::Cancelled;
 use crate::model::wave;
 
-/// What an estimate fails for.
+/// Reason why an estimate failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The photographs.
+    /// Photographs that make no scene.
     #[error(transparent)]
     Scene(scene::Error),
-    /// The table.
+    /// Table without a direction that is needed.
     #[error(transparent)]
     Table(#[from] tables::Error),
-    /// The wave kernel was asked for, but cannot be had.
+    /// Wave kernel named alone, but impossible with this campaign and table.
     #[error("{}: {fault}", manifest.display())]
     Wave {
-        /// The manifest.
+        /// File of the manifest.
         manifest: PathBuf,
-        /// What it lacks.
+        /// Reason why there are no waves.
         fault: wave::Fault,
     },
-    /// A baseline that hollow cubes cannot have.
-    #[error("{}: --model guo blurs by the roughness of the front, which hollow cubes lack (index \
-    1 in the table); \
-             name another model", manifest.display())]
+    /// Baseline that needs a front face, named alone for hollow cubes.
+    #[error("{}: --model guo needs a front face, but the table's cubes are hollow (refractive \
+             index 1); choose another --model", manifest.display())]
     Hollow {
-        /// The manifest.
+        /// File of the manifest.
         manifest: PathBuf,
     },
-    /// The azimuth cannot be told by such a table.
+    /// Table that cannot tell the azimuth.
     #[error(
         "--fit-azimuth: the table says nothing of other azimuths ({held}); bake them all: bake \
-        trace --azimuth full \
-             --direction-tolerance 0.005"
+        trace --azimuth full --direction-tolerance 0.005"
     )]
     OneAzimuth {
-        /// What it holds.
+        /// Azimuths that the table holds, in words.
         held: &'static str,
     },
-    /// The solver found no optimum.
+    /// Fit without a finite optimum.
     #[error("{}: the fit failed (the model is not finite near its starting values); \
              check pixel_pitch_mm and the distances", manifest.display())]
     NoFit {
-        /// The manifest.
+        /// File of the manifest.
         manifest: PathBuf,
     },
     /// Options that exclude each other.
     #[error(transparent)]
     Conflict(#[from] Conflict),
-    /// No candidate is left.
-    #[error("no kernel, or no lobe shape, is open; name at least one of each")]
+    /// No candidate left.
+    #[error("no kernel or no lobe shape is left to try; name at least one of each")]
     NothingOpen,
-    /// It was asked to stop.
+    /// Estimate stopped by its caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -69,25 +67,26 @@ impl From<scene::Error> for Error {
     }
 }
 
-/// Options of an estimate that exclude each other.
+/// Pair of options that exclude each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Conflict {
-    /// Samples beside the likelihood of pixels.
+    /// Samples together with the likelihood of pixels.
     #[error(
-        "--forward render compares MTFs, as published; use --loss mtf or mse, or --forward spectral"
-    )]
-    PixelsBySamples,
-    /// A model without samples.
-    #[error(
-        "this model has no samples: --forward render does eq1, angular, shift and lobe; use \
+        "--forward render compares MTFs, not pixels; use --loss mtf or --loss mse, or \
         --forward spectral"
     )]
-    NoSamples,
-    /// The azimuth of a model that knows none, or by samples.
+    PixelsBySamples,
+    /// Candidates of which none has samples.
     #[error(
-        "--fit-azimuth looks for the azimuth in closed form and with the proposed model; leave \
-        out --forward and --model"
+        "this model has no samples: --forward render can only do the kernels eq1, angular, shift \
+        and lobe; use --forward spectral"
+    )]
+    NoSamples,
+    /// Azimuth wanted for a model without one, or by samples.
+    #[error(
+        "--fit-azimuth works only in closed form and with the proposed model; leave out --forward \
+        and --model"
     )]
     AzimuthOfAnother,
 }

@@ -1,4 +1,4 @@
-//! How a photograph faces the sheet: the table's direction, along the photograph's edge normal.
+//! The table's direction for a photograph, projected on the photograph's edge normal.
 
 use tables::Direction;
 
@@ -9,45 +9,45 @@ use crate::names::Spectrum;
 use tables::ShiftLine;
 use tables::WaveLine;
 
-/// The retroreflected share of the light, and its standard error.
+/// Retroreflected share of the light, with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Returned {
-    /// The share.
+    /// Retroreflected share, from 0 to 1.
     pub eta: f64,
-    /// One standard deviation, by the table's rays.
+    /// Standard deviation that the number of the table's rays causes.
     pub standard_error: f64,
 }
 
 impl Returned {
-    /// Standard error over the share.
+    /// Returns the standard error divided by the share.
     pub fn relative_error(&self) -> f64 {
         self.standard_error / self.eta
     }
 }
 
-/// What the table says of one photograph at one azimuth of the sheet.
+/// Direction of the table for one photograph at one azimuth of the sheet.
 #[derive(Debug, Clone)]
 pub struct Facing {
-    /// Azimuth, degrees; `None` where a table of the mean over azimuths needs none.
+    /// Azimuth, degrees; `None` if the table is a mean over azimuths and needs none.
     pub azimuth_deg: Option<f64>,
-    /// Retroreflected share by the table.
+    /// Retroreflected share of the table.
     pub returned: Returned,
-    /// Incidence, outside, radians.
+    /// Incidence outside the sheet, radians.
     incidence_rad: f64,
-    /// Of the sheet's front face; 1 for hollow cubes.
+    /// Refractive index behind the sheet's front face; 1 for hollow cubes.
     pub refractive_index: f64,
     /// Shift along the edge normal.
     pub shift: Option<ShiftLine>,
-    /// Waves along the edge normal, where the campaign names wavelengths and the table allows.
+    /// Waves along the edge normal, or the reason why there are none.
     pub wave: Result<WaveLine, wave::Fault>,
 }
 
-/// Where a photograph's edge lies to the sheet, whatever the azimuth.
+/// Position of a photograph's edge relative to the sheet, apart from the azimuth.
 #[derive(Debug, Clone, Copy)]
 pub struct Along<'a> {
-    /// Incidence, outside, radians.
+    /// Incidence outside the sheet, radians.
     pub incidence_rad: f64,
-    /// Edge normal in the aerial image, (tangential, sagittal).
+    /// Edge normal in the mid-air image, (tangential, sagittal).
     pub normal: [f64; 2],
     /// Wavelengths of the source.
     pub spectrum: Option<&'a Spectrum>,
@@ -79,8 +79,8 @@ impl Facing {
         }
     }
 
-    /// The same at an azimuth from which nothing comes back: its lines mean nothing there, and
-    /// stay.
+    /// Returns the facing for an azimuth at which no light returns. The lines have no meaning there
+    /// and are kept.
     pub fn dark(&self, direction: &Direction, azimuth_deg: f64) -> Facing {
         Facing {
             azimuth_deg: Some(azimuth_deg),
@@ -92,8 +92,8 @@ impl Facing {
         }
     }
 
-    /// The share of the light that the sheet returns before mu, as a kernel has it: a baseline
-    /// takes the front's reflections off.
+    /// Returns the share of the light that the sheet returns before mu, as a kernel counts it. The
+    /// baselines with a front subtract the reflections of the front.
     pub fn returned_as(&self, kernel: Kernel) -> Returned {
         let Returned {
             eta,

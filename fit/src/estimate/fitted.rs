@@ -1,10 +1,10 @@
 //! The estimate: one candidate model fitted to all photographs of a scene.
 //!
 //! Sugawara and Koizumi minimise the squared difference of the MTFs of photographs and renders over
-//! a and c, then take mu from the luminance ratio. So does the loss `mse`, with two deviations: the
-//! render is replaced by its closed form, and the solver is Levenberg-Marquardt. The loss `mtf`
-//! weighs the differences by their noise covariance as well, which the estimator knows. The loss
-//! `edge` puts the likelihood of the pixels in place of the MTF (see `likelihood`).
+//! a and c, then take mu from the luminance ratio. The loss `mse` does so too, with two
+//! differences: the closed form replaces the render, and the solver is Levenberg-Marquardt. The
+//! loss `mtf` also weights the differences by their noise covariance, which the estimator knows.
+//! The loss `edge` replaces the MTF by the likelihood of the pixels (see `likelihood`).
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -23,57 +23,57 @@ use crate::names::{ParameterId, ParameterKind};
 use crate::numerics::Solution;
 use crate::samples::Sampling;
 
-/// A fitted candidate.
+/// Fitted candidate with the errors of its parameters.
 #[derive(Debug, Clone)]
 pub struct Estimate {
-    /// The candidate.
+    /// Candidate that was fitted.
     pub choice: Choice,
-    /// Corner size, mm; `None` under `lobe`. Of a baseline the roughness of its front.
+    /// Corner size, mm, or the roughness of a baseline's front; `None` if the kernel has neither.
     pub c_mm: Option<Value>,
-    /// a (1/mm), A = a R under `angular`, or the roughness of a baseline: one, or one per incidence
-    /// group; empty under `shift`.
+    /// Spread: a (1/mm), A = a R for `angular`, or the roughness of a baseline. It has one value,
+    /// or one per incidence, and is empty for `shift` and `wave`.
     pub spread: Vec<Value>,
-    /// Reflectance: one, or one per incidence group; `None` without a reference photograph.
+    /// Reflectance mu, one value or one per incidence; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
-    /// What the covariance's rows are: c, the spreads, mu.
+    /// Parameters in the order of the covariance's rows: c, the spreads, mu.
     pub parameters: Vec<ParameterId>,
-    /// Covariance of all of them.
+    /// Covariance of all parameters.
     pub covariance: DMatrix<f64>,
-    /// Sum of squares of the residuals in units of their noise; under `mse` that of the MTFs, where
-    /// their mean squared difference is least.
+    /// Sum of squares of the residuals in units of their noise. For `mse` it is that of the MTFs at
+    /// the minimum of the mean squared difference.
     pub chi2: f64,
-    /// Independent residuals.
+    /// Number of independent residuals.
     pub residuals: usize,
-    /// The camera: of the reference's fit, or refined with all pixels.
+    /// Camera from the reference's fit; for `edge` refined with all pixels.
     pub camera: Camera,
-    /// Where the solver ended.
+    /// Result of the solver.
     pub solution: Solution,
-    /// MTF of the model at each shot's frequencies, through its estimator.
+    /// MTF of the model at the frequencies of each photograph, through the photograph's estimator.
     pub modelled: Vec<Vec<f64>>,
-    /// Mean squared MTF difference of each shot: the loss of the paper.
+    /// Mean squared MTF difference of each photograph, the loss of the paper.
     pub losses: Vec<f64>,
-    /// What the samples add to the errors, where the model was evaluated by samples.
+    /// Sampling error, if the model was evaluated by samples.
     pub sampling: Option<SamplingError>,
 }
 
-/// The error that samples add.
+/// Error that the samples add to an estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SamplingError {
-    /// The samples.
+    /// Settings of the samples.
     pub sampling: Sampling,
-    /// Standard deviation of every parameter between independent randomisations, in the order of
-    /// the names; the covariance and the standard errors hold it already.
+    /// Standard deviation of each parameter between independent randomisations, in the order of
+    /// `parameters`. Covariance and standard errors include it already.
     pub standard_error: Vec<f64>,
 }
 
 impl Estimate {
-    /// Parameters of the blur.
+    /// Returns the number of parameters of the blur.
     pub fn blur_parameters(&self) -> usize {
         usize::from(self.c_mm.is_some()) + self.spread.len()
     }
 
-    /// Adds the scatter of the estimates by their samples, as [`Estimate::add_scatter`] does, and
-    /// keeps what it is.
+    /// Adds the scatter of the estimates by their samples to the errors, and records it.
+    /// [`Estimate::add_scatter`] explains `scatter`.
     pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {
         self.sampling = Some(SamplingError {
             sampling,
@@ -81,8 +81,8 @@ impl Estimate {
         });
     }
 
-    /// Adds a covariance of the logarithms of all parameters, in the order of the names, to
-    /// covariance and standard errors; gives the standard deviations that it alone makes.
+    /// Adds a covariance of the logarithms of all parameters, in the order of `parameters`, to
+    /// covariance and standard errors. Returns the standard deviations that it alone causes.
     pub fn add_scatter(&mut self, scatter: &DMatrix<f64>) -> Vec<f64> {
         let values = self.c_mm.iter_mut().chain(&mut self.spread);
         let mut values: Vec<&mut Value> = values.chain(self.mu.iter_mut().flatten()).collect();
@@ -97,7 +97,7 @@ impl Estimate {
         (0..n).map(|i| own[(i, i)].sqrt()).collect()
     }
 
-    /// Where it lies, for another loss or forward model to start from.
+    /// Returns the optimum of this estimate, as a start for another loss or forward model.
     pub fn optimum(&self) -> Optimum {
         Optimum {
             choice: self.choice,
@@ -106,14 +106,15 @@ impl Estimate {
         }
     }
 
-    /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
+    /// Returns the sum of squares per degree of freedom. It is about 1 if the model describes the
+    /// photographs.
     pub fn reduced_chi2(&self) -> f64 {
         let freedom = self.residuals.saturating_sub(self.blur_parameters()).max(1);
         self.chi2 / freedom as f64
     }
 }
 
-/// Everything that follows from the optimum: mu, covariance, losses.
+/// Computes everything that follows from an optimum: mu, covariance, losses.
 pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate {
     let layout = &Layout::new(optimum.choice, scene.groups.len());
     let camera = match loss {
@@ -159,7 +160,7 @@ pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate
     let covariance = DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
         logarithms[(i, j)] * scale[i] * scale[j]
     });
-    // A parameter that the photographs do not depend on has no finite error.
+    // A parameter on which the photographs do not depend has an infinite error.
     let value = |i: usize| {
         let variance = covariance[(i, i)];
         let standard_error = if variance.is_finite() {
@@ -189,7 +190,7 @@ pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate
     }
 }
 
-/// Every photograph beside its model at the optimum, seen by the camera that the loss found.
+/// Compares each photograph with its model at the optimum, seen by the camera that the loss found.
 fn compared(
     scene: &Scene,
     loss: &Loss,
@@ -208,8 +209,8 @@ fn compared(
     shots.collect()
 }
 
-/// The covariances of the logarithms, raised where the model fits worse than the photographs'
-/// noise.
+/// Returns the covariances of the logarithms. They are raised if the model fits worse than the
+/// photographs' noise allows.
 fn covariances(
     scene: &Scene,
     loss: &Loss,
@@ -242,7 +243,7 @@ fn covariances(
     }
 }
 
-/// Mean squared MTF difference of each photograph.
+/// Returns the mean squared MTF difference of each photograph.
 fn mean_squares(scene: &Scene, parts: &[Compared]) -> Vec<f64> {
     let mean = |(part, measured): (&Compared, &Vec<f64>)| {
         let pairs = part.modelled.iter().zip(measured).skip(1);

@@ -1,11 +1,13 @@
-//! The estimate by samples: the published loop in place of the closed form.
+//! The estimate by samples: the published loop instead of the closed form.
 //!
-//! As published: an edge is rendered for every photograph with so many samples per pixel, its MTF
-//! is taken as the photograph's was, the squared differences of the MTFs are minimised over a and c
-//! by their pathwise derivatives, and mu follows from the ratio of the light. Deviations: the
-//! solver is Levenberg-Marquardt, the samples are evenly spread unless independent ones are asked
-//! for, and the differences are weighed by their noise unless the plain ones are (`mse`). Which
-//! terms the model has, and where the search begins, is found in closed form.
+//! As published, an edge is rendered for each photograph with a number of samples per pixel. Its
+//! MTF is measured as that of the photograph was. The squared differences of the MTFs are minimised
+//! over a and c by their pathwise derivatives. mu then follows from the ratio of the light.
+//!
+//! There are four differences from the published loop. The solver is Levenberg-Marquardt. The
+//! samples are evenly spread, unless independent ones are asked for. The differences are weighted
+//! by their noise, unless plain ones are asked for (`mse`). The terms of the model and the starting
+//! point are found in closed form.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -37,33 +39,34 @@ pub enum Forward {
     Render,
 }
 
-/// Change of the parameters, and of the sum of squares relative to itself, below which the
-/// iteration ends: the sums of a render are good to a few 1e-7.
+/// Relative change of the parameters or of the sum of squares below which the iteration ends. The
+/// sums of a render are accurate to a few 1e-7.
 const CONVERGED: f64 = 1e-6;
 
-/// Independent randomisations from whose scatter the sampling error is taken: known to 1/sqrt(2 x
-/// 7) = 27 % of itself.
+/// Number of independent randomisations whose scatter gives the sampling error. The error is known
+/// to 1/sqrt(2 x 7) = 27 % of itself.
 pub(crate) const RANDOMISATIONS: u64 = 8;
 
-/// What the estimates by samples of one scene have in common.
+/// Inputs that all estimates by samples of one scene share.
 #[derive(Clone, Copy)]
 pub(crate) struct Renders<'a> {
-    /// The photographs, in closed form.
+    /// Photographs, in closed form.
     pub scene: &'a Scene,
-    /// The table that the scene was measured with.
+    /// Table with which the scene was measured.
     pub table: &'a Table,
-    /// How differences of the MTFs are weighed.
+    /// Weights of the differences of the MTFs.
     pub weights: Weights,
-    /// How many samples, how spread.
+    /// Number and spreading of the samples.
     pub sampling: Sampling,
 }
 
 impl Renders<'_> {
-    /// The scene with samples of every photograph for the terms of `choice`, by which the models
-    /// are evaluated there; another randomisation is independent.
+    /// Draws samples of each photograph for the terms of `choice`. Returns the scene whose models
+    /// are evaluated by them. Different randomisations are independent.
     ///
     /// # Errors
-    /// As [`Table::direction`]; not for the table that the scene was measured with.
+    /// Fails if the table lacks the direction of a photograph. This cannot happen with the table
+    /// with which the scene was measured.
     pub(crate) fn drawn(&self, choice: Choice, randomisation: u64) -> Result<Scene, tables::Error> {
         let count = self.scene.shots.len() as u64;
         let shots = self.scene.shots.par_iter().enumerate();
@@ -72,7 +75,10 @@ impl Renders<'_> {
         Ok(self.scene.sampled(samples.collect::<Result<_, _>>()?))
     }
 
-    /// The samples of one photograph.
+    /// Draws the samples of one photograph.
+    ///
+    /// # Errors
+    /// Fails if the table lacks the direction of the photograph.
     fn samples(
         &self,
         shot: &Aerial,
@@ -102,11 +108,12 @@ impl Renders<'_> {
         ))
     }
 
-    /// The estimate of one candidate by one randomisation of the samples, from a start, beside the
-    /// scene with these samples. Their own error is not in its standard errors.
+    /// Estimates one candidate by one randomisation of the samples, from a start. Returns the
+    /// estimate and the scene with these samples. The standard errors do not include the sampling
+    /// error.
     ///
     /// # Errors
-    /// As [`Renders::drawn`].
+    /// Fails if the table lacks the direction of a photograph.
     pub(crate) fn by_one_randomisation(
         &self,
         start: Optimum,
@@ -118,21 +125,23 @@ impl Renders<'_> {
         Ok((estimate(&drawn, &loss, best), drawn))
     }
 
-    /// The estimate of one candidate by samples, beside the scene with the samples. Standard errors
-    /// hold the sampling error: the scatter of [`RANDOMISATIONS`] further estimates, each one
-    /// Gauss-Newton step from the first (their differences are so small that the problem is linear
-    /// across them).
+    /// Estimates one candidate by samples. Returns the estimate and the scene with the samples.
+    ///
+    /// The standard errors include the sampling error. It is the scatter of [`RANDOMISATIONS`]
+    /// further estimates, each one Gauss-Newton step from the first. Their differences are so small
+    /// that the problem is linear across them.
     ///
     /// # Errors
-    /// As [`Renders::drawn`]; [`Error::Cancelled`].
+    /// Returns [`Error::Table`] if the table lacks the direction of a photograph, and
+    /// [`Error::Cancelled`] if the flag of `watch` is set.
     pub(crate) fn estimate(
         &self,
         choice: Choice,
         watch: &Watch,
     ) -> Result<(Estimate, Scene), Error> {
         let start = rough(self.scene, choice);
-        // The first samples are drawn again in the end: two drawings at a time would take twice the
-        // memory.
+        // The first samples are drawn again at the end, because two drawings at a time would take
+        // twice the memory.
         let mut best = self.by_one_randomisation(start, 0)?.0;
         let layout = Layout::new(choice, self.scene.groups.len());
         let mut estimates = Vec::new();
@@ -149,13 +158,14 @@ impl Renders<'_> {
     }
 }
 
-/// Samples of one evaluation of all photographs.
+/// Returns the number of samples in one evaluation of all photographs.
 pub(crate) fn samples(scene: &Scene) -> usize {
     let sampled = scene.shots.iter().filter_map(|shot| shot.sampled.as_ref());
     sampled.map(Sampled::samples).sum()
 }
 
-/// ln(c, spreads, mu) of the samples that the scene holds, one step from an estimate by others.
+/// Returns ln(c, spreads, mu) by the samples of `scene`, one Gauss-Newton step from an estimate by
+/// other samples.
 fn neighbour(scene: &Scene, weights: Weights, layout: &Layout, best: &Estimate) -> DVector<f64> {
     let at = &best.solution.parameters;
     let (residuals, jacobian) = Loss::of_mtfs(scene, weights).evaluate(layout, at);
@@ -179,7 +189,7 @@ fn neighbour(scene: &Scene, weights: Weights, layout: &Layout, best: &Estimate) 
     DVector::from_iterator(at.len() + mu.len(), all)
 }
 
-/// Covariance of one of some vectors.
+/// Returns the covariance of a vector, estimated from several ones.
 fn scatter(vectors: &[DVector<f64>]) -> DMatrix<f64> {
     let n = vectors.len() as f64;
     let mean = vectors.iter().sum::<DVector<f64>>() / n;

@@ -1,5 +1,5 @@
-//! The likelihood of all photographs together: blur and lens shared, the reference's pixels beside
-//! the aerial ones.
+//! The likelihood of all photographs together. They share blur and lens, and the pixels of the
+//! reference count beside those of the photographs of the mid-air edge.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -15,27 +15,27 @@ use crate::model::Camera;
 use crate::numerics::Evaluation;
 use crate::photographs::PixelNoise;
 
-/// The photographs of a scene with their noise; fixed while candidates are compared.
+/// Photographs of a scene with their noise, which is fixed while candidates are compared.
 pub struct Joint<'a> {
     scene: &'a Scene,
     shots: Vec<Photograph<'a>>,
     reference: Option<Photograph<'a>>,
-    /// ln(blur / mm) of the lens and, where the reference needed it, its exponent.
+    /// Parameters of the lens: ln(blur / mm) and, if the reference needed it, the exponent.
     lens: DVector<f64>,
 }
 
-/// Whose information a covariance is the inverse of. The two differ only where pixels were cut off
-/// at 0.
+/// Information whose inverse is the covariance. The variants differ only if pixels were cut off at
+/// 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Used {
-    /// What the estimate uses: of cut-off pixels their mean.
+    /// Information that the estimate uses: of pixels that may be cut off, the mean.
     ByTheEstimate,
-    /// All that there is: the covariance is the Cramer-Rao bound.
+    /// All information: the covariance is the Cramer-Rao bound.
     ByAnyEstimate,
 }
 
 impl<'a> Joint<'a> {
-    /// Noise and nuisances of every photograph, found under the model of `choice` at `parameters`
+    /// Finds noise and nuisances of each photograph under the model of `choice` at `parameters`
     /// (logarithms of c and of the spreads), which should be near the truth.
     pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
         let pitch_mm = scene.camera.pitch_mm;
@@ -84,13 +84,13 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Parameters of blur and lens from those of the blur.
+    /// Appends the parameters of the lens to those of the blur.
     pub fn start(&self, blur: &DVector<f64>) -> DVector<f64> {
         let all = blur.iter().chain(&self.lens).copied();
         DVector::from_iterator(blur.len() + self.lens.len(), all)
     }
 
-    /// The camera at a point.
+    /// Returns the camera at these parameters.
     pub fn camera(&self, layout: &Layout, at: &DVector<f64>) -> Camera {
         if self.lens.is_empty() {
             return self.scene.camera;
@@ -99,15 +99,16 @@ impl<'a> Joint<'a> {
         camera_of(self.scene.camera.pitch_mm, &lens)
     }
 
-    /// Independent numbers in the photographs, less the nuisances and the lens.
+    /// Returns the number of independent numbers in the photographs, less those of the nuisances
+    /// and of the lens.
     pub fn observations(&self) -> usize {
         let of = |p: &Photograph| p.observations().saturating_sub(NUISANCES);
         let all: usize = self.shots.iter().chain(&self.reference).map(of).sum();
         all.saturating_sub(self.lens.len())
     }
 
-    /// Sum of squares and its derivatives at a point, nuisances at their optimum: a few rows for
-    /// every photograph, whose products are those of all its pixels.
+    /// Evaluates residuals and derivatives at a point, with the nuisances at their optimum. Each
+    /// photograph has only a few rows, whose products equal those of all its pixels.
     pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
         let factors: Vec<DMatrix<f64>> = self
             .fitted(layout, at)
@@ -133,8 +134,8 @@ impl<'a> Joint<'a> {
         (residuals, jacobian)
     }
 
-    /// Every photograph at the optimum of its nuisances, the reference last, with the curves it was
-    /// fitted to.
+    /// Moves the nuisances of each photograph to their optimum. Returns the photographs, the
+    /// reference last, with the curves to which they were fitted.
     fn fitted(&self, layout: &Layout, at: &DVector<f64>) -> Vec<(Fitted, Curves)> {
         let camera = self.camera(layout, at);
         let lens = self.lens.len();
@@ -156,7 +157,8 @@ impl<'a> Joint<'a> {
         all
     }
 
-    /// Columns of the derivatives of photograph `i`, the reference being the last.
+    /// Returns the columns of the derivatives of photograph `i`. The reference is the last
+    /// photograph.
     fn columns(&self, layout: &Layout, i: usize) -> Vec<usize> {
         let lens = layout.parameters()..layout.parameters() + self.lens.len();
         let blur = self
@@ -167,14 +169,14 @@ impl<'a> Joint<'a> {
         blur.into_iter().flatten().chain(lens).collect()
     }
 
-    /// Covariance of the estimates, and mu, at an optimum: the inverse Fisher information of the
-    /// pixels.
+    /// Computes the covariance of the estimates, and mu, at an optimum. The covariance is the
+    /// inverse Fisher information of the pixels, times `inflation`.
     ///
-    /// c and the spreads leave every photograph its own plateaus, so that a wrong exposure cannot
-    /// bias them. mu is where the steps of all photographs, tied to the reference's by exposure and
-    /// retroreflected fraction, are most likely: generalised least squares on the same pixels. Its
-    /// covariance carries the table's rays, as one error for every incidence. All is multiplied by
-    /// `inflation`.
+    /// For c and the spreads each photograph has its own plateaus, so a wrong exposure cannot bias
+    /// them. For mu the steps of all photographs are tied to that of the reference by exposure and
+    /// retroreflected share. mu is where these steps are most likely: generalised least squares on
+    /// the same pixels. Its covariance includes the error by the table's rays, as one error for
+    /// each incidence.
     pub fn information(
         &self,
         layout: &Layout,
@@ -185,7 +187,7 @@ impl<'a> Joint<'a> {
         let fitted = self.fitted(layout, at);
         let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.reference).collect();
         let steps: Vec<f64> = fitted.iter().map(|(f, _)| f.nuisances.step).collect();
-        // Rows over (ln step, derivatives, residual), the other nuisances taken out.
+        // The rows are (ln step, derivatives, residual). The other nuisances are taken out.
         let factors: Vec<DMatrix<f64>> = fitted
             .into_iter()
             .zip(photographs)
@@ -226,7 +228,7 @@ impl<'a> Joint<'a> {
         let scene = self.scene;
         let (p, own) = (layout.parameters(), layout.choice.per_angle_mu);
         let groups = if own { scene.groups.len() } else { 1 };
-        // Columns: blur, lens, ln mu, ln step of the reference.
+        // The columns are blur, lens, ln mu, and ln step of the reference.
         let first = p + self.lens.len();
         let width = first + groups + 1;
         let reference_step = steps[steps.len() - 1].ln();
@@ -240,15 +242,15 @@ impl<'a> Joint<'a> {
             columns.push(width - 1);
             let shot = scene.shots.get(i);
             columns.extend(shot.map(|shot| first + if own { shot.group } else { 0 }));
-            // Blur and lens as they are; mu and the reference's step through the step of this
-            // photograph.
+            // Blur and lens enter directly. mu and the reference's step enter through the step of
+            // this photograph.
             let blurs = self.columns(layout, i).len();
             let rows = DMatrix::from_fn(factor.nrows(), columns.len(), |r, k| {
                 factor[(r, if k < blurs { k + 1 } else { 0 })]
             });
             if let Some(shot) = shot {
-                // Starting from mu = 1: how far the step that this says lies from the photograph's
-                // own.
+                // For mu = 1, `off` is the difference between the step that follows from the
+                // reference and the photograph's own.
                 let returned = shot.returned(layout.choice.kernel);
                 let known = (returned.eta * scene.half_mirror * shot.exposure / exposure).ln();
                 let off = known + reference_step - steps[i].ln();
@@ -283,7 +285,7 @@ impl<'a> Joint<'a> {
     }
 }
 
-/// Adds a small matrix to the rows and columns that it is about.
+/// Adds a small matrix to the rows and columns of `normal` that `columns` names.
 fn scatter(normal: &mut DMatrix<f64>, columns: &[usize], part: &DMatrix<f64>) {
     for (i, &a) in columns.iter().enumerate() {
         for (j, &b) in columns.iter().enumerate() {
@@ -292,7 +294,8 @@ fn scatter(normal: &mut DMatrix<f64>, columns: &[usize], part: &DMatrix<f64>) {
     }
 }
 
-/// The inverse of a normal matrix; infinite variances where the photographs do not tell everything.
+/// Inverts a normal matrix. The variances are infinite if the photographs do not determine all
+/// parameters.
 fn inverse(normal: &DMatrix<f64>) -> DMatrix<f64> {
     let n = normal.nrows();
     normal

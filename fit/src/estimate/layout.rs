@@ -1,20 +1,20 @@
-//! Where a candidate's parameters stand in the solver's vector: [ln c] [ln spread ...].
+//! The order of a candidate's parameters in the solver's vector: [ln c] [ln spread ...].
 
 use nalgebra::DVector;
 
 use crate::estimate::choice::Choice;
 use crate::model::Blur;
 
-/// The order of one candidate's parameters.
+/// Order of one candidate's parameters.
 pub struct Layout {
-    /// The candidate.
+    /// Candidate that has these parameters.
     pub choice: Choice,
-    /// Number of spreads: 0, 1, or one per incidence group.
+    /// Number of spreads: 0, 1, or one per incidence.
     pub spreads: usize,
 }
 
 impl Layout {
-    /// The layout of a candidate in a scene of so many incidence groups.
+    /// Makes the layout of a candidate in a scene with `groups` incidences.
     pub fn new(choice: Choice, groups: usize) -> Layout {
         let spreads = match (choice.kernel.has_lobe(), choice.per_angle_a) {
             (false, _) => 0,
@@ -24,31 +24,31 @@ impl Layout {
         Layout { choice, spreads }
     }
 
-    /// Column of ln c.
+    /// Returns the column of ln c, or `None` if the kernel has no c.
     pub fn c(&self) -> Option<usize> {
         self.choice.kernel.has_c().then_some(0)
     }
 
-    /// Column of a group's ln spread.
+    /// Returns the column of ln spread for an incidence, or `None` if the kernel has no lobe.
     pub fn spread(&self, group: usize) -> Option<usize> {
         let first = usize::from(self.choice.kernel.has_c());
         (self.spreads > 0).then(|| first + if self.choice.per_angle_a { group } else { 0 })
     }
 
-    /// Index of a group's mu.
+    /// Returns the index of mu for an incidence.
     pub fn mu_group(&self, group: usize) -> usize {
         if self.choice.per_angle_mu { group } else { 0 }
     }
 
-    /// Number of parameters.
+    /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
         usize::from(self.choice.kernel.has_c()) + self.spreads
     }
 
-    /// The blur of a group at a point.
+    /// Returns the blur of an incidence at these parameters.
     pub fn blur(&self, parameters: &DVector<f64>, group: usize) -> Blur {
-        // Beyond e^+-14 of 1 mm or 1/mm nothing changes any more; the clamp keeps a runaway step
-        // finite.
+        // Beyond e^14 or e^-14 (of 1 mm or 1/mm) the model no longer changes. The clamp keeps a
+        // step that runs away finite.
         let at = |i: Option<usize>| i.map_or(1.0, |i| parameters[i].clamp(-14.0, 14.0).exp());
         Blur {
             spread: at(self.spread(group)),
@@ -56,8 +56,8 @@ impl Layout {
         }
     }
 
-    /// Columns of the parameters that one shot depends on, in the order of its derivatives (spread,
-    /// c).
+    /// Returns the columns of the parameters on which one photograph depends, in the order of its
+    /// derivatives (spread, c).
     pub fn columns(&self, group: usize) -> Vec<usize> {
         self.spread(group).into_iter().chain(self.c()).collect()
     }

@@ -1,4 +1,4 @@
-//! What a fit minimises.
+//! The losses: functions that a fit minimises.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use crate::estimate::layout::Layout;
 use crate::estimate::scene::{Aerial, Scene};
 use crate::numerics::Evaluation;
 
-/// The losses by name.
+/// Kinds of loss by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -25,7 +25,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Kind::Mtf => "mtf",
@@ -35,20 +35,19 @@ impl Kind {
     }
 }
 
-/// A loss, ready to be evaluated.
+/// Loss that is ready for evaluation.
 pub enum Loss<'a> {
     /// Whitened differences of the MTFs.
     Mtf(&'a Scene),
-    /// Plain differences of the MTFs: the sum of squares is the sum over the photographs of their
-    /// mean squared difference, which is no chi-square, so that neither terms nor bounds can be
-    /// told by it.
+    /// Plain differences of the MTFs. The sum of squares is the sum over the photographs of their
+    /// mean squared difference. It is no chi-square, so it can decide neither terms nor bounds.
     Mse(&'a Scene),
-    /// The likelihood of the pixels.
+    /// Likelihood of the pixels.
     Edge(Box<Joint<'a>>),
 }
 
 impl<'a> Loss<'a> {
-    /// The loss of a kind; `near` is a candidate with parameters near the truth.
+    /// Makes the loss of a kind. `near` is a candidate with parameters near the truth.
     pub fn new(kind: Kind, scene: &'a Scene, near: (Choice, &DVector<f64>)) -> Loss<'a> {
         match kind {
             Kind::Mtf => Loss::Mtf(scene),
@@ -57,7 +56,7 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// The loss of MTFs weighed so.
+    /// Makes the loss of MTFs with these weights.
     pub fn of_mtfs(scene: &'a Scene, weights: Weights) -> Loss<'a> {
         match weights {
             Weights::Noise => Loss::Mtf(scene),
@@ -65,7 +64,7 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// Its kind.
+    /// Returns the kind of the loss.
     pub fn kind(&self) -> Kind {
         match self {
             Loss::Mtf(_) => Kind::Mtf,
@@ -74,8 +73,8 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// The parameters of this loss from those of the blur: the lens beside them where the pixels
-    /// tell it too.
+    /// Returns the parameters of this loss from those of the blur. For `edge` the parameters of the
+    /// lens follow them, if the reference gives them.
     pub fn start(&self, blur: &DVector<f64>) -> DVector<f64> {
         match self {
             Loss::Mtf(_) | Loss::Mse(_) => blur.clone(),
@@ -83,8 +82,8 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// Residuals in units of their noise (plain under `Mse`), and derivatives, at a point. Only
-    /// their products have a meaning.
+    /// Evaluates residuals in units of their noise (plain for `Mse`) and their derivatives at a
+    /// point. Only sums of products over all rows have a meaning.
     pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
         match self {
             Loss::Mtf(scene) => differences(scene, layout, at, Weights::Noise),
@@ -93,8 +92,9 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// How many independent numbers are compared: whitened MTF differences, or means and slopes
-    /// along the edge of all bins of pixels less the nuisances. The n of Bayes' criterion.
+    /// Returns the number of independent numbers that are compared, the n of Bayes' criterion:
+    /// whitened MTF differences, or means and slopes along the edge of all bins of pixels, less the
+    /// nuisances.
     pub fn observations(&self) -> usize {
         match self {
             Loss::Mtf(scene) | Loss::Mse(scene) => {
@@ -106,7 +106,7 @@ impl<'a> Loss<'a> {
     }
 }
 
-/// Weighed differences of the MTFs of all photographs, and their derivatives.
+/// Evaluates the weighted differences of the MTFs of all photographs, and their derivatives.
 fn differences(scene: &Scene, layout: &Layout, at: &DVector<f64>, weights: Weights) -> Evaluation {
     let parts: Vec<Compared> = scene
         .shots

@@ -1,15 +1,20 @@
-//! From a campaign's photographs to c, a and mu, with their errors.
+//! Estimates of c, a and mu with their errors, from the photographs of a campaign.
 //!
-//! Photographs, from files or from memory, a table and options enter; an estimate leaves, with its
-//! terms, bounds and warnings ([`campaign`] does all of it). Photographs are measured once, into a
+//! Photographs from files or from memory, a table, and options enter. An estimate with its terms,
+//! bounds and warnings leaves. [`campaign`] does all of it. Photographs are measured once, into a
 //! scene that nothing rewrites. The room writes no file and prints nothing. It may touch `compare`,
 //! `samples`, `model`, `photographs`, `names` and `numerics`, but not the simulator.
 //!
-//! From the ground: [`choice`] what a candidate lets vary, [`layout`] where its parameters stand,
-//! [`facing`] and [`scene`] the photographs beside their directions, [`compared`] beside their
-//! models, [`joint`] and [`loss`] what is minimised, [`start`] and [`optimum`] where it is least,
-//! [`covariance`] and [`fitted`] what follows, [`select`](mod@select) which terms, [`bound`],
-//! [`azimuth`] and [`forward`] what else may be asked, [`verdict`] what to say, [`watch`] to whom.
+//! The files, from the lowest to the highest:
+//!
+//! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
+//! - [`facing`], [`scene`]: photographs with their directions. [`compared`]: photographs with their
+//!   models.
+//! - [`joint`], [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
+//! - [`covariance`], [`fitted`]: the results that follow from the minimum.
+//! - [`select`](mod@select): the choice of the terms.
+//! - [`bound`], [`azimuth`], [`forward`]: bounds, the azimuth, and the estimate by samples.
+//! - [`verdict`]: warnings. [`watch`]: progress and cancellation.
 
 mod azimuth;
 mod bound;

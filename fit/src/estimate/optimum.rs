@@ -1,4 +1,4 @@
-//! Where a candidate describes the photographs best.
+//! The parameters with which a candidate describes the photographs best.
 
 #[cfg(test)]
 use nalgebra::DMatrix;
@@ -11,26 +11,26 @@ use crate::estimate::scene::Scene;
 use crate::estimate::start;
 use crate::numerics::{CONVERGED, Solution, least_squares};
 
-/// The optimum of one candidate.
+/// Optimum of one candidate.
 #[derive(Debug, Clone)]
 pub struct Optimum {
-    /// The candidate.
+    /// Candidate that was fitted.
     pub choice: Choice,
-    /// Where the solver ended; its parameters are ln c, ln spread, and under `edge` the lens.
+    /// Result of the solver. Its parameters are ln c, ln spread and, for `edge`, those of the lens.
     pub solution: Solution,
-    /// How many independent numbers were compared.
+    /// Number of independent numbers that were compared.
     pub observations: usize,
 }
 
 impl Optimum {
-    /// Bayes' criterion: chi^2 / `misfit` + k ln n, n the independent numbers compared (see
-    /// [`Loss::observations`]).
+    /// Returns Bayes' criterion, chi^2 / `misfit` + k ln n. k is the number of parameters, and n
+    /// that of the independent numbers compared (see [`Loss::observations`]).
     pub fn criterion(&self, misfit: f64) -> f64 {
         let n = self.observations as f64;
         self.solution.sum_of_squares() / misfit + self.solution.parameters.len() as f64 * n.ln()
     }
 
-    /// Sum of squares per degree of freedom.
+    /// Returns the sum of squares per degree of freedom.
     pub fn reduced_chi2(&self) -> f64 {
         let parameters = self.solution.parameters.len();
         let freedom = self.observations.saturating_sub(parameters).max(1);
@@ -44,12 +44,12 @@ pub(crate) fn optimum(scene: &Scene, choice: Choice) -> Optimum {
     refined(scene, &Loss::Mtf(scene), start)
 }
 
-/// The optimum of a candidate on the MTFs to a thousandth: enough to tell a hopeless one.
+/// Fits a candidate to the MTFs to a thousandth, which is enough to recognise a hopeless one.
 pub(crate) fn rough(scene: &Scene, choice: Choice) -> Optimum {
     rough_from(scene, choice, start::points(scene, choice))
 }
 
-/// The same from given starting points, of which there is at least one.
+/// Fits a candidate to the MTFs to a thousandth, from at least one given starting point.
 pub(crate) fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start>) -> Optimum {
     const ROUGH: f64 = 1e-3;
     let loss = Loss::Mtf(scene);
@@ -72,12 +72,13 @@ pub(crate) fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start
     }
 }
 
-/// The optimum of a candidate under any loss, to convergence, from one on the MTFs.
+/// Fits a candidate by any loss to convergence, from an optimum on the MTFs.
 pub(crate) fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     refined_to(CONVERGED, scene, loss, from)
 }
 
-/// The same until parameters and sum of squares change by less than `tolerance` of themselves.
+/// Fits a candidate by any loss, from an optimum on the MTFs, until parameters and sum of squares
+/// change by less than the share `tolerance`.
 pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
@@ -90,7 +91,8 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
     }
 }
 
-/// A candidate under any loss where its parameters stand: an upper limit of its sum of squares.
+/// Evaluates a candidate by any loss at the parameters of `from`. The sum of squares is an upper
+/// limit of the least one.
 pub(crate) fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let parameters = loss.start(&from.solution.parameters);
@@ -107,8 +109,8 @@ pub(crate) fn unrefined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     }
 }
 
-/// The least sum of squares with parameter `fixed` held at `value`, and where it lies: a point of
-/// the profile likelihood.
+/// Finds the least sum of squares with parameter `fixed` held at `value`, a point of the profile
+/// likelihood. Returns it with the parameters there.
 pub(crate) fn sum_of_squares_with(
     scene: &Scene,
     loss: &Loss,
@@ -131,7 +133,8 @@ pub(crate) fn sum_of_squares_with(
     (solution.sum_of_squares(), with(&solution.parameters))
 }
 
-/// Whitened MTF differences and their derivatives at the given logarithms of c and the spreads.
+/// Evaluates whitened MTF differences and their derivatives at the given logarithms of c and the
+/// spreads.
 #[cfg(test)]
 pub(crate) fn residuals_at(
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! The reference photograph: what the camera alone does to an edge, and how bright the source is.
+//! The reference photograph: the blur of the camera alone, and the brightness of the source.
 
 use nalgebra::{DMatrix, DVector, Matrix2};
 
@@ -8,39 +8,39 @@ use crate::compare::View;
 use crate::model::{Camera, Lens};
 use crate::numerics::{CONVERGED, Solution, least_squares};
 
-/// A measured reference.
+/// Measured reference photograph.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// The camera, lens included.
+    /// Camera with its lens.
     pub camera: Camera,
     /// Covariance of ln(blur) and of the exponent.
     pub lens_covariance: Matrix2<f64>,
-    /// What the reference told of the lens: ln(blur / mm), and the exponent where it is not 2.
+    /// Fitted parameters of the lens: ln(blur / mm), and the exponent if it is not 2.
     pub lens: DVector<f64>,
-    /// Its pixels.
+    /// Pixels of the reference.
     pub pixels: Pixels,
-    /// Its exposure.
+    /// Exposure of the reference.
     pub exposure: f64,
-    /// Bright minus dark of the source edge, per unit of exposure.
+    /// Bright minus dark plateau of the source edge, per unit of exposure.
     pub step: f64,
     /// Relative standard error of `step`.
     pub step_relative_error: f64,
-    /// Whitened sum of squares per degree of freedom of the lens fit: 1 where the lens model
-    /// describes the camera.
+    /// Whitened sum of squares of the lens fit per degree of freedom. It is about 1 if the lens
+    /// model describes the camera.
     pub reduced_chi2: f64,
 }
 
-/// Improvement of the sum of squares for which a free exponent is kept (a superfluous one reaches
-/// it in 1 of 1000 cases).
+/// Fall of the sum of squares for which a free exponent is kept. A superfluous exponent reaches it
+/// in 1 of 1000 cases.
 const KEEP_EXPONENT: f64 = 10.8;
 
-/// Steps of the parameters for derivatives of a camera.
+/// Step of the lens parameters for numerical derivatives.
 const STEP: f64 = 1e-4;
 
-/// Measures the camera with a photograph of the source edge.
+/// Measures the camera by a photograph of the source edge.
 pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
     let pitch_mm = view.pitch_mm();
-    // A Gaussian of half a pixel: 1/f0 = sqrt 2 pi sigma.
+    // A Gaussian with sigma of half a pixel has 1/f0 = sqrt 2 pi sigma.
     let start = (std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.5 * pitch_mm).ln();
     let gaussian = fit(view, pitch_mm, DVector::from_vec(vec![start]));
     let free = fit(
@@ -75,8 +75,8 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
 }
 
 impl Reference {
-    /// The cameras one step of each lens parameter away, with the size of the step: for carrying
-    /// the lens's error.
+    /// Returns the cameras that lie one step of a lens parameter away, each with the size of the
+    /// step. The covariance of the lens is carried to the estimates with them.
     pub fn neighbours(&self) -> Vec<(Camera, f64)> {
         let Some(lens) = self.camera.lens else {
             return Vec::new();
@@ -103,10 +103,11 @@ impl Reference {
     }
 }
 
-/// The camera of lens parameters: ln(blur / mm), and the exponent where it is not 2.
+/// Makes a camera from lens parameters: ln(blur / mm), and the exponent if it is not 2.
 pub(crate) fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
     let exponent = parameters.get(1).copied().unwrap_or(2.0).clamp(0.5, 4.0);
-    // A lens blur below a thousandth of a pixel is none, one beyond 100 pixels no camera.
+    // The blur is at least a thousandth of a pixel, which is no blur, and at most 100 pixels, which
+    // is no camera.
     let blur_mm = parameters[0].exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm);
     Camera {
         pitch_mm,
@@ -127,8 +128,8 @@ fn fit(view: &View, pitch_mm: f64, start: DVector<f64>) -> Solution {
     };
     least_squares(start, CONVERGED, |parameters| {
         let here = residuals(parameters);
-        // Central differences: the model is smooth and its rounding 1e-13, so a step of 1e-4 is
-        // good to 1e-8.
+        // These are central differences. The model is smooth and its rounding 1e-13, so a step of
+        // 1e-4 is accurate to 1e-8.
         let columns: Vec<DVector<f64>> = (0..parameters.len())
             .map(|i| {
                 let (mut low, mut high) = (parameters.clone(), parameters.clone());

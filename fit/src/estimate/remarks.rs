@@ -1,11 +1,12 @@
-//! What a user should know of the table that a campaign is fitted with.
+//! Warnings about the table with which a campaign is fitted.
 
 use tables::Table;
 use tables::options::Element;
 
 use crate::photographs::Campaign;
 
-/// How far the table's light goes from straight back, rad, if it says so and that is seen.
+/// Returns the largest angle of the table's light off the exact way back, rad, or `None` if the
+/// table records none or it is too small to see.
 fn deviates(table: &Table) -> Option<f64> {
     let of_beams = || {
         let exact = table.exact.as_ref().filter(|exact| exact.deviates())?;
@@ -18,7 +19,7 @@ fn deviates(table: &Table) -> Option<f64> {
     of_rays.or_else(of_beams)
 }
 
-/// What the table means for the estimates of a campaign, one sentence each.
+/// Returns the warnings about a table for the estimates of a campaign, one sentence each.
 pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
     let mut warnings = Vec::new();
     let spectrum = &campaign.setup.spectrum;
@@ -32,8 +33,8 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
     let losses = table.provenance.losses_text();
     if losses != "none" {
         warnings.push(format!(
-            "the table holds the losses of the surfaces ({losses}): mu carries what is left, not \
-            them"
+            "the table holds the losses of the surfaces ({losses}): mu contains only the other \
+            losses"
         ));
     }
     if let (Some(baked), Some(source)) = (table.provenance.wavelength_nm, spectrum)
@@ -43,24 +44,23 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
             .all(|line| (line.wavelength_nm - baked).abs() > 1.0)
     {
         warnings.push(format!(
-            "the table is baked for {baked} nm, which is none of the source's wavelengths; bake \
-            one for them"
+            "the table is baked for {baked} nm, which is not a wavelength of the source; bake a \
+            table for the source's wavelength"
         ));
     }
     if table.provenance.element() == Element::Plate {
         warnings.push(
             "the table is of a micro-mirror array plate: c is the pitch of its mirrors, floating \
-            distances count from its \
-             middle plane, and half_mirror_transmittance and _reflectance are 1 where there is no \
-             half mirror"
+            distances are measured from its middle plane, and half_mirror_transmittance and \
+            half_mirror_reflectance must be 1 if there is no half mirror"
                 .into(),
         );
     }
     if table.provenance.has_glass() {
         warnings.push(
-            "the table is of bodies of glass, whose light returns in a cone as wide as its \
-            angular tolerance: c is the pitch, \
-             and a is what blur the recorded directions leave over, not a cube's aperture"
+            "the table is of bodies of glass, which return light in a cone as wide as the table's \
+            angular tolerance: c is the pitch of the bodies, and a describes the blur that the \
+            recorded directions do not explain, not the aperture of a cube"
                 .into(),
         );
     }
@@ -70,8 +70,8 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
             None => "",
         };
         warnings.push(format!(
-            "the table's cubes send light up to {:.3} mrad from straight back: the model has \
-            it{held}",
+            "the table's cubes send light up to {:.3} mrad off the exact way back: the model \
+            includes this deviation{held}",
             1e3 * largest
         ));
     }

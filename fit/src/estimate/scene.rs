@@ -1,6 +1,7 @@
-//! A scene ready to be fitted: all photographs measured, each with its direction of the table.
+//! A scene, ready for fitting: all photographs of a campaign, measured, each with its direction of
+//! the table.
 //!
-//! Nothing rewrites a scene. One that is turned, or evaluated by samples, is another scene, which
+//! Nothing rewrites a scene. Turning it, or evaluating it by samples, makes another scene that
 //! shares the photographs.
 
 use std::path::PathBuf;
@@ -29,79 +30,81 @@ use crate::photographs::photo::plane::Photo;
 use crate::photographs::{Campaign, Capture};
 use crate::samples::Sampled;
 
-/// Why a scene cannot be fitted.
+/// Reason why a campaign makes no scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The manifest or a photograph.
+    /// Manifest or photograph that cannot be read.
     #[error(transparent)]
     Captures(#[from] captures::error::Error),
-    /// The table has no such direction.
+    /// Direction that the table does not have.
     #[error("{}: capture \"{image}\": {source}", manifest.display())]
     Direction {
-        /// The manifest.
+        /// File of the manifest.
         manifest: PathBuf,
-        /// The capture's image.
+        /// Image of the capture.
         image: String,
-        /// What the table says. Boxed: every result of the crate would grow with it.
+        /// Error of the table. It is boxed, because otherwise every result of the crate would be
+        /// larger.
         source: Box<tables::Error>,
     },
-    /// No edge in a photograph.
+    /// Photograph without a usable edge.
     #[error("{}: {fault}", image.display())]
     Edge {
-        /// The photograph.
+        /// File of the photograph.
         image: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the edge.
         fault: edge::fault::Fault,
     },
-    /// It was asked to stop.
+    /// Estimate stopped by its caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// Nothing to fit.
-    #[error("{}: no capture is left: nothing is retroreflected at any incidence of it; \
-             photograph smaller incidence angles, or check azimuth_deg", manifest.display())]
+    /// Campaign in which no capture returns light.
+    #[error("{}: no capture is left: the table says that nothing is retroreflected at the \
+             incidence of any capture; photograph at smaller incidences, or check azimuth_deg",
+             manifest.display())]
     NothingLeft {
-        /// The manifest.
+        /// File of the manifest.
         manifest: PathBuf,
     },
 }
 
-/// Where photographs come from.
+/// Function that supplies the photograph of a shot.
 pub(crate) type Source<'a> =
     dyn Fn(&captures::Shot) -> Result<Photo, captures::error::Error> + Sync + 'a;
 
-/// One photograph of the mid-air edge, and what the table makes of it.
+/// One photograph of the mid-air edge, with its direction of the table.
 #[derive(Clone)]
 pub struct Aerial {
-    /// File name as the manifest gives it.
+    /// File name as in the manifest.
     pub image: String,
     /// Incidence, degrees.
     pub incidence_deg: f64,
-    /// Floating distance (optical path), mm.
+    /// Floating distance (optical path R), mm.
     pub r_mm: f64,
     /// Index into [`Scene::groups`].
     pub group: usize,
-    /// Relative exposure.
+    /// Exposure relative to that of the reference.
     pub exposure: f64,
-    /// The photograph, measured once and shared by every scene that shows it.
+    /// Measured edge, shared by all scenes of this photograph.
     pub view: Arc<View>,
-    /// Its pixels, shared likewise.
+    /// Pixels of the photograph, shared by all its scenes.
     pub pixels: Arc<Pixels>,
-    /// What the user should know.
+    /// Warnings about the photograph, one sentence each.
     pub warnings: Vec<String>,
-    /// Its direction of the table.
+    /// Direction of the table for this photograph.
     pub facing: Facing,
-    /// Its samples, where its model is evaluated by them.
+    /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
 }
 
 impl Aerial {
-    /// The share of the light that returns before mu, as a kernel has it.
+    /// Returns the share of the light that returns before mu, as a kernel counts it.
     pub fn returned(&self, kernel: Kernel) -> Returned {
         self.facing.returned_as(kernel)
     }
 
-    /// The same photograph, faced otherwise, in closed form.
+    /// Returns the photograph with another direction, in closed form.
     fn faced(&self, facing: Facing) -> Aerial {
         Aerial {
             image: self.image.clone(),
@@ -118,50 +121,57 @@ impl Aerial {
     }
 }
 
-/// The photographs of a campaign, measured.
+/// Measured photographs of a campaign.
 #[derive(Clone)]
 pub struct Scene {
-    /// Photographs, in the order of the manifest; those without retroreflection are left out.
+    /// Photographs in the order of the manifest, without those that return no light.
     pub shots: Vec<Aerial>,
-    /// Distinct incidence angles, degrees, ascending.
+    /// Different incidences, degrees, ascending.
     pub groups: Vec<f64>,
-    /// The source edge.
+    /// Measured reference: the photograph of the source edge.
     pub reference: Option<Arc<Reference>>,
-    /// The camera: pixel box, and the reference's lens.
+    /// Camera: box of a pixel, and the lens if there is a reference.
     pub camera: Camera,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
-    /// Wavelengths of the source, where the campaign names them.
+    /// Wavelengths of the source, if the campaign names them.
     pub spectrum: Option<Spectrum>,
-    /// What the user should know about the campaign.
+    /// Warnings about the campaign, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// What a campaign without a reference is told, once: the manifest may have said it already.
+/// Beginning of the warning about a missing reference. It is given once: the manifest may have
+/// caused it already.
 const NO_REFERENCE: &str = "no [reference]";
 
 impl Scene {
     /// Reads and measures all photographs of a campaign, in parallel.
     ///
     /// # Errors
-    /// A photograph that cannot be read or holds no edge; a direction that the table neither has
-    /// nor brackets; no capture with any retroreflection.
+    /// Returns [`Error::Captures`] if a photograph cannot be read, [`Error::Edge`] if it has no
+    /// usable edge, [`Error::Direction`] if the table neither holds nor brackets its direction, and
+    /// [`Error::NothingLeft`] if no capture returns light.
     pub fn load(campaign: &Campaign, table: &Table) -> Result<Scene, Error> {
         Scene::of(campaign, table, &captures::Shot::load)
     }
 
-    /// Measures photographs that `photo` hands out, wherever it has them from.
+    /// Measures the photographs of a campaign that `photo` supplies, in parallel.
     ///
     /// # Errors
-    /// As [`Scene::load`].
+    /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
+    /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction, and
+    /// [`Error::NothingLeft`] if no capture returns light.
     pub fn of(campaign: &Campaign, table: &Table, photo: &Source) -> Result<Scene, Error> {
         Scene::watched(campaign, table, photo, &Watch::NOBODY)
     }
 
-    /// Measures photographs and says which are done.
+    /// Measures the photographs of a campaign and reports each one to `watch`.
     ///
     /// # Errors
-    /// As [`Scene::load`]; [`Error::Cancelled`].
+    /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
+    /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction,
+    /// [`Error::NothingLeft`] if no capture returns light, and [`Error::Cancelled`] if the flag of
+    /// `watch` is set.
     pub fn watched(
         campaign: &Campaign,
         table: &Table,
@@ -226,7 +236,7 @@ impl Scene {
         })
     }
 
-    /// The same photographs with other ones in place of each.
+    /// Returns the scene with these photographs instead of its own.
     fn with(&self, shots: Vec<Aerial>) -> Scene {
         Scene {
             shots,
@@ -238,10 +248,11 @@ impl Scene {
         }
     }
 
-    /// The same photographs at other azimuths, degrees, in closed form. Nothing is measured again.
+    /// Returns the scene with its photographs at other azimuths, degrees, in closed form. Nothing
+    /// is measured again.
     ///
     /// # Errors
-    /// A direction that the table neither has nor brackets.
+    /// Fails if the table neither holds nor brackets one of the directions.
     pub fn turned(&self, table: &Table, azimuths_deg: &[f64]) -> Result<Scene, tables::Error> {
         let turned = |(shot, &azimuth_deg): (&Aerial, &f64)| {
             let direction = table.direction(shot.incidence_deg, Some(azimuth_deg))?;
@@ -264,7 +275,7 @@ impl Scene {
         Ok(self.with(shots.collect::<Result<_, tables::Error>>()?))
     }
 
-    /// The same photographs, each model evaluated by samples.
+    /// Returns the scene with samples, by which the model of each photograph is evaluated.
     pub fn sampled(&self, samples: Vec<Sampled>) -> Scene {
         let shots = self
             .shots
@@ -277,40 +288,41 @@ impl Scene {
         self.with(shots.collect())
     }
 
-    /// Whether light returns in every photograph.
+    /// Returns whether light returns in every photograph.
     pub fn is_lit(&self) -> bool {
         self.shots.iter().all(|shot| shot.facing.returned.eta > 0.0)
     }
 
-    /// The azimuths of all photographs, degrees; 0 where one needs none.
+    /// Returns the azimuths of all photographs, degrees; 0 for a photograph that needs none.
     pub fn azimuths_deg(&self) -> Vec<f64> {
         let own = |shot: &Aerial| shot.facing.azimuth_deg.unwrap_or(0.0);
         self.shots.iter().map(own).collect()
     }
 
-    /// Whether every photograph has waves.
+    /// Checks that the wave kernel can be computed for every photograph.
     ///
     /// # Errors
-    /// What the first of the others lacks.
+    /// Returns the [`wave::Fault`] of the first photograph without waves.
     pub fn waves(&self) -> Result<(), wave::Fault> {
         let wave = |shot: &Aerial| shot.facing.wave.as_ref().map(|_| ()).map_err(Clone::clone);
         self.shots.iter().try_for_each(wave)
     }
 
-    /// mu of one photograph from the step of its edge under a kernel; NaN without a reference.
+    /// Computes mu of one photograph from the step of its edge under a kernel. The result is NaN
+    /// without a reference.
     pub fn reflectance(&self, shot: &Aerial, kernel: Kernel, step: f64) -> f64 {
         self.reference.as_ref().map_or(f64::NAN, |r| {
             step / shot.exposure / (r.step * shot.returned(kernel).eta * self.half_mirror)
         })
     }
 
-    /// Mean floating distance, mm.
+    /// Returns the mean floating distance, mm.
     pub fn mean_distance_mm(&self) -> f64 {
         self.shots.iter().map(|s| s.r_mm).sum::<f64>() / self.shots.len() as f64
     }
 }
 
-/// The file's name without its folder.
+/// Returns the name of a file without its folder.
 fn name(path: &std::path::Path) -> String {
     path.file_name()
         .unwrap_or(path.as_os_str())
@@ -318,7 +330,7 @@ fn name(path: &std::path::Path) -> String {
         .into_owned()
 }
 
-/// Distinct incidence angles, ascending; every photograph is told which one is its own.
+/// Returns the different incidences, ascending, and sets the group of each photograph.
 fn group(shots: &mut [Aerial]) -> Vec<f64> {
     let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
     groups.sort_by(f64::total_cmp);
@@ -330,7 +342,10 @@ fn group(shots: &mut [Aerial]) -> Vec<f64> {
     groups
 }
 
-/// Measures the reference, where there is one.
+/// Measures the reference, if the campaign has one; otherwise adds a warning.
+///
+/// # Errors
+/// Fails if the photograph cannot be read or has no usable edge.
 fn source_edge(
     campaign: &Campaign,
     photo: &Source,
@@ -339,8 +354,8 @@ fn source_edge(
     let Some(shot) = &campaign.reference else {
         if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
             warnings.push(format!(
-                "{NO_REFERENCE} photograph: the camera is taken for its pixel box alone, and mu \
-                cannot be found"
+                "{NO_REFERENCE} photograph: the lens is left out of the model, and mu cannot be \
+                found; photograph the source edge too"
             ));
         }
         return Ok(None);
@@ -357,6 +372,10 @@ fn source_edge(
 }
 
 /// Decodes a photograph, finds its edge and sorts its pixels.
+///
+/// # Errors
+/// Returns [`Error::Captures`] if the photograph cannot be read, and [`Error::Edge`] if it has no
+/// usable edge.
 fn measure(
     shot: &captures::Shot,
     photo: &Source,
@@ -384,7 +403,7 @@ fn measure(
     ))
 }
 
-/// What every photograph of a campaign is measured with.
+/// Inputs that the measurement of each photograph of a campaign needs.
 struct Measuring<'a> {
     campaign: &'a Campaign,
     table: &'a Table,
@@ -393,7 +412,11 @@ struct Measuring<'a> {
 }
 
 impl Measuring<'_> {
-    /// One photograph; `None` where the table says that nothing returns.
+    /// Measures one photograph. Returns `None` if the table says that no light returns.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets the direction, or if the photograph cannot be
+    /// read or has no usable edge.
     fn aerial(&self, capture: &Capture) -> Result<Option<Aerial>, Error> {
         let image = name(&capture.shot.image);
         let direction = self
@@ -436,9 +459,9 @@ impl Measuring<'_> {
         }))
     }
 
-    /// What to say of a direction that the table does not hold.
+    /// Returns a warning if the table interpolates this direction without a stated tolerance.
     fn between(&self, capture: &Capture, direction: &Direction) -> Option<String> {
-        // The tolerance is one of polygons; where they do not tell, bins are mixed.
+        // The tolerance is that of polygons. Without polygons the bins of directions are mixed.
         let tolerance = self.table.provenance.direction_tolerance;
         let within = tolerance.is_some() && direction.paths.is_some();
         (direction.interpolated && !within).then(|| {

@@ -1,13 +1,14 @@
-//! Which terms the photographs need: candidates side by side, the simplest that none clearly beats.
+//! The choice of the terms: of all candidates the simplest one that no other clearly beats.
 //!
-//! The criterion is Bayes' (BIC). Its n counts independent numbers: MTF differences after whitening
-//! with their noise covariance, so that neighbouring frequencies, which share pixels, are not
-//! counted twice; or under `edge` two numbers for every bin of pixels, not every pixel, for most
-//! pixels of a bin repeat one another. A further term must lower it by more than [`CLEAR`].
+//! The criterion is Bayes' (BIC). Its n is the number of independent numbers. For the MTFs these
+//! are the differences after whitening with their noise covariance, so that neighbouring
+//! frequencies, which share pixels, do not count twice. For `edge` they are two numbers for each
+//! bin of pixels and not all pixels, because most pixels of a bin repeat one another. A further
+//! term must lower the criterion by more than [`CLEAR`].
 //!
-//! Where no candidate describes the photographs to their noise, all sums of squares are divided by
-//! the least chi-square per degree of freedom (Burnham and Anderson, Model Selection, 2002, 2.5):
-//! what is wrong with all of them would else buy terms.
+//! If no candidate describes the photographs to their noise, all sums of squares are divided by the
+//! least chi-square per degree of freedom (Burnham and Anderson, Model Selection, 2002, 2.5).
+//! Otherwise an error that all candidates share would add terms.
 
 use std::path::Path;
 
@@ -27,36 +28,40 @@ use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::samples::has_samples;
 
-/// Fall of the criterion below which the simpler candidate stays.
+/// Fall of the criterion below which the simpler candidate is kept.
 ///
-/// The criterion is -2 ln of a candidate's probability by these photographs, so that a fall of 4
-/// stands for odds of e^2 = 7 to 1: the middle of what Kass and Raftery (J. Am. Stat. Assoc. 90,
-/// 773, 1995) call positive evidence. That is a convention. What it costs: a parameter that the
-/// photographs do not need is taken where noise lowers the sum of squares by more than ln n + 4, in
-/// 3 of 1000 campaigns of n = 100 numbers and 1 of 1000 of n = 1000; and one that they need is left
-/// out where it lies within 2.9 and 3.3 standard deviations of none.
+/// The criterion is -2 ln of a candidate's probability by these photographs. So a fall of 4 stands
+/// for odds of e^2 = 7 to 1: the middle of what Kass and Raftery (J. Am. Stat. Assoc. 90, 773,
+/// 1995) call positive evidence. This limit is a convention.
+///
+/// The convention has two costs. A parameter that the photographs do not need is kept if noise
+/// lowers the sum of squares by more than ln n + 4: in 3 of 1000 campaigns of n = 100 numbers, and
+/// in 1 of 1000 of n = 1000. A parameter that they need is left out if it lies within 2.9 (n = 100)
+/// or 3.3 (n = 1000) standard deviations of having no effect.
 pub(crate) const CLEAR: f64 = 4.0;
 
-/// Candidates whose criterion is so many times the best at first sight are not refined: theirs in
-/// the report is good to a thousandth. A convention that saves time; it costs a candidate that is
-/// so far behind by the MTFs and would win by the pixels.
+/// Ratio to the best first criterion above which a candidate is not refined. Its criterion in the
+/// report is then accurate to a thousandth. This is a convention that saves time. It loses a
+/// candidate that is so far behind by the MTFs and would win by the pixels.
 const HOPELESS: f64 = 3.0;
 
-/// What the user leaves open: every combination is a candidate.
+/// Terms among which the photographs decide. Each combination is a candidate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidates {
     /// Kernels, in the order of preference among equals.
     pub kernels: Vec<Kernel>,
     /// Lobe shapes.
     pub shapes: Vec<LobeShape>,
-    /// `Some(true)`: one spread per incidence angle; `None`: both are tried.
+    /// `Some(true)` for one spread per incidence, `Some(false)` for one spread for all, `None` to
+    /// try both.
     pub per_angle_a: Option<bool>,
-    /// Likewise for mu.
+    /// `Some(true)` for one mu per incidence, `Some(false)` for one mu for all, `None` to decide by
+    /// the photographs.
     pub per_angle_mu: Option<bool>,
 }
 
 impl Candidates {
-    /// All terms of the proposed model, with its first lobe: what is fitted where nothing is named.
+    /// Returns all terms of the proposed model with its first lobe shape: the default.
     pub fn proposed() -> Candidates {
         Candidates {
             kernels: Kernel::ALL.to_vec(),
@@ -66,10 +71,11 @@ impl Candidates {
         }
     }
 
-    /// Leaves the candidates that have samples.
+    /// Returns the candidates that have samples.
     ///
     /// # Errors
-    /// `Conflict` where none is left, or another loss was asked for than those of MTFs.
+    /// Returns `Conflict::PixelsBySamples` if `loss` is `edge`, and `Conflict::NoSamples` if no
+    /// candidate has samples.
     pub fn with_samples(mut self, loss: Option<Kind>) -> Result<Candidates, Conflict> {
         if loss == Some(Kind::Edge) {
             return Err(Conflict::PixelsBySamples);
@@ -81,13 +87,14 @@ impl Candidates {
         Ok(self)
     }
 
-    /// Leaves the candidates that the photographs and the table allow: `wave` needs wavelengths and
-    /// polygons, a rough front a front. Beside them stands what to say of those that are left out,
-    /// unless nobody asked for them.
+    /// Returns the candidates that the photographs and the table allow, with warnings.
+    ///
+    /// `wave` needs wavelengths and polygons. A warning says why it is left out if wavelengths are
+    /// given. `saito-surface` needs a front face. It is left out without a warning.
     ///
     /// # Errors
-    /// [`Error::Wave`] where `wave` alone was asked for; [`Error::Hollow`] where `guo` was for
-    /// hollow cubes.
+    /// Returns [`Error::Wave`] if `wave` is the only kernel and cannot be computed, and
+    /// [`Error::Hollow`] if `guo` is the only kernel and the cubes are hollow.
     pub fn possible(
         &self,
         scene: &Scene,
@@ -127,15 +134,15 @@ impl Candidates {
     }
 }
 
-/// The chosen candidate, and all that were compared, best criterion first.
+/// Chosen candidate, and the comparison of all candidates.
 pub(crate) struct Selection<'a> {
-    /// What was minimised.
+    /// Loss that was minimised.
     pub loss: Loss<'a>,
-    /// The candidate, and its parameters near the truth, about which the pixels' noise was taken.
+    /// Candidate and parameters near the truth, from which the noise of the pixels was estimated.
     pub near: (Choice, DVector<f64>),
-    /// The estimate to report.
+    /// Estimate of the chosen candidate.
     pub best: Estimate,
-    /// Every candidate's choice, criterion, sum of squares and parameters.
+    /// All candidates, best criterion first.
     pub compared: Vec<Ranked>,
 }
 
@@ -146,36 +153,38 @@ pub struct Ranked {
     pub choice: Choice,
     /// Bayes' criterion.
     pub criterion: f64,
-    /// Sum of squares of the residuals in units of their noise.
+    /// Sum of squares of the residuals, in units of their noise.
     pub chi2: f64,
-    /// Parameters of the blur.
+    /// Number of parameters of the blur.
     pub parameters: usize,
-    /// Where they ended: ln c, ln spread.
+    /// Parameters at the optimum: ln c, ln spread.
     pub at: DVector<f64>,
 }
 
 impl Ranked {
-    /// Whether a candidate is simpler than a choice of so many parameters, or as simple and
-    /// preferred: it wins where neither is clearly better.
+    /// Returns whether this candidate is simpler than a choice with `parameters` parameters, or as
+    /// simple and preferred. Such a candidate wins if neither is clearly better.
     pub fn precedes(&self, choice: Choice, parameters: usize) -> bool {
         let rank = |kernel| Kernel::ALL.iter().position(|&other| other == kernel);
         (self.parameters, rank(self.choice.kernel)) < (parameters, rank(choice.kernel))
     }
 }
 
-/// By how much every sum of squares is too large: the least chi-square per degree of freedom, at
-/// least 1.
+/// Returns the factor by which all sums of squares are too large: the least chi-square per degree
+/// of freedom, at least 1.
 fn misfit(fits: &[Optimum]) -> f64 {
     let all = fits.iter().map(Optimum::reduced_chi2);
     all.fold(f64::INFINITY, f64::min).max(1.0)
 }
 
-/// Fits all candidates and picks one. The MTFs come first whatever the loss: they find the
-/// neighbourhood of every candidate's optimum, and the pixels' noise is taken about the best of
-/// them.
+/// Fits all candidates and picks one.
+///
+/// The MTFs come first, whatever the loss. They find the neighbourhood of each candidate's optimum,
+/// and the noise of the pixels is estimated from the best of these fits.
 ///
 /// # Errors
-/// [`Error::NothingOpen`], [`Error::Cancelled`].
+/// Returns [`Error::NothingOpen`] if there is no candidate, and [`Error::Cancelled`] if the flag of
+/// `watch` is set.
 pub(crate) fn select<'a>(
     scene: &'a Scene,
     kind: Kind,
@@ -207,7 +216,7 @@ pub(crate) fn select<'a>(
     let scale = misfit(&fits);
     let compared = ranked(scene, &fits, scale);
     let least = compared.first().map_or(f64::NAN, |row| row.criterion);
-    // A stable sort: among equals the order of preference stays.
+    // The sort is stable, so equals keep their order of preference.
     fits.sort_by_key(|fit| fit.solution.parameters.len());
     let chosen = fits
         .iter()
@@ -234,7 +243,7 @@ pub(crate) fn select<'a>(
     })
 }
 
-/// All candidates, best criterion first.
+/// Returns the rows of all candidates, best criterion first.
 fn ranked(scene: &Scene, fits: &[Optimum], scale: f64) -> Vec<Ranked> {
     let row = |fit: &Optimum| {
         let parameters = Layout::new(fit.choice, scene.groups.len()).parameters();
@@ -251,11 +260,11 @@ fn ranked(scene: &Scene, fits: &[Optimum], scale: f64) -> Vec<Ranked> {
     rows
 }
 
-/// Tries every candidate from the c of the best one, where its own c lies elsewhere: c is a length
-/// of the sheet whatever the other terms, and a far c may be a local optimum.
+/// Tries each candidate from the c of the best one, if its own c lies elsewhere. c is a length of
+/// the sheet whatever the other terms, so a far c may be a local optimum.
 fn share_c(scene: &Scene, fits: &mut [Optimum]) {
-    // Of ln c: a tenth, many of its errors in any photographs that tell c, and far less than what
-    // lies between two optima.
+    // Difference of ln c: many standard errors of c in photographs that determine c, and far less
+    // than the difference between two optima.
     const ELSEWHERE: f64 = 0.1;
     let scale = misfit(fits);
     let ln_c = |fit: &Optimum| {
@@ -291,7 +300,7 @@ fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
     };
     let mut choices = Vec::new();
     for &kernel in &open.kernels {
-        // Without a lobe its shape and sharing mean nothing: one candidate.
+        // Without a lobe there is one candidate, because shape and sharing have no effect.
         let shapes = if kernel.has_lobe() {
             &open.shapes[..]
         } else {
@@ -316,7 +325,8 @@ fn choices(scene: &Scene, open: &Candidates) -> Vec<Choice> {
     choices
 }
 
-/// Whether the mu of the incidence groups differ by more than their errors, by the same criterion.
+/// Returns whether the mu of the incidences differ by more than their errors, by the criterion of
+/// [`own_mu_limit`].
 fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
     let Some(mu) = fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
         return false;
@@ -330,11 +340,11 @@ fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
     scatter_of_mu(&values, &covariance).is_none_or(|squares| squares > limit)
 }
 
-/// Sum of squares of the differences of ln mu between the incidence groups, in units of their
-/// noise; `covariance` is that of ln mu. `None` where it is singular.
+/// Returns the sum of squares of the differences of ln mu between the incidences, in units of their
+/// noise, or `None` if the covariance is singular. `covariance` is that of ln mu.
 pub(crate) fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64> {
     let rest = mu.len() - 1;
-    // Differences to the first: the errors that all share (reference, lens) fall out.
+    // In differences to the first value the errors that all share (reference, lens) cancel.
     let difference = DVector::from_fn(rest, |i, _| (mu[i + 1] / mu[0]).ln());
     let covariance = DMatrix::from_fn(rest, rest, |i, j| {
         let of = |i, j| covariance[(i, j)];
@@ -344,8 +354,8 @@ pub(crate) fn scatter_of_mu(mu: &[f64], covariance: &DMatrix<f64>) -> Option<f64
     Some(difference.dot(&factor.solve(&difference)))
 }
 
-/// The sum of squares from which so many groups have a mu each: ln(photographs) for each further
-/// parameter.
+/// Returns the sum of squares above which each of `groups` incidences has its own mu:
+/// ln(photographs) for each further parameter, plus [`CLEAR`].
 pub(crate) fn own_mu_limit(groups: usize, photographs: usize) -> f64 {
     (groups - 1) as f64 * (photographs as f64).ln() + CLEAR
 }

@@ -8,30 +8,31 @@ use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::scene::Scene;
 
-/// A starting point.
+/// Starting point of a fit.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
     /// Corner size, mm.
     pub c_mm: f64,
-    /// Spread of every incidence group, or of all.
+    /// Spread of each incidence, or one for all.
     pub spread: Vec<f64>,
 }
 
-/// Steps of the grids of c and of a over two decades each.
+/// Number of steps of the grids of c and of a, over two decades each.
 const STEPS: usize = 20;
 
-/// Place `i` of a grid that begins at `first`.
+/// Returns value `i` of a grid that begins at `first`.
 fn decades(first: f64, i: usize) -> f64 {
     first * (2.0 * LN_10 * i as f64 / (STEPS - 1) as f64).exp()
 }
 
-/// The best starting points, one for each third of the range of c: the MTF's first minimum can stem
-/// from either term, and where c is small the model does not depend on it, so that no path leads
-/// back from there.
+/// Finds the best starting points, one for each third of the range of c.
 ///
-/// c from 0.01 to 1 mm, a from 0.3 to 30 /mm; roughnesses that blur as much (their gains lie about
-/// 3). The comparison leaves out what the estimator adds (its taper and window), a few percent,
-/// which the solver then accounts for.
+/// Several points are needed, because the MTF's first minimum can stem from either term. If c is
+/// small, the model does not depend on it, and no path leads back from there.
+///
+/// c goes from 0.01 to 1 mm and a from 0.3 to 30 /mm. Roughnesses cover the range that blurs as
+/// much (their gains are about 3). The search ignores the taper and the window of the estimator.
+/// Their effect is a few percent, and the solver includes it later.
 pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     let size = if choice.kernel.is_baseline() {
         1.0 / scene.mean_distance_mm()
@@ -48,7 +49,7 @@ pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
         .into_par_iter()
         .map(|c_mm| search.at(c_mm))
         .collect();
-    // c is tried from below, within and above what most photographs can tell.
+    // The three bands of c lie below, within and above the range that most photographs can tell.
     let bands = if choice.kernel.has_c() { 3 } else { 1 };
     let size = found.len().div_ceil(bands);
     let best = |band: &mut [(f64, Start)]| {
@@ -58,24 +59,24 @@ pub(crate) fn points(scene: &Scene, choice: Choice) -> Vec<Start> {
     found.chunks_mut(size).map(best).collect()
 }
 
-/// The best point at one c.
+/// Finds the best starting point for one c, mm.
 pub(crate) fn at(scene: &Scene, choice: Choice, c_mm: f64) -> Start {
     Search::new(scene, choice).at(c_mm).1
 }
 
-/// The MTFs of a scene at a few frequencies, with what of the model does not depend on c.
+/// MTFs of a scene at a few frequencies, with the part of the model that does not depend on c.
 struct Search<'a> {
     scene: &'a Scene,
     choice: Choice,
     spreads: Vec<f64>,
-    /// By photograph.
+    /// Samples of each photograph.
     samples: Vec<Vec<Sample>>,
 }
 
 struct Sample {
     frequency: f64,
     measured: f64,
-    /// Modulus of lobe and camera at every spread.
+    /// Modulus of lobe and camera for each spread.
     lobe: Vec<f64>,
 }
 
@@ -116,7 +117,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best point at one c, behind the sum of its squared differences.
+    /// Finds the best starting point for one c. Returns it after the sum of its squared
+    /// differences.
     fn at(&self, c_mm: f64) -> (f64, Start) {
         let own = self.choice.per_angle_a;
         let groups = if own { self.scene.groups.len() } else { 1 };

@@ -1,4 +1,4 @@
-//! What a user should know of an estimate.
+//! Warnings about an estimate.
 
 use crate::estimate::azimuth::Azimuth;
 use crate::estimate::choice::Value;
@@ -7,22 +7,23 @@ use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
 use crate::names::Kernel;
 
-/// Reduced chi-square above which the model is said not to describe the photographs.
+/// Reduced chi-square above which a warning says that the model does not describe the photographs.
 ///
-/// It is 1 + the mean square of the misfit in units of the noise, so that from 2 on the misfit is
-/// as large as the noise. That is a convention. Noise alone scatters it by sqrt(2 / degrees of
-/// freedom): it exceeds 2 in 5 of 1000 fits of 20 degrees of freedom, and in 4 of 100,000 of 50.
-/// What the convention costs: of the thousands of bins of a campaign a misfit far below the noise
-/// would be sure, and nothing is said of it. The standard errors are raised all the same, by up to
+/// Reduced chi-square is 1 + the mean square of the misfit in units of the noise. So from 2 on the
+/// misfit is as large as the noise. This limit is a convention. Noise alone scatters it by sqrt(2 /
+/// degrees of freedom): it exceeds 2 in 5 of 1000 fits with 20 degrees of freedom, and in 4 of
+/// 100,000 fits with 50.
+///
+/// The convention has a cost. With the thousands of bins of a campaign a misfit far below the noise
+/// would be certain, but no warning is given. The standard errors are raised nevertheless, by up to
 /// sqrt 2.
 pub(crate) const POOR_FIT: f64 = 2.0;
 
-/// What to say of an estimate: what it cannot tell, what its model does not describe, and numbers
-/// that cannot be.
+/// Returns the warnings about an estimate: undetermined parameters, a model that does not describe
+/// the photographs, and impossible values.
 pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<String> {
     let mut warnings = Vec::new();
-    // Which way a scales with distance: told apart only by photographs at several distances, or
-    // named by the user.
+    // Only photographs at several distances, or the user, can tell how a scales with distance.
     let tried = |kernel| compared.iter().any(|row| row.choice.kernel == kernel);
     let open = best.choice.kernel.has_lobe() && tried(Kernel::Eq1) && tried(Kernel::Angular);
     let one_distance = scene
@@ -31,10 +32,9 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
         .all(|shot| (shot.r_mm / scene.shots[0].r_mm - 1.0).abs() < 1e-6);
     if open && one_distance {
         warnings.push(
-            "all photographs are at one floating distance: whether a (eq1) or a R (angular) is \
-            constant cannot be told, \
-             and predictions at other distances depend on it; photograph a second distance, or \
-             name --kernel"
+            "all photographs are at one floating distance, so it is unknown whether a (kernel eq1) \
+            or a R (kernel angular) is constant, and predictions at other distances depend on \
+            this; photograph at a second distance too, or choose with --kernel"
                 .into(),
         );
     }
@@ -42,19 +42,18 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     if reduced > POOR_FIT {
         warnings.push(format!(
             "the model does not describe the photographs within their noise (chi-square \
-            {reduced:.1} per degree of \
-             freedom): the standard errors are raised accordingly; try another --kernel or \
-             --lobe, or check the manifest"
+            {reduced:.1} per degree of freedom): the standard errors are raised accordingly; try \
+            another --kernel or --lobe, or check the manifest"
         ));
     }
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
-    // Three standard errors: 1 sheet in 700 whose mu is 1 is warned of.
+    // With three standard errors 1 sheet in 700 whose mu is 1 gets this warning.
     let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
     if let Some(mu) = best.mu.iter().flatten().find(above_one) {
         warnings.push(format!(
-            "mu {:.3} is more light than falls on the sheet: check the exposures, the half mirror \
-            and the table's cell",
+            "mu {:.3} means more light than falls on the sheet: check the exposures, the half \
+            mirror and the table's cell",
             mu.value
         ));
     }
@@ -65,33 +64,31 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     {
         warnings.push(format!(
             "the lens model does not describe the reference photograph within its noise \
-            (chi-square {:.1} per degree \
-             of freedom)",
+            (chi-square {:.1} per degree of freedom)",
             reference.reduced_chi2
         ));
     }
     warnings
 }
 
-/// What to say where the covariance is not finite: there the photographs have no information on a
-/// parameter, or none that parts it from another.
+/// Returns a warning if the covariance is not finite. Then the photographs have no information on a
+/// parameter, or none that separates it from another.
 fn not_told(best: &Estimate) -> Option<String> {
     let rows = best.parameters.iter().zip(best.covariance.row_iter());
     let lost = rows.filter(|(_, row)| row.iter().any(|v| !v.is_finite()));
     let lost: Vec<String> = lost.map(|(id, _)| id.to_string()).collect();
     (!lost.is_empty()).then(|| {
         format!(
-            "the photographs do not tell {}, or not apart: covariances without a finite value are \
-            null in the result",
+            "the photographs do not determine {} (not at all, or not separately): covariances that \
+            are not finite are null in the result",
             lost.join(", ")
         )
     })
 }
 
-/// What to say where the samples of a render make a good part of the errors.
+/// Returns a warning if the samples of a render cause a large part of the standard errors.
 fn coarse(best: &Estimate) -> Option<String> {
-    // Half of an error: the other half of its square root being sqrt(1 - 1/4), the error would be
-    // 0.87 of itself without samples.
+    // Without the samples an error with a part of one half would be sqrt(1 - 1/4) = 0.87 of itself.
     const GOOD_PART: f64 = 0.5;
     let own = best.sampling.as_ref()?;
     let parts = own.standard_error.iter().enumerate();
@@ -108,13 +105,13 @@ fn coarse(best: &Estimate) -> Option<String> {
     })
 }
 
-/// What to say of an azimuth that others would do for.
+/// Returns a warning for each other azimuth that fits as well.
 pub(crate) fn of_azimuth(found: &Azimuth) -> Vec<String> {
     let others = found.others_deg.iter();
     let said = others.map(|deg| {
         format!(
-            "the photographs are as likely at azimuth {deg:.2} deg; an edge in another \
-        direction would tell"
+            "azimuth {deg:.2} deg fits the photographs as well; a photograph of an edge in another \
+            direction would tell the azimuths apart"
         )
     });
     said.collect()

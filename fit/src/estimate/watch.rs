@@ -1,68 +1,68 @@
-//! Who watches an estimate: how far it is, and whether it shall stop.
+//! The progress of an estimate, and the flag that stops it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A piece of work that is done; `of` are to do.
+/// Part of the work that is done: `done` pieces `of` all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Step {
-    /// Photographs measured. Said by several threads, in any order.
+    /// Photographs measured. Several threads report them, in any order.
     Photographs {
-        /// Done.
+        /// Number of photographs measured.
         done: usize,
-        /// In all.
+        /// Number of all photographs.
         of: usize,
     },
-    /// Azimuths looked at.
+    /// Azimuths tried.
     Azimuths {
-        /// Done.
+        /// Number of azimuths tried.
         done: usize,
-        /// In all.
+        /// Number of all azimuths.
         of: usize,
     },
-    /// Candidates fitted: each at first sight, and once more.
+    /// Candidates fitted. Each is fitted twice: roughly, then to the end.
     Candidates {
-        /// Done.
+        /// Number of fits done.
         done: usize,
-        /// In all.
+        /// Number of all fits.
         of: usize,
     },
-    /// The terms are chosen; bounds come next.
+    /// Terms chosen. The bounds come next.
     Chosen,
     /// Randomisations of the samples estimated.
     Randomisations {
-        /// Done.
+        /// Number of randomisations done.
         done: usize,
-        /// In all.
+        /// Number of all randomisations.
         of: usize,
     },
 }
 
-/// The estimate was cancelled.
+/// Error of an estimate that its caller stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// What is told of an estimate's progress, and the flag that ends it.
+/// Callback for the progress of an estimate, and the flag that stops it.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
-    /// Called after every step, from any thread.
+    /// Function that is called after each step, from any thread.
     pub progress: Option<&'a (dyn Fn(Step) + Sync)>,
-    /// Ends the estimate after the step at which it is set.
+    /// Flag that stops the estimate. The estimate ends after the step during which the flag is set.
     pub cancel: Option<&'a AtomicBool>,
 }
 
 impl Watch<'_> {
-    /// Nobody watches, and nobody cancels.
+    /// Watch without a callback and without a flag.
     pub const NOBODY: Watch<'static> = Watch {
         progress: None,
         cancel: None,
     };
 
-    /// Says that a step is done.
+    /// Reports that a step is done.
     ///
     /// # Errors
-    /// `Cancelled` where the flag is set.
+    /// Returns `Cancelled` if the flag is set.
     pub fn done(&self, step: Step) -> Result<(), Cancelled> {
         if let Some(progress) = self.progress {
             progress(step);

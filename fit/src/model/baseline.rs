@@ -1,31 +1,32 @@
-//! Published models of retroreflective sheets, kept for comparison: rough facets spread the light
-//! by an angle, so that the blur grows with the distance; none knows of a ray shift.
+//! Published models of retroreflective sheets, kept for comparison.
 //!
-//! Where there is a mid-air image at all the roughness is some thousandths, so every model is taken
-//! to first order in the slopes of its facets: a slope s turns the light by gain x s, which is a
-//! displacement of R x gain x s in the aerial image. The density of slopes (`microfacet`) becomes
-//! the blur; independent facets convolve, so their OTFs multiply. With theta outside, theta'
+//! Rough facets spread the light by an angle, so the blur grows with the distance. None of these
+//! models has a ray shift.
+//!
+//! If there is a mid-air image at all, the roughness is a few thousandths. So each model is taken
+//! to first order in the slopes of its facets. A slope s turns the light by gain x s, which
+//! displaces it by R x gain x s in the mid-air image. The density of slopes (`microfacet`) becomes
+//! the blur. Independent facets convolve, so their OTFs multiply. With theta outside, theta'
 //! inside, m the index and G = m cos theta' - cos theta, the gains (tangential, sagittal) are:
 //!
 //! - Saito, Yue, Koizumi 2024 (Optical Review 31, 395), five interfaces as in their public sampler.
 //!   A tilted front changes the wave vector along the front by G s: (G / cos theta, G), twice. A
-//!   tilted facet turns the light by 2 k x s; over the three facets the squares of that sum to 8 in
-//!   every direction across k, whatever the azimuth, and refraction out of the front makes m (cos
-//!   theta' / cos theta, 1) of it. Every facet takes a third of the sum: exact for Beckmann; for
-//!   GGX the true shares depend on the azimuth, and the OTF differs by up to 0.046 (seen along a
-//!   cube's axis: two facets of gain 2 against three of sqrt(8/3)).
+//!   tilted facet turns the light by 2 k x s. Over the three facets the squares of these turns sum
+//!   to 8 in every direction across k, whatever the azimuth. Refraction out of the front multiplies
+//!   them by m (cos theta' / cos theta, 1). Each facet takes a third of the sum. This is exact for
+//!   Beckmann. For GGX the true shares depend on the azimuth, and the OTF differs by up to 0.046
+//!   (along a cube's axis: two facets of gain 2 against three of sqrt(8/3)).
 //! - Guo, Guo, Pan 2018 (Graphical Models 96, 38), eqs. 2, 3 and 12: one lobe about the way back,
-//!   of roughness alpha_o^2 = alpha^2 G^2 (1 / cos theta' + 1 / cos theta), the same along both
-//!   axes.
-//! - Portsmouth, Raab, Belcour, Liu 2026 (JCGT 15(1), 60): f(reflect(v, n), l), a mirror's lobe
-//!   turned back: (2, 2 cos theta).
+//!   of roughness alpha_o^2 = alpha^2 G^2 (1 / cos theta' + 1 / cos theta), equal along both axes.
+//! - Portsmouth, Raab, Belcour, Liu 2026 (JCGT 15(1), 60): f(reflect(v, n), l), the lobe of a
+//!   mirror turned back: (2, 2 cos theta).
 //!
-//! Light: Saito's and Guo's effective area is the retroreflected fraction of the table, which is
-//! that area exactly, where the authors fit curves to it; each passage of the front takes Fresnel's
-//! share; what the facets reflect is mu (Saito's inner reflectance is mu^(1/3)). The minimal model
-//! has no area: its reflectance is mu at every angle (Schlick's rise at grazing incidence, 0.2 % of
-//! 1 - mu at 45 degrees, is left out). Masking is left out: Smith's 1 - G is below (alpha tan
-//! theta)^2 / 2.
+//! Light: the effective area of Saito and of Guo is the retroreflected share of the table. The
+//! table has that area exactly, whereas the authors fit curves to it. Each passage of the front
+//! takes Fresnel's share. mu is what the facets reflect (Saito's inner reflectance is mu^(1/3)).
+//! The minimal model of Portsmouth et al. has no area: its reflectance is mu at every angle.
+//! Schlick's rise at grazing incidence, 0.2 % of 1 - mu at 45 degrees, is left out. Masking is left
+//! out too: Smith's 1 - G is below (alpha tan theta)^2 / 2.
 
 use num_complex::Complex64;
 
@@ -33,26 +34,27 @@ use crate::model::blur::Blur;
 use crate::names::Kernel;
 use crate::names::LobeShape;
 
-/// Facets of one roughness that the light meets one after the other.
+/// Facets of equal roughness that the light meets one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Facets {
-    /// Turn of the light along the line, rad, by a unit of slope.
+    /// Turn of the light along the line, rad per unit of slope.
     gain: f64,
     count: i32,
 }
 
-/// The facets of one direction, seen along one line of the aerial image.
+/// The facets of one direction, seen along one line of the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Baseline {
-    /// Those whose roughness is the spread of a [`Blur`].
+    /// Facets whose roughness is the spread of a [`Blur`].
     own: Facets,
-    /// Those of the front, where its roughness is a parameter beside.
+    /// Facets of the front, if its roughness is a parameter of its own.
     front: Facets,
 }
 
 impl Baseline {
-    /// The facets of a kernel at an outside incidence, for a sheet of this index, along the unit
-    /// direction `normal` (tangential, sagittal); `None` for kernels that are no baseline.
+    /// Computes the facets of a kernel for an outside incidence and a refractive index, along the
+    /// unit direction `normal` (tangential, sagittal). Returns `None` for kernels that are no
+    /// baseline.
     pub fn new(
         kernel: Kernel,
         incidence_rad: f64,
@@ -88,48 +90,50 @@ impl Baseline {
         Some(Baseline { own, front })
     }
 
-    /// OTF at `frequency` (1/mm) along the line and optical path `r_mm`, and its derivatives by the
-    /// logarithms of the roughness and of the front's.
+    /// Evaluates the OTF at `frequency` (1/mm) along the line and the optical path `r_mm`, and its
+    /// derivatives by the logarithms of the roughness and of the front's roughness.
     pub fn otf(&self, shape: LobeShape, blur: Blur, r_mm: f64, frequency: f64) -> [Complex64; 3] {
         let [own, by_own] = self.own_otf(shape, blur.spread * r_mm, frequency);
         let [front, by_front] = self.front_otf(shape, blur.c_mm * r_mm, frequency);
         [own * front, by_own * front, own * by_front].map(Complex64::from)
     }
 
-    /// The factor of the own facets, whose slopes have this scale (roughness times distance, mm),
-    /// and its derivative by the scale's logarithm.
+    /// Evaluates the factor of the own facets and its derivative by the logarithm of `scale_mm`,
+    /// the roughness times the distance in mm.
     pub fn own_otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> [f64; 2] {
         self.own.otf(shape, scale_mm, frequency).into()
     }
 
-    /// The same of the front; 1 and 0 where it is smooth.
+    /// Evaluates the factor of the front and its derivative by the logarithm of `scale_mm`, the
+    /// front's roughness times the distance in mm. They are 1 and 0 for a smooth front.
     pub fn front_otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> [f64; 2] {
         self.front.otf(shape, scale_mm, frequency).into()
     }
 
-    /// Distance along the line, mm, beyond which on both sides together lies the share `tail` of
-    /// the light, well below 1.
+    /// Returns the distance along the line, mm, beyond which the share `tail` of the light lies,
+    /// both sides together. `tail` must be far below 1.
     pub fn reach_mm(&self, shape: LobeShape, blur: Blur, r_mm: f64, tail: f64) -> f64 {
         let spread = self.own.spread(blur.spread * r_mm) + self.front.spread(blur.c_mm * r_mm);
         match shape {
-            // Along a line GGX is Student's t: 1 - x / sqrt(x^2 + w^2) = w^2 / 2 x^2 lies beyond x,
-            // and tails add.
+            // Along a line GGX is Student's t: the share 1 - x / sqrt(x^2 + w^2) = w^2 / 2 x^2 lies
+            // beyond x, and the tails add.
             LobeShape::Ggx => (0.5 * spread / tail).sqrt(),
-            // A normal distribution of variance w^2 / 2: erfc(x / w) < exp(-(x / w)^2) lies beyond
-            // x.
+            // A normal distribution of variance w^2 / 2 has the share erfc(x / w) < exp(-(x / w)^2)
+            // beyond x.
             _ => (-spread * tail.ln()).sqrt(),
         }
     }
 }
 
 impl Facets {
-    /// Squared width of what they make of slopes of this scale, mm^2.
+    /// Returns the squared width of the blur by slopes of this scale (roughness times distance,
+    /// mm), mm^2.
     fn spread(&self, scale_mm: f64) -> f64 {
         f64::from(self.count) * (self.gain * scale_mm).powi(2)
     }
 
-    /// OTF of facets whose slopes have this scale (roughness times distance, mm), and its
-    /// derivative by the scale's logarithm.
+    /// Evaluates the OTF of facets whose slopes have the scale `scale_mm` (roughness times
+    /// distance, mm), and its derivative by the logarithm of the scale.
     fn otf(&self, shape: LobeShape, scale_mm: f64, frequency: f64) -> (f64, f64) {
         let width = self.gain * scale_mm;
         if self.count == 0 || width == 0.0 {
@@ -142,8 +146,8 @@ impl Facets {
     }
 }
 
-/// The share of the light that a sheet returns before mu: `eta` of the table, and what the kernel
-/// makes of it.
+/// Returns the share of the light that a sheet returns before mu: `eta` (1 - F)^2 for `saito`,
+/// `saito-surface` and `guo`, with F from [`fresnel`], 1 for `mrm`, and `eta` for all others.
 pub(crate) fn returned(kernel: Kernel, eta: f64, incidence_rad: f64, refractive_index: f64) -> f64 {
     match kernel {
         Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe | Kernel::Wave => eta,
@@ -154,7 +158,7 @@ pub(crate) fn returned(kernel: Kernel, eta: f64, incidence_rad: f64, refractive_
     }
 }
 
-/// Reflectance of a smooth dielectric front for unpolarised light.
+/// Returns the reflectance of a smooth dielectric front for unpolarised light.
 pub(crate) fn fresnel(incidence_rad: f64, refractive_index: f64) -> f64 {
     let cos = incidence_rad.cos();
     let inside = (1.0 - (incidence_rad.sin() / refractive_index).powi(2)).sqrt();

@@ -1,5 +1,5 @@
-//! The model of an edge: the OTF of one direction's shift, waves or facets behind a lobe, and the
-//! curve that it makes of an edge.
+//! The model of an edge: the OTF of one direction (shift, waves or facets, times a lobe), and the
+//! curve into which it blurs an edge.
 
 use num_complex::Complex64;
 
@@ -10,47 +10,49 @@ use crate::names::LobeShape;
 use tables::ShiftLine;
 use tables::WaveLine;
 
-/// A model's profile over the bins, with its derivatives by the natural logarithms of spread and c.
+/// Profile of a model over the bins, with its derivatives by the natural logarithms of spread and
+/// c.
 pub struct Curve {
-    /// Mean of the unit edge over every bin.
+    /// Mean of the unit edge over each bin.
     pub bins: Vec<f64>,
-    /// Derivative by ln(spread), where the kernel has a lobe.
+    /// Derivative by ln(spread), if the kernel has a lobe.
     pub by_ln_spread: Option<Vec<f64>>,
-    /// Derivative by ln(c), where the kernel has c.
+    /// Derivative by ln(c), if the kernel has c.
     pub by_ln_c: Option<Vec<f64>>,
 }
 
-/// The blur's variable part: kernel, lobe shape, and this direction's shift or waves.
+/// Blur of one direction along one line: kernel, lobe shape, and the direction's shift or waves.
 #[derive(Clone, Copy)]
 pub struct Model<'a> {
     /// Terms of the model.
     pub kernel: Kernel,
-    /// Shape of its lobe.
+    /// Shape of the kernel's lobe.
     pub shape: LobeShape,
-    /// The direction's shift along the edge normal; `None` only for models without it.
+    /// Shift of the direction along the edge normal; `None` only for kernels without a shift.
     pub shift: Option<&'a ShiftLine>,
-    /// The direction's waves along the edge normal; `None` only for models without them (a `wave`
-    /// model is NaN then).
+    /// Waves of the direction along the edge normal; `None` only for kernels without waves. The OTF
+    /// of a `wave` kernel is NaN without them.
     pub wave: Option<&'a WaveLine>,
-    /// The facets along the edge normal; `None` but for baselines (which are NaN without).
+    /// Facets along the edge normal; `None` except for baselines. The OTF of a baseline is NaN
+    /// without them.
     pub baseline: Option<Baseline>,
     /// Floating distance (optical path), mm.
     pub r_mm: f64,
-    /// Edge normal in the aerial image, (tangential, sagittal).
+    /// Edge normal in the mid-air image, (tangential, sagittal).
     pub normal: [f64; 2],
 }
 
 impl Model<'_> {
-    /// OTF of the aerial image at `frequency` (1/mm) along the normal, and its derivatives by
-    /// ln(spread) and ln(c).
+    /// Evaluates the OTF of the mid-air image at `frequency` (1/mm) along the normal, and its
+    /// derivatives by ln(spread) and ln(c).
     pub fn otf(&self, blur: Blur, frequency: f64) -> [Complex64; 3] {
         let [sheet, by_ln_c] = self.sheet_otf(blur.c_mm, frequency);
         let [lobe, by_ln_spread] = self.lobe_otf(blur.spread, frequency);
         [sheet * lobe, sheet * by_ln_spread, by_ln_c * lobe]
     }
 
-    /// The factor that depends on c, of shift, waves or a rough front, and its derivative by ln(c);
-    /// 1 and 0 where the kernel has none.
+    /// Evaluates the factor of the OTF that depends on c (shift, waves or a rough front), and its
+    /// derivative by ln(c). They are 1 and 0 if the kernel has no such factor.
     pub fn sheet_otf(&self, c_mm: f64, frequency: f64) -> [Complex64; 2] {
         if let Some(facets) = self.baseline {
             return facets
@@ -73,7 +75,8 @@ impl Model<'_> {
         }
     }
 
-    /// The lobe's factor, and its derivative by ln(spread); 1 and 0 where the kernel has none.
+    /// Evaluates the lobe's factor of the OTF, and its derivative by ln(spread). They are 1 and 0
+    /// if the kernel has no lobe.
     pub fn lobe_otf(&self, spread: f64, frequency: f64) -> [f64; 2] {
         if let Some(facets) = self.baseline {
             return facets.own_otf(self.shape, spread * self.r_mm, frequency);
@@ -86,7 +89,8 @@ impl Model<'_> {
         [value, slope * a]
     }
 
-    /// Kink of the OTF at zero frequency (mm), and its derivatives by ln(spread) and ln(c).
+    /// Returns the kink of the OTF at frequency 0, -d OTF/d|f| (mm), and its derivatives by
+    /// ln(spread) and ln(c).
     pub fn kink(&self, blur: Blur) -> [f64; 3] {
         if let (Kernel::Wave, Some(line)) = (self.kernel, self.wave) {
             let kink = line.kink(blur.c_mm, self.r_mm);

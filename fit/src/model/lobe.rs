@@ -1,11 +1,14 @@
-//! Diffraction lobes: the OTF of Eq. (1) of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters), in
+//! Diffraction lobes: the OTF of Eq. (1) of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters) in
 //! its two shapes.
 //!
-//! Eq. (1) gives the lobe as sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), sinc t
-//! = sin t / t. The paper leaves two things open, and a scene names them: `radial` turns it about
-//! the principal ray and cuts it at a r = 2.4 pi (uncut, its energy diverges logarithmically; the
-//! authors' public code cuts there too); `separable` is the product over the two axes, uncut.
-//! Beside them stand the lobes of rough facets (`microfacet`) for the baselines.
+//! Eq. (1) gives the lobe as sinc^2(a r) of the lateral offset r = R tan(theta_o - theta_i), with
+//! sinc t = sin t / t. The paper leaves two points open; a scene chooses the shape:
+//!
+//! - `radial` turns the lobe about the principal ray and cuts it at a r = 2.4 pi. Without a cut its
+//!   energy diverges logarithmically. The authors' public code cuts there too.
+//! - `separable` is the product over the two axes. It is not cut.
+//!
+//! The lobes of rough facets (`microfacet`) are here too, for the baselines.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -15,13 +18,15 @@ use crate::names::LobeShape;
 use crate::numerics::GAUSS_16;
 use tables::Samples;
 
-/// Where the radial lobe is cut, as a r.
+/// Radius at which the radial lobe is cut, as a r.
 pub(crate) const CUT: f64 = 2.4 * PI;
 
 impl LobeShape {
-    /// OTF and its derivative by a, at `frequency` (1/mm) along the unit direction `normal`
-    /// (tangential, sagittal), for `a` in 1/mm. Real, 1 at zero frequency. Accuracy 2e-6 (radial,
-    /// see `radial`), 3e-7 (ggx); rounding (separable, beckmann).
+    /// Evaluates the OTF and its derivative by a, at `frequency` (1/mm) along the unit direction
+    /// `normal` (tangential, sagittal), for `a` in 1/mm.
+    ///
+    /// The OTF is real, and 1 at frequency 0. Its accuracy is 2e-6 (radial, see `radial`), 3e-7
+    /// (ggx) and rounding (separable, beckmann).
     pub fn otf(self, a: f64, frequency: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
             LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => {
@@ -43,9 +48,10 @@ impl LobeShape {
         }
     }
 
-    /// Slope of the OTF at zero frequency, -d OTF/d|f| (mm), and its derivative by a: the kink that
-    /// gives an edge its 1/x tails. 0 for the others: the radial lobe's support is finite, and ggx
-    /// falls off as 1/r^4.
+    /// Returns the slope of the OTF at frequency 0, -d OTF/d|f| (mm), and its derivative by a.
+    ///
+    /// This kink gives an edge its 1/x tails. Only the separable shape has one. The radial lobe has
+    /// a finite support, and ggx falls as 1/r^4.
     pub fn kink(self, a: f64, normal: [f64; 2]) -> (f64, f64) {
         match self {
             LobeShape::Radial | LobeShape::Beckmann | LobeShape::Ggx => (0.0, 0.0),
@@ -57,18 +63,19 @@ impl LobeShape {
     }
 }
 
-/// From here on the asymptotic series is exact to 1e-9.
+/// Value of k from which the asymptotic series is exact to 1e-9.
 const ASYMPTOTIC: f64 = 20.0;
 
-/// The table ends here, where few cameras see; beyond it the series is worked out for every value.
+/// End of the table in k, which few cameras reach. Beyond it the series is evaluated for each
+/// value.
 const TABLE_END: f64 = 120.0;
 const TABLE_STEP: f64 = 0.02;
 
-/// g(k) = int_0^{2.4 pi} (sin^2 t / t) J0(k t) dt, normalised to g(0) = 1, and dg/dk, for k = 2 pi
-/// f / a >= 0.
+/// Evaluates g(k) = int_0^{2.4 pi} (sin^2 t / t) J0(k t) dt, normalised to g(0) = 1, and dg/dk, for
+/// k = 2 pi f / a >= 0.
 ///
-/// Cubic Hermite interpolation of quadrature values: g's fourth derivative is at most int (sin^2 t)
-/// t^3 dt / g(0) = 260, so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
+/// Both come from cubic Hermite interpolation of quadrature values. The fourth derivative of g is
+/// at most int (sin^2 t) t^3 dt / g(0) = 260, so the error is below 260 x 0.02^4 / 384 = 1.1e-7.
 pub(crate) fn radial(k: f64) -> (f64, f64) {
     static TABLE: LazyLock<(Samples, f64)> = LazyLock::new(|| {
         let norm = quadrature(0.0).0;
@@ -92,9 +99,9 @@ pub(crate) fn radial(k: f64) -> (f64, f64) {
     }
 }
 
-/// The integral of g and its derivative by k, not normalised, by the midpoint-free Gauss-Legendre
-/// rule of 16 nodes on 8 panels: at k = 20 each panel spans 3 oscillations of the integrand, which
-/// the rule integrates to rounding.
+/// Integrates g and its derivative by k, not normalised, by the 16-point Gauss-Legendre rule on 8
+/// panels. At k = 20 each panel spans 3 oscillations of the integrand, which the rule integrates to
+/// rounding.
 fn quadrature(k: f64) -> (f64, f64) {
     const PANELS: usize = 8;
     let half = CUT / PANELS as f64 / 2.0;
@@ -112,16 +119,20 @@ fn quadrature(k: f64) -> (f64, f64) {
     sum
 }
 
-/// Large-k series from the cut: I[F] = T F J1(kT)/k + T F' J0(kT)/k^2 - I[lap F]/k^2 with F =
-/// sinc^2 and its Laplacian in two dimensions (twice integrated by parts; F is band-limited to k <=
-/// 2, so only the cut contributes beyond).
+/// Evaluates g and its derivative by k, not normalised, for large k by a series that starts from
+/// the cut.
+///
+/// The series is I[F] = T F J1(kT)/k + T F' J0(kT)/k^2 - I[lap F]/k^2, with F = sinc^2 and its
+/// Laplacian in two dimensions (two integrations by parts). F is band-limited to k <= 2, so beyond
+/// k = 2 only the cut contributes.
 fn asymptotic(k: f64) -> (f64, f64) {
     let t = CUT;
     let (j0, j1) = (libm::j0(k * t), libm::j1(k * t));
     let [f, df, lap, dlap] = sinc_squared(t);
     let value =
         t * (f * j1 / k + df * j0 / k.powi(2) - lap * j1 / k.powi(3) - dlap * j0 / k.powi(4));
-    // d/dk of J1(kt)/k = t J0/k - 2 J1/k^2; of J0/k^2 = -t J1/k^2 - 2 J0/k^3; and so on.
+    // d/dk of J1(kt)/k is t J0/k - 2 J1/k^2, and that of J0/k^2 is -t J1/k^2 - 2 J0/k^3. The higher
+    // powers follow in the same way.
     let slope = t
         * (f * (t * j0 / k - 2.0 * j1 / k.powi(2))
             - df * (t * j1 / k.powi(2) + 2.0 * j0 / k.powi(3))
@@ -130,9 +141,10 @@ fn asymptotic(k: f64) -> (f64, f64) {
     (value, slope)
 }
 
-/// F = sin^2 t / t^2, F', its radial Laplacian F'' + F'/t, and the derivative of that.
+/// Evaluates F = sin^2 t / t^2, F', its radial Laplacian F'' + F'/t, and the derivative of the
+/// Laplacian.
 fn sinc_squared(t: f64) -> [f64; 4] {
-    // Leibniz on s(t) t^-2, s = sin^2 t, s' = sin 2t, s'' = 2 cos 2t, s''' = -4 sin 2t.
+    // Leibniz's rule on s(t) t^-2, with s = sin^2 t, s' = sin 2t, s'' = 2 cos 2t, s''' = -4 sin 2t.
     let s = [
         t.sin().powi(2),
         (2.0 * t).sin(),
@@ -172,7 +184,8 @@ mod tests {
             0.0, 0.013, 0.5, 1.0, 1.99, 2.0, 3.7, 9.99, 19.995, 20.01, 25.0, 60.0, 125.0,
         ] {
             let (g, slope) = radial(k);
-            // Midpoint rule, h = 3.8e-5: error h^2/24 x |integrand''| x T < 1e-7 for k <= 125.
+            // The midpoint rule has h = 3.8e-5 and the error h^2/24 x |integrand''| x T < 1e-7 for
+            // k <= 125.
             assert!(
                 (g - brute(k) / norm).abs() < 3e-7,
                 "k {k}: {g} against {}",
@@ -182,7 +195,8 @@ mod tests {
             let difference =
                 (radial(k + d).0 - radial((k - d).abs()).0) / (k + d - (k - d).abs()).max(d);
             if k > 0.0 {
-                // The interpolant's value error 1.1e-7 over 2d bounds the difference quotient's.
+                // The error of the interpolated values, 1.1e-7, over 2d bounds that of the
+                // difference quotient.
                 assert!(
                     (slope - difference).abs() < 2e-3_f64.min(1.1e-7 / d + 1e-5),
                     "k {k}: {slope} {difference}"

@@ -1,22 +1,23 @@
 //! Distributions of the slopes of rough facets, and their Fourier transforms.
 //!
-//! A facet's normal n + s has slope s = (s_x, s_y); per unit of the roughness alpha, with z = s /
-//! alpha:
-//! - Beckmann: density exp(-z^2) / pi, transform exp(-k^2 / 4);
-//! - GGX (Trowbridge-Reitz; Walter et al. 2007): density 1 / (pi (1 + z^2)^2), transform k K1(k),
-//!   whose derivative is -k K0(k). Its second moment diverges logarithmically.
+//! The normal of a facet n + s has the slope s = (s_x, s_y). With z = s / alpha, where alpha is the
+//! roughness:
 //!
-//! D(h) of a renderer is this density of slopes over cos^4 of the normal's angle, a factor of 1 to
-//! second order.
+//! - Beckmann: density exp(-z^2) / pi, transform exp(-k^2 / 4).
+//! - GGX (Trowbridge-Reitz; Walter et al. 2007): density 1 / (pi (1 + z^2)^2), transform k K1(k),
+//!   whose derivative is -k K0(k). The second moment diverges logarithmically.
+//!
+//! The function D(h) of a renderer is this density of slopes over cos^4 of the normal's angle. That
+//! factor is 1 to second order.
 
-/// Transform of Beckmann's density at k >= 0 and its derivative.
+/// Evaluates the transform of Beckmann's density at k >= 0, and its derivative.
 pub(crate) fn beckmann(k: f64) -> (f64, f64) {
     let value = (-0.25 * k * k).exp();
     (value, -0.5 * k * value)
 }
 
-/// Transform of the GGX density at k >= 0 and its derivative. Accuracy 3e-7: K0 and K1 by
-/// Abramowitz and Stegun, 9.8.5 to 9.8.8, with I0 and I1 by 9.8.1 and 9.8.3.
+/// Evaluates the transform of the GGX density at k >= 0, and its derivative. The accuracy is 3e-7.
+/// K0 and K1 follow Abramowitz and Stegun, 9.8.5 to 9.8.8, with I0 and I1 by 9.8.1 and 9.8.3.
 pub(crate) fn ggx(k: f64) -> (f64, f64) {
     if k == 0.0 {
         return (1.0, 0.0);
@@ -105,7 +106,8 @@ mod tests {
     use super::*;
     use std::f64::consts::{PI, TAU};
 
-    /// Hankel transform of a density of slopes to z = 4000, by the midpoint rule in ln z.
+    /// Integrates the Hankel transform of a density of slopes to z = 4000, by the midpoint rule in
+    /// ln z.
     fn hankel(density: impl Fn(f64) -> f64, k: f64) -> f64 {
         let (first, last, n) = (1e-5_f64.ln(), 4000.0_f64.ln(), 2_000_000);
         let h = (last - first) / n as f64;
@@ -121,8 +123,8 @@ mod tests {
     fn transforms_are_those_of_the_densities_which_hold_all_light() {
         let mut cases = 0;
         for k in [0.0, 0.01, 0.3, 1.0, 1.99, 2.01, 3.5, 6.0] {
-            // Beyond z = 4000 GGX holds 1/4000^2 = 6e-8 of the light; below 1e-5 both hold 1e-10.
-            // A&S: 2e-7.
+            // Beyond z = 4000 GGX holds 1/4000^2 = 6e-8 of the light. Below z = 1e-5 both densities
+            // hold 1e-10. Abramowitz and Stegun state 2e-7.
             let gaussian = hankel(|z| (-z * z).exp() / PI, k);
             let heavy = hankel(|z| (1.0 + z * z).powi(-2) / PI, k);
             assert!((beckmann(k).0 - gaussian).abs() < 1e-8, "beckmann {k}");
@@ -134,8 +136,8 @@ mod tests {
 
     #[test]
     fn bessel_functions_are_their_integrals_and_derivatives_are_differences() {
-        // K_n(x) = int_0^inf exp(-x cosh t) cosh(n t) dt; the trapezoid converges as exp(-pi^2 /
-        // h).
+        // K_n(x) = int_0^inf exp(-x cosh t) cosh(n t) dt. The trapezoidal rule converges as
+        // exp(-pi^2 / h).
         let integral = |x: f64, n: f64| {
             let h = 0.05;
             let term = |i: i32| {
@@ -147,13 +149,14 @@ mod tests {
         let mut cases = 0;
         for k in [1e-4, 0.02, 0.5, 1.3, 1.999, 2.001, 4.0, 9.0, 30.0] {
             let (value, slope) = ggx(k);
-            // 9.8.7: |error of k K1| < 8e-9 below 2, 2.2e-7 / sqrt(k) e^-k k above.
+            // By 9.8.7 the error of k K1 is below 8e-9 for k < 2, and below 2.2e-7 / sqrt(k) e^-k k
+            // above.
             assert!((value - k * integral(k, 1.0)).abs() < 3e-7, "K1 at {k}");
             assert!((slope + k * integral(k, 0.0)).abs() < 3e-7, "K0 at {k}");
             let d = 1e-4 * k.max(1e-2);
             let difference = (ggx(k + d).0 - ggx(k - d).0) / (2.0 * d);
-            // Truncation d^2 |f'''| / 6, f''' of order 1/k below 1; the approximations' own jumps
-            // of 1e-8 over 2 d.
+            // Two errors add. The truncation is d^2 |f'''| / 6, with f''' of order 1/k below 1. The
+            // approximations jump by 1e-8, which is divided by 2 d.
             let tolerance = d * d / k.min(1.0) + 4e-8 / d;
             assert!(
                 (slope - difference).abs() < tolerance,

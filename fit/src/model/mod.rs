@@ -1,9 +1,9 @@
-//! The blur of a sheet as a transfer function: ray shift, diffraction lobe, wave optics, rough
-//! facets; and the camera's.
+//! The blur of a sheet as a transfer function (ray shift, diffraction lobe, wave optics, rough
+//! facets), and that of the camera.
 //!
-//! A direction of the table, a kernel and its numbers enter; the OTF along a line of the image
-//! leaves, with its derivatives, and the edge that it blurs. The room knows no photograph but for
-//! the widths of its bins. It may touch `names`, `numerics` and `photographs`.
+//! A direction of the table, a kernel and its numbers enter. The OTF along a line of the image, its
+//! derivatives, and the edge that it blurs leave. Of a photograph the room knows only the
+//! widths of its bins. It may touch `names`, `numerics` and `photographs`.
 
 pub(crate) mod baseline;
 mod blur;

@@ -1,4 +1,4 @@
-//! From an OTF along an edge normal to the edge profile on a photograph's own bins.
+//! The step from an OTF along an edge normal to the edge profile on a photograph's own bins.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -10,24 +10,24 @@ use crate::numerics::fourier;
 use crate::numerics::sinc::sinc;
 use crate::photographs::{BIN_PX, Profile};
 
-/// The frequencies at which an OTF is wanted, and the transform from there to the bins.
+/// Frequencies at which an OTF is needed, and the transform from there to the bins.
 #[derive(Clone)]
 pub(crate) struct Grid {
-    /// Length of the transform: bins of one period.
+    /// Length of the transform: the bins of one period.
     size: usize,
     bin_mm: f64,
-    /// By frequency, what makes the transform of a step of that of a blur: sinc(pi f bin) / (2 pi f
-    /// period), behind -i.
+    /// Factors by frequency that, times -i, turn the transform of a blur into that of a step:
+    /// sinc(pi f bin) / (2 pi f period).
     step: Arc<[f64]>,
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
 
 impl Grid {
-    /// A grid whose period is at least three profiles long, so that a blur of up to a whole profile
-    /// does not come round.
+    /// Makes a grid whose period is at least three profiles long, so that the periodic images of a
+    /// blur do not reach the profile, even for a blur as long as the profile.
     pub(crate) fn new(bins: usize, pitch_mm: f64) -> Grid {
         let size = (3 * bins).next_power_of_two().max(2048);
-        // f bin = q / size and f period = q.
+        // f bin = q / size, and f period = q.
         let step = (0..size / 2 + 1).map(|q| match q {
             0 => 0.0,
             q => sinc(PI * q as f64 / size as f64) / (TAU * q as f64),
@@ -40,18 +40,19 @@ impl Grid {
         }
     }
 
-    /// Frequencies along the normal, 1/mm, from 0 to 2 per pixel.
+    /// Returns the frequencies along the normal, 1/mm, from 0 to 2 per pixel.
     pub(crate) fn frequencies_per_mm(&self) -> impl ExactSizeIterator<Item = f64> + use<> {
         let period = self.size as f64 * self.bin_mm;
         (0..self.size / 2 + 1).map(move |q| q as f64 / period)
     }
 
-    /// The edge profile averaged over evenly filled bins.
+    /// Transforms an OTF to the edge profile averaged over evenly filled bins.
     ///
-    /// `otf` at the grid's frequencies; its first value scales the step (1 for a profile, 0 for a
-    /// derivative). `kink` is -d OTF/d|f| at 0 (mm): a kinked OTF has 1/s^2 tails, whose periodic
-    /// images are taken out to second order. The profile is the inverse transform, exact but for
-    /// the images of a lobe wider than a profile.
+    /// `otf` holds values at the grid's frequencies. Its first value scales the step (1 for a
+    /// profile, 0 for a derivative). `kink` is -d OTF/d|f| at 0 (mm). A kinked OTF gives the line
+    /// spread tails of 1/s^2, whose periodic images are removed to second order. The profile is the
+    /// inverse transform. It is exact, except for the images of a lobe that is wider than a
+    /// profile.
     pub(crate) fn even(&self, otf: &[Complex64], kink: f64) -> Even {
         let period = self.size as f64 * self.bin_mm;
         let step = otf[0].re;
@@ -60,17 +61,17 @@ impl Grid {
             .zip(self.step.iter())
             .map(|(o, w)| Complex64::new(o.im * w, -o.re * w))
             .collect();
-        // The mean of the profile: where its centre of mass lies, which the OTF's slope at 0 tells.
+        // The mean of the profile depends on its centre of mass, which the OTF's slope at 0 gives.
         half[0] = Complex64::from(otf[1].im / TAU);
-        // The last coefficient is real; what is dropped lies at 2 per pixel, beyond every camera's
-        // reach.
+        // The last coefficient is real. Its imaginary part belongs to 2 cycles per pixel, beyond
+        // the reach of any camera.
         half[self.size / 2].im = 0.0;
         let mut periodic = vec![0.0; self.size];
         self.inverse
             .process(&mut half, &mut periodic)
             .expect("lengths and reality are set above");
-        // C/s^2 is the tail of the line spread; its images sum to C pi^2/(3 P^2) + C pi^4 s^2/(15
-        // P^4) + ...
+        // C/s^2 is the tail of the line spread. The sum of its images is C pi^2/(3 P^2) + C pi^4
+        // s^2/(15 P^4) + ...
         let tail = kink / (2.0 * PI * PI);
         let linear = step / period - tail * PI.powi(2) / (3.0 * period.powi(2));
         let cubic = tail * PI.powi(4) / (45.0 * period.powi(4));
@@ -83,12 +84,12 @@ impl Grid {
         Even { values: periodic }
     }
 
-    /// Mean of the edge profile over the pixels of every bin; `otf` and `kink` as in
-    /// [`Grid::even`].
+    /// Averages the edge profile over the pixels of each bin. [`Grid::even`] explains `otf` and
+    /// `kink`.
     ///
-    /// A bin's excess moments (a few hundredths of a pixel) are put in with the profile's own
-    /// differences, whose slope is good to (pi/4)^4/30 = 1.3 % at half the sampling frequency and
-    /// to 1e-5 at a tenth of it.
+    /// The excess moments of a bin are a few hundredths of a pixel. They enter through the
+    /// profile's own differences, whose slope is accurate to (pi/4)^4/30 = 1.3 % at half the
+    /// sampling frequency and to 1e-5 at a tenth of it.
     pub(crate) fn profile(&self, otf: &[Complex64], kink: f64, profile: &Profile) -> Vec<f64> {
         let even = self.even(otf, kink);
         let reach = profile.reach as i64;
@@ -105,14 +106,14 @@ impl Grid {
     }
 }
 
-/// An edge profile averaged over evenly filled bins: one period, the edge in the middle of bin 0.
+/// Edge profile averaged over evenly filled bins: one period, with the edge in the middle of bin 0.
 pub(crate) struct Even {
     values: Vec<f64>,
 }
 
 impl Even {
-    /// Value and first three derivatives per bin at `offset` (within half a period), by differences
-    /// of fourth order (second for the third).
+    /// Returns the value and the first three derivatives per bin at `offset` (within half a
+    /// period), by differences of fourth order (second order for the third derivative).
     pub(crate) fn around(&self, offset: i64) -> [f64; 4] {
         let middle = (self.values.len() / 2) as i64;
         let at = (middle + offset).clamp(2, 2 * middle - 3) as usize;

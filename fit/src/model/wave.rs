@@ -1,30 +1,31 @@
-//! The `wave` kernel of a photograph: the waves of a table's direction, for the spectrum of the
-//! source.
+//! The waves of a table's direction for the spectrum of the source, as the kernel `wave` needs
+//! them.
 
 use tables::{Direction, NoWaves, WaveLine};
 
 use crate::names::Spectrum;
 
-/// Why a direction has no waves.
+/// Reason why a direction has no waves.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// No wavelength.
+    /// No wavelength given.
     #[error(
         "the wave kernel needs the source's wavelength; give --wavelength-nm, or wavelength_nm in \
         [setup]"
     )]
     NoWavelength,
-    /// The table does not hold what they are made of.
+    /// Table without the polygons from which waves are computed.
     #[error(transparent)]
     Table(#[from] NoWaves),
 }
 
-/// The waves of a direction along the unit edge normal `normal`; otherwise as [`WaveLine::new`].
+/// Computes the waves of a direction along the unit edge normal `normal` (tangential, sagittal).
+/// [`WaveLine::new`] explains the other arguments.
 ///
 /// # Errors
-/// [`Fault`] where no wavelength is named, or the table holds no polygons of corner cubes for the
-/// direction.
+/// Returns [`Fault::NoWavelength`] if `spectrum` is `None`, and [`Fault::Table`] if the table holds
+/// no polygons of ideal corner cubes for the direction.
 pub(crate) fn line(
     direction: &Direction,
     incidence_rad: f64,

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Mean of max(0, x) for x normal about `mean` with standard deviation `sigma` > 0, its derivative
-/// by `mean`, and its variance.
+/// Returns the mean of max(0, x), its derivative by `mean`, and its variance, for a normal x with
+/// this mean and the standard deviation `sigma` > 0.
 pub(crate) fn clipped(mean: f64, sigma: f64) -> (f64, f64, f64) {
     let z = mean / sigma;
-    // Beyond 8 sigma a pixel in 10^15 is cut off.
+    // Beyond 8 sigma fewer than one pixel in 10^15 is cut off.
     if z > 8.0 {
         return (mean, 1.0, sigma * sigma);
     }
@@ -20,7 +20,8 @@ pub(crate) fn clipped(mean: f64, sigma: f64) -> (f64, f64, f64) {
     )
 }
 
-/// Fisher information on the mean in one such observation, in units of 1/sigma^2: 1 far above 0.
+/// Returns the Fisher information of one observation of max(0, x) on the mean, in units of
+/// 1/sigma^2. It tends to 1 far above 0.
 pub(crate) fn information(mean: f64, sigma: f64) -> f64 {
     let z = mean / sigma;
     if z > 8.0 {
@@ -31,7 +32,7 @@ pub(crate) fn information(mean: f64, sigma: f64) -> f64 {
     above - z * density + density * density / below
 }
 
-/// Probability that a standard normal exceeds -z.
+/// Returns the probability that a standard normal variable exceeds -z.
 fn above(z: f64) -> f64 {
     0.5 * libm::erfc(-z / SQRT_2)
 }
@@ -44,8 +45,8 @@ fn density(z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against sums over a fine grid of the normal density: 2e4 points over +-10 sigma, whose error
-    /// for a smooth integrand is below rounding and, at the kink, step^2 / 8 = 1.3e-7.
+    /// Compares with sums over a fine grid of the normal density: 2e4 points over +-10 sigma. Their
+    /// error is below rounding for a smooth integrand, and step^2 / 8 = 1.3e-7 at the kink.
     #[test]
     fn moments_meet_quadrature() {
         let mut cases = 0;
@@ -74,12 +75,13 @@ mod tests {
             let h = 1e-5;
             let difference = (clipped(mean + h, sigma).0 - clipped(mean - h, sigma).0) / (2.0 * h);
             assert!((slope - difference).abs() < 1e-8, "{mean} {sigma}");
-            // The score of what is cut off is -density / probability.
+            // The score of an observation that is cut off is -density / probability.
             if below > 0.0 {
                 score += density(mean / sigma).powi(2) / below;
             }
             let found = information(mean, sigma);
-            // `below` is a sum with an end: off by half a step of the density.
+            // `below` is a sum that ends inside the density, so it is off by half a step of the
+            // density.
             assert!(
                 (found - score).abs() < 1e-3,
                 "{mean} {sigma}: {found} {score}"

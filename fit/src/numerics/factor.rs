@@ -1,9 +1,8 @@
-//! Normal matrices and their triangular factors: sums of squares without the rows that they come
-//! from.
+//! Normal matrices and their triangular factors: sums of squares without the rows that make them.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Adds row^T row to the upper triangle.
+/// Adds row^T row to the upper triangle of `normal`.
 pub(crate) fn add(normal: &mut DMatrix<f64>, row: &[f64]) {
     for (j, &b) in row.iter().enumerate() {
         let mut column = normal.column_mut(j);
@@ -13,8 +12,8 @@ pub(crate) fn add(normal: &mut DMatrix<f64>, row: &[f64]) {
     }
 }
 
-/// Upper triangular R with R^T R = `normal`, of which the upper triangle is read. A column that
-/// depends on those before it, to rounding, gets a row of zeros.
+/// Factors `normal` into R^T R and returns the upper triangular R. Only the upper triangle of
+/// `normal` is read. A column that depends on earlier columns, to rounding, gets a row of zeros.
 pub(crate) fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     let n = normal.nrows();
     for i in 0..n {
@@ -37,7 +36,7 @@ pub(crate) fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     normal
 }
 
-/// Solves the first `n` rows of R x = column `c` of R; 0 where R has a row of zeros.
+/// Solves the first `n` rows of R x = column `c` of R. An unknown whose row of R is zero becomes 0.
 pub(crate) fn back_substituted(factor: &DMatrix<f64>, n: usize, c: usize) -> DVector<f64> {
     let mut x = DVector::zeros(n);
     for i in (0..n).rev() {

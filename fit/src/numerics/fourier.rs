@@ -1,4 +1,4 @@
-//! Fast Fourier transforms of real curves; plans are made once for all photographs.
+//! Fast Fourier transforms of real curves. Plans are made once and shared.
 
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -7,27 +7,27 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
     LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
 
-/// The transform of `length` real numbers to frequencies 0 to `length` / 2.
+/// Plans the transform of `length` real numbers to the frequencies 0 to `length` / 2.
 pub(crate) fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
     planner.plan_fft_forward(length)
 }
 
-/// The transform back, not divided by `length`.
+/// Plans the inverse transform to `length` real numbers. The result is not divided by `length`.
 pub(crate) fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
     planner.plan_fft_inverse(length)
 }
 
-/// The least length of at least `least` with no prime factor above 5: its transform is fast, and it
-/// is at most 11 % longer from 100 on (every length to 5,000 was looked at).
+/// Returns the least length >= `least` that has no prime factor above 5, so that its transform is
+/// fast. From 100 on it is at most 11 % longer than `least` (tested for every length to 5,000).
 pub(crate) fn fast_length(least: usize) -> usize {
     (least.max(1)..)
         .find(|&n| is_smooth(n, &[2, 3, 5]))
         .unwrap_or(least)
 }
 
-/// Whether a number >= 1 has no other prime factors.
+/// Returns whether `n` >= 1 has no prime factors other than `primes`.
 pub(crate) fn is_smooth(n: usize, primes: &[usize]) -> bool {
     let mut rest = n;
     for &prime in primes {
@@ -38,20 +38,20 @@ pub(crate) fn is_smooth(n: usize, primes: &[usize]) -> bool {
     rest == 1
 }
 
-/// Prime factors of the length of a fast transform in two dimensions.
+/// Prime factors that the length of a fast transform in two dimensions may have.
 const PRIMES: [usize; 4] = [2, 3, 5, 7];
 
-/// The smallest fast length from `least` >= 1 on.
+/// Returns the smallest fast length >= `least`, for `least` >= 1.
 pub(crate) fn smooth(least: usize) -> usize {
     (least..).find(|&n| is_smooth(n, &PRIMES)).unwrap_or(least)
 }
 
-/// The smallest fast even length from `least` >= 1 on.
+/// Returns the smallest fast even length >= `least`, for `least` >= 1.
 pub(crate) fn smooth_even(least: usize) -> usize {
     2 * smooth(least.div_ceil(2))
 }
 
-/// The smallest fast odd length from `least` >= 1 on.
+/// Returns the smallest fast odd length >= `least`, for `least` >= 1.
 pub(crate) fn smooth_odd(least: usize) -> usize {
     (least | 1..)
         .step_by(2)

@@ -1,8 +1,7 @@
-//! Mathematics without a field: transforms, interpolation, quadrature, least squares.
+//! Mathematics for all rooms: transforms, quadrature, triangular factors, least squares.
 //!
-//! Arrays of numbers and closures enter; arrays of numbers leave, with the accuracy that each file
-//! states. Nothing here knows of light or photographs. This is the ground room: it may touch no
-//! other.
+//! Arrays of numbers and closures enter. Arrays of numbers leave. Each file states its accuracy.
+//! Nothing here knows of light or photographs. This is the lowest room: it may touch no other.
 
 pub(crate) mod clip;
 pub(crate) mod factor;

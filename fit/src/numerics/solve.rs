@@ -3,22 +3,22 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
 
-/// Residuals and their derivatives (rows: residuals, columns: parameters) at one point.
+/// Residuals and their derivatives at one point. A row is a residual, a column a parameter.
 pub(crate) type Evaluation = (DVector<f64>, DMatrix<f64>);
 
-/// Why the iteration ended.
+/// Reason for the end of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// Neither parameters nor sum of squares change any more.
+    /// Parameters or sum of squares no longer change.
     Converged,
-    /// The greatest number of iterations was reached.
+    /// Largest number of evaluations reached.
     IterationLimit,
-    /// The residuals are not finite, or a step could not be found.
+    /// Residuals that are not finite, or no step found.
     Failed,
 }
 
 impl Stop {
-    /// The name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Stop::Converged => "converged",
@@ -28,23 +28,23 @@ impl Stop {
     }
 }
 
-/// Where the iteration ended.
+/// Result of an iteration.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// The parameters.
+    /// Parameters at the end.
     pub parameters: DVector<f64>,
-    /// Residuals there.
+    /// Residuals at these parameters.
     pub residuals: DVector<f64>,
-    /// Derivatives there.
+    /// Derivatives at these parameters.
     pub jacobian: DMatrix<f64>,
-    /// Evaluations that it took.
+    /// Number of evaluations of the model.
     pub iterations: usize,
-    /// Why it ended.
+    /// Reason for the end.
     pub stop: Stop,
 }
 
 impl Solution {
-    /// Sum of squares of the residuals.
+    /// Returns the sum of squares of the residuals.
     pub fn sum_of_squares(&self) -> f64 {
         self.residuals.norm_squared()
     }
@@ -87,18 +87,18 @@ impl<F: Fn(&DVector<f64>) -> Evaluation> LeastSquaresProblem<f64, Dyn, Dyn> for 
     }
 }
 
-/// Change of the parameters, and of the sum of squares relative to itself, below which an iteration
-/// has converged.
+/// Relative change of the parameters or of the sum of squares below which an iteration has
+/// converged.
 pub(crate) const CONVERGED: f64 = 1e-10;
 
-/// Length of the first step, in units of the parameters' own scaled length (MINPACK's factor, 100
-/// by default): a longer one from a rough start can leap to where a term has faded away and its
-/// derivative with it.
+/// Length of the first step, in units of the scaled length of the parameters (MINPACK's factor, 100
+/// by default). A longer step from a rough start can reach a region where a term has faded away
+/// together with its derivative.
 const STEP_BOUND: f64 = 0.3;
 
-/// Minimises the sum of squares from `start`. Parameters should be of order 1 (logarithms of
-/// scales); the iteration ends when they or the sum of squares change by less than `tolerance` of
-/// themselves.
+/// Minimises the sum of squares from `start`. The parameters should be of order 1 (logarithms of
+/// scales). The iteration ends if the parameters or the sum of squares change by less than the
+/// share `tolerance`.
 pub(crate) fn least_squares(
     start: DVector<f64>,
     tolerance: f64,

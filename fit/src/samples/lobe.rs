@@ -1,13 +1,14 @@
 //! Samples of a lobe for a = 1: offsets in the image plane times a.
 //!
-//! Those of microfacets by inversion of their distribution functions, 1 - exp(-r^2) and 1 - 1 / (1
-//! + r^2). The two shapes of Eq. (1) by inversion of a tabulated one, cells so fine that the OTF of
-//! the samples is that of the lobe to 2e-5 (a density that is even over cells of width h widens the
-//! lobe by h^2 / 12 in the variance):
-//! - radial: sinc^2(t) t on [0, 2.4 pi], and an even angle;
-//! - separable: sinc^2(t) on either axis. Its 1/t^2 tails go on for ever: beyond 64 pi every period
-//!   holds 64/n - 64/(n + 1) of what is left, n pi its begin (to 1.2e-5 of that 1.6e-3), and within
-//!   a period the light lies as in the last one of the table.
+//! Samples of microfacets invert the distribution functions 1 - exp(-r^2) and 1 - 1 / (1 + r^2).
+//! Samples of the two shapes of Eq. (1) invert a tabulated distribution function. Its cells are so
+//! fine that the OTF of the samples agrees with that of the lobe to 2e-5 (a density that is even
+//! over cells of width h adds h^2 / 12 to the variance of the lobe):
+//!
+//! - radial: sinc^2(t) t on [0, 2.4 pi], and an even angle.
+//! - separable: sinc^2(t) on each axis. Its 1/t^2 tails never end. Beyond 64 pi the period that
+//!   begins at n pi holds 64/n - 64/(n + 1) of what is left (to 1.2e-5 of that 1.6e-3). Within a
+//!   period the light is distributed as in the last period of the table.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
@@ -16,10 +17,10 @@ use crate::model::CUT;
 use crate::names::LobeShape;
 use crate::samples::quantile::Quantile;
 
-/// Cells of the radial table.
+/// Number of cells of the radial table.
 const CELLS: usize = 4096;
 
-/// Cells of the separable table: periods of sin^2, and cells in each.
+/// Size of the separable table: periods of sin^2, and cells in each period.
 const PERIODS: usize = 64;
 const PER_PERIOD: usize = 256;
 
@@ -30,12 +31,12 @@ pub(crate) struct LobeSampler {
 }
 
 impl LobeSampler {
-    /// The sampler of a shape.
+    /// Makes the sampler of a shape.
     pub(crate) fn new(shape: LobeShape) -> LobeSampler {
         LobeSampler { shape }
     }
 
-    /// The offset (tangential, sagittal) times a of a point of the unit square.
+    /// Returns the offset times a, (tangential, sagittal), for a point of the unit square.
     pub(crate) fn at(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let about = |r: f64| {
             let (sin, cos) = (TAU * v).sin_cos();
@@ -50,7 +51,7 @@ impl LobeSampler {
     }
 }
 
-/// Quantile of sinc^2(t) t dt on [0, 2.4 pi].
+/// Returns the quantile of sinc^2(t) t dt on [0, 2.4 pi].
 fn radius(share: f64) -> f64 {
     static TABLE: LazyLock<Quantile> = LazyLock::new(|| {
         let step = CUT / CELLS as f64;
@@ -60,12 +61,12 @@ fn radius(share: f64) -> f64 {
     TABLE.at(share).0
 }
 
-/// Quantile of sinc^2(t) dt on the whole axis.
+/// Returns the quantile of sinc^2(t) dt on the whole axis.
 fn axis(share: f64) -> f64 {
     static TABLE: LazyLock<(Quantile, f64)> = LazyLock::new(|| {
         let step = PI / PER_PERIOD as f64;
         let masses = cells(PERIODS * PER_PERIOD, step, |t| (t.sin() / t).powi(2));
-        // sinc^2 has the integral pi/2 from 0 on.
+        // The integral of sinc^2 from 0 on is pi/2.
         let tail = 1.0 - masses.iter().sum::<f64>() / FRAC_PI_2;
         let table = Quantile::new(0.0, step, &masses).expect("the lobe has mass");
         (table, tail)
@@ -79,7 +80,7 @@ fn axis(share: f64) -> f64 {
         let periods = PERIODS as f64;
         let place = (periods * tail / beyond).max(periods);
         let n = place.floor();
-        // Share of period n that lies before: n (n + 1) (1/n - 1/place).
+        // The share of period n that lies before the place is n (n + 1) (1/n - 1/place).
         let part = (n + 1.0) * (1.0 - n / place);
         let last = table.below((PERIODS - 1) * PER_PERIOD);
         (n - periods + 1.0) * PI + table.at(last + part * (1.0 - last)).0
@@ -87,7 +88,8 @@ fn axis(share: f64) -> f64 {
     t.copysign(side)
 }
 
-/// Masses of cells of width `step` from 0 on: the two-point Gauss rule, exact to step^4.
+/// Integrates a density over cells of width `step` from 0 on, by the two-point Gauss rule, which is
+/// exact to step^4.
 fn cells(count: usize, step: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
     let node = 0.5 / 3.0_f64.sqrt();
     (0..count)

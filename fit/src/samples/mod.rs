@@ -1,13 +1,13 @@
-//! Samples of the blur: where rays that left one point of the source meet the aerial image.
+//! Samples of the blur: points where rays from one point of the source meet the mid-air image.
 //!
-//! A direction of a table and a lobe enter; points leave, and one photograph's model by such
-//! points. The room may touch the model, the photographs' profiles and the numerics.
+//! A direction of a table and a lobe enter. Points leave, and the model of one photograph by
+//! such points. The room may touch `model`, `names`, `numerics` and `photographs`.
 //!
-//! A sample is a pure function of (seed, stream, index): four coordinates of a [`sequence`], the
-//! first two of which become a ray shift ([`shift`]), the last two an offset by diffraction
-//! ([`lobe`]). Both are inversions, piecewise smooth in the coordinates, so that evenly spread
-//! points give evenly spread samples. The sequence is this crate's own: `bake` has one for two
-//! dimensions and a direction's angles, and `fit` does not depend on it.
+//! A sample is a pure function of (seed, stream, index). A [`sequence`] gives four coordinates. The
+//! first two become a ray shift ([`shift`]), the last two an offset by diffraction ([`lobe`]). Both
+//! maps are inversions and piecewise smooth in the coordinates, so evenly spread points give evenly
+//! spread samples. The sequence is this crate's own: that of `bake` has two dimensions and the
+//! angles of a direction, and `fit` does not depend on `bake`.
 
 mod lobe;
 mod quantile;

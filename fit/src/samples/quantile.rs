@@ -1,18 +1,19 @@
-//! The inverse of a distribution function that is given by the masses of equal cells.
+//! Inverse of a distribution function that is given by the masses of equal cells.
 
-/// Quantiles of a distribution that is even within each of its cells.
+/// Quantiles of a distribution that is even within each cell.
 #[derive(Debug, Clone)]
 pub(crate) struct Quantile {
     first: f64,
     step: f64,
     /// Distribution function at the ends of the cells.
     below: Vec<f64>,
-    /// The cell that holds the quantile of k / cells, for every k.
+    /// Cell that holds the quantile of k / cells, for each k.
     guide: Vec<u32>,
 }
 
 impl Quantile {
-    /// Cells of width `step` from `first` on; masses >= 0. `None` where there is no mass at all.
+    /// Builds the distribution from cells of width `step` that begin at `first`, with masses >= 0.
+    /// Returns `None` if there is no mass.
     pub(crate) fn new(first: f64, step: f64, masses: &[f64]) -> Option<Quantile> {
         let total: f64 = masses.iter().sum();
         if !(total.is_finite() && total > 0.0) {
@@ -44,7 +45,7 @@ impl Quantile {
         })
     }
 
-    /// The quantile of `share` in [0, 1), and the cell that it lies in.
+    /// Returns the quantile of `share` in [0, 1), and the cell in which it lies.
     pub(crate) fn at(&self, share: f64) -> (f64, usize) {
         let cells = self.below.len() - 1;
         let mut cell = self.guide[((share * cells as f64) as usize).min(cells)] as usize;
@@ -56,7 +57,7 @@ impl Quantile {
         (self.first + self.step * (cell as f64 + part), cell)
     }
 
-    /// Share of the mass below the left end of a cell.
+    /// Returns the share of the mass below the left end of a cell.
     pub(crate) fn below(&self, cell: usize) -> f64 {
         self.below[cell]
     }
@@ -66,8 +67,8 @@ impl Quantile {
 mod tests {
     use super::*;
 
-    /// Cells of masses 0, 1, 0, 3, 0 between -1 and 1.5, inverted by hand; empty cells hold no
-    /// quantile.
+    /// Compares with an inversion by hand of cells of masses 0, 1, 0, 3, 0 between -1 and 1.5.
+    /// Empty cells hold no quantile.
     #[test]
     fn quantiles_skip_empty_cells() {
         let q = Quantile::new(-1.0, 0.5, &[0.0, 1.0, 0.0, 3.0, 0.0]).expect("there is mass");

@@ -1,23 +1,28 @@
-//! One photograph's model by samples: the loop that Sugawara and Koizumi published (SIGGRAPH Asia
-//! 2025 Posters).
+//! The model of one photograph by samples: the loop that Sugawara and Koizumi published (SIGGRAPH
+//! Asia 2025 Posters).
 //!
-//! Every pixel p of the photograph gathers the source's edge at places to which shift and lobe
-//! carry its light, I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a - R n.D_s), with d_p the
-//! pixel's distance from the edge, S_s a ray shift (foreshortened, edge lengths), L_s an offset by
-//! the lobe of a = 1, D_s the deviation that the ray has with its shift, and E the edge as the
-//! camera sees it ([`Texture`]). Derivatives are pathwise: dI/d ln c = -c mean E' n.S, dI/d ln a =
-//! mean E' n.L / a.
+//! Each pixel p of the photograph gathers the source's edge at the places to which shift and lobe
+//! carry its light:
 //!
-//! n.S and n.L do not depend on a and c, so they are worked out once ([`Tile`]); an evaluation is
-//! two products, a look-up and three sums a sample. The numbers stay the same in every iteration,
-//! so that what is minimised is smooth.
+//! ```text
+//! I(p) = mean over s of E(d_p - c n.S_s - n.L_s / a - R n.D_s)
+//! ```
 //!
-//! The pixels are taken bin by bin of the profile, each has the next points of one sequence, and
-//! after [`EVEN_POINTS`] (or [`INDEPENDENT_POINTS`]) they begin again. So the pixels of a bin, and
-//! those of neighbouring bins, make up one net: with 256 Sobol points a pixel the transform of the
-//! line spread has 1/50 to 1/25 of the variance that independent points leave. The same net for
-//! every bin has 20 times more (its pixels lie differently in every bin), one for all of a
-//! photograph no less.
+//! d_p is the pixel's distance from the edge, S_s a ray shift (foreshortened, edge lengths), L_s an
+//! offset by the lobe of a = 1, D_s the deviation that the ray has with its shift, and E the edge
+//! as the camera sees it ([`Texture`]). Derivatives are pathwise: dI/d ln c = -c mean E' n.S and
+//! dI/d ln a = mean E' n.L / a.
+//!
+//! n.S and n.L do not depend on a and c, so they are computed once ([`Tile`]). An evaluation then
+//! costs two products, a look-up and three sums for each sample. The numbers stay the same in every
+//! iteration, so the minimised function is smooth.
+//!
+//! The pixels are taken bin by bin of the profile. Each pixel takes the next points of one
+//! sequence. After [`EVEN_POINTS`] (or [`INDEPENDENT_POINTS`]) the points begin again. So the
+//! pixels of a bin, and those of neighbouring bins, form one net together. With 256 Sobol points
+//! for each pixel the transform of the line spread has 1/50 to 1/25 of the variance of independent
+//! points. If every bin had the same net, the variance would be 20 times larger, because the pixels
+//! lie differently in each bin. One net for all pixels of a photograph would not reduce it.
 
 pub(crate) mod texture;
 
@@ -39,40 +44,44 @@ use crate::samples::sampled::texture::{CELLS_PER_PX, Texture};
 use crate::samples::sequence::{Points, Sequence};
 use crate::samples::shift::{Departure, ShiftSampler};
 
-/// Most points of a photograph that are evenly spread: 2 MB, which a core's second cache holds.
+/// Largest number of evenly spread points of a photograph: 2 MB, which fits the second cache of a
+/// core.
 pub(crate) const EVEN_POINTS: usize = 1 << 18;
 
-/// Most independent points, so many that two bins of the same points lie far apart: 16 MB.
+/// Largest number of independent points: 16 MB. With so many, two bins that share points lie far
+/// apart.
 pub(crate) const INDEPENDENT_POINTS: usize = 1 << 21;
 
-/// How a photograph is sampled.
+/// Settings of the samples of a photograph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sampling {
     /// Samples per pixel, >= 1.
     pub samples: usize,
-    /// Seed of all of them.
+    /// Seed of all samples.
     pub seed: u64,
-    /// How they are spread.
+    /// Spreading of the samples.
     pub sequence: Sequence,
 }
 
-/// Where light that left one point of the source meets the image, along the edge normal: `samples`
-/// for each of some pixels.
+/// Places along the edge normal where light from one point of the source meets the image: `samples`
+/// places for each of some pixels.
 #[derive(Debug)]
 pub struct Tile {
     sampling: Sampling,
-    /// n.S: shift, foreshortened, edge lengths; 0 under `lobe`.
+    /// n.S: shift, foreshortened, edge lengths; 0 for the kernel `lobe`.
     shift: Vec<f32>,
-    /// n.L: offset by a lobe of a = 1; 0 under `shift`.
+    /// n.L: offset by a lobe of a = 1; 0 for the kernel `shift`.
     lobe: Vec<f32>,
-    /// n.D: tangent of the angle from straight back; none where all light goes straight back.
+    /// n.D: tangent of the angle off the exact way back; empty if no light deviates.
     deviation: Vec<f32>,
 }
 
 impl Tile {
-    /// Patterns for `pixels` pixels, or for fewer which are used again: randomisation `stream` of
-    /// the sampling. `shift` and the incidence (rad) are not used under `lobe`, `shape` not under
-    /// `shift`.
+    /// Draws samples for `pixels` pixels, or for fewer pixels whose samples are used again, from
+    /// the randomisation `stream` of the sampling.
+    ///
+    /// The kernel `lobe` does not use `shift` with its incidence (rad). The kernel `shift` does not
+    /// use `shape`.
     pub fn new(
         sampling: Sampling,
         stream: u64,
@@ -116,8 +125,8 @@ impl Tile {
         }
     }
 
-    /// Shifts, lobe offsets and deviations, if any, of pattern `index`, which may lie beyond the
-    /// last.
+    /// Returns the shifts, lobe offsets and deviations (if any) of pattern `index`. An index beyond
+    /// the last pattern starts again at the first.
     fn pattern(&self, index: usize) -> [&[f32]; 3] {
         let size = self.sampling.samples;
         let first = index % (self.shift.len() / size) * size;
@@ -132,12 +141,12 @@ impl Tile {
     }
 }
 
-/// A photograph ready to be rendered: its pixels by bin, its samples, its source.
+/// Photograph that is ready for rendering: its pixels by bin, its samples, its source.
 #[derive(Debug, Clone)]
 pub struct Sampled {
-    /// Distances of the pixels from the edge, px, bin by bin.
+    /// Distances of the pixels from the edge, px, sorted by bin.
     distances_px: Arc<[f32]>,
-    /// Where each bin begins in them; one more than there are bins.
+    /// Index of the first pixel of each bin, with the number of pixels at the end.
     first: Arc<[usize]>,
     tile: Arc<Tile>,
     texture: Arc<Texture>,
@@ -145,8 +154,8 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// Sorts the pixels of `raster` into the bins of `profile` about `line`; `tile` makes the
-    /// samples for so many pixels.
+    /// Sorts the pixels of `raster` into the bins of `profile` about `line`. `tile` draws the
+    /// samples for a number of pixels.
     pub fn new(
         raster: &Raster,
         profile: &Profile,
@@ -178,7 +187,7 @@ impl Sampled {
         }
     }
 
-    /// The same samples of a source that another camera looks at.
+    /// Returns the photograph with the same samples, seen through another camera.
     pub fn through(&self, camera: &Camera) -> Sampled {
         Sampled {
             texture: Arc::new(Texture::new(camera, self.normal_rad)),
@@ -186,13 +195,13 @@ impl Sampled {
         }
     }
 
-    /// Samples of one evaluation.
+    /// Returns the number of samples in one evaluation.
     pub fn samples(&self) -> usize {
         self.distances_px.len() * self.tile.sampling.samples
     }
 
-    /// The render's edge profile on the photograph's bins, with its derivatives. `model` must have
-    /// the kernel and the lobe that the samples were drawn for.
+    /// Renders the edge profile on the photograph's bins, with its derivatives. `model` must have
+    /// the kernel and the lobe for which the samples were drawn.
     pub fn curve(&self, model: &Model, blur: Blur, pitch_mm: f64, profile: &Profile) -> Curve {
         let kernel = model.kernel;
         let cells_per_mm = CELLS_PER_PX / pitch_mm;
@@ -220,8 +229,8 @@ impl Sampled {
         }
     }
 
-    /// Means over a bin's pixels of E, E' n.S and E' n.L, E' per cell of the texture; 0 in an empty
-    /// bin.
+    /// Averages E, E' n.S and E' n.L over the pixels of a bin, with E' per cell of the texture.
+    /// They are 0 in an empty bin.
     fn bin(&self, bin: usize, scale: [f32; 3]) -> [f64; 3] {
         let pixels = self.first[bin]..self.first[bin + 1];
         let count = pixels.len() * self.tile.sampling.samples;
@@ -237,7 +246,8 @@ impl Sampled {
     }
 }
 
-/// Whether a kernel has samples: waves interfere, and have none; of the baselines none are drawn.
+/// Returns whether samples can be drawn for a kernel. Waves interfere, so `wave` has no samples.
+/// For the baselines none are drawn.
 pub(crate) fn has_samples(kernel: Kernel) -> bool {
     matches!(
         kernel,

@@ -1,17 +1,19 @@
-//! Points of the unit cube of four dimensions as functions of (seed, stream, index).
+//! Points of the four-dimensional unit cube as functions of (seed, stream, index).
 //!
 //! - sobol: the first four dimensions of the Sobol sequence (Joe and Kuo 2008, new-joe-kuo-6),
-//!   Owen-scrambled by the hash of Laine and Karras (2011) with the constants of Vegdahl (2021). Of
-//!   every pair of dimensions, and of all four, 2^k points from a multiple of 2^k on are evenly
-//!   spread (the first two, and every single one, as evenly as can be).
-//! - independent: a counter through the finaliser of SplitMix64; what the published loop draws.
+//!   Owen-scrambled by the hash of Laine and Karras (2011) with the constants of Vegdahl (2021).
+//!   Any 2^k points from a multiple of 2^k on are evenly spread in each pair of dimensions and in
+//!   all four. In the first two dimensions, and in each single one, they are spread as evenly as
+//!   possible.
+//! - independent: a counter through the finaliser of SplitMix64. The published loop draws such
+//!   points.
 
 use serde::{Deserialize, Serialize};
 
-/// Dimensions of a point.
+/// Number of coordinates of a point.
 pub(crate) const DIMENSIONS: usize = 4;
 
-/// How points are spread.
+/// Spreading of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Sequence {
@@ -22,7 +24,7 @@ pub enum Sequence {
 }
 
 impl Sequence {
-    /// The name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Sequence::Sobol => "sobol",
@@ -39,13 +41,15 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    /// Randomisation `stream` of `seed`: another stream or seed is independent.
+    /// Makes the randomisation `stream` of `seed`. Another stream or another seed gives independent
+    /// points.
     pub(crate) fn new(sequence: Sequence, seed: u64, stream: u64) -> Points {
         let key = mix(seed ^ mix(stream.wrapping_add(1)));
         Points { sequence, key }
     }
 
-    /// Point `index`: centres of the 2^32 equal cells of [0, 1), so that none lies on an end.
+    /// Returns point `index`. Its coordinates are centres of the 2^32 equal cells of [0, 1), so
+    /// none lies on an end.
     pub(crate) fn at(&self, index: u32) -> [f64; DIMENSIONS] {
         let cells = match self.sequence {
             Sequence::Sobol => {
@@ -59,13 +63,13 @@ impl Points {
         cells.map(|cell: u32| (f64::from(cell) + 0.5) / 4_294_967_296.0)
     }
 
-    /// A word of randomness for a dimension of a point.
+    /// Returns a random word for one dimension of one point.
     fn word(&self, index: u64, dimension: usize) -> u64 {
         mix(self.key ^ mix(index.wrapping_mul(DIMENSIONS as u64) + dimension as u64))
     }
 }
 
-/// A bijective mix of 64 bits (the finaliser of SplitMix64).
+/// Mixes 64 bits by a bijection (the finaliser of SplitMix64).
 fn mix(word: u64) -> u64 {
     let word = word.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -73,7 +77,8 @@ fn mix(word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
-/// Digits of the plain Sobol point `index` in every dimension, first digit in the lowest bit.
+/// Returns the digits of the plain Sobol point `index` in each dimension, with the first digit in
+/// the lowest bit.
 fn digits(index: u32) -> [u32; DIMENSIONS] {
     let mut digits = [index, 0, 0, 0];
     let mut left = index;
@@ -87,7 +92,7 @@ fn digits(index: u32) -> [u32; DIMENSIONS] {
     digits
 }
 
-/// Owen scrambling of the point whose digits are the bits of `digits`, lowest bit first.
+/// Applies Owen's scrambling to the point whose digits are the bits of `digits`, lowest bit first.
 fn scramble(digits: u32, seed: u32) -> u32 {
     let mut x = digits;
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -98,14 +103,15 @@ fn scramble(digits: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Direction numbers of the dimensions after the first, first digit in the lowest bit.
+/// Direction numbers of the dimensions after the first, with the first digit in the lowest bit.
 const COLUMNS: [[u32; 32]; DIMENSIONS - 1] = [
     columns(&[1], 0),
     columns(&[1, 3], 1),
     columns(&[1, 3, 1], 1),
 ];
 
-/// Of the polynomial whose inner coefficients are the bits of `inner`, with the first numbers `m`.
+/// Computes the direction numbers of the polynomial whose inner coefficients are the bits of
+/// `inner`, from the first numbers `m`.
 const fn columns(m: &[u32], inner: u32) -> [u32; 32] {
     let degree = m.len();
     let mut columns = [0_u32; 32];
@@ -138,8 +144,8 @@ const fn columns(m: &[u32], inner: u32) -> [u32; 32] {
 mod tests {
     use super::*;
 
-    /// scipy.stats.qmc.Sobol(4, scramble=False, bits=32).random(8), put from Gray-code into natural
-    /// order; Joe and Kuo's program prints the same.
+    /// Compares with scipy.stats.qmc.Sobol(4, scramble=False, bits=32).random(8), put from
+    /// Gray-code into natural order. The program of Joe and Kuo prints the same points.
     #[test]
     fn plain_points_are_those_of_joe_and_kuo() {
         let expected = [
@@ -158,8 +164,9 @@ mod tests {
         }
     }
 
-    /// Every elementary box of area 2^-10 in the first two dimensions, and every interval of length
-    /// 2^-10 in each, holds one of 1024 consecutive points: scrambling must keep that.
+    /// Checks that of 1024 consecutive points one lies in each elementary box of area 2^-10 in the
+    /// first two dimensions, and in each interval of length 2^-10 in each dimension. Scrambling
+    /// must keep this property.
     #[test]
     fn scrambled_points_are_a_net() {
         let points = Points::new(Sequence::Sobol, 7, 3);
@@ -181,8 +188,9 @@ mod tests {
         assert_eq!(boxes, (11 + 4) * 1024);
     }
 
-    /// Mean and products of pairs of coordinates of independent points: standard deviations are
-    /// sqrt(1/12n) and sqrt(7/144n); 5 of them for ten figures.
+    /// Checks means and products of pairs of coordinates of independent points. They have the
+    /// standard deviations sqrt(1/12n) and sqrt(7/144n). The tolerance is 5 of them for ten
+    /// figures.
     #[test]
     fn independent_points_are_uncorrelated() {
         let points = Points::new(Sequence::Independent, 1, 0);

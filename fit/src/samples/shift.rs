@@ -7,19 +7,19 @@ use tables::{Direction, Path};
 
 use crate::samples::quantile::Quantile;
 
-/// How far from where it came a ray leaves, and where to.
+/// Departure of a ray: its shift, and its direction off the exact way back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// Ray shift (u, v), edge lengths, before foreshortening.
     pub shift: [f64; 2],
-    /// Tangents of its angles from straight back, (tangential, sagittal).
+    /// Tangents of the ray's angles off the exact way back, (tangential, sagittal).
     pub deviation: [f64; 2],
 }
 
-/// Maps points of the unit square to departures.
+/// Map from points of the unit square to departures.
 ///
-/// From the polygons of an exact direction, else from the histogram's bins, each an even box, which
-/// blurs by one bin (as `Direction::otf_along` does).
+/// An exact direction is sampled from its polygons. Otherwise samples come from the bins of the
+/// histogram, each an even box. This blurs by one bin, as `Direction::otf_along` does.
 #[derive(Debug, Clone)]
 pub struct ShiftSampler(Support);
 
@@ -30,17 +30,18 @@ enum Support {
         share: Quantile,
         triangles: Vec<([[f64; 2]; 3], [f64; 2])>,
     },
-    /// Cells of shifts, each with one deviation, and the bins of every cell.
+    /// Cells of shifts, each with one deviation, and the bins of each cell.
     Exits {
         share: Quantile,
         exits: Vec<([usize; 2], [f64; 2])>,
         bins: BTreeMap<[usize; 2], Quantile>,
-        /// Bins along a side of a cell, their width and the histogram's range.
+        /// Bins along a side of a cell, then the width of a bin and the range of the histogram,
+        /// both in edge lengths.
         pool: usize,
         width: f64,
         range: f64,
     },
-    /// Rows of the histogram, and the columns of each.
+    /// Rows of the histogram, and the columns of each row.
     Bins {
         rows: Quantile,
         columns: Vec<Option<Quantile>>,
@@ -48,7 +49,7 @@ enum Support {
 }
 
 impl ShiftSampler {
-    /// The sampler of a direction; `None` where nothing is retroreflected.
+    /// Makes the sampler of a direction. Returns `None` if no light is retroreflected.
     pub fn new(direction: &Direction) -> Option<ShiftSampler> {
         let support = match (&direction.paths, &direction.exits) {
             (Some(paths), _) => triangles(paths)?,
@@ -58,7 +59,7 @@ impl ShiftSampler {
         Some(ShiftSampler(support))
     }
 
-    /// Whether any light goes elsewhere than straight back.
+    /// Returns whether any light leaves off the exact way back.
     pub fn deviates(&self) -> bool {
         match &self.0 {
             Support::Triangles { triangles, .. } => {
@@ -69,13 +70,13 @@ impl ShiftSampler {
         }
     }
 
-    /// The departure of a point of the unit square.
+    /// Returns the departure for a point of the unit square.
     pub fn at(&self, [u, v]: [f64; 2]) -> Departure {
         match &self.0 {
             Support::Triangles { share, triangles } => {
                 let (place, index) = share.at(u);
                 let ([a, b, c], deviation) = triangles[index];
-                // Away from the first corner by the root of the share, and across by v.
+                // The root of the share gives the way from the first corner, and v the way across.
                 let away = (place - index as f64).sqrt();
                 let shift =
                     std::array::from_fn(|k| a[k] + away * (b[k] - a[k] + v * (c[k] - b[k])));
@@ -91,7 +92,7 @@ impl ShiftSampler {
             } => {
                 let (place, index) = share.at(u);
                 let (cell, deviation) = exits[index];
-                // Both numbers have chosen; what is left of them is even within the bin.
+                // Both coordinates have chosen a bin. Their remainders are even within the bin.
                 let (row, bin) = bins[&cell].at(v);
                 let part = [place - index as f64, row - bin as f64];
                 let first = [cell[1] * pool + bin % pool, cell[0] * pool + bin / pool];
@@ -100,7 +101,7 @@ impl ShiftSampler {
             }
             Support::Bins { rows, columns } => {
                 let (shift_v, row) = rows.at(v);
-                // A row that is drawn has mass.
+                // Only rows with mass are drawn.
                 let shift_u = columns[row].as_ref().map_or(0.0, |columns| columns.at(u).0);
                 Departure {
                     shift: [shift_u, shift_v],
@@ -111,8 +112,8 @@ impl ShiftSampler {
     }
 }
 
-/// The images of all paths' polygons as fans of triangles. Polygons are convex: a beam is cut by
-/// planes.
+/// Cuts the images of all paths' polygons into fans of triangles. The polygons are convex, because
+/// a beam is cut by planes.
 fn triangles(paths: &[Path]) -> Option<Support> {
     let (mut masses, mut triangles) = (Vec::new(), Vec::new());
     for path in paths {

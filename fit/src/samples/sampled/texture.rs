@@ -1,5 +1,5 @@
-//! The light source of the published loop: a straight edge as the camera sees it, a texture in the
-//! distance from the edge.
+//! The light source of the published loop: a straight edge as the camera sees it, stored as a
+//! texture of the distance from the edge.
 
 use num_complex::Complex64;
 
@@ -8,47 +8,47 @@ use crate::model::Grid;
 use crate::numerics::sinc::sinc;
 use crate::photographs::BIN_PX;
 
-/// Cells of the texture per pixel.
+/// Number of cells of the texture in a pixel.
 pub(crate) const CELLS_PER_PX: f64 = 32.0;
 
-/// Cells: 256 pixels on either side of the edge, where the worst of lenses is within 2e-4 of its
-/// plateaus. A power of two, so that a mask is all that keeps an index inside.
+/// Number of cells: 256 pixels on either side of the edge, where the worst lens is within 2e-4 of
+/// its plateaus. It is a power of two, so that a mask keeps each index inside.
 const CELLS: usize = 1 << 14;
 
-/// The last cell on either side of the edge.
+/// Distance of the last cell on either side of the edge, cells.
 const LAST: f32 = (CELLS / 2 - 2) as f32;
 
-/// 1.5 x 2^23: a number up to 2^21 that is added to it becomes an integer in the low bits.
+/// Number 1.5 x 2^23. A number up to 2^21 added to it becomes an integer in the low bits.
 const TO_INTEGER: f32 = 12_582_912.0;
 
-/// Samples that are worked on at a time: all places, then all look-ups, then all sums, so that the
-/// compiler takes the first and the last four at a time (1.5 times as fast as one by one).
+/// Number of samples processed together: first all places, then all look-ups, then all sums. So the
+/// compiler vectorises the first and the last by four (1.5 times as fast as one by one).
 const BLOCK: usize = 64;
 
-/// E and its slope per cell, on straight lines between the ends of the cells.
+/// Edge profile E and its slope per cell, on straight lines between the ends of the cells.
 ///
-/// The corners are those of the edge sharpened by the transform of the line between them, so that
-/// the lines blur nothing: what they leave is a ripple of h^2 E'' / 12, 5e-5 for a lens of half a
-/// pixel, whose mean is 0.
+/// The values at the ends of the cells are those of a sharpened edge: it is divided by the
+/// transform of the straight lines, so that the lines add no blur. What they leave is a ripple of
+/// h^2 E'' / 12 with mean 0: 5e-5 for a lens of half a pixel.
 #[derive(Debug)]
 pub(crate) struct Texture {
-    /// Value in the middle of the cell and slope; cell k is centred k + 1/2 cells from the edge,
-    /// negative ones at the end.
+    /// Value in the middle of each cell, and slope. Cell k is centred k + 1/2 cells from the edge.
+    /// Cells with negative k stand at the end.
     cells: Box<[[f32; 2]; CELLS]>,
 }
 
 impl Texture {
-    /// The edge that `camera` sees across a normal at `normal_rad` in the photograph.
+    /// Computes the edge that `camera` sees across a normal at `normal_rad` in the photograph.
     pub(crate) fn new(camera: &Camera, normal_rad: f64) -> Texture {
         let finer = CELLS_PER_PX * BIN_PX;
         let pitch_mm = camera.pitch_mm / finer;
-        // Twice as long as the texture, so that its period does not come round.
+        // The grid is twice as long as the texture, so that its periodic images stay outside.
         let grid = Grid::new((2 * CELLS - 2) / 3, pitch_mm);
         let cell_mm = BIN_PX * pitch_mm;
         let otf: Vec<Complex64> = grid
             .frequencies_per_mm()
             .map(|f| {
-                // Once for the average that the grid takes over a cell, twice for the straight
+                // One factor undoes the average of the grid over a cell, two undo the straight
                 // lines.
                 let smoothing = sinc(std::f64::consts::PI * f * cell_mm).powi(3);
                 Complex64::from(camera.otf(f, normal_rad) / smoothing)
@@ -71,9 +71,10 @@ impl Texture {
         }
     }
 
-    /// Sums of E, E' x and E' y over samples of a pixel `distance_px` from the edge, at `distance -
-    /// scale[0] x - scale[1] y - scale[2] z` with the scales in cells; E' per cell. Without any z
-    /// they are 0.
+    /// Sums E, E' x and E' y over the samples of a pixel `distance_px` from the edge.
+    ///
+    /// E is taken at `distance - scale[0] x - scale[1] y - scale[2] z`, with the scales in cells,
+    /// and E' per cell. If `offsets` has no z, each z is 0.
     pub(crate) fn sums(&self, distance_px: f32, scale: [f32; 3], offsets: [&[f32]; 3]) -> [f32; 3] {
         match offsets[2] {
             [] => self.sums_of::<false>(distance_px, scale, offsets),
@@ -121,8 +122,8 @@ impl Texture {
     }
 }
 
-/// The cell of a place, in cells from the middle of cell 0, and how far from that cell's middle it
-/// lies.
+/// Returns the cell of a place, which is given in cells from the middle of cell 0, and the distance
+/// of the place from that cell's middle.
 #[inline(always)]
 fn place(at: f32) -> (usize, f32) {
     let at = if at < LAST { at } else { LAST };
@@ -145,12 +146,12 @@ mod tests {
         }),
     };
 
-    /// The pixel's box across a normal at 0 and a Gaussian lens: with sigma = blur / (sqrt 2 pi)
-    /// the edge is a difference of integrals of the normal distribution.
+    /// Compares with the known edge of the pixel's box across a normal at 0 and a Gaussian lens.
+    /// With sigma = blur / (sqrt 2 pi) it is a difference of integrals of the normal distribution.
     ///
     /// Tolerance: lines over h = 1/32 of a pixel leave h^2 E'' / 12 at their corners, and half of
-    /// that between them; E'', the difference of two normal densities a pixel apart, stays below
-    /// 0.64 /px^2 here: 5.2e-5. f32 values: 6e-8.
+    /// that between them. E'', the difference of two normal densities a pixel apart, stays below
+    /// 0.64 /px^2 here, which gives 5.2e-5. Values in f32 add 6e-8.
     #[test]
     fn the_edge_of_a_gaussian_lens_is_known() {
         let texture = Texture::new(&CAMERA, 0.0);
@@ -174,8 +175,8 @@ mod tests {
         assert_eq!(cases, 8000);
     }
 
-    /// Blocks and single samples are the same arithmetic: sums differ by their order alone, 1000
-    /// roundings of 6e-8.
+    /// Compares blocks with single samples. Both have the same arithmetic, so their sums differ by
+    /// the order alone: 1000 roundings of 6e-8.
     #[test]
     fn blocks_are_samples_one_by_one() {
         let texture = Texture::new(&CAMERA, 0.1);
