@@ -71,7 +71,7 @@ pub(crate) trait Sheet: Sync {
     /// tabulated up to this frequency, and its OTF may be 0 beyond it.
     ///
     /// # Errors
-    /// Returns an [`Error`] if the table lacks the direction, or if the result lacks a parameter of
-    /// the blur.
+    /// Returns an [`Error`] if the table lacks the direction, if the result lacks a parameter of
+    /// the blur, or if the `wave` kernel lacks its data.
     fn spot(&self, place: &Viewpoint, finest_per_mm: f64) -> Result<Box<dyn Spot + '_>, Error>;
 }

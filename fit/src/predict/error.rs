@@ -40,7 +40,7 @@ pub enum Error {
     /// Direction that the table does not have.
     #[error(transparent)]
     Direction(#[from] tables::Error),
-    /// Direction of the table that lacks data for the `wave` kernel.
+    /// Data that the `wave` kernel needs and lacks: a wavelength, or polygons of corner cubes.
     #[error(transparent)]
     Wave(#[from] wave::Fault),
 }
