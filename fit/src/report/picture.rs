@@ -20,7 +20,7 @@ fn colour(loss: Kind) -> &'static str {
     }
 }
 
-/// Draws the root-mean-square error over the bound, and the coverage, of every parameter under all
+/// Draws the root-mean-square error over the bound, and the coverage, of every parameter under both
 /// losses.
 ///
 /// Bars show one standard deviation.

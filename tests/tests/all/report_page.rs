@@ -315,7 +315,7 @@ fn what_is_only_bounded_has_a_page_too() {
     bound(&tree);
     let profiles = all(&tree, "svg")
         .filter_map(|svg| svg.attribute("aria-label"))
-        .filter(|label| label.starts_with("Profile likelihood: c is smaller than"));
+        .filter(|label| label.starts_with("Rise of chi-square. c is smaller than"));
     assert_eq!(profiles.count(), 1);
 
     // Left open, the lobe alone is chosen, and c is bounded without being in the model.
