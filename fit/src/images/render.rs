@@ -50,8 +50,8 @@ pub(crate) enum Error {
     Unseen(#[from] view::Error),
     /// Model without samples: only its OTF is known.
     #[error(
-        "the model of this result has no samples: --forward render does eq1, angular, shift and \
-        lobe; use --forward spectral"
+        "the model of this result has no samples: --forward render works only with the kernels \
+        eq1, angular, shift and lobe; use --forward spectral"
     )]
     NoSamples,
     /// Pixel whose blur cannot be computed.

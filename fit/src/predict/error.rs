@@ -9,8 +9,8 @@ use crate::names::ParameterKind;
 pub enum Error {
     /// Parameter without a value: the photographs give only a bound.
     #[error(
-        "the result gives no number for {} (its photographs only bound it); \
-             fit with a --kernel without it, or add photographs",
+        "the result gives no number for {} (the photographs give at most a bound); fit with a \
+        --kernel without it, or add photographs",
         parameter.name()
     )]
     Unknown {

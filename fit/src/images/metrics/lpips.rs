@@ -54,8 +54,8 @@ pub(crate) enum Error {
         file: PathBuf,
     },
     /// Tensor that is missing, or that has another type or size.
-    #[error("{}: tensor {name} is not there as {count} numbers of type F32; write the file with \
-    fit/doc/lpips_weights.py", file.display())]
+    #[error("{}: tensor {name} is missing, or is not {count} numbers of type F32; write the file \
+        with fit/doc/lpips_weights.py", file.display())]
     Tensor {
         /// File with the weights.
         file: PathBuf,

@@ -99,8 +99,8 @@ pub(crate) enum Error {
         row: f64,
     },
     /// Camera in the plane of the image.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] before the \
-        image", file.display())]
+    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
+        of the image", file.display())]
     Edge {
         /// View file.
         file: PathBuf,
