@@ -1,7 +1,8 @@
-//! How alike two pictures look: PSNR, SSIM, FLIP and, with weights that the user brings, LPIPS.
+//! Measures of how alike two pictures look: PSNR, SSIM, FLIP, and LPIPS with weights from the user.
 //!
-//! All are of what a display shows: linear light, clipped to 0..1, as sRGB values. PSNR and SSIM
-//! are worked on in f32; FLIP and LPIPS are defined on 8-bit pictures and get them rounded.
+//! All measures compare what a display shows: linear light, clipped to 0..1 and encoded as sRGB.
+//! PSNR and SSIM work on f32 values. FLIP and LPIPS are defined on 8-bit pictures, so the values
+//! are rounded to 8 bits for them.
 
 pub(crate) mod error;
 pub(crate) mod lpips;
@@ -9,18 +10,20 @@ pub(crate) mod lpips;
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
 
-/// The luminance constants of SSIM for a range of 1 (Wang et al. 2004, Sec. III-B).
+/// Constant of the luminance term of SSIM for values in 0..1 (Wang et al. 2004, Sec. III-B).
 const C1: f64 = 0.01 * 0.01;
+/// Constant of the contrast term of SSIM for values in 0..1 (Wang et al. 2004, Sec. III-B).
 const C2: f64 = 0.03 * 0.03;
 
-/// SSIM's Gaussian window: sigma 1.5, 11 x 11 pixels (Wang et al. 2004, Sec. III-C).
+/// Standard deviation of SSIM's Gaussian window, pixels (Wang et al. 2004, Sec. III-C).
 const SIGMA: f64 = 1.5;
+/// Radius of SSIM's window, pixels: the window has 11 x 11 pixels (Wang et al. 2004, Sec. III-C).
 const RADIUS: usize = 5;
 
-/// Smallest picture that SSIM has a window for.
+/// Smallest side of a picture that SSIM can compare, pixels: one window.
 pub(crate) const SMALLEST: usize = 2 * RADIUS + 1;
 
-/// Red, green and blue as a display is sent them, 0..1.
+/// Red, green and blue values that a display is sent for a picture, 0..1.
 #[derive(Debug, Clone)]
 pub(crate) struct Shown {
     width: usize,
@@ -29,8 +32,10 @@ pub(crate) struct Shown {
 }
 
 impl Shown {
-    /// A picture on a display, its light times `exposure`; grey is shown as red, green and blue
-    /// alike.
+    /// Converts a picture to the values that a display is sent.
+    ///
+    /// The light of the picture is multiplied by `exposure`. Red, green and blue of a grey picture
+    /// are equal.
     pub(crate) fn new(picture: &Picture, exposure: f64) -> Shown {
         let exposure = exposure as f32;
         let plane = |index: usize| -> Vec<f32> {
@@ -45,12 +50,13 @@ impl Shown {
         }
     }
 
-    /// Columns and rows.
+    /// Returns the numbers of columns and rows.
     pub(crate) fn size(&self) -> [usize; 2] {
         [self.width, self.height]
     }
 
-    /// Rounded to 8 bits, red, green and blue of a pixel side by side.
+    /// Returns the values rounded to 8 bits: red, green and blue of the first pixel, then of the
+    /// next.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         (0..self.width * self.height)
             .flat_map(|i| self.planes.each_ref().map(|p| (p[i] * 255.0).round() as u8))
@@ -58,8 +64,10 @@ impl Shown {
     }
 }
 
-/// Peak signal-to-noise ratio, dB, over all three colours; `None` where the pictures are equal.
-/// Both have one size.
+/// Returns the peak signal-to-noise ratio over all three colours, dB, or `None` if the pictures are
+/// equal.
+///
+/// Both pictures must have the same size.
 pub(crate) fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
     let pairs = a.planes.iter().flatten().zip(b.planes.iter().flatten());
     let squares = pairs.map(|(a, b)| f64::from(a - b).powi(2));
@@ -68,15 +76,18 @@ pub(crate) fn psnr(a: &Shown, b: &Shown) -> Option<f64> {
     (mean > 0.0).then(|| -10.0 * mean.log10())
 }
 
-/// Structural similarity (Wang et al. 2004), mean over the colours and over all places whose window
-/// lies inside: what scikit-image calls `gaussian_weights=True, sigma=1.5,
-/// use_sample_covariance=False`. Both pictures have one size, at least [`SMALLEST`] on both sides.
+/// Returns the structural similarity (Wang et al. 2004): 1 for equal pictures.
+///
+/// It is the mean over the colours and over all windows that lie inside the picture. scikit-image
+/// computes the same number with `gaussian_weights=True, sigma=1.5, use_sample_covariance=False`.
+/// Both pictures must have the same size, at least [`SMALLEST`] pixels on both sides.
 pub(crate) fn ssim(a: &Shown, b: &Shown) -> f64 {
     let size = a.size();
     let planes = a.planes.iter().zip(&b.planes);
     planes.map(|(a, b)| ssim_of(a, b, size)).sum::<f64>() / 3.0
 }
 
+/// Returns the mean structural similarity of one colour.
 fn ssim_of(a: &[f32], b: &[f32], [width, height]: [usize; 2]) -> f64 {
     let mean = |of: fn(f64, f64) -> f64| {
         let values = a.iter().zip(b).map(|(&a, &b)| of(a.into(), b.into()));
@@ -94,7 +105,7 @@ fn ssim_of(a: &[f32], b: &[f32], [width, height]: [usize; 2]) -> f64 {
     (0..count).map(index).sum::<f64>() / count as f64
 }
 
-/// Weighted means of all windows that lie inside.
+/// Returns the weighted means of all windows that lie inside the picture, row by row.
 fn windowed(values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
     let gauss = |i: usize| (-0.5 * ((i as f64 - RADIUS as f64) / SIGMA).powi(2)).exp();
     let mut weights: Vec<f64> = (0..SMALLEST).map(gauss).collect();
@@ -120,8 +131,10 @@ fn windowed(values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
     (0..height - 2 * RADIUS).flat_map(down).collect()
 }
 
-/// FLIP (Andersson et al. 2020) for a viewer who sees `pixels_per_degree`: the mean over the
-/// picture, 0 for equal ones. NVIDIA's own code, on 8 bits. Both have one size.
+/// Computes FLIP (Andersson et al. 2020), the mean over the picture: 0 for equal pictures.
+///
+/// The viewer sees `pixels_per_degree` pixels in one degree. NVIDIA's own code computes it from
+/// 8-bit values. Both pictures must have the same size.
 pub(crate) fn flip(reference: &Shown, test: &Shown, pixels_per_degree: f32) -> f64 {
     let image = |shown: &Shown| {
         let [width, height] = shown.size().map(|n| n as u32);

@@ -1,6 +1,7 @@
-//! Mid-air images of whole pictures, and how alike two pictures look (feature `images`).
+//! Mid-air images of whole pictures, and measures of how alike two pictures look (feature
+//! `images`).
 //!
-//! A picture, a result and a table enter; a rendered picture or measures of likeness leave. The
+//! A picture, a result and a table enter. A rendered picture or measures of likeness leave. The
 //! room may touch predictions, samples, the model and the reading of pictures.
 
 pub(crate) mod metrics;

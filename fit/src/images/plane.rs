@@ -1,9 +1,10 @@
-//! Ray shift in the aerial image, in two dimensions: the OTF S(c fx cos(theta), c fy) at any
+//! OTF of the ray shift in the mid-air image, in two dimensions: S(c fx cos(theta), c fy) at any
 //! frequency.
 //!
-//! Polygons are transformed in closed form, every frequency for itself. Bins (a table of rays, or
-//! between directions) are tabulated once: on a lattice the transform is two products of small
-//! matrices, and between its points S is interpolated.
+//! Polygons are transformed in closed form, at every frequency on its own. Bins (from a table of
+//! rays, or from an interpolation between directions) are transformed once, on a lattice of
+//! frequencies, as two products of small matrices. Between the points of the lattice, S is
+//! interpolated.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,31 +13,37 @@ use tables::Direction;
 
 use crate::numerics::sinc::sinc;
 
-/// Points of the lattice per radian of the fastest phase, times 2 pi.
+/// Points of the lattice per cycle of the fastest phase.
 ///
-/// With shifts up to rho along an axis S turns by at most TAU rho step = pi/10 a step. Lagrange's
-/// polynomial of six points errs by (pi/10)^6 x (0.5 x 1.5 x 2.5)^2/720 = 4.7e-6 in the middle,
-/// along each of two axes.
+/// With shifts up to rho along an axis, the phase of S turns by at most TAU rho step = pi/10 in one
+/// step. Lagrange's polynomial of six points errs by (pi/10)^6 x (0.5 x 1.5 x 2.5)^2/720 = 4.7e-6
+/// in the middle, along each of two axes.
 const STEPS: f64 = 20.0;
 
-/// S over the plane of frequencies.
+/// OTF S of the ray shift over the plane of frequencies.
 #[derive(Debug, Clone)]
 pub(crate) struct ShiftPlane {
     source: Source,
-    /// mm of the aerial image per edge length of shift, (tangential, sagittal).
+    /// Millimetres in the mid-air image per edge length of shift, (tangential, sagittal).
     scale: [f64; 2],
+    /// Length of the longest shift in the mid-air image, mm.
     reach_mm: f64,
 }
 
+/// Form in which the distribution of shifts is kept.
 #[derive(Debug, Clone)]
 enum Source {
+    /// Direction of an exact table, transformed at each frequency.
     Polygons(Box<Direction>),
+    /// OTF of bins, tabulated.
     Lattice(Lattice),
 }
 
 impl ShiftPlane {
-    /// Of a direction that returns light. `cosine` is that of the outside incidence. The lattice of
-    /// bins ends at `finest_per_mm`, beyond which S is taken for 0.
+    /// Prepares S for a direction that returns light.
+    ///
+    /// `cosine` is the cosine of the incidence, outside the sheet. The lattice of bins ends at
+    /// `finest_per_mm`, and S is taken as 0 beyond it.
     pub(crate) fn new(
         direction: &Direction,
         cosine: f64,
@@ -62,12 +69,14 @@ impl ShiftPlane {
         }
     }
 
-    /// The longest shift, mm.
+    /// Returns the length of the longest shift, mm.
     pub(crate) fn reach_mm(&self) -> f64 {
         self.reach_mm
     }
 
-    /// S at a frequency in 1/mm, (tangential, sagittal): to 1e-13 from polygons, 1e-5 from bins.
+    /// Evaluates S at a frequency (tangential, sagittal), 1/mm.
+    ///
+    /// The error is 1e-13 for polygons and 1e-5 for bins.
     pub(crate) fn otf(&self, frequency: [f64; 2]) -> Complex64 {
         let kappa = [frequency[0] * self.scale[0], frequency[1] * self.scale[1]];
         match &self.source {
@@ -77,8 +86,9 @@ impl ShiftPlane {
     }
 }
 
-/// Shifts that no other goes beyond: corners of the polygons as they are shifted, or of the bins
-/// that hold something; edge lengths.
+/// Returns shifts whose convex hull contains all shifts, edge lengths.
+///
+/// They are the corners of the shifted polygons, or the corners of the bins that are not empty.
 fn corners(direction: &Direction) -> Vec<[f64; 2]> {
     if let Some(paths) = &direction.paths {
         let shifted = paths
@@ -98,22 +108,25 @@ fn corners(direction: &Direction) -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// Returns the width of a bin, edge lengths.
 fn width(direction: &Direction) -> f64 {
     2.0 * direction.range / direction.probability.ncols() as f64
 }
 
-/// S of bins at the points of a lattice of kappa (cycles per edge length), row-major by kappa_v >=
-/// 0.
+/// OTF S of bins at the points of a lattice of kappa (cycles per edge length), row-major, for
+/// kappa_v >= 0.
 #[derive(Debug, Clone)]
 struct Lattice {
+    /// Distance between points of the lattice, cycles per edge length.
     step: [f64; 2],
-    /// Columns run from -half to half, rows from -MARGIN.
+    /// Column of kappa_u = 0. Columns run from -half to half, rows from -[`MARGIN`].
     half: usize,
+    /// Count of rows.
     rows: usize,
     values: Vec<Complex64>,
 }
 
-/// Points needed beyond the last frequency, and below 0.
+/// Points of the lattice that the interpolation needs beyond the last frequency, and below 0.
 const MARGIN: usize = 3;
 
 impl Lattice {
@@ -126,7 +139,7 @@ impl Lattice {
         let bins = direction.probability.ncols();
         let width = width(direction);
         let centre = |i: usize| (i as f64 + 0.5) * width - direction.range;
-        // Rows of bins first, since they are as many for every row of the lattice.
+        // Along u first: every row of the lattice uses these sums.
         let columns = 2 * half + 1;
         let wave = |kappa: f64, i: usize| {
             Complex64::cis(-TAU * kappa * centre(i)) * sinc(PI * kappa * width)
@@ -161,8 +174,9 @@ impl Lattice {
         }
     }
 
+    /// Interpolates S at a point of the plane, cycles per edge length; 0 beyond the lattice.
     fn at(&self, kappa: [f64; 2]) -> Complex64 {
-        // The distribution is real: S(-kappa) is the conjugate.
+        // The distribution is real, so S(-kappa) is the conjugate of S(kappa).
         if kappa[1] < 0.0 {
             return self.at(kappa.map(|k| -k)).conj();
         }
@@ -188,7 +202,7 @@ impl Lattice {
     }
 }
 
-/// Weights of the points -2 to 3 at `t` in [0, 1).
+/// Returns the weights of the points -2 to 3 of a six-point interpolation at `t` in [0, 1).
 fn lagrange(t: f64) -> [f64; 6] {
     const PLACES: [f64; 6] = [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
     PLACES.map(|own| {
@@ -205,7 +219,8 @@ mod tests {
     use super::*;
     use ndarray::Array2;
 
-    /// Bins of a lopsided distribution out to the corners of the range.
+    /// Returns a direction with bins of a lopsided distribution, filled up to the corners of the
+    /// range.
     fn lumpy() -> Direction {
         let probability = Array2::from_shape_fn((32, 32), |(v, u)| {
             ((v * 7 + u * 13) % 11) as f64 * ((u + v) % 5) as f64 * 1e-3
@@ -239,7 +254,8 @@ mod tests {
             worst = worst.max((plane.otf(frequency) - expected).norm());
             cases += 1;
         }
-        // 4.7e-6 along each axis; the other axis' weights sum in size to at most 1.6.
+        // The error is 4.7e-6 along each axis. The absolute weights of the other axis sum to at
+        // most 1.6.
         assert!(worst < 2.0 * 4.7e-6 * 1.6, "{worst}");
         assert_eq!(cases, 400);
         assert_eq!(plane.otf([40.0, 0.0]), Complex64::ZERO);

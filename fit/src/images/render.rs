@@ -1,7 +1,7 @@
-//! The mid-air image of a picture: blurred and dimmed as a sheet does it.
+//! Mid-air image of a picture: the picture blurred and dimmed by a fitted sheet.
 //!
-//! The picture is the source as it appears in the mid-air image, upright, one luminance a pixel;
-//! pixels outside of it are black.
+//! The picture is the source as it appears in the mid-air image: upright, one luminance per pixel.
+//! The area outside the picture is black.
 
 pub(crate) mod psf;
 pub(crate) mod sampled;
@@ -20,72 +20,75 @@ use rayon::prelude::*;
 use crate::images::spot::{Sheet, Viewpoint};
 use crate::photographs::photo::picture::Picture;
 
-/// Why there is no image.
+/// Reason why an image cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Error {
-    /// Neither .exr nor .png.
+    /// Output file that ends neither in .exr nor in .png.
     #[error("{}: an image is written as .exr or .png; give one of these endings", path.display())]
     Ending {
-        /// The file asked for.
+        /// Output file.
         path: PathBuf,
     },
-    /// The encoder failed.
-    #[error("{}: the image could not be encoded ({message}); try the other of .exr and .png", path.display())]
+    /// Image that the encoder cannot write.
+    #[error("{}: the image could not be encoded ({message}); try the other of .exr and .png",
+        path.display())]
     Encode {
-        /// The file asked for.
+        /// Output file.
         path: PathBuf,
-        /// What the library said.
+        /// Message of the encoder.
         message: String,
     },
-    /// The blur cannot be had.
+    /// Blur that cannot be computed.
     #[error(transparent)]
     Blur(#[from] Fault),
-    /// A view that cannot be read.
+    /// View file that cannot be read.
     #[error(transparent)]
     CameraView(#[from] crate::document::Error),
-    /// A view that does not show the sheet.
+    /// View that does not show the sheet.
     #[error(transparent)]
     Unseen(#[from] view::Error),
-    /// A model that is known by its transform alone.
+    /// Model without samples: only its OTF is known.
     #[error(
-        "the model of this result has no samples: --forward render does eq1, angular, shift and \
-        lobe; use --forward spectral"
+        "the model of this result has no samples: --forward render works only with the kernels \
+        eq1, angular, shift and lobe; use --forward spectral"
     )]
     NoSamples,
-    /// A pixel is seen at an angle that the table lacks.
+    /// Pixel whose blur cannot be computed.
     #[error("at pixel ({column:.0}, {row:.0}) of the view: {fault}")]
     Pixel {
-        /// Column.
+        /// Column of the pixel.
         column: f64,
-        /// Row.
+        /// Row of the pixel.
         row: f64,
-        /// What is wrong.
+        /// Reason.
         fault: Box<Fault>,
     },
 }
 
-/// How a picture lies in the mid-air image.
+/// Scale and orientation of a picture in the mid-air image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
-    /// One pixel in the plane of the image, mm.
+    /// Width of a pixel in the plane of the image, mm.
     pub pitch_mm: f64,
-    /// Direction of the tangential axis, from +x (columns, right) towards +y (rows, down), degrees.
+    /// Direction of the tangential axis, degrees: 0 is right (+x, columns), 90 is down (+y, rows).
     pub tangential_axis_deg: f64,
 }
 
 impl Scale {
-    /// From (tangential, sagittal) mm to (columns, rows).
+    /// Returns the matrix that converts (tangential, sagittal) mm to (columns, rows).
     pub(crate) fn pixels_from_mm(&self) -> [[f64; 2]; 2] {
         let (sine, cosine) = self.tangential_axis_deg.to_radians().sin_cos();
         [[cosine, -sine], [sine, cosine]].map(|row| row.map(|v| v / self.pitch_mm))
     }
 }
 
-/// Weights for a picture seen from one direction; a place of no known mu gets energy 1.
+/// Computes the weights of the blur for a picture whose pixels are all seen from one direction.
+///
+/// Where mu is not known, [`Psf::energy`] is `None`, and [`uniform`] uses 1.
 ///
 /// # Errors
-/// [`Fault`].
+/// Returns a [`Fault`] if the sheet has no blur at this place, or if the blur is too wide.
 pub(crate) fn uniform_psf(
     sheet: &dyn Sheet,
     place: &Viewpoint,
@@ -94,11 +97,11 @@ pub(crate) fn uniform_psf(
     Psf::new(sheet, place, scale.pixels_from_mm())
 }
 
-/// A picture under one blur and dimming: the far field, where every pixel is seen at the same
-/// incidence and distance.
+/// Renders a picture with one blur and one brightness for all pixels.
 ///
-/// Every plane's sum is the energy times that of the source, but for what is blurred past the
-/// frame.
+/// This is the far field: every pixel is seen at the same incidence and distance. The sum of each
+/// colour plane is the energy times that of the source, except for the light that is blurred past
+/// the frame.
 pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
     let energy = psf.energy.unwrap_or(1.0) as f32;
     let size = [source.width, source.height];
@@ -124,12 +127,15 @@ pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
     }
 }
 
-/// The image as a camera sees it: blur and dimming of every pixel its own, to `tolerance` of the
-/// greatest energy ([`Tiles`]). With a coating, what the sheet's front face mirrors is added,
-/// `half_mirror` times Fresnel's share of it.
+/// Renders the image that a camera sees: every pixel has its own blur and brightness.
+///
+/// The error is at most `tolerance` of the greatest energy (see [`Tiles`]). If the view has a
+/// coating, the reflection of the source in the front face of the sheet is added: `half_mirror`
+/// times the share that the face reflects by Fresnel's equations.
 ///
 /// # Errors
-/// [`Error::Unseen`], [`Error::Pixel`].
+/// Returns [`Error::Unseen`] if the view does not show the sheet, and [`Error::Pixel`] if the blur
+/// of a pixel cannot be computed.
 pub(crate) fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,
@@ -162,7 +168,7 @@ pub(crate) fn viewed(
     Ok((image, tiles))
 }
 
-/// How the view shows the pixels of a picture, given as (column, row).
+/// Returns a function that says how the view shows the pixel at (column, row) of a picture.
 fn seen_by<'a>(
     view: &'a CameraView,
     source: &Picture,
@@ -171,11 +177,15 @@ fn seen_by<'a>(
     move |[x, y]| view.at([x - middle[0], y - middle[1]])
 }
 
+/// Returns the middle of a picture, in columns and rows from the middle of its first pixel.
 fn middle(source: &Picture) -> [f64; 2] {
     [source.width, source.height].map(|n| 0.5 * (n as f64 - 1.0))
 }
 
-/// Adds what the sheet's front face mirrors, if it is coated.
+/// Adds the reflection of the source in the front face of the sheet, if the face is coated.
+///
+/// # Errors
+/// Returns the error of [`CameraView::at`] if the view does not show the sheet at a pixel.
 fn coat(
     planes: &mut [Vec<f32>],
     source: &Picture,
@@ -206,7 +216,7 @@ fn coat(
     Ok(())
 }
 
-/// A plane between its pixels, black outside.
+/// Interpolates a plane linearly between the middles of its pixels; outside it is black.
 fn bilinear(plane: &[f32], [width, height]: [usize; 2], [x, y]: [f64; 2]) -> f32 {
     let (left, top) = (x.floor(), y.floor());
     let (across, down) = ((x - left) as f32, (y - top) as f32);

@@ -1,5 +1,5 @@
-//! The spots of a fitted sheet: what a result and a table of its cell make of a point of light at
-//! any place.
+//! Spots of a fitted sheet: the image of a point of light at any place, from a result and a table
+//! of its cell.
 
 use num_complex::Complex64;
 use tables::Direction;
@@ -61,22 +61,30 @@ impl Sheet for Fitted<'_> {
     }
 }
 
-/// The fitted sheet at one place.
+/// Spot of the fitted sheet at one place.
 struct FittedSpot<'a> {
+    /// Result and table.
     sheet: Fitted<'a>,
+    /// Incidence, azimuth and distance.
     place: Viewpoint,
+    /// Direction of the table at this place.
     direction: Direction,
+    /// Spread and corner size at this incidence.
     blur: Blur,
+    /// Luminance of the mid-air image divided by that of the source; `None` without mu.
     energy: Option<f64>,
+    /// True if the sheet returns light at this place.
     returns: bool,
-    /// `None` for kernels without a shift of their own.
+    /// Ray shift; `None` for a kernel that has no separate shift.
     shift: Option<ShiftPlane>,
-    /// Shape and a, 1/mm.
+    /// Shape of the lobe, and its a in 1/mm; `None` for a kernel without a lobe.
     lobe: Option<(LobeShape, f64)>,
+    /// Distance that contains all but [`TAIL`] of the light along each axis, mm.
     reach_mm: f64,
 }
 
 impl FittedSpot<'_> {
+    /// Returns the wave optics along one direction of the image.
     fn wave(&self, normal: [f64; 2]) -> Result<WaveLine, Error> {
         let incidence_rad = self.place.incidence_deg.to_radians();
         let spectrum = self.sheet.result.wavelength_nm.as_ref();
@@ -88,15 +96,16 @@ impl FittedSpot<'_> {
         )?)
     }
 
-    /// The facets of a baseline along a line.
+    /// Returns the rough facets of a baseline along one direction; `None` for the other kernels.
     fn facets(&self, normal: [f64; 2]) -> Option<Baseline> {
         let incidence_rad = self.place.incidence_deg.to_radians();
         let index = self.sheet.table.provenance.refractive_index;
         Baseline::new(self.sheet.result.kernel, incidence_rad, index, normal)
     }
 
-    /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x on both sides
-    /// together.
+    /// Returns the distance that contains all but [`TAIL`] of the light along each axis, mm.
+    ///
+    /// A tail of density T/s^2 along an axis has 2 T/x of the light beyond x, counting both sides.
     fn reach(&self) -> Result<f64, Error> {
         use std::f64::consts::PI;
         if !self.returns {
@@ -122,10 +131,10 @@ impl FittedSpot<'_> {
         let lobe = match self.lobe {
             None => 0.0,
             Some((LobeShape::Radial, a)) => CUT / a,
-            // Lobes of rough facets: see above.
+            // The lobes of rough facets are treated above.
             Some((LobeShape::Beckmann | LobeShape::Ggx, _)) => 0.0,
-            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a: 1/(pi a x) lies
-            // beyond x.
+            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a. So the share
+            // 1/(pi a x) of the light lies beyond x.
             Some((LobeShape::Separable, a)) => 1.0 / (PI * a * TAIL),
         };
         Ok(shift + lobe)
@@ -151,7 +160,7 @@ impl Spot for FittedSpot<'_> {
             return facets.otf(shape, self.blur, self.place.r_mm, modulus)[0];
         }
         if self.sheet.result.kernel == Kernel::Wave {
-            // Both axes were prepared for `reach`; what stops them stops every line.
+            // `reach` has prepared both axes. A line fails only where they fail too.
             return self.wave(normal).map_or(Complex64::ZERO, |line| {
                 line.otf(self.blur.c_mm, self.place.r_mm, modulus).0.into()
             });
@@ -184,7 +193,7 @@ impl Spot for FittedSpot<'_> {
         Some(Box::new(move |[u, v, w, z]| {
             let mut at = [0.0; 2];
             if let Some(shift) = &shift {
-                // Deviations are part of the shift here.
+                // The shift includes the deviations here.
                 let [along, across] = shift.at([u, v]).shift;
                 at = [tangential_mm * along, c_mm * across];
             }

@@ -1,37 +1,35 @@
-//! Why a sheet shows nothing that could be predicted.
+//! Reasons why a prediction cannot be made.
 
 use crate::model::wave;
 use crate::names::ParameterKind;
 
-/// Why a sheet shows nothing that could be predicted.
+/// Reason why a prediction cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The result holds only a bound where a number is needed.
+    /// Parameter without a value: the photographs give only a bound.
     #[error(
-        "the result gives no number for {} (its photographs only bound it); \
-             fit with a --kernel without it, or add photographs",
+        "the result gives no number for {} (the photographs give at most a bound); fit with a \
+        --kernel without it, or add photographs",
         parameter.name()
     )]
     Unknown {
         /// The parameter.
         parameter: ParameterKind,
     },
-    /// The table is one of another cell than the fit's.
+    /// Table of another cell than the one that was fitted.
     #[error(
         "the result was fitted with a table of another cell ({fitted}) than this one ({given}): \
-        mesh, edge length, \
-             azimuth zero, refractive index, back, losses or options such as --roughness differ; \
-             bake the fitted cell, or fit \
-             again"
+        mesh, edge length, azimuth zero, refractive index, back, losses or options such as \
+        --roughness differ; bake the fitted cell, or fit again"
     )]
     OtherCell {
-        /// Design and content hash in the result.
+        /// Design and content hash of the table in the result.
         fitted: String,
-        /// Those of the table given.
+        /// Design and content hash of the table that was given.
         given: String,
     },
-    /// Nothing returns, so that there is nothing to be like.
+    /// Incidence at which nothing is retroreflected.
     #[error(
         "nothing is retroreflected at incidence {incidence_deg} deg; name a smaller --incidence"
     )]
@@ -39,10 +37,10 @@ pub enum Error {
         /// Incidence, degrees.
         incidence_deg: f64,
     },
-    /// The table has no such direction.
+    /// Direction that the table does not have.
     #[error(transparent)]
     Direction(#[from] tables::Error),
-    /// The table has the direction, but not for the `wave` kernel.
+    /// Data that the `wave` kernel needs and lacks: a wavelength, or polygons of corner cubes.
     #[error(transparent)]
     Wave(#[from] wave::Fault),
 }

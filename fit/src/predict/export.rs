@@ -1,11 +1,12 @@
-//! The nearest lobe for renderers that know no ray shift: one retroreflective GGX lobe, in the
-//! forms that carry it.
+//! Nearest lobe for renderers that know no ray shift: one retroreflective GGX lobe, in three file
+//! forms.
 //!
 //! OpenPBR 1.2 (draft), MaterialX (from 1.39.5) and glTF (KHR_materials_retroreflection, draft)
-//! share the minimal retroreflective microfacet model (`baseline`, mrm). Its roughness is the one
-//! whose MTF, along both axes, has the least squared difference from the sheet's at one distance
-//! and incidence; its reflectance is what the sheet returns there. At another distance the true
-//! blur differs: a ray shift does not grow with the distance, a lobe does.
+//! share the minimal retroreflective microfacet model (`baseline`, mrm). The roughness is chosen at
+//! one distance and one incidence: its MTF has the least squared difference from the MTF of the
+//! sheet, over both axes. The reflectance is the share of the light that the sheet returns there.
+//! At another distance the blur differs from that of the sheet, because a ray shift does not grow
+//! with the distance and a lobe does.
 
 use serde_json::{Value, json};
 use tables::Table;
@@ -19,7 +20,7 @@ use crate::predict::error::Error;
 use crate::predict::prediction::{Places, Prediction, predict};
 use crate::result::ResultFile;
 
-/// Forms of a material.
+/// File form of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Form {
     /// open_pbr_surface with specular_retroreflectivity (OpenPBR 1.2), as MaterialX
@@ -30,19 +31,20 @@ pub(crate) enum Form {
     Gltf,
 }
 
-/// A retroreflective lobe, and what it stands for.
+/// Retroreflective lobe that is nearest to a sheet, and the place where it was compared.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Nearest {
-    /// Roughness alpha of GGX, the width of its slopes.
+    /// Roughness alpha of GGX: the width of the distribution of slopes.
     pub alpha: f64,
-    /// Share of the light that comes back, half mirror left out.
+    /// Share of the light that comes back, without the losses of the half mirror.
     pub reflectance: f64,
-    /// Root mean square difference of the MTFs, over both axes and the frequencies of comparison.
+    /// Root mean square difference of the MTFs, over both axes and all compared frequencies.
     pub rms: f64,
-    /// Highest of these frequencies, 1/mm: where the sheet's MTF is below [`FAINT`] along both
-    /// axes.
+    /// Highest compared frequency, 1/mm.
+    ///
+    /// There the MTF of the sheet is below [`FAINT`] along both axes.
     pub end_per_mm: f64,
-    /// Optical path, mm.
+    /// Distance R: optical path from the sheet to the image, mm.
     pub distance_mm: f64,
     /// Incidence, degrees.
     pub incidence_deg: f64,
@@ -50,18 +52,19 @@ pub(crate) struct Nearest {
     pub azimuth_deg: Option<f64>,
 }
 
-/// MTF below which the comparison ends.
+/// MTF below which frequencies are not compared.
 pub(crate) const FAINT: f64 = 0.05;
 
-/// What no form carries.
-pub(crate) const LOST: &str = "ray shift is not carried: the blur of this lobe grows with the \
-distance, that of the sheet does not all; \
-                        nor is the fall of the reflectance with incidence";
+/// Properties of a sheet that no file form can express.
+pub(crate) const LOST: &str = "the material has no ray shift: all of its blur grows with the \
+    distance, but a part of the blur of the sheet does not; its reflectance does not fall with the \
+    incidence as that of the sheet does";
 
-/// Finds the lobe at one place.
+/// Finds the nearest lobe at one distance and direction.
 ///
 /// # Errors
-/// As [`predict`]; [`Error::Unknown`] without mu; [`Error::Dark`] where nothing returns.
+/// Returns the errors of [`predict`], [`Error::Unknown`] if the result has no mu, and
+/// [`Error::Dark`] if nothing is retroreflected.
 pub(crate) fn nearest(
     result: &ResultFile,
     table: &Table,
@@ -69,7 +72,7 @@ pub(crate) fn nearest(
     incidence_deg: f64,
     azimuth_deg: Option<f64>,
 ) -> Result<Nearest, Error> {
-    // 4,000 frequencies to 40 /mm: a lobe of 0.05 mm is resolved, one of 3 mm has 30 of them.
+    // 4,000 frequencies up to 40 /mm resolve a lobe of 0.05 mm. A lobe of 3 mm has 30 of them.
     let frequency_per_mm: Vec<f64> = (1..=4000).map(|i| 0.01 * f64::from(i)).collect();
     let places = Places {
         distance_mm: vec![distance_mm],
@@ -123,7 +126,9 @@ pub(crate) fn nearest(
     })
 }
 
-/// Where a function of one valley is least: the best of 64 points, then golden sections to 1e-6.
+/// Returns where a function with one valley is least.
+///
+/// The best of 64 points gives the neighbourhood. Golden sections refine it to 1e-6.
 fn least(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     const POINTS: usize = 64;
     let step = (high - low) / POINTS as f64;
@@ -144,19 +149,19 @@ fn least(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 }
 
 impl Nearest {
-    /// What it stands for, in one sentence.
+    /// Describes in one sentence how and where the lobe was fitted.
     pub(crate) fn criterion(&self) -> String {
         let azimuth = self
             .azimuth_deg
             .map_or(String::new(), |a| format!(", azimuth {a} deg"));
         format!(
-            "least squares of the MTF to {:.2} /mm at {} mm, incidence {} deg{azimuth}: rms \
-            difference {:.4}",
+            "The lobe was fitted to the MTF up to {:.2} /mm at {} mm, incidence {} deg{azimuth}: \
+            the root mean square difference is {:.4}",
             self.end_per_mm, self.distance_mm, self.incidence_deg, self.rms
         )
     }
 
-    /// The material as text.
+    /// Writes the material as text.
     pub(crate) fn text(&self, form: Form) -> String {
         match form {
             Form::Openpbr => self.materialx(&self.openpbr_node()),
@@ -169,7 +174,7 @@ impl Nearest {
         }
     }
 
-    /// A document about a surface shader named "shader".
+    /// Writes a MaterialX document around a surface shader named "shader".
     fn materialx(&self, shader: &str) -> String {
         format!(
             "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\">\n  <!-- {}. {LOST}. \
@@ -181,8 +186,9 @@ impl Nearest {
         )
     }
 
-    /// The BSDF itself: roughness is alpha, and equal colours make the reflectance the same at
-    /// every angle.
+    /// Writes the BSDF in MaterialX.
+    ///
+    /// Its roughness is alpha. Equal colours make the reflectance equal at every angle.
     fn bsdf_node(&self) -> String {
         let (alpha, colour) = (self.alpha, self.reflectance);
         let colours: String = ["color0", "color82", "color90"]
@@ -205,7 +211,7 @@ impl Nearest {
         )
     }
 
-    /// A metal, whose roughness r makes alpha = r^2.
+    /// Writes a metal in OpenPBR, where a roughness r means alpha = r^2.
     fn openpbr_node(&self) -> String {
         let (roughness, colour) = (self.alpha.sqrt(), self.reflectance);
         format!(
@@ -221,7 +227,7 @@ impl Nearest {
         )
     }
 
-    /// A metal again; glTF's roughnessFactor is OpenPBR's.
+    /// Writes a metal in glTF, whose roughnessFactor means the same as OpenPBR's roughness.
     fn gltf(&self) -> Value {
         let colour = self.reflectance;
         json!({

@@ -1,7 +1,7 @@
-//! What a fitted sheet would show at other distances and directions.
+//! Prediction of what a fitted sheet shows at other distances and directions.
 //!
-//! A result and a table of its cell enter; MTF curves and luminances leave, or the nearest lobe for
-//! renderers. The room may touch results, the model and the numerics below it, and draws nothing.
+//! A result and a table of its cell enter. MTF curves and luminances leave, or the nearest lobe for
+//! renderers. The room may touch results, the model and the numerics below it. It draws nothing.
 
 pub(crate) mod error;
 mod export;

@@ -1,4 +1,4 @@
-//! What a fitted sheet would show: MTF curves and luminance at other distances and directions.
+//! MTF curves and luminance of a fitted sheet at other distances and directions.
 
 use serde::Serialize;
 use tables::{Direction, Table};
@@ -13,18 +13,18 @@ use crate::predict::sheet::Fitted;
 use crate::result::ResultFile;
 use tables::ShiftLine;
 
-/// Orientation of a pattern: along which axis its contrast is measured.
+/// Axis of the image along which the contrast of a pattern is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
-    /// In the plane of incidence.
+    /// x axis of the image, in the plane of incidence.
     Tangential,
-    /// Across it.
+    /// y axis of the image, across the plane of incidence.
     Sagittal,
 }
 
 impl Axis {
-    /// Unit normal in the aerial image, (tangential, sagittal).
+    /// Returns the unit vector of the axis in the mid-air image, (tangential, sagittal).
     pub const fn normal(self) -> [f64; 2] {
         match self {
             Axis::Tangential => [1.0, 0.0],
@@ -33,34 +33,39 @@ impl Axis {
     }
 }
 
-/// The MTF of the mid-air image itself (no camera) along one axis, at one direction and distance.
+/// MTF of the mid-air image itself, without a camera, along one axis at one direction and distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Floating distance (optical path), mm.
+    /// Distance R: optical path from the sheet to the image, mm.
     pub distance_mm: f64,
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; null for a mean table.
     pub azimuth_deg: Option<f64>,
-    /// Direction of the contrast.
+    /// Axis along which the contrast is measured.
     pub axis: Axis,
-    /// Retroreflected fraction of the table.
+    /// Share eta of the arriving rays that the cell sends straight back, from the table.
     pub eta: f64,
-    /// Whether the direction lies between those of the table, which costs accuracy.
+    /// True if the direction lies between the directions of the table.
+    ///
+    /// The prediction is less accurate there.
     pub interpolated: bool,
-    /// Luminance of the mid-air image over that of the source, half mirror included; null without
-    /// mu.
+    /// Luminance of the mid-air image divided by that of the source, half mirror included.
+    ///
+    /// It is null without mu.
     pub luminance: Option<f64>,
-    /// Frequency at which the MTF is one half, 1/mm; null where it stays above, or nothing returns.
+    /// Frequency at which the MTF falls to one half, 1/mm.
+    ///
+    /// It is null if the MTF stays above one half, or if nothing returns.
     pub mtf50_per_mm: Option<f64>,
-    /// The MTF at the frequencies asked for; empty where nothing returns.
+    /// MTF at the frequencies of [`Places`]; empty if nothing returns.
     pub mtf: Vec<f64>,
 }
 
-/// Where to predict.
+/// Distances, directions and frequencies of a prediction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
-    /// Floating distances, mm.
+    /// Distances R: optical paths from the sheet to the image, mm.
     pub distance_mm: Vec<f64>,
     /// Incidence angles, degrees.
     pub incidence_deg: Vec<f64>,
@@ -70,30 +75,40 @@ pub struct Places {
     pub frequency_per_mm: Vec<f64>,
 }
 
-/// The MTF at one place over the direction of contrast in the image.
+/// MTF at one place for all directions of contrast in the image.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Around {
-    /// Floating distance (optical path), mm.
+    /// Distance R: optical path from the sheet to the image, mm.
     pub distance_mm: f64,
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; null for a mean table.
     pub azimuth_deg: Option<f64>,
-    /// Directions of contrast, degrees: 0 is tangential, 90 sagittal; opposite ones are alike.
+    /// Directions of contrast, degrees: 0 is tangential, 90 is sagittal.
+    ///
+    /// Opposite directions have the same MTF.
     pub direction_deg: Vec<f64>,
-    /// `[frequency][direction]`; empty where nothing returns.
+    /// MTF as `[frequency][direction]`; empty if nothing returns.
     pub mtf: Vec<Vec<f64>>,
 }
 
-/// What is seen of the sheet along one direction of incidence.
+/// Sheet at one direction of incidence.
 struct Seen<'a> {
+    /// Result and table.
     sheet: &'a Fitted<'a>,
+    /// Incidence, degrees.
     incidence_deg: f64,
+    /// Direction of the table, interpolated where it lies between others.
     direction: Direction,
+    /// Frequencies at which the MTF is evaluated, 1/mm.
     frequency_per_mm: &'a [f64],
 }
 
 impl<'a> Seen<'a> {
+    /// Looks the direction up in the table.
+    ///
+    /// # Errors
+    /// Returns [`Error::Direction`] if the table does not have the direction.
     fn new(sheet: &'a Fitted<'a>, places: &'a Places, incidence_deg: f64) -> Result<Self, Error> {
         Ok(Seen {
             sheet,
@@ -103,7 +118,13 @@ impl<'a> Seen<'a> {
         })
     }
 
-    /// The MTF at each distance of contrast along `normal`; none where nothing returns.
+    /// Computes the MTF of contrast along `normal` at every distance.
+    ///
+    /// Each MTF is empty if nothing returns.
+    ///
+    /// # Errors
+    /// Returns [`Error::Unknown`] if the result lacks a parameter of the blur, and [`Error::Wave`]
+    /// if the `wave` kernel lacks its data.
     fn mtf(&self, normal: [f64; 2], distance_mm: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let (result, direction) = (self.sheet.result, &self.direction);
         let incidence = self.incidence_deg.to_radians();
@@ -133,11 +154,18 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Predicts MTF and luminance at every distance and incidence, along both axes. Parameters fitted
-/// per angle are interpolated linearly in the incidence and held constant beyond the fitted angles.
+/// Predicts MTF and luminance at every distance and incidence, along both axes.
+///
+/// Parameters that were fitted per angle are interpolated linearly in the incidence. Beyond the
+/// fitted angles they are constant.
 ///
 /// # Errors
-/// `Error::OtherCell`, `Error::Unknown`, `Error::Direction`, `Error::Wave`.
+/// Returns an error in these cases:
+///
+/// - `Error::OtherCell` if the table is not one of the fitted cell,
+/// - `Error::Unknown` if the result has only a bound for a parameter of the blur,
+/// - `Error::Direction` if the table does not have a direction,
+/// - `Error::Wave` if the `wave` kernel lacks a wavelength or polygons.
 pub fn predict(
     result: &ResultFile,
     table: &Table,
@@ -172,14 +200,16 @@ pub fn predict(
     Ok(predictions)
 }
 
-/// Directions of contrast between tangential and back, for [`around`].
+/// Count of directions of contrast in half a turn, for [`around`].
 const DIRECTIONS: usize = 36;
 
-/// Predicts the MTF over all directions of contrast, every 5 degrees, at every distance and
-/// incidence: its anisotropy.
+/// Predicts the MTF for all directions of contrast, every 5 degrees, at every distance and
+/// incidence.
+///
+/// It shows how the blur depends on the direction.
 ///
 /// # Errors
-/// As [`predict`].
+/// Returns the errors of [`predict`].
 pub(crate) fn around(
     result: &ResultFile,
     table: &Table,
@@ -196,8 +226,7 @@ pub(crate) fn around(
         });
         let along = along.collect::<Result<Vec<_>, _>>()?;
         for (place, &distance_mm) in places.distance_mm.iter().enumerate() {
-            // The modulus of a real image's spectrum is even: the other half turn repeats the
-            // first.
+            // The image is real, so its MTF is even: the second half turn repeats the first.
             let circle = |k: usize| (0..=2 * DIRECTIONS).map(move |d| (d % DIRECTIONS, k));
             let curve = |k| circle(k).map(|(d, k)| along[d][place][k]).collect();
             let frequencies = along[0][place].len();

@@ -1,4 +1,4 @@
-//! The fitted sheet: a result and a table of its cell. What its parameters are at any incidence.
+//! Fitted sheet: a result, a table of its cell, and the values of the parameters at any incidence.
 
 use tables::Table;
 
@@ -10,21 +10,23 @@ use crate::predict::error::Error;
 use crate::result::ResultFile;
 use crate::result::TableResult;
 
-/// A result and a table of the fitted cell. Parameters fitted per angle are interpolated linearly
-/// in the incidence and held constant beyond the fitted angles.
+/// Result and table of the fitted cell.
+///
+/// Parameters that were fitted per angle are interpolated linearly in the incidence. Beyond the
+/// fitted angles they are constant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fitted<'a> {
-    /// What was fitted.
+    /// Result of an estimate.
     pub result: &'a ResultFile,
-    /// A table of the same cell, perhaps with other directions.
+    /// Table of the same cell. Its directions may be others than those of the fit.
     pub table: &'a Table,
 }
 
 impl<'a> Fitted<'a> {
-    /// Pairs them.
+    /// Combines a result with a table of its cell.
     ///
     /// # Errors
-    /// [`Error::OtherCell`].
+    /// Returns [`Error::OtherCell`] if the table is not one of the fitted cell.
     pub(crate) fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
         let given = TableResult::of(table);
         if result.table.same_cell(&given) {
@@ -37,11 +39,12 @@ impl<'a> Fitted<'a> {
         })
     }
 
-    /// Spread and corner size, or roughnesses, at an incidence. A roughness that the photographs
-    /// only bound is 0: what they do not show is left out.
+    /// Returns spread and corner size at an incidence, or the roughnesses of a baseline.
+    ///
+    /// A roughness without a value (the photographs give only a bound) is taken as 0.
     ///
     /// # Errors
-    /// [`Error::Unknown`].
+    /// Returns [`Error::Unknown`] if the result has no value for a parameter of the blur.
     pub(crate) fn blur(&self, incidence_deg: f64) -> Result<Blur, Error> {
         let result = self.result;
         let at = |parameter, values: &Option<crate::result::Parameter>| {
@@ -67,14 +70,20 @@ impl<'a> Fitted<'a> {
         Ok(Blur { spread, c_mm })
     }
 
-    /// What the model makes of the fraction `eta` that the table returns; itself but for baselines.
+    /// Returns the share of the light that the model returns before mu, where the table returns
+    /// `eta`.
+    ///
+    /// It is `eta` itself, except for baselines.
     pub(crate) fn returned(&self, incidence_deg: f64, eta: f64) -> f64 {
         let index = self.table.provenance.refractive_index;
         baseline::returned(self.result.kernel, eta, incidence_deg.to_radians(), index)
     }
 
-    /// Luminance over the source's where the table returns the fraction `eta`: mu eta T R, and
-    /// Fresnel's or other shares of a baseline; `None` without mu.
+    /// Returns the luminance of the mid-air image divided by that of the source, or `None` without
+    /// mu.
+    ///
+    /// It is mu eta T R, where T R is the transmittance of the half mirror times its reflectance.
+    /// For a baseline, the light that its model returns takes the place of eta.
     pub(crate) fn luminance(&self, incidence_deg: f64, eta: f64) -> Option<f64> {
         let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
         mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)

@@ -1,6 +1,7 @@
-//! `--report`: the page that a person opens first. One file that needs nothing else, no network and
-//! no script; it is well-formed XML too. The same estimate gives the same bytes: no times, no
-//! durations.
+//! HTML page of `--report`: the page that a person opens first.
+//!
+//! The page is one file that needs nothing else, neither network nor script. It is well-formed XML
+//! too. The same estimate gives the same bytes, because the page holds no times and no durations.
 
 mod chart;
 mod crop;
@@ -17,30 +18,35 @@ mod terms;
 use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::shown::Page;
 
+/// Style sheet of the page.
 const STYLE: &str = include_str!("page/style.css");
 
-/// One section: its anchor, its heading, its markup.
+/// One section of the page: its anchor, its heading, its markup.
 type Section = (&'static str, &'static str, String);
 
 impl Page<'_> {
-    /// The page as HTML.
+    /// Writes the page as HTML.
     pub(crate) fn html(&self) -> String {
         let title = format!("Estimate of {}", self.campaign.file.display());
         let sections: [Section; 6] = [
             ("estimates", "Estimates", estimates::section(self)),
             (
                 "curves",
-                "MTF, measured and modelled",
+                "Sharpness, measured and modelled",
                 curves::section(self),
             ),
-            ("terms", "Terms of the model", terms::section(self)),
+            ("terms", "Choice of the model", terms::section(self)),
             (
                 "told",
-                "What the photographs can tell",
+                "How sure the estimates are",
                 identify::section(self),
             ),
             ("warnings", "Warnings", photographs::section(self)),
-            ("provenance", "Provenance", provenance::section(self)),
+            (
+                "provenance",
+                "Where the numbers come from",
+                provenance::section(self),
+            ),
         ];
         let mut body = String::new();
         let mut contents = String::new();
@@ -58,7 +64,8 @@ impl Page<'_> {
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
              <header>\n<p class=\"kicker\">Retroreflective sheet</p>\n<h1>{}</h1>\n<p \
              class=\"from\">{title}</p>\n{}</header>\n\
-             <nav aria-label=\"Contents\">\n{contents}</nav>\n<main>\n{body}</main>\n</body>\n</html>\n",
+             <nav aria-label=\"Contents\">\n{contents}</nav>\n<main>\n{body}</main>\n</body>\n\
+             </html>\n",
             env!("CARGO_PKG_VERSION"),
             escape(&self.result.table.design),
             self.verdict(),
@@ -66,7 +73,7 @@ impl Page<'_> {
         )
     }
 
-    /// In two sentences: what was fitted, and whether it may be believed.
+    /// Writes the summary: the photographs, the model, and whether the model describes them.
     fn verdict(&self) -> String {
         let result = self.result;
         let distinct = |of: fn(&crate::result::CaptureResult) -> f64| {
@@ -77,13 +84,27 @@ impl Page<'_> {
         };
         let warnings = photographs::number(result);
         let (class, fits) = if self.evidence.reduced_chi2 > crate::estimate::POOR_FIT {
-            ("poor", "does not describe them within their noise")
+            (
+                "poor",
+                "does not describe the photographs within their noise",
+            )
         } else {
-            ("good", "describes them within their noise")
+            ("good", "describes the photographs within their noise")
         };
         let mut text = format!(
-            "<p>{} at {} and {}. The model, {}, <strong class=\"{class}\">{fits}</strong>: \
-             \u{3c7}\u{b2}\u{a0}{} per degree of freedom, where 1 is pure pixel noise.</p>\n",
+            "<p>This page shows what <code>fit</code> found out about a retroreflective sheet: a \
+             sheet of small corner cubes (each three mirrors at right angles) that sends light \
+             back the way it came. <code>fit</code> used {} of straight edges between dark and \
+             bright, at {} and {}. The incidence angle is the angle between the light and the \
+             normal of the sheet, a line at right angles to the sheet. The floating distance is \
+             the length of the way of the light from the sheet to the mid-air image.</p>\n\
+             <p>{}</p>\n\
+             <p>The model <strong class=\"{class}\">{fits}</strong>: chi-square (\u{3c7}\u{b2}) \
+             is {} per degree of freedom. Chi-square is the sum of the squared differences \
+             between photographs and model, in units of their noise. \u{201c}Per degree of \
+             freedom\u{201d} means: divided by the number of data minus the number of fitted \
+             parameters. A value near 1 says that only noise is left. A value above {} says that \
+             the model does not describe the photographs.</p>\n",
             count(result.captures.len(), "photograph", "photographs"),
             count(
                 distinct(|c| c.incidence_deg),
@@ -95,16 +116,21 @@ impl Page<'_> {
                 "floating distance",
                 "floating distances"
             ),
-            terms::in_words(result.kernel, result.lobe),
+            terms::explained(result.kernel, result.lobe),
             significant(self.evidence.reduced_chi2, 3),
+            crate::estimate::POOR_FIT,
         );
         if warnings > 0 {
             text.push_str(&format!(
-                "<p class=\"warned\"><a href=\"#warnings\">{}</a> to read before the numbers are \
-                used.</p>\n",
+                "<p class=\"warned\">Read the <a href=\"#warnings\">{}</a> before you use the \
+                 numbers.</p>\n",
                 count(warnings, "warning", "warnings")
             ));
         }
+        text.push_str(
+            "<p>Each word is explained where it first stands on this page. All words and formulas \
+             are in the file <code>fit/doc/model.md</code> of the project.</p>\n",
+        );
         text
     }
 }

@@ -1,4 +1,4 @@
-//! Studies as pictures.
+//! Pictures of a study.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::study::summary::Row;
 use crate::study::{Figure, Summary};
 use crate::study::{LOSSES, PARAMETERS};
 
-/// The colour of a loss.
+/// Returns the colour of a loss.
 fn colour(loss: Kind) -> &'static str {
     match loss {
         Kind::Mtf => "#d62728",
@@ -20,11 +20,14 @@ fn colour(loss: Kind) -> &'static str {
     }
 }
 
-/// Root-mean-square error over the bound, and coverage, of every parameter under both losses, with
-/// one standard deviation.
+/// Draws the root-mean-square error over the bound, and the coverage, of every parameter under both
+/// losses.
+///
+/// Bars show one standard deviation.
 ///
 /// # Errors
-/// [`Error::Drawing`], [`Error::Ending`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn drawn(summary: &Summary, path: &Path) -> Result<Vec<u8>, Error> {
     type Of = fn(&Row) -> Figure;
     let percent = |f: Figure| Figure {
@@ -34,7 +37,7 @@ pub(crate) fn drawn(summary: &Summary, path: &Path) -> Result<Vec<u8>, Error> {
     let panel = |label: &str, level: f64, of: &dyn Fn(&Row) -> Figure| {
         let dots = |(k, loss): (usize, Kind)| {
             let rows: Vec<&Row> = summary.rows.iter().filter(|row| row.loss == loss).collect();
-            // The losses stand side by side over the name of their parameter.
+            // The losses are drawn side by side over the name of their parameter.
             let place = |i: usize| i as f64 + 1.0 + 0.16 * (k as f64 - 0.5);
             let points = rows
                 .iter()
@@ -77,10 +80,12 @@ pub(crate) fn drawn(summary: &Summary, path: &Path) -> Result<Vec<u8>, Error> {
     draw(panels, layouts, &title, path)
 }
 
-/// Seconds of every fit of the chosen kernel against its error, the standard errors over the bound.
+/// Draws the standard error over the bound against the seconds of the fit, for every fit of the
+/// chosen kernel.
 ///
 /// # Errors
-/// As [`drawn`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn photographs(study: &Study, path: &Path) -> Result<Vec<u8>, Error> {
     let fits = study
         .fits

@@ -1,4 +1,4 @@
-//! Pictures: MTF curves, measured and modelled.
+//! Pictures of MTF curves, measured, modelled and predicted.
 
 use std::path::{Path, PathBuf};
 
@@ -8,32 +8,36 @@ use tables::cli::PlotFormat;
 use crate::predict::{Around, Axis, Prediction};
 use crate::result::ResultFile;
 
-/// Why a picture cannot be drawn.
+/// Reason why a picture cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Error {
-    /// An extension that names no format of plots.
+    /// Ending of a file that is no format of plots.
     #[error(transparent)]
     Format(#[from] tables::cli::Error),
-    /// The drawing library failed.
-    #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png", path.display())]
+    /// Picture that the drawing library cannot draw.
+    #[error("{}: the plot could not be drawn ({message}); try the other of .svg and .png",
+        path.display())]
     Drawing {
-        /// The file asked for.
+        /// Output file.
         path: PathBuf,
-        /// What the library said.
+        /// Message of the library.
         message: String,
     },
 }
 
-/// Curves of one panel in these colours, by floating distance.
+/// Colours of the curves of one panel, by photograph.
 const COLOURS: [&str; 6] = [
     "#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf",
 ];
 
-/// Measured MTF (dots, with one standard error) and model (line): one panel per incidence angle.
+/// Draws the measured MTF (dots, with one standard error) and the model (line).
+///
+/// There is one panel per incidence angle.
 ///
 /// # Errors
-/// [`Error::Drawing`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
     let mut incidences: Vec<f64> = result.captures.iter().map(|c| c.incidence_deg).collect();
     incidences.sort_by(f64::total_cmp);
@@ -104,10 +108,11 @@ pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error>
     draw(panels, layouts, &title, path)
 }
 
-/// Predicted MTF: one panel per distance and axis, one curve per incidence.
+/// Draws the predicted MTF: one panel per distance and axis, one curve per incidence.
 ///
 /// # Errors
-/// [`Error::Drawing`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn predicted(
     predictions: &[Prediction],
     frequency_per_mm: &[f64],
@@ -168,7 +173,7 @@ pub(crate) fn predicted(
     )
 }
 
-/// What the MTF at single frequencies is drawn against.
+/// Variable on the horizontal axis of a plot of the MTF at single frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Variable {
     /// Incidence angle
@@ -182,7 +187,7 @@ pub(crate) enum Variable {
 }
 
 impl Variable {
-    /// Its value at a place; `None` for the azimuth of a mean table.
+    /// Returns the value of the variable at a place, or `None` for the azimuth of a mean table.
     fn of(self, p: &Prediction) -> Option<f64> {
         match self {
             Variable::Incidence => Some(p.incidence_deg),
@@ -192,7 +197,7 @@ impl Variable {
         }
     }
 
-    /// The same in words.
+    /// Describes the value of the variable at a place, for example "incidence 20°".
     fn words(self, p: &Prediction) -> Option<String> {
         let value = self.of(p)?;
         Some(match self {
@@ -204,12 +209,15 @@ impl Variable {
     }
 }
 
-/// Predicted MTF at each frequency against one variable, as in Kakinuma et al. 2021 (OSA Continuum
-/// 4, 865): one panel per axis, one curve per frequency and place that the other variables make.
-/// Where nothing returns there is no point.
+/// Draws the predicted MTF at each frequency against one variable.
+///
+/// The plot follows Kakinuma et al. 2021 (OSA Continuum 4, 865): one panel per axis, one curve per
+/// frequency and per combination of the other variables. If nothing returns at a place, it has no
+/// point.
 ///
 /// # Errors
-/// [`Error::Drawing`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn against(
     predictions: &[Prediction],
     frequency_per_mm: &[f64],
@@ -221,7 +229,7 @@ pub(crate) fn against(
         .into_iter()
         .filter(|v| *v != variable && varies(v))
         .collect();
-    // What names a curve beside its frequency.
+    // The name of a curve holds its frequency and this text.
     let place = |p: &Prediction| -> String {
         let words = others.iter().filter_map(|v| v.words(p));
         words.map(|words| format!(", {words}")).collect()
@@ -278,12 +286,14 @@ pub(crate) fn against(
     draw(panels, layouts, "MTF of the mid-air image", path)
 }
 
-/// Predicted MTF at each frequency over the direction of contrast: a polar panel per place, 0°
-/// (tangential) to the right, 90° (sagittal) up. A circle is a blur that is alike in all
-/// directions.
+/// Draws the predicted MTF at each frequency over the direction of contrast.
+///
+/// There is one polar panel per place, with 0° (tangential) to the right and 90° (sagittal)
+/// upwards. A circle means that the blur is equal in all directions.
 ///
 /// # Errors
-/// [`Error::Drawing`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn around(
     all: &[Around],
     frequency_per_mm: &[f64],
@@ -326,7 +336,7 @@ pub(crate) fn around(
     draw(panels, layouts, title, path)
 }
 
-/// A colour from blue (0) to red (1).
+/// Returns a colour between blue (0) and red (1).
 fn ramp(x: f64) -> String {
     let mix = |a: f64, b: f64| (a + (b - a) * x).round() as u8;
     format!(
@@ -337,10 +347,11 @@ fn ramp(x: f64) -> String {
     )
 }
 
-/// Panels under one title.
+/// Draws panels under one title.
 ///
 /// # Errors
-/// [`Error::Drawing`], [`Error::Format`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn draw(
     panels: Vec<Vec<Plot>>,
     layouts: Vec<Layout>,

@@ -1,4 +1,4 @@
-//! The study of forward models as a picture: error against samples and against time.
+//! Picture of the study of forward models: error against samples and against time.
 
 use std::path::Path;
 
@@ -9,10 +9,11 @@ use crate::samples::Sequence;
 use crate::study::Speed;
 use crate::study::forward::Row;
 
-/// Error against samples per pixel and against seconds, both axes logarithmic.
+/// Draws the error against samples per pixel and against seconds, with both axes logarithmic.
 ///
 /// # Errors
-/// [`Error::Drawing`], [`Error::Ending`].
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
 pub(crate) fn drawn(speed: &Speed, path: &Path) -> Result<Vec<u8>, Error> {
     let by_samples = panel(speed, |row| row.samples as f64)
         .with_title("error and samples")
@@ -34,10 +35,13 @@ pub(crate) fn drawn(speed: &Speed, path: &Path) -> Result<Vec<u8>, Error> {
     draw(panels, vec![by_samples, by_seconds], &title, path)
 }
 
+/// Name of a parameter, and a function that returns its error.
 type Named = (&'static str, fn(&Row) -> Option<f64>);
 
+/// Parameters whose errors are drawn.
 const ERRORS: [Named; 2] = [("c", |row| row.errors.c), ("a", |row| row.errors.a)];
 
+/// Draws one curve per sequence and parameter against the variable `x`.
 fn curves(speed: &Speed, x: impl Fn(&Row) -> f64) -> Vec<Plot> {
     let mut plots = Vec::new();
     for (sequence, colours) in [
@@ -68,9 +72,10 @@ fn curves(speed: &Speed, x: impl Fn(&Row) -> f64) -> Vec<Plot> {
     plots
 }
 
+/// Makes the axes of one panel, with the standard error of c as a line.
 fn panel(speed: &Speed, x: impl Fn(&Row) -> f64) -> Layout {
     let curves = curves(speed, x);
-    // Nothing above zero has no place on logarithmic axes.
+    // Without a value above zero, logarithmic axes cannot be drawn.
     let layout = match curves.is_empty() {
         true => Layout::new((0.0, 1.0), (0.0, 1.0)),
         false => Layout::auto_from_plots(&curves).with_log_scale(),

@@ -1,8 +1,8 @@
-//! RESULT.json: an estimate as it is written, and read again.
+//! RESULT.json: an estimate, written to a file and read from it.
 //!
-//! An estimate and its table enter; a structure leaves whose fields are the keys of the file. The
-//! room computes nothing, and knows parameters as types: their text form (`a_per_mm_at_20`) is made
-//! at the border of the file. It may touch `estimate` and the rooms below it.
+//! An estimate and its table enter. A structure leaves whose fields are the keys of the file. The
+//! room computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
+//! only in the file. It may touch `estimate` and the rooms below it.
 
 pub(crate) mod report;
 mod table;

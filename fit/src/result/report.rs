@@ -1,4 +1,4 @@
-//! RESULT.json: what an estimate says, for scripts and for `fit predict`.
+//! RESULT.json: the estimate for scripts and for `fit predict`.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,42 +17,46 @@ use crate::names::{ParameterId, ParameterKind};
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
 
-/// A parameter: one number for all incidence angles, or one per angle.
+/// Parameter with one number for all incidence angles, or with one per angle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Parameter {
-    /// One per incidence angle.
+    /// One number per incidence angle.
     PerAngle {
-        /// In ascending order of incidence.
+        /// Numbers in ascending order of incidence.
         per_angle: Vec<AtAngle>,
     },
-    /// One number.
+    /// One number for all incidence angles.
     Shared(Number),
 }
 
-/// A number with its error; the value is null where the photographs only bound it (see `bounds`).
+/// Number with its error.
+///
+/// The value is null if the photographs give only a bound (see [`ResultFile::bounds`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Number {
-    /// The estimate.
+    /// Estimate.
     pub value: Option<f64>,
-    /// One standard deviation.
+    /// Standard error: one standard deviation.
     pub standard_error: Option<f64>,
 }
 
-/// A number at one incidence angle.
+/// Number at one incidence angle, with its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AtAngle {
     /// Incidence, degrees.
     pub incidence_deg: f64,
-    /// The estimate.
+    /// Estimate.
     pub value: Option<f64>,
-    /// One standard deviation.
+    /// Standard error: one standard deviation.
     pub standard_error: Option<f64>,
 }
 
 impl Parameter {
-    /// The value at an incidence angle: linear between the fitted angles, constant beyond them.
-    /// `None` where a value that is needed is null.
+    /// Returns the value at an incidence angle.
+    ///
+    /// It is linear between the fitted angles and constant beyond them. It is `None` if a value
+    /// that it needs is null.
     pub fn at(&self, incidence_deg: f64) -> Option<f64> {
         match self {
             Parameter::Shared(number) => number.value,
@@ -75,155 +79,165 @@ impl Parameter {
     }
 }
 
-/// Covariance of the parameters, rows and columns in the order of `names`.
+/// Covariance of the parameters, with rows and columns in the order of `names`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Covariance {
-    /// c_mm, a_per_mm or a_times_r, mu; `_at_<incidence>` where there is one per angle.
+    /// Names of the parameters.
+    ///
+    /// They are c_mm, a_per_mm or a_times_r, and mu, followed by `_at_<incidence>` if there is one
+    /// number per angle.
     pub names: Vec<ParameterId>,
-    /// The matrix. Null where an entry is not finite: the photographs do not tell these parameters,
-    /// or not apart; a warning says so.
+    /// Covariance matrix.
+    ///
+    /// An entry is null if it is not finite: the photographs do not determine these parameters, or
+    /// they cannot tell them apart. A warning says so.
     pub matrix: Vec<Vec<Option<f64>>>,
 }
 
-/// One model that was compared.
+/// Model that was compared with the others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    /// Terms of the blur.
+    /// Kernel: the terms of the blur.
     pub kernel: Kernel,
-    /// Lobe shape; null without a lobe.
+    /// Shape of the lobe; null without a lobe.
     pub lobe: Option<LobeShape>,
-    /// Whether a (of a baseline the roughness) is shared or per angle.
+    /// Sharing of a (for a baseline, of the roughness): shared by all angles, or one per angle.
     pub sharing: String,
-    /// Bayes' criterion (smaller is better).
+    /// Bayes' information criterion; smaller is better.
     pub criterion: f64,
-    /// Sum of squares of the residuals in units of their noise, correlations taken out.
+    /// Sum of squares of the residuals in units of their noise, with correlations removed.
     pub loss: f64,
-    /// Parameters of the blur.
+    /// Count of parameters of the blur.
     pub parameters: usize,
 }
 
-/// MTF of one photograph, measured and modelled through the same estimator.
+/// MTF of one photograph, measured and modelled with the same estimator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Curves {
-    /// Along the edge normal, 1/mm.
+    /// Frequencies along the edge normal, 1/mm.
     pub frequency_per_mm: Vec<f64>,
-    /// From the photograph.
+    /// MTF of the photograph.
     pub measured: Vec<f64>,
-    /// Of `measured`.
+    /// Standard error of `measured`.
     pub standard_error: Vec<f64>,
-    /// From the estimate.
+    /// MTF of the estimate.
     pub modelled: Vec<f64>,
 }
 
 /// One photograph.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaptureResult {
-    /// File name.
+    /// Name of the file.
     pub image: String,
     /// Incidence, degrees.
     pub incidence_deg: f64,
-    /// Floating distance (optical path), mm.
+    /// Distance R: optical path from the sheet to the image, mm.
     pub floating_distance_mm: f64,
-    /// Direction of the edge normal, from +x (right) towards +y (down), degrees.
+    /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y).
     pub edge_angle_deg: f64,
-    /// Frequency at which the measured MTF is one half, 1/mm.
+    /// Frequency at which the measured MTF falls to one half, 1/mm.
+    ///
+    /// It is null if the MTF stays above one half.
     pub mtf50_per_mm: Option<f64>,
-    /// Mean squared MTF difference.
+    /// Mean squared difference of the MTFs.
     pub loss: f64,
-    /// What was repaired, assumed or is doubtful.
+    /// Warnings: repairs, assumptions and doubts about this photograph.
     pub warnings: Vec<String>,
-    /// The MTF curves.
+    /// MTF curves.
     pub curves: Curves,
 }
 
-/// The camera that was used.
+/// Camera that was used.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CameraResult {
-    /// One pixel in the aerial-image plane, mm.
+    /// Width of a pixel in the plane of the mid-air image, mm.
     pub pixel_pitch_mm: f64,
-    /// Lens OTF exp(-(f blur)^exponent): the blur, mm; null where no reference photograph told.
+    /// Blur of the lens, mm, in its OTF exp(-(f blur)^exponent).
+    ///
+    /// It is null without a reference photograph.
     pub lens_blur_mm: Option<f64>,
-    /// The exponent.
+    /// Exponent of the lens' OTF; null without a reference photograph.
     pub lens_exponent: Option<f64>,
 }
 
-/// The samples of a rendered model.
+/// Samples of a rendered model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SamplingResult {
-    /// Samples per pixel, how they are spread, and their seed.
+    /// Count of samples per pixel, their sequence, and their seed.
     #[serde(flatten)]
     pub sampling: Sampling,
-    /// Standard deviation of every parameter by the samples alone, in the order of the covariance's
-    /// names; part of the standard errors.
+    /// Standard deviation of every parameter that the samples alone cause.
+    ///
+    /// The order is that of [`Covariance::names`]. The standard errors include it.
     pub standard_error: Vec<f64>,
 }
 
-/// RESULT.json.
+/// Content of RESULT.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResultFile {
-    /// Whose model of the sheet it is; absent from older results.
+    /// Model of the sheet: the proposed one or a baseline; absent from older results.
     #[serde(default)]
     pub model: Family,
-    /// Terms of the blur.
+    /// Kernel: the terms of the blur.
     pub kernel: Kernel,
-    /// Lobe shape; null without a lobe.
+    /// Shape of the lobe; null without a lobe.
     pub lobe: Option<LobeShape>,
-    /// What was minimised.
+    /// Loss that was minimised.
     pub loss: Kind,
-    /// How the model was evaluated.
+    /// Method by which the model was evaluated.
     #[serde(default)]
     pub forward: Forward,
-    /// The samples of the model; null where it was evaluated in closed form.
+    /// Samples of the model; null if it was evaluated in closed form.
     #[serde(default)]
     pub sampling: Option<SamplingResult>,
-    /// Evaluations of the solver.
+    /// Count of evaluations by the solver.
     pub iterations: usize,
-    /// Why it stopped.
+    /// Reason why the solver stopped.
     pub stop: String,
-    /// Wall time from the first file read to the estimate.
+    /// Wall time from the first file that was read to the estimate, seconds.
     pub seconds: f64,
-    /// Wavelengths of the source; null where none is named.
+    /// Wavelengths of the source, nm; null if none is named.
     #[serde(default)]
     pub wavelength_nm: Option<Spectrum>,
-    /// Corner size, mm; null under `lobe` and baselines.
+    /// Corner size c, mm; null under `lobe` and baselines.
     pub c_mm: Option<Number>,
-    /// Diffraction spread, 1/mm; null under `angular`, `shift`, `wave` and baselines.
+    /// Diffraction spread a, 1/mm; null under `angular`, `shift`, `wave` and baselines.
     pub a_per_mm: Option<Parameter>,
-    /// Dimensionless a R; null but under `angular`.
+    /// Diffraction spread A = a R, without unit; null except under `angular`.
     pub a_times_r: Option<Parameter>,
-    /// Roughness of a baseline's facets, dimensionless; null under the proposed model.
+    /// Roughness of a baseline's facets, without unit; null under the proposed model.
     #[serde(default)]
     pub roughness: Option<Parameter>,
-    /// Roughness of a baseline's front, where it is a parameter of its own.
+    /// Roughness of a baseline's front face, without unit; null if it is no separate parameter.
     #[serde(default)]
     pub surface_roughness: Option<Number>,
-    /// Reflectance; null without a reference photograph.
+    /// Reflectance mu; null without a reference photograph.
     pub mu: Option<Parameter>,
-    /// What was added to the captures' azimuths, degrees, where the photographs were asked
-    /// (`--fit-azimuth`).
+    /// Angle that `--fit-azimuth` added to the captures' azimuths, degrees; absent without this
+    /// option.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub azimuth_deg: Option<Number>,
-    /// Of all the parameters above.
+    /// Covariance of all parameters above.
     pub covariance: Covariance,
-    /// One-sided bounds of what the photographs cannot pin down.
+    /// Bounds of the parameters that the photographs cannot determine, at 95 %.
     pub bounds: Bounds,
-    /// The models that were compared, best criterion first.
+    /// Models that were compared, with the best criterion first.
     pub candidates: Vec<Candidate>,
-    /// The photographs, in the order of the manifest.
+    /// Photographs in the order of the manifest.
     pub captures: Vec<CaptureResult>,
-    /// The camera.
+    /// Camera that was used.
     pub camera: CameraResult,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
-    /// The table.
+    /// Table that was used.
     pub table: TableResult,
-    /// Of the campaign as a whole.
+    /// Warnings about the campaign as a whole.
     pub warnings: Vec<String>,
 }
 
 impl ResultFile {
-    /// Writes an estimate down, beside the table that it was made with and the seconds that it
-    /// took.
+    /// Converts an estimate, its table and the seconds that it took to the content of a result
+    /// file.
     pub fn new(estimated: &Estimated, table: TableResult, seconds: f64) -> ResultFile {
         let Estimated { scene, best, .. } = estimated;
         let kernel = best.choice.kernel;
@@ -276,13 +290,15 @@ impl ResultFile {
     }
 }
 
-/// The numbers of an estimate as they are written.
+/// Numbers of an estimate as the file has them.
 struct Written<'a> {
     estimated: &'a Estimated,
 }
 
 impl Written<'_> {
-    /// A number, null where it is only bounded; its error, null where it has none.
+    /// Returns a number as the file has it.
+    ///
+    /// The value is null if it is only bounded. The error is null if it is not finite.
     fn number(&self, id: ParameterId, value: Value) -> Number {
         let bounded = self.estimated.bounds.contains_key(&id);
         let error = value.standard_error;
@@ -292,7 +308,7 @@ impl Written<'_> {
         }
     }
 
-    /// A parameter that has one value, or one for every incidence.
+    /// Returns a parameter that has one value, or one for every incidence.
     fn parameter(
         &self,
         kind: ParameterKind,
@@ -319,7 +335,7 @@ impl Written<'_> {
         Some(Parameter::PerAngle { per_angle })
     }
 
-    /// The spread, where it is of this kind.
+    /// Returns the spread if it is of this kind.
     fn spread(&self, kind: ParameterKind) -> Option<Parameter> {
         let best = &self.estimated.best;
         let kernel = best.choice.kernel;
@@ -328,7 +344,7 @@ impl Written<'_> {
             .flatten()
     }
 
-    /// c, or the roughness of a baseline's front.
+    /// Returns c, or the roughness of the front face of a baseline.
     fn size(&self) -> Option<Number> {
         let best = &self.estimated.best;
         let id = ParameterKind::size_of(best.choice.kernel).shared();
@@ -336,6 +352,7 @@ impl Written<'_> {
     }
 }
 
+/// Converts a row of the comparison.
 fn candidate(row: &Ranked) -> Candidate {
     let kernel = row.choice.kernel;
     Candidate {
@@ -349,14 +366,14 @@ fn candidate(row: &Ranked) -> Candidate {
 }
 
 impl ResultFile {
-    /// The spread: a, a R or a roughness, whichever the kernel has.
+    /// Returns the spread: a, a R or the roughness, whichever the kernel has.
     pub fn spread(&self) -> Option<&Parameter> {
         let a = self.a_per_mm.as_ref().or(self.a_times_r.as_ref());
         a.or(self.roughness.as_ref())
     }
 }
 
-/// How the spread is shared, in words.
+/// Describes how the spread is shared by the incidence angles, for example "a per angle".
 pub(crate) fn sharing(kernel: Kernel, per_angle: bool) -> String {
     let name = if kernel.is_baseline() {
         "roughness"
@@ -370,6 +387,7 @@ pub(crate) fn sharing(kernel: Kernel, per_angle: bool) -> String {
     }
 }
 
+/// Converts the covariance; entries that are not finite become null.
 fn covariance(best: &Estimate) -> Covariance {
     let finite = |&v: &f64| v.is_finite().then_some(v);
     let rows = best.covariance.row_iter();
@@ -379,6 +397,7 @@ fn covariance(best: &Estimate) -> Covariance {
     }
 }
 
+/// Converts all photographs with their curves.
 fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
     let shots = scene.shots.iter().zip(&best.modelled).zip(&best.losses);
     shots
@@ -386,6 +405,7 @@ fn captures(scene: &Scene, best: &Estimate) -> Vec<CaptureResult> {
         .collect()
 }
 
+/// Converts one photograph with its curves.
 fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
     let view = &shot.view;
     CaptureResult {

@@ -1,49 +1,51 @@
-//! Which table a result is of.
+//! Identity of the table that a result was fitted with.
 
 use serde::{Deserialize, Serialize};
 
-/// The table that was used.
+/// Table that was used.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TableResult {
-    /// Its content hash.
+    /// Content hash of the table.
     pub content_hash: String,
-    /// Its design.
+    /// Design of the cell.
     pub design: String,
-    /// What tables of the same cell share, whatever directions they hold; absent from older
-    /// results.
+    /// Properties of the cell, equal in all tables of the same cell whatever their directions.
+    ///
+    /// They are absent from older results.
     #[serde(default)]
     pub cell: Option<CellResult>,
 }
 
-/// What makes two tables those of one cell.
+/// Properties by which two tables are known to be of the same cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellResult {
     /// SHA-256 of the mesh.
     pub mesh_hash: String,
-    /// Corner sizes are in units of it.
+    /// Edge length of a cube in units of the mesh; c is the size of this edge in mm.
     pub edge_length: f64,
     /// Direction of azimuth 0 in the mesh's frame.
     pub azimuth_zero: [f64; 3],
-    /// Of the front face.
+    /// Refractive index behind the flat front face; 1 for hollow cubes.
     pub refractive_index: f64,
-    /// What the facets are backed with.
+    /// Material on the back of the facets.
     pub back: String,
-    /// What of the surfaces' losses is in the table, and so not in mu.
+    /// Losses of the surfaces that the table contains, and that mu therefore does not contain.
     #[serde(default = "none")]
     pub losses: String,
-    /// What else its light obeyed, as options of `bake trace`; not how finely deviations were
-    /// recorded.
+    /// Other options of `bake trace` that change the light of the cell.
+    ///
+    /// The resolution of recorded deviations is not one of them.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub options: String,
 }
 
-/// The losses of tables that had none.
+/// Returns the losses of tables that had none.
 fn none() -> String {
     "none".into()
 }
 
 impl TableResult {
-    /// What a result keeps of the table that it was fitted with.
+    /// Returns the part of a table that a result keeps.
     pub fn of(table: &tables::Table) -> TableResult {
         let from = &table.provenance;
         TableResult {
@@ -61,7 +63,7 @@ impl TableResult {
         }
     }
 
-    /// Whether the other is a table of the same cell.
+    /// Returns true if the other table is one of the same cell.
     pub fn same_cell(&self, other: &TableResult) -> bool {
         let cells = self.cell.as_ref().zip(other.cell.as_ref());
         self.content_hash == other.content_hash || cells.is_some_and(|(own, other)| own.same(other))
@@ -69,8 +71,9 @@ impl TableResult {
 }
 
 impl CellResult {
-    /// Whether the other says the same; numbers that went through JSON may have lost their last
-    /// digit.
+    /// Returns true if the other properties are equal.
+    ///
+    /// Numbers may differ in their last digit, because they went through JSON.
     fn same(&self, other: &CellResult) -> bool {
         let numbers = |cell: &CellResult| {
             let [x, y, z] = cell.azimuth_zero;
@@ -126,7 +129,8 @@ mod tests {
             let (fitted, other) = (of("a", fitted), of("b", given));
             assert_eq!(fitted.same_cell(&other), same, "{fitted:?} {given}");
             assert_eq!(other.same_cell(&fitted), same, "{given} {fitted:?}");
-            // As a file holds it, and the same table whatever an older result says of it.
+            // The text form means the same. An equal content hash is the same table, whatever the
+            // properties say.
             let text = serde_json::to_string(&fitted).unwrap();
             let read: TableResult = serde_json::from_str(&text).unwrap();
             assert_eq!(read.same_cell(&other), same, "{text}");

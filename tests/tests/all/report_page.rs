@@ -191,6 +191,21 @@ fn the_page_can_be_read_by_all() {
     let (page, _) = report(folder.path(), &[]);
     let tree = parse(&page);
     assert_eq!(tree.root_element().attribute("lang"), Some("en"));
+    // Words of the trade are explained, once each.
+    let words = text(tree.root_element());
+    for explanation in [
+        "this is the ray shift",
+        "one ray becomes a spot of light, the lobe",
+        "Chi-square is the sum of the squared differences",
+        "c is the edge of one corner cube",
+        "a says how narrow the spot is",
+        "\u{b5} (mu) is the returned light",
+        "(MTF) says how much contrast",
+        "A kernel is the set of causes of blur",
+        "fit/doc/model.md",
+    ] {
+        assert_eq!(words.matches(explanation).count(), 1, "{explanation}");
+    }
     let mut pictures = 0;
     for svg in
         all(&tree, "svg").filter(|svg| !svg.ancestors().skip(1).any(|a| a.has_tag_name("svg")))
@@ -315,7 +330,7 @@ fn what_is_only_bounded_has_a_page_too() {
     bound(&tree);
     let profiles = all(&tree, "svg")
         .filter_map(|svg| svg.attribute("aria-label"))
-        .filter(|label| label.starts_with("Profile likelihood: c is smaller than"));
+        .filter(|label| label.starts_with("Rise of chi-square. c is smaller than"));
     assert_eq!(profiles.count(), 1);
 
     // Left open, the lobe alone is chosen, and c is bounded without being in the model.

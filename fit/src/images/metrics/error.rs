@@ -1,36 +1,36 @@
-//! Why two pictures cannot be compared.
+//! Reasons why two pictures cannot be compared.
 
 use std::path::PathBuf;
 
 use crate::images::metrics::lpips;
 
-/// Why two pictures cannot be compared.
+/// Reason why two pictures cannot be compared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Error {
-    /// Of two sizes.
+    /// Pictures of different sizes.
     #[error("{} is {} x {} pixels, {} is {} x {}; crop or render one to the size of the other",
         rendered.display(), sizes[0][0], sizes[0][1], photo.display(), sizes[1][0], sizes[1][1])]
     Sizes {
-        /// One.
+        /// Rendered picture.
         rendered: PathBuf,
-        /// The other.
+        /// Photograph.
         photo: PathBuf,
-        /// Columns and rows of both.
+        /// Columns and rows of both pictures.
         sizes: [[usize; 2]; 2],
     },
-    /// Too small for a window.
+    /// Pictures smaller than a metric's window.
     #[error("{}: is smaller than {least} x {least} pixels, which {metric} needs; compare a larger \
     part", rendered.display())]
     Small {
-        /// One.
+        /// Rendered picture.
         rendered: PathBuf,
-        /// Pixels needed.
+        /// Smallest side that the metric can compare, pixels.
         least: usize,
-        /// What needs them.
+        /// Name of the metric.
         metric: &'static str,
     },
-    /// Weights that are none.
+    /// LPIPS weights that cannot be used.
     #[error(transparent)]
     Lpips(#[from] lpips::Error),
 }

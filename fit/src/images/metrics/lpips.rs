@@ -1,10 +1,10 @@
-//! LPIPS 0.1 (Zhang et al. 2018) with AlexNet: the distance of two pictures in what five layers of
-//! a network make of them.
+//! LPIPS 0.1 (Zhang et al. 2018) with AlexNet: the distance of two pictures, measured by five
+//! layers of a neural network.
 //!
-//! The weights are the user's, in a safetensors file: of f32, `conv1.weight` to `conv5.weight`
-//! (outputs, inputs, rows, columns), `conv1.bias` to `conv5.bias`, and `lin1.weight` to
-//! `lin5.weight`, one weight per output of that layer. fit/doc/lpips_weights.py writes it from the
-//! `lpips` package.
+//! The weights come from the user, in a safetensors file of f32 tensors: `conv1.weight` to
+//! `conv5.weight` (outputs, inputs, rows, columns), `conv1.bias` to `conv5.bias`, and `lin1.weight`
+//! to `lin5.weight` with one weight per output of that layer. The script fit/doc/lpips_weights.py
+//! writes the file from the `lpips` package.
 
 use std::path::{Path, PathBuf};
 
@@ -13,11 +13,11 @@ use serde_json::Value;
 
 use crate::images::metrics::Shown;
 
-/// A layer's shape: outputs, inputs, size, stride, padding; and whether pixels are pooled before
-/// it.
+/// Shape of a layer: outputs, inputs, size, stride, padding, and whether pixels are pooled before
+/// the layer.
 type Convolution = (usize, usize, usize, usize, usize, bool);
 
-/// The convolutions of torchvision's AlexNet.
+/// Convolutions of torchvision's AlexNet.
 const LAYERS: [Convolution; 5] = [
     (64, 3, 11, 4, 2, false),
     (192, 64, 5, 1, 2, true),
@@ -26,66 +26,69 @@ const LAYERS: [Convolution; 5] = [
     (256, 256, 3, 1, 1, false),
 ];
 
-/// What the network's pictures are centred and divided by, for values in -1..1 (ScalingLayer of the
-/// package).
+/// Offsets that centre the network's input, for values in -1..1 (ScalingLayer of the package).
 const SHIFT: [f32; 3] = [-0.030, -0.088, -0.188];
+/// Divisors that scale the network's centred input (ScalingLayer of the package).
 const SCALE: [f32; 3] = [0.458, 0.448, 0.450];
 
-/// Smallest side that leaves a pixel after both poolings.
+/// Smallest side of a picture that leaves a pixel after both poolings, pixels.
 pub(crate) const SMALLEST: usize = 31;
 
-/// Why weights cannot be used.
+/// Reason why weights cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Error {
-    /// The system does not give the file.
+    /// File that the system cannot read.
     #[error("{}: cannot be read ({source}); check the path", file.display())]
     Read {
-        /// The file.
+        /// File with the weights.
         file: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// Not a safetensors file.
-    #[error("{}: is not a whole safetensors file; write it with fit/doc/lpips_weights.py", file.display())]
+    /// File that is not a safetensors file.
+    #[error("{}: is not a whole safetensors file; write it with fit/doc/lpips_weights.py",
+        file.display())]
     Format {
-        /// The file.
+        /// File with the weights.
         file: PathBuf,
     },
-    /// A tensor is missing or another.
-    #[error("{}: tensor {name} is not there as {count} numbers of type F32; write the file with \
-    fit/doc/lpips_weights.py", file.display())]
+    /// Tensor that is missing, or that has another type or size.
+    #[error("{}: tensor {name} is missing, or is not {count} numbers of type F32; write the file \
+        with fit/doc/lpips_weights.py", file.display())]
     Tensor {
-        /// The file.
+        /// File with the weights.
         file: PathBuf,
-        /// The tensor.
+        /// Name of the tensor.
         name: String,
-        /// Numbers that it should hold.
+        /// Count of numbers that the tensor must hold.
         count: usize,
     },
 }
 
-/// The network.
+/// The network with its weights.
 #[derive(Debug, Clone)]
 pub(crate) struct Lpips {
     layers: Vec<Layer>,
 }
 
+/// One layer of the network.
 #[derive(Debug, Clone)]
 struct Layer {
     shape: Convolution,
-    /// A row per (input, row, column), a column per output.
+    /// Weights of the convolution: a row per (input, row, column), a column per output.
     weights: DMatrix<f32>,
     bias: Vec<f32>,
-    /// Of each output's squared difference.
+    /// Weight of the squared difference of each output.
     linear: Vec<f32>,
 }
 
 impl Lpips {
-    /// Reads the weights.
+    /// Reads the weights from a safetensors file.
     ///
     /// # Errors
-    /// [`Error`].
+    /// Returns [`Error::Read`] if the system cannot read the file, [`Error::Format`] if it is not a
+    /// safetensors file, and [`Error::Tensor`] if a tensor is missing or has another type or size.
     pub(crate) fn read(path: &Path) -> Result<Lpips, Error> {
         let file = || path.to_owned();
         let bytes = std::fs::read(path).map_err(|source| Error::Read {
@@ -102,10 +105,11 @@ impl Lpips {
         })
     }
 
-    /// From tensors by name and number of values.
+    /// Builds the network from a function that returns a tensor by its name and its count of
+    /// numbers.
     ///
     /// # Errors
-    /// Those of `tensor`.
+    /// Returns the first error of `tensor`.
     pub(crate) fn from_tensors<E>(
         mut tensor: impl FnMut(&str, usize) -> Result<Vec<f32>, E>,
     ) -> Result<Lpips, E> {
@@ -124,7 +128,9 @@ impl Lpips {
         Ok(Lpips { layers })
     }
 
-    /// The distance, 0 for equal pictures; both have one size, at least [`SMALLEST`] on both sides.
+    /// Returns the LPIPS distance of two pictures, 0 for equal pictures.
+    ///
+    /// Both pictures must have the same size, at least [`SMALLEST`] pixels on both sides.
     pub(crate) fn distance(&self, a: &Shown, b: &Shown) -> f64 {
         let mut pair = [a, b].map(Maps::of);
         let mut sum = 0.0;
@@ -136,7 +142,9 @@ impl Lpips {
     }
 }
 
-/// Header and data of a safetensors file: the header's length, its JSON, the numbers.
+/// Splits the bytes of a safetensors file into its header and its data.
+///
+/// The file holds the length of the header, the header in JSON, and the numbers.
 fn split(bytes: &[u8]) -> Option<(Value, &[u8])> {
     let (length, rest) = bytes.split_first_chunk::<8>()?;
     let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
@@ -144,6 +152,7 @@ fn split(bytes: &[u8]) -> Option<(Value, &[u8])> {
     Some((serde_json::from_slice(header).ok()?, data))
 }
 
+/// Returns the numbers of a tensor, or `None` if it is missing or has another type or size.
 fn tensor(header: &Value, data: &[u8], name: &str, count: usize) -> Option<Vec<f32>> {
     let entry = header.get(name)?;
     let offset = |i: usize| usize::try_from(entry["data_offsets"].get(i)?.as_u64()?).ok();
@@ -153,7 +162,7 @@ fn tensor(header: &Value, data: &[u8], name: &str, count: usize) -> Option<Vec<f
         .then(|| bytes.chunks_exact(4).map(number).collect())
 }
 
-/// Channels of one picture: a row per pixel, row-major, a column per channel.
+/// Channels of one picture: a row per pixel in row-major order, a column per channel.
 struct Maps {
     width: usize,
     height: usize,
@@ -175,7 +184,7 @@ impl Maps {
         }
     }
 
-    /// Greatest of 3 x 3, every second.
+    /// Returns the greatest value of each block of 3 x 3 pixels, at every second column and row.
     fn pooled(&self) -> Maps {
         let [width, height] = [self.width, self.height].map(|n| (n - 3) / 2 + 1);
         let greatest = |pixel: usize, channel: usize| {
@@ -193,6 +202,7 @@ impl Maps {
 }
 
 impl Layer {
+    /// Applies the layer: pooling where it has one, convolution, and rectification.
     fn forward(&self, maps: Maps) -> Maps {
         let (outputs, inputs, size, stride, padding, pool) = self.shape;
         let maps = if pool { maps.pooled() } else { maps };
@@ -229,7 +239,9 @@ impl Layer {
         }
     }
 
-    /// Mean over the pixels of the weighted squared difference of channels of unit length.
+    /// Returns the mean over the pixels of the weighted squared difference of the channels.
+    ///
+    /// The channels of a pixel are scaled to length 1 first.
     fn difference(&self, [a, b]: &[Maps; 2]) -> f64 {
         let pixels = a.values.nrows();
         let sum: f64 = (0..pixels)

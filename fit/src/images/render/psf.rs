@@ -1,16 +1,15 @@
-//! A spot on the pixels of a picture: what one square of even light sends to the square of every
-//! other pixel.
+//! Weights of the blur between pixels: the light that one square pixel sends to every other pixel.
 //!
-//! Pixels are squares of even light, and a pixel of the image is the mean over its square. So the
-//! weight between two pixels d apart is the point spread averaged over both squares, whose
-//! transform is the OTF times sinc^2 along both axes, summed over the frequencies that look alike
-//! on whole pixels:
+//! A pixel is a square of even light, and a pixel of the image is the mean over its square. The
+//! weight between two pixels at the distance d is therefore the point spread averaged over both
+//! squares. Its transform is the OTF times sinc^2 along both axes, summed over the frequencies that
+//! look alike on whole pixels:
 //!
-//! `K(d) = sum over k of exp(2 pi i k.d) sum over m of sinc^2(k + m) OTF(k + m)`, frequencies in
-//! cycles per pixel.
+//! `K(d) = sum over k of exp(2 pi i k.d) sum over m of sinc^2(k + m) OTF(k + m)`, with frequencies
+//! in cycles per pixel.
 //!
-//! No weight is negative for a spread that is not, none rings, without blur K is one pixel, and the
-//! weights sum to OTF(0) = 1.
+//! If the point spread is nowhere negative, no weight is negative and no weight rings. Without
+//! blur, K is one pixel. The weights sum to OTF(0) = 1.
 
 use std::f64::consts::PI;
 
@@ -24,60 +23,65 @@ use crate::numerics::sinc::sinc;
 use crate::numerics::smooth_odd;
 use crate::predict::Error;
 
-/// Error of the transfer at any frequency that the sum over m may leave.
+/// Greatest error of the transfer, at any frequency, that cutting off the sum over m may cause.
 const TOLERANCE: f64 = 1e-4;
 
-/// Frequencies per pixel at which the sum over m ends at last.
+/// Largest width of the sum over m, cycles per pixel: the sum ends there even if its error is
+/// larger.
 const WIDEST: usize = 32;
 
-/// Largest size of a kernel, pixels: wider ones hold half a gigabyte.
+/// Largest size of a blur, pixels: a wider one needs half a gigabyte.
 pub(crate) const LARGEST: usize = 8191;
 
-/// Weights between pixels, and the energy of the place.
+/// Weights of the blur between pixels, and the brightness at one place.
 #[derive(Debug, Clone)]
 pub(crate) struct Psf {
-    /// Columns and rows reached on either side.
+    /// Columns and rows that the blur reaches on either side.
     pub reach: [usize; 2],
-    /// Weights, rows from -reach\[1\] to reach\[1\], each from -reach\[0\] to reach\[0\]; they sum
-    /// to 1, to 0 where nothing returns.
+    /// Weights in row-major order, rows from -reach\[1\] to reach\[1\], columns from -reach\[0\] to
+    /// reach\[0\].
+    ///
+    /// They sum to 1, or to 0 if nothing returns.
     pub weights: Vec<f32>,
-    /// Luminance over the source's; `None` without mu.
+    /// Luminance of the mid-air image divided by that of the source; `None` without mu.
     pub energy: Option<f64>,
-    /// Bound of the error of the transfer by the sum that was cut off.
+    /// Bound of the error of the transfer that cutting off the sum over m causes.
     pub error: f64,
-    /// Whether the place lies between the directions of the table.
+    /// True if the place lies between the directions of the table.
     pub interpolated: bool,
 }
 
-/// Why there are no weights.
+/// Reason why the weights cannot be computed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Fault {
-    /// The sheet has none.
+    /// Sheet without a blur at this place.
     #[error(transparent)]
     Sheet(#[from] Error),
-    /// Too wide.
+    /// Blur that reaches too many pixels.
     #[error(
         "the blur at incidence {incidence_deg} deg, distance {r_mm} mm reaches {reach} pixels, \
-        more than {LARGEST}; give a larger \
-         --pixel-pitch and a smaller picture"
+        more than {LARGEST}; give a larger --pixel-pitch and a smaller picture"
     )]
     Wide {
         /// Incidence, degrees.
         incidence_deg: f64,
-        /// Distance, mm.
+        /// Distance R from the sheet to the image, mm.
         r_mm: f64,
-        /// Pixels on either side.
+        /// Pixels that the blur reaches on either side.
         reach: usize,
     },
 }
 
 impl Psf {
-    /// At one place. `pixels_from_mm` takes (tangential, sagittal) mm across the viewing ray to
-    /// (columns, rows).
+    /// Computes the weights at one place.
+    ///
+    /// `pixels_from_mm` converts (tangential, sagittal) mm across the viewing ray to (columns,
+    /// rows).
     ///
     /// # Errors
-    /// [`Fault`].
+    /// Returns [`Fault::Sheet`] if the sheet has no blur at this place, and [`Fault::Wide`] if the
+    /// blur is wider than [`LARGEST`] pixels.
     pub(crate) fn new(
         sheet: &dyn Sheet,
         place: &Viewpoint,
@@ -86,8 +90,8 @@ impl Psf {
         let [[a, b], [c, d]] = pixels_from_mm;
         let mut half = 1;
         loop {
-            // The farthest corner of the square of frequencies, |f| <= half / 2 per pixel, with its
-            // rim.
+            // The highest frequency is at the corner of the square |f| <= half / 2 per pixel,
+            // including its rim.
             let finest = 0.5 * (half as f64 + 1.0) * (a.abs() + c.abs()).max(b.abs() + d.abs());
             let spot = sheet.spot(place, finest)?;
             let energy = spot.energy();
@@ -100,7 +104,7 @@ impl Psf {
                     interpolated: spot.interpolated(),
                 });
             }
-            // One pixel more for the squares, one for the rounding.
+            // One more pixel for the width of the squares, and one for the rounding.
             let reach = [a.hypot(b), c.hypot(d)].map(|by| (spot.reach_mm() * by) as usize + 2);
             let size = reach.map(|reach| smooth_odd(2 * reach + 1));
             if size.iter().any(|&size| size > LARGEST) {
@@ -127,9 +131,11 @@ impl Psf {
     }
 }
 
-/// Bound of what lies beyond |f| = half/2 along either axis, from the OTF on that rim, which it
-/// does not exceed beyond: twice the sum of 1/(pi (half/2 + m))^2 over m >= 0, sinc^2 at its
-/// greatest.
+/// Returns a bound of the part of the sum over m that lies beyond |f| = half/2 along either axis.
+///
+/// The bound assumes that the OTF is not larger beyond this rim than on it. For each axis it is the
+/// greatest OTF on the rim, times twice the sum of 1/(pi (half/2 + m))^2 over m >= 0, with sinc^2
+/// at its greatest.
 fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half: usize) -> f64 {
     let rim = 0.5 * half as f64;
     let tail = 2.0 / (PI * PI) * (1.0 / rim + 0.5 / (rim * rim) + 1.0 / (6.0 * rim.powi(3)));
@@ -139,7 +145,7 @@ fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half
             .map(|i| {
                 let along = 0.5 * i as f64 / count as f64;
                 let weight = sinc(PI * along).powi(2);
-                // A little to both sides: the OTF may pass through 0 on the rim itself.
+                // Points a little beyond the rim too: on the rim itself the OTF may pass through 0.
                 let beside = [0.0, 0.13, 0.29, 0.41].map(|more| {
                     let [x, y] = if axis == 0 {
                         [rim + more, along]
@@ -155,7 +161,7 @@ fn cut_off(otf: &(impl Fn(f64, f64) -> Complex64 + Sync), size: [usize; 2], half
     tail * (largest(0) + largest(1))
 }
 
-/// The weights on a period of `size` pixels, odd in both axes.
+/// Computes the weights on a period of `size` pixels; both sizes must be odd.
 fn weights(
     otf: &(impl Fn(f64, f64) -> Complex64 + Sync),
     size: [usize; 2],
@@ -164,7 +170,7 @@ fn weights(
     let [width, height] = size;
     let columns = width / 2 + 1;
     let spread = half as i64 / 2 + 1;
-    // Frequencies that look alike, each with its sinc^2.
+    // Frequencies that look alike on whole pixels, each with its sinc^2.
     let alike = |k: usize, size: usize| -> Vec<(f64, f64)> {
         let k = k as f64 / size as f64;
         (-spread..=spread)
@@ -204,7 +210,7 @@ fn weights(
     let scale = 1.0 / (width * height) as f64;
     let mut weights = vec![0.0; width * height];
     for (row, mut half) in rows.into_iter().enumerate() {
-        // The first is real but for rounding.
+        // The first value is real, except for rounding.
         half[0].im = 0.0;
         let mut line = vec![0.0; width];
         inverse

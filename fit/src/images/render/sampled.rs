@@ -1,8 +1,8 @@
-//! The mid-air image by samples: every pixel gathers the source from where its light comes.
+//! Mid-air image by samples: every pixel gathers light from the places of the source that reach it.
 //!
-//! The mean over a pixel's square of a picture of square pixels is a straight line between its
-//! pixels, both ways, so that a sample of the spot is one interpolated value: the blur alone is
-//! sampled, and the expected image is the one of [`Psf`].
+//! The mean of a picture of square pixels over the square of one pixel is linear between pixels,
+//! along both axes. One sample of the spot is therefore one interpolated value. Only the blur is
+//! sampled, and the expected image is the image of [`Psf`].
 //!
 //! [`Psf`]: crate::images::render::psf::Psf
 
@@ -18,34 +18,35 @@ use crate::predict::Error as Unshown;
 use crate::samples::Points;
 use crate::samples::Sampling;
 
-/// Independent randomisations among which a pixel's samples are shared out; its standard error
-/// comes from their scatter.
+/// Count of independent randomisations among which the samples of a pixel are divided.
+///
+/// Their scatter gives the standard error of the pixel.
 const RANDOMISATIONS: usize = 8;
 
-/// Samples of one randomisation that are drawn for a picture under one blur, a block of which every
-/// pixel takes.
+/// Samples that one randomisation draws for a picture under one blur; every pixel takes a block of
+/// them.
 const DRAWN: usize = 32_768;
 
-/// An image by samples.
+/// Image that was rendered by samples.
 #[derive(Debug)]
 pub(crate) struct Sampled {
-    /// The image.
+    /// Rendered image.
     pub image: Picture,
-    /// Root mean square over all values of the image of their standard errors; `None` for one
-    /// sample a pixel.
+    /// Root mean square of the standard errors of all values of the image; `None` with one sample a
+    /// pixel.
     pub standard_error: Option<f64>,
-    /// How the sheet was seen: once, or for every pixel.
+    /// Blur and brightness of the sheet: one entry for the whole picture, or one for every pixel.
     pub seen: Vec<Spotted>,
 }
 
-/// What the sheet makes of one place.
+/// Brightness of the sheet at one place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spotted {
-    /// The place.
+    /// Incidence, azimuth and distance of the place.
     pub place: Viewpoint,
-    /// Luminance over the source's; `None` without mu.
+    /// Luminance of the mid-air image divided by that of the source; `None` without mu.
     pub energy: Option<f64>,
-    /// Whether the place lies between the directions of the table.
+    /// True if the place lies between the directions of the table.
     pub interpolated: bool,
 }
 
@@ -58,12 +59,13 @@ impl Spotted {
         }
     }
 
+    /// Returns the energy, or 1 if mu is not known.
     fn brightness(&self) -> f64 {
         self.energy.unwrap_or(1.0)
     }
 }
 
-/// The samples of a pixel: `each` of every randomisation.
+/// Samples of a pixel: `each` samples of every randomisation.
 struct Plan {
     nets: Vec<Points>,
     each: usize,
@@ -80,11 +82,12 @@ impl Plan {
     }
 }
 
-/// Value of every plane, and the sum of the squares of their standard errors (0 for one
+/// Value of a pixel in every plane, and the sum of the squares of their standard errors (0 for one
 /// randomisation).
 type Gathered = (Vec<f32>, f64);
 
-/// The mean over randomisations, each of which gives its offsets in pixels.
+/// Returns the value of a pixel: the mean over all randomisations, each of which gives offsets in
+/// pixels.
 fn gather<O: Iterator<Item = [f64; 2]>>(
     source: &Picture,
     pixel: usize,
@@ -100,7 +103,7 @@ fn gather<O: Iterator<Item = [f64; 2]>>(
         own.fill(0.0);
         let mut each = 0.0;
         for [x, y] in offsets {
-            // Light that lands here left the source so far back.
+            // The light that is displaced by (x, y) to this pixel comes from here.
             let from = [at[0] - x, at[1] - y];
             for (own, plane) in own.iter_mut().zip(&source.planes) {
                 *own += f64::from(bilinear(plane, size, from));
@@ -126,6 +129,7 @@ fn gather<O: Iterator<Item = [f64; 2]>>(
     (sums.iter().map(|sum| (sum / count) as f32).collect(), error)
 }
 
+/// Assembles the image from its pixels, and returns it with its standard error.
 fn image(source: &Picture, gathered: Vec<Gathered>, plan: &Plan) -> (Picture, Option<f64>) {
     let plane = |k: usize| gathered.iter().map(|(values, _)| values[k]).collect();
     let planes: Vec<Vec<f32>> = (0..source.planes.len()).map(plane).collect();
@@ -140,14 +144,18 @@ fn image(source: &Picture, gathered: Vec<Gathered>, plan: &Plan) -> (Picture, Op
     (picture, standard_error)
 }
 
+/// Multiplies an offset by a matrix.
 fn turned(matrix: &[[f64; 2]; 2], offset: [f64; 2]) -> [f64; 2] {
     matrix.map(|row| row[0] * offset[0] + row[1] * offset[1])
 }
 
-/// A picture under one blur and dimming. All pixels share the samples, each a block of them.
+/// Renders a picture with one blur and one brightness for all pixels.
+///
+/// All pixels share the samples, and each pixel uses a block of them.
 ///
 /// # Errors
-/// [`Error::Blur`]; [`Error::NoSamples`].
+/// Returns [`Error::Blur`] if the sheet has no blur at this place, and [`Error::NoSamples`] if the
+/// model has no samples.
 pub(crate) fn uniform(
     source: &Picture,
     sheet: &dyn Sheet,
@@ -173,7 +181,7 @@ pub(crate) fn uniform(
     };
     let pixels = (0..source.width * source.height).into_par_iter();
     let gathered = pixels.map(|pixel| {
-        // Neighbours take blocks far apart; another randomisation, other ones.
+        // Neighbouring pixels use blocks that are far apart. Every randomisation uses other blocks.
         let own = nets.iter().enumerate().map(|(k, net)| {
             let block = (pixel.wrapping_mul(0x9e37_79b1) >> 7).wrapping_add(k * pixel) % blocks;
             net[block * plan.each..][..plan.each].iter().copied()
@@ -188,11 +196,15 @@ pub(crate) fn uniform(
     })
 }
 
-/// The image as a camera sees it: blur and dimming of every pixel its own, without tiles. What the
-/// coating mirrors is added as in [`crate::images::render::viewed`].
+/// Renders the image that a camera sees: every pixel has its own blur and brightness, without
+/// tiles.
+///
+/// If the view has a coating, the reflection of the source is added as in
+/// [`crate::images::render::viewed`].
 ///
 /// # Errors
-/// [`Error::Unseen`], [`Error::Pixel`], [`Error::NoSamples`].
+/// Returns [`Error::Unseen`] if the view does not show the sheet, [`Error::Pixel`] if the blur of a
+/// pixel cannot be computed, and [`Error::NoSamples`] if the model has no samples.
 pub(crate) fn viewed(
     source: &Picture,
     sheet: &dyn Sheet,

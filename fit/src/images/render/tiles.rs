@@ -1,38 +1,44 @@
-//! A picture whose blur changes from pixel to pixel: exact at the corners of tiles, and between
-//! them blended.
+//! Rendering of a picture whose blur changes from pixel to pixel, by tiles.
 //!
-//! A pixel of the image gathers the source with its own weights E K. They are worked out at the
-//! corners of a grid of tiles; in a tile the image is the mixture of the four blurred images,
-//! bilinear in the place, so that the shares of all corners sum to 1 everywhere. Tiles are halved
-//! until in the middle of every one, where the mixture is farthest from its corners, it differs
-//! from the middle's own weights by less than the tolerance in the sum of all absolute differences:
-//! times the brightest source, a bound of the error there.
+//! A pixel of the image gathers the source with its own weights E K (energy times blur). The
+//! weights are computed at the corners of a grid of tiles. In a tile, the image is the bilinear
+//! mixture of the four images that are blurred by the weights of its corners, so the shares of all
+//! corners sum to 1 everywhere.
+//!
+//! Tiles are halved until the mixture is close to the exact weights in the middle of every tile,
+//! where it is farthest from the corners. The difference is the sum of all absolute differences of
+//! the weights. The difference times the brightest source pixel is a bound of the error there.
 
 use rayon::prelude::*;
 
 use crate::images::render::psf::{Fault, Psf};
 use crate::images::render::transform::Convolver;
 
-/// Most tiles along an axis.
+/// Greatest count of tiles along an axis.
 const MOST: usize = 64;
 
-/// Weights on a grid of corners.
+/// Grid of tiles with the weights of the blur at their corners.
 pub(crate) struct Tiles {
-    /// Corners along both axes, in pixels from the picture's left and top: the first at -0.5, the
-    /// last at the far end.
+    /// Corners along both axes, in pixels from the middle of the first pixel of the picture.
+    ///
+    /// The first corner is at -0.5, the left or upper side of the picture. The last is at the other
+    /// side.
     places: [Vec<f64>; 2],
-    /// Row-major, energy included.
+    /// Weights at the corners in row-major order, multiplied by the energy.
     corners: Vec<Psf>,
-    /// Greatest difference in the middle of a tile, relative to the greatest energy.
+    /// Greatest difference in the middle of a tile, divided by the greatest energy.
     pub error: f64,
 }
 
 impl Tiles {
-    /// For a picture of `size`. `at` gives the weights at a place, columns and rows from the middle
-    /// of the picture's first pixel; `tolerance` is relative to the greatest energy.
+    /// Computes the weights at the corners of as many tiles as the tolerance needs, at most
+    /// [`MOST`] along an axis.
+    ///
+    /// `size` is the picture in columns and rows. `at` returns the weights at a place, in columns
+    /// and rows from the middle of the first pixel. `tolerance` is relative to the greatest energy.
     ///
     /// # Errors
-    /// Those of `at`.
+    /// Returns the first error of `at`.
     pub(crate) fn new<E: From<Fault> + Send>(
         size: [usize; 2],
         tolerance: f64,
@@ -80,7 +86,7 @@ impl Tiles {
             if tiles.error <= tolerance || counts.iter().all(|&count| count >= MOST) {
                 return Ok(tiles);
             }
-            // Tiles stay about square.
+            // Tiles remain about square.
             let wide = size[0] * rows > size[1] * columns * 3 / 2;
             let high = size[1] * columns > size[0] * rows * 3 / 2;
             counts = [
@@ -91,34 +97,35 @@ impl Tiles {
         }
     }
 
-    /// Number of tiles along both axes.
+    /// Returns the counts of tiles along both axes.
     pub(crate) fn counts(&self) -> [usize; 2] {
         self.places.each_ref().map(|places| places.len() - 1)
     }
 
-    /// Columns and rows of all corners, from the middle of the picture's first pixel.
+    /// Returns columns and rows of all corners, from the middle of the first pixel of the picture.
     pub(crate) fn corner_places(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let [columns, rows] = &self.places;
         rows.iter()
             .flat_map(|&y| columns.iter().map(move |&x| [x, y]))
     }
 
-    /// Weights at all corners.
+    /// Returns the weights at all corners, row by row.
     pub(crate) fn corners(&self) -> &[Psf] {
         &self.corners
     }
 
+    /// Returns the weights at the four corners of a tile.
     fn around(&self, [column, row]: [usize; 2]) -> [&Psf; 4] {
         let columns = self.places[0].len();
         let first = row * columns + column;
         [first, first + 1, first + columns, first + columns + 1].map(|i| &self.corners[i])
     }
 
-    /// The image of planes of one size, `size` columns and rows.
+    /// Renders the image of colour planes that all have `width` columns and `height` rows.
     pub(crate) fn render(&self, planes: &[Vec<f32>], [width, height]: [usize; 2]) -> Vec<Vec<f32>> {
         let mut images = vec![vec![0.0; width * height]; planes.len()];
         let [columns, rows] = self.counts();
-        // Tiles are put in in order, each made by itself.
+        // Each tile is made independently. The tiles are then copied into the image in order.
         for row in 0..rows {
             let tiles = (0..columns).into_par_iter();
             let made: Vec<_> = tiles
@@ -135,14 +142,14 @@ impl Tiles {
         images
     }
 
-    /// First pixel, size and planes of one tile.
+    /// Renders one tile. Returns its first pixel, its size and its planes.
     fn tile(
         &self,
         planes: &[Vec<f32>],
         picture: [usize; 2],
         tile: [usize; 2],
     ) -> ([usize; 2], [usize; 2], Vec<Vec<f32>>) {
-        // A pixel belongs to the tile that its middle lies in.
+        // A pixel belongs to the tile that contains its middle.
         let pixel = |axis: usize, i: usize| {
             (self.places[axis][i].ceil().max(0.0) as usize).min(picture[axis])
         };
@@ -155,7 +162,7 @@ impl Tiles {
         let reach = [0, 1].map(|axis| corners.iter().map(|psf| psf.reach[axis]).max().unwrap_or(0));
         let margin = [0, 1].map(|axis| reach[axis].min(picture[axis]));
         let crop = [0, 1].map(|axis| size[axis] + 2 * margin[axis]);
-        // The crop brings its own margin; only what comes round into that may be wrong.
+        // The crop has its own margin. Light that wraps around may spoil this margin only.
         let convolver = Convolver::new(crop, [0, 1].map(|axis| reach[axis] - margin[axis]));
         let weights = corners.map(|psf| convolver.weights(psf));
         let part = |axis: usize, i: usize| {
@@ -189,7 +196,7 @@ impl Tiles {
     }
 }
 
-/// A part of a plane with a margin, black where it leaves the picture.
+/// Cuts a part with a margin from a plane; beyond the picture the part is black.
 fn cut(
     plane: &[f32],
     [width, height]: [usize; 2],
@@ -213,7 +220,7 @@ fn cut(
     part
 }
 
-/// Sum of the absolute differences of weights and the mean of four others.
+/// Returns the sum of the absolute differences between weights and the mean of four others.
 fn difference(own: &Psf, others: [&Psf; 4]) -> f64 {
     let all = [own, others[0], others[1], others[2], others[3]];
     let reach = [0, 1].map(|axis| all.iter().map(|psf| psf.reach[axis]).max().unwrap_or(0));

@@ -1,9 +1,9 @@
-//! Convolution of a large picture by real Fourier transforms: rows, then columns with the product,
-//! then rows again.
+//! Convolution of a large picture by real Fourier transforms.
 //!
-//! In f32: rounding leaves about 1e-7 of the picture's root mean square. Rows and blocks of columns
-//! are worked on in parallel, each by itself, so that the bytes do not depend on the number of
-//! threads.
+//! Rows are transformed first, then columns with the product, then rows again. All values are f32:
+//! rounding errors are about 1e-7 of the root mean square of the picture. Rows and blocks of
+//! columns are processed in parallel, each independently, so the result is the same for any number
+//! of threads.
 
 use std::sync::Arc;
 
@@ -15,14 +15,16 @@ use rustfft::{Fft, FftPlanner};
 use crate::images::render::psf::Psf;
 use crate::numerics::{smooth, smooth_even};
 
-/// Columns that are transformed together: a cache line of the rows that they are gathered from.
+/// Count of columns that are transformed together: one cache line of each row.
 const BLOCK: usize = 16;
 
-/// The transforms for pictures of one size and blurs up to one reach.
+/// Fourier transforms for pictures of one size and blurs up to one reach.
 pub(crate) struct Convolver {
     /// Columns and rows of the picture.
     picture: [usize; 2],
-    /// Columns and rows of a period, wide enough that nothing that is seen comes round.
+    /// Columns and rows of the period of the transforms.
+    ///
+    /// The period is so wide that no light that wraps around is seen in the picture.
     period: [usize; 2],
     forward: Arc<dyn RealToComplex<f32>>,
     backward: Arc<dyn ComplexToReal<f32>>,
@@ -30,15 +32,16 @@ pub(crate) struct Convolver {
     up: Arc<dyn Fft<f32>>,
 }
 
-/// The spectrum of a picture or of weights: blocks of columns, each column whole.
+/// Spectrum of a picture or of weights, in blocks of whole columns.
 pub(crate) struct Spectrum {
     blocks: Vec<Vec<Complex32>>,
 }
 
 impl Convolver {
-    /// For pictures of `size` (columns, rows) and weights of `reach`.
+    /// Prepares the transforms for pictures of `size` (columns, rows) and weights of `reach`.
     pub(crate) fn new(size: [usize; 2], reach: [usize; 2]) -> Convolver {
-        // What is sent past one end comes round to the other, where only `reach` is needed dark.
+        // Light that leaves at one end wraps around to the other end, so `reach` dark pixels are
+        // enough.
         let period = [smooth_even(size[0] + reach[0]), smooth(size[1] + reach[1])];
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
@@ -52,15 +55,16 @@ impl Convolver {
         }
     }
 
-    /// The transform of weights, scaled so that a spectrum times it is ready for
-    /// [`Convolver::blur`].
+    /// Transforms the weights of a blur for [`Convolver::blur`].
+    ///
+    /// The spectrum is scaled, so that no later step has to normalise.
     pub(crate) fn weights(&self, psf: &Psf) -> Spectrum {
         let [width, height] = self.period;
         let [reach_x, reach_y] = psf.reach;
         let scale = 1.0 / (width * height) as f32;
         let columns = 2 * reach_x + 1;
-        // Weights are laid around the first pixel; a kernel wider than the period adds up where it
-        // comes round.
+        // The weights lie around the first pixel. Weights wider than the period wrap around and
+        // add up.
         let rows = (0..psf.weights.len() / columns).into_par_iter().map(|i| {
             let mut line = vec![0.0; width];
             for (j, weight) in psf.weights[i * columns..][..columns].iter().enumerate() {
@@ -81,12 +85,12 @@ impl Convolver {
         self.columns(&lines)
     }
 
-    /// The picture's plane blurred, `picture` in size: black outside.
+    /// Blurs a plane of the picture; the area outside the picture is black.
     pub(crate) fn blur(&self, plane: &[f32], weights: &Spectrum) -> Vec<f32> {
         self.blurred(self.spectrum(plane).times(weights))
     }
 
-    /// The transform of a plane.
+    /// Transforms a plane to its spectrum.
     pub(crate) fn spectrum(&self, plane: &[f32]) -> Spectrum {
         let lines: Vec<Option<Vec<Complex32>>> = plane
             .par_chunks_exact(self.picture[0])
@@ -99,7 +103,7 @@ impl Convolver {
         self.columns(&lines)
     }
 
-    /// The plane of a spectrum.
+    /// Transforms a spectrum back to a plane of the size of the picture.
     pub(crate) fn blurred(&self, mut spectrum: Spectrum) -> Vec<f32> {
         let [width, pixels_down] = self.picture;
         let height = self.period[1];
@@ -113,7 +117,7 @@ impl Convolver {
                 let columns = spectrum.blocks.iter();
                 let columns = columns.flat_map(|block| block.chunks_exact(height));
                 let mut half: Vec<Complex32> = columns.map(|column| column[row]).collect();
-                // Real but for rounding, as are the sums that they stand for.
+                // Both ends are real, except for rounding.
                 let last = half.len() - 1;
                 half[0].im = 0.0;
                 half[last].im = 0.0;
@@ -126,6 +130,7 @@ impl Convolver {
         blurred
     }
 
+    /// Transforms one row.
     fn row(&self, mut line: Vec<f32>) -> Vec<Complex32> {
         let mut half = self.forward.make_output_vec();
         self.forward
@@ -134,7 +139,7 @@ impl Convolver {
         half
     }
 
-    /// Transforms columns; rows that are missing are black.
+    /// Transforms all columns; rows that are `None` are black.
     fn columns(&self, lines: &[Option<Vec<Complex32>>]) -> Spectrum {
         let height = self.period[1];
         let count = self.period[0] / 2 + 1;
@@ -159,7 +164,7 @@ impl Convolver {
 }
 
 impl Spectrum {
-    /// The product of two of one size.
+    /// Multiplies two spectra of the same size.
     pub(crate) fn times(&self, other: &Spectrum) -> Spectrum {
         let blocks = self.blocks.par_iter().zip(&other.blocks);
         let product = |(block, other): (&Vec<Complex32>, &Vec<Complex32>)| {

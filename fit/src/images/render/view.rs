@@ -1,5 +1,5 @@
-//! A camera before a mid-air image: at which incidence, azimuth and distance the sheet shows every
-//! pixel.
+//! Camera in front of a mid-air image: the incidence, azimuth and distance of every pixel on the
+//! sheet.
 //!
 //! ```text
 //!                     |  the image's plane        /  the sheet's plane
@@ -9,12 +9,12 @@
 //!                     |                       /    n
 //! ```
 //!
-//! All is given as the camera sees it, so as if the half mirror were not there: where it sees the
-//! sheet by reflection, the sheet is given where its mirror image is. The light of pixel x comes
-//! along h, x, E; the sheet sent it back along the way on which it came, so h is where it was
-//! returned, the angle of E - x with the sheet's normal its incidence, and
-//! |h - x| the distance R that its blur has grown over. The blur is that of the plane across the ray, carried along the ray to the
-//! image's plane.
+//! All positions are given as the camera sees them, as if there were no half mirror. If the camera
+//! sees the sheet in the half mirror, give the position of its mirror image. The light of pixel x
+//! passes h, x and E. The sheet sent it back at h along the way on which it came. So its incidence
+//! is the angle between E - x and the sheet's normal, and the distance R, over which its blur has
+//! grown, is |h - x|. The blur is computed in the plane across the ray and projected along the ray
+//! to the plane of the image.
 
 use std::path::{Path, PathBuf};
 
@@ -25,75 +25,84 @@ use crate::document::error as document;
 use crate::document::{Document, Section};
 use crate::images::spot::Viewpoint;
 
-/// Directions this close to the normal have no azimuth of their own, rad.
+/// Sine of the incidence below which the azimuth is not defined.
 const UPRIGHT: f64 = 1e-9;
 
-/// What a VIEW.toml says; lengths in mm, directions of length 1.
+/// Content of a VIEW.toml: lengths in mm, directions of length 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CameraView {
+    /// File that was read.
     file: PathBuf,
+    /// Position of the camera, mm.
     camera: Vector3<f64>,
+    /// Middle of the mid-air image, mm.
     centre: Vector3<f64>,
+    /// Direction of the columns of the picture, to the right.
     right: Vector3<f64>,
+    /// Direction of the rows of the picture, downwards.
     down: Vector3<f64>,
+    /// Width of a pixel, mm.
     pitch_mm: f64,
+    /// A point of the sheet, mm.
     sheet: Vector3<f64>,
+    /// Normal of the sheet.
     normal: Vector3<f64>,
-    /// In the sheet's plane, azimuth 0.
+    /// Direction of azimuth 0 in the plane of the sheet.
     first_edge: Vector3<f64>,
-    /// -1 where the camera sees the sheet in the half mirror, which turns azimuths round.
+    /// Sign of azimuths: -1 if the camera sees the sheet in the half mirror, which reverses them;
+    /// else 1.
     handedness: f64,
-    /// Luminance behind the image, in units of the source's white.
+    /// Luminance behind the image, in units of the white of the source.
     pub ambient: f64,
-    /// Refractive index of the sheet's coating.
+    /// Refractive index of the sheet's coating; `None` without a coating.
     pub coating: Option<f64>,
 }
 
-/// How a pixel is seen.
+/// View of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Seen {
-    /// Where on the sheet.
+    /// Incidence and azimuth on the sheet, and distance R.
     pub place: Viewpoint,
-    /// From (tangential, sagittal) mm across the ray to (columns, rows).
+    /// Matrix that converts (tangential, sagittal) mm across the ray to (columns, rows).
     pub pixels_from_mm: [[f64; 2]; 2],
-    /// The place in the picture, columns and rows from its middle, that the sheet's front face
-    /// mirrors there; `None` where the mirrored ray misses the image's plane.
+    /// Place in the picture that the front face of the sheet reflects there, in columns and rows
+    /// from the middle of the picture.
+    ///
+    /// It is `None` if the reflected ray misses the plane of the image.
     pub mirrored: Option<[f64; 2]>,
 }
 
-/// A pixel that shows no sheet.
+/// Reason why a pixel does not show the sheet.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Error {
-    /// The sheet turns its back.
+    /// Camera that is behind the sheet.
     #[error("{}: the camera sees the back of the sheet at pixel ({column:.0}, {row:.0}); turn \
-    `normal` of [sheet] towards \
-             the camera", file.display())]
+        `normal` of [sheet] towards the camera", file.display())]
     Back {
-        /// The view.
+        /// View file.
         file: PathBuf,
-        /// Column.
+        /// Column of the pixel, from the middle of the picture.
         column: f64,
-        /// Row.
+        /// Row of the pixel, from the middle of the picture.
         row: f64,
     },
-    /// The sheet stands before the image.
+    /// Sheet in front of the image.
     #[error("{}: at pixel ({column:.0}, {row:.0}) the sheet is not behind the image; move \
-    `position_mm` of [sheet] away from \
-             the camera", file.display())]
+        `position_mm` of [sheet] away from the camera", file.display())]
     Before {
-        /// The view.
+        /// View file.
         file: PathBuf,
-        /// Column.
+        /// Column of the pixel, from the middle of the picture.
         column: f64,
-        /// Row.
+        /// Row of the pixel, from the middle of the picture.
         row: f64,
     },
-    /// The image is seen from its edge.
-    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] before the \
-    image", file.display())]
+    /// Camera in the plane of the image.
+    #[error("{}: the camera lies in the image's plane; move `position_mm` of [camera] in front \
+        of the image", file.display())]
     Edge {
-        /// The view.
+        /// View file.
         file: PathBuf,
     },
 }
@@ -102,7 +111,8 @@ impl CameraView {
     /// Reads a VIEW.toml.
     ///
     /// # Errors
-    /// [`document::Error`] with file, line, key and remedy.
+    /// Returns a [`document::Error`] with file, line, key and remedy if the file cannot be read, if
+    /// a key is missing or unknown, or if a value is outside its range.
     pub(crate) fn load(file: &Path) -> Result<CameraView, document::Error> {
         let document = Document::read(file)?;
         let parsed = document.parse()?;
@@ -148,15 +158,17 @@ impl CameraView {
         })
     }
 
-    /// One pixel, mm.
+    /// Returns the width of a pixel, mm.
     pub(crate) fn pitch_mm(&self) -> f64 {
         self.pitch_mm
     }
 
-    /// How the point is seen that lies `column`, `row` pixels from the middle of the picture.
+    /// Computes the view of the point that lies `column`, `row` pixels from the middle of the
+    /// picture.
     ///
     /// # Errors
-    /// [`Error`].
+    /// Returns [`Error::Edge`] if the camera lies in the plane of the image, [`Error::Back`] if it
+    /// sees the back of the sheet, and [`Error::Before`] if the sheet is not behind the image.
     pub(crate) fn at(&self, [column, row]: [f64; 2]) -> Result<Seen, Error> {
         let file = || self.file.clone();
         let plane = self.right.cross(&self.down);
@@ -184,7 +196,7 @@ impl CameraView {
                 row,
             });
         }
-        // The light went to the sheet along the camera's ray; u is its direction within the sheet.
+        // The light arrived at the sheet along the camera's ray. u is its direction in the sheet.
         let within = ray + self.normal * cosine;
         let sine = within.norm();
         let u = if sine > UPRIGHT {
@@ -212,8 +224,10 @@ impl CameraView {
         })
     }
 
-    /// The source is seen by the sheet where its mid-air image is: a ray that the front face turns
-    /// back meets it there.
+    /// Finds the place in the picture that the front face of the sheet reflects at `hit`.
+    ///
+    /// The sheet sees the source at the place of the mid-air image, so the reflected ray meets it
+    /// there. Returns `None` if the ray misses the plane of the image.
     fn mirrored(
         &self,
         ray: Vector3<f64>,
@@ -228,7 +242,7 @@ impl CameraView {
     }
 }
 
-/// Share of unpolarised light that a flat face of `index` reflects at an incidence (Fresnel's
+/// Returns the share of unpolarised light that a flat face of `index` reflects (Fresnel's
 /// equations).
 pub(crate) fn fresnel(index: f64, incidence_deg: f64) -> f64 {
     let (sine, cosine) = incidence_deg.to_radians().sin_cos();
@@ -242,11 +256,16 @@ pub(crate) fn fresnel(index: f64, incidence_deg: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
+/// Reads a point, mm.
 fn point(section: &Section<'_>, key: &'static str) -> Result<Vector3<f64>, document::Error> {
     Ok(Vector3::from(section.required(key, section.vector(key)?)?))
 }
 
-/// A direction of length 1, made perpendicular to another.
+/// Reads a direction, scales it to length 1, and makes it perpendicular to `to` if that is given.
+///
+/// # Errors
+/// Returns a [`document::Error`] if the key is missing, if the direction has no length, or if it is
+/// parallel to `to`.
 fn direction(
     section: &Section<'_>,
     key: &'static str,

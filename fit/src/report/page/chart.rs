@@ -1,14 +1,14 @@
-//! Small vector charts. They carry classes, no colours: the page's style makes them light, dark or
-//! printed.
+//! Small vector charts.
 //!
-//! kuva, which draws the pictures of `--plot`, fixes colours and a size in pixels and takes 40 kB
-//! where this takes 4.
+//! They have classes and no colours: the style sheet of the page makes them light, dark or printed.
+//! kuva, which draws the pictures of `--plot`, fixes colours and a size in pixels, and needs 40 kB
+//! where this needs 4 kB.
 
 use std::fmt::Write;
 
 use crate::report::page::markup::{escape, minus};
 
-/// One axis of a panel.
+/// Axis of a panel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Axis {
     low: f64,
@@ -17,9 +17,9 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// From `low` to `high`, evenly.
+    /// Makes a linear axis from `low` to `high`.
     pub(crate) fn linear(low: f64, high: f64) -> Axis {
-        // An axis without a length would divide by it.
+        // An axis of length 0 would cause a division by 0.
         let high = if high > low { high } else { low + 1.0 };
         Axis {
             low,
@@ -28,7 +28,7 @@ impl Axis {
         }
     }
 
-    /// From `low` > 0 to `high`, by powers.
+    /// Makes a logarithmic axis from `low`, which is above 0, to `high`.
     pub(crate) fn logarithmic(low: f64, high: f64) -> Axis {
         Axis {
             log: true,
@@ -36,7 +36,7 @@ impl Axis {
         }
     }
 
-    /// Around all values, with a margin of 6 % of their range.
+    /// Makes a linear axis that holds all values, with a margin of 6 % of their range.
     pub(crate) fn around(values: impl IntoIterator<Item = f64>) -> Axis {
         let (low, high) = values
             .into_iter()
@@ -51,7 +51,7 @@ impl Axis {
         Axis::linear(low - margin, high + margin)
     }
 
-    /// Where a value lies: 0 at the low end, 1 at the high one.
+    /// Returns the position of a value on the axis: 0 at the low end, 1 at the high end.
     fn part(&self, value: f64) -> f64 {
         if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -60,7 +60,7 @@ impl Axis {
         }
     }
 
-    /// At most about `most` round numbers.
+    /// Returns round numbers on the axis, about `most` at the most.
     fn ticks(&self, most: usize) -> Vec<f64> {
         if self.log {
             let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
@@ -82,7 +82,7 @@ impl Axis {
             .collect()
     }
 
-    /// A tick in as few digits as tell it from its neighbours.
+    /// Writes a tick with as few digits as distinguish it from its neighbours.
     fn name(&self, tick: f64, most: usize) -> String {
         let step = if self.log {
             tick
@@ -94,7 +94,7 @@ impl Axis {
     }
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is at least `step`.
+/// Returns the smallest of 1, 2, 5 times a power of ten that is at least `step`.
 fn nice(step: f64) -> f64 {
     let power = 10_f64.powf(step.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
@@ -104,19 +104,21 @@ fn nice(step: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// A rectangle of the picture with two axes. Lengths in the picture's own units, origin at its
-/// upper left.
+/// Rectangle of the picture with two axes.
+///
+/// Lengths are in the units of the picture, whose origin is its upper left corner.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Panel {
-    /// Across.
+    /// Axis across.
     pub x: Axis,
-    /// Upwards.
+    /// Axis upwards.
     pub y: Axis,
     /// Left, top, width, height.
     pub frame: [f64; 4],
 }
 
 impl Panel {
+    /// Returns the place of a point in the picture.
     fn at(&self, x: f64, y: f64) -> [f64; 2] {
         let [left, top, width, height] = self.frame;
         [
@@ -125,7 +127,9 @@ impl Panel {
         ]
     }
 
-    /// Lines and names of the y ticks; x ticks with names if `named`.
+    /// Draws the lines of all ticks, and the numbers of the y ticks.
+    ///
+    /// The numbers of the x ticks are drawn if `named` is true.
     pub(crate) fn grid(&self, y_ticks: usize, named: bool) -> String {
         const X_TICKS: usize = 5;
         let [left, top, width, height] = self.frame;
@@ -157,7 +161,7 @@ impl Panel {
         format!("<path class=\"lines\" d=\"{lines}\"/>{names}")
     }
 
-    /// Names of the axes: below, and turned on the left.
+    /// Draws the names of the axes: below, and turned on the left.
     pub(crate) fn names(&self, x: &str, y: &str) -> String {
         let [left, top, width, height] = self.frame;
         let (centre, middle) = (left + 0.5 * width, top + 0.5 * height);
@@ -177,7 +181,7 @@ impl Panel {
         )
     }
 
-    /// A curve; what leaves the panel upwards is cut there.
+    /// Draws a curve, and cuts it at the upper side of the panel.
     pub(crate) fn line(&self, class: &str, points: &[[f64; 2]]) -> String {
         let mut d = String::new();
         let mut pen = false;
@@ -211,7 +215,7 @@ impl Panel {
         format!("<path class=\"{class}\" d=\"{d}\"/>")
     }
 
-    /// Round dots: lines of no length with round ends.
+    /// Draws round dots, as lines of no length with round ends.
     pub(crate) fn dots(&self, class: &str, points: &[[f64; 2]]) -> String {
         let mut d = String::new();
         for &[x, y] in points {
@@ -221,7 +225,7 @@ impl Panel {
         format!("<path class=\"{class}\" d=\"{d}\"/>")
     }
 
-    /// Upright bars from the first to the second y.
+    /// Draws upright bars from the first to the second y.
     pub(crate) fn bars(&self, class: &str, bars: &[(f64, [f64; 2])]) -> String {
         let mut d = String::new();
         for &(x, [low, high]) in bars {
@@ -231,17 +235,17 @@ impl Panel {
         format!("<path class=\"{class}\" d=\"{d}\"/>")
     }
 
-    /// A level line across.
+    /// Draws a horizontal line over the whole width.
     pub(crate) fn level(&self, class: &str, y: f64) -> String {
         self.line(class, &[[self.x.low, y], [self.x.high, y]])
     }
 
-    /// An upright line from bottom to top.
+    /// Draws a vertical line from bottom to top.
     pub(crate) fn upright(&self, class: &str, x: f64) -> String {
         self.line(class, &[[x, self.y.low], [x, self.y.high]])
     }
 
-    /// A shaded rectangle between two corners, as far as it lies in the panel.
+    /// Draws a shaded rectangle between two corners, cut at the sides of the panel.
     pub(crate) fn shade(&self, class: &str, from: [f64; 2], to: [f64; 2]) -> String {
         let limit = |axis: &Axis, v: f64| v.clamp(axis.low, axis.high);
         let inside = |[x, y]: [f64; 2]| self.at(limit(&self.x, x), limit(&self.y, y));
@@ -254,12 +258,14 @@ impl Panel {
         )
     }
 
-    /// A shaded rectangle over the whole width.
+    /// Draws a shaded rectangle over the whole width.
     pub(crate) fn band(&self, class: &str, low: f64, high: f64) -> String {
         self.shade(class, [self.x.low, low], [self.x.high, high])
     }
 
-    /// The unit circle under the linear map [[a, 0], [b, c]] about 0 (linear axes): an ellipse.
+    /// Draws an ellipse about 0, the image of the unit circle under the linear map `(a, 0; b, c)`.
+    ///
+    /// Both axes must be linear.
     pub(crate) fn ellipse(&self, style: &str, [a, b, c]: [f64; 3]) -> String {
         let [x, y] = self.at(0.0, 0.0);
         let [_, _, width, height] = self.frame;
@@ -275,7 +281,7 @@ impl Panel {
     }
 }
 
-/// A picture with a description for those who do not see it.
+/// Writes a picture with a description for people who do not see it.
 pub(crate) fn svg([width, height]: [f64; 2], label: &str, body: &str) -> String {
     format!(
         "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">{body}</svg>\n",
@@ -340,7 +346,8 @@ mod tests {
             y: Axis::linear(-1.0, 1.0),
             frame: [0.0, 0.0, 40.0, 40.0],
         };
-        // (1, 0) goes to (1, 0.5): 10 to the right, 10 up; (0, 1) to (0, 0.25): 5 up.
+        // (1, 0) goes to (1, 0.5), which is 10 to the right and 10 up. (0, 1) goes to (0, 0.25),
+        // which is 5 up.
         assert!(
             panel
                 .ellipse("", [1.0, 0.5, 0.25])

@@ -1,5 +1,5 @@
-//! The part of a photograph that a warning is about: the region around its edge, small, with the
-//! edge and the region drawn.
+//! Crop of a photograph for a warning: the region around its edge, small, with edge and region
+//! drawn.
 
 use std::io::Cursor;
 
@@ -13,20 +13,22 @@ use crate::photographs::photo::plane::Photo;
 
 use crate::report::page::markup::escape;
 
-/// Longer side of a crop, pixels: what a phone shows sharply, and 30 kB.
+/// Longer side of a crop, pixels: sharp on a phone, and 30 kB.
 const LONGEST: usize = 240;
 
 /// Margin around the region, as a part of its longer side.
 const MARGIN: f64 = 0.15;
 
-/// Marks pixels that are saturated.
+/// Colour of saturated pixels.
 const CLIPPED: Rgb<u8> = Rgb([230, 40, 30]);
 
-/// A rectangle of pixels: left, top, width, height.
+/// Rectangle of pixels: left, top, width, height.
 type Rectangle = [usize; 4];
 
-/// A crop as SVG markup: the tone-mapped pixels with the region and the edge that was found in it
-/// as lines. `None` where the photograph cannot be read any more.
+/// Writes a crop as SVG markup.
+///
+/// It shows the tone-mapped pixels, with the region and its edge as lines. Returns `None` if the
+/// photograph cannot be read any more.
 pub(crate) fn crop(shot: &Shot, label: &str) -> Option<String> {
     let photo = shot.load().ok()?;
     let measured = measure::edge(&photo, shot.roi, &shot.accepted).ok();
@@ -52,7 +54,7 @@ pub(crate) fn crop(shot: &Shot, label: &str) -> Option<String> {
     ))
 }
 
-/// The region with its margin, as far as the picture goes.
+/// Returns the region with its margin, cut at the sides of the picture.
 fn around([x, y, width, height]: Rectangle, [_, _, wide, high]: Rectangle) -> Rectangle {
     let margin = (MARGIN * width.max(height) as f64).ceil() as usize;
     let grown = |from: usize, size: usize, all: usize| {
@@ -63,10 +65,12 @@ fn around([x, y, width, height]: Rectangle, [_, _, wide, high]: Rectangle) -> Re
     [x, y, width, height]
 }
 
-/// Averages blocks of pixels, stretches what is left from the darkest to the brightest 1 % and
-/// encodes it as the eye sees.
+/// Encodes a rectangle of a photograph as PNG.
+///
+/// Blocks of pixels are averaged. The brightness is stretched from the darkest to the brightest 1 %
+/// and encoded with a gamma of 2.2.
 fn png(photo: &Photo, [x, y, width, height]: Rectangle) -> Option<Vec<u8>> {
-    // Blocks of 3 x 3 hold a pixel of every colour of camera raw.
+    // In camera raw, blocks of 3 x 3 hold at least one pixel of every colour.
     let mosaic = photo.luminance.iter().any(|value| value.is_nan());
     let block = (width.max(height).div_ceil(LONGEST)).max(if mosaic { 3 } else { 1 });
     let size = [width.div_ceil(block), height.div_ceil(block)];
@@ -110,11 +114,14 @@ fn png(photo: &Photo, [x, y, width, height]: Rectangle) -> Option<Vec<u8>> {
     Some(bytes.into_inner())
 }
 
+/// Draws the region as a frame.
 fn drawn_region([x, y, width, height]: Rectangle) -> String {
     format!("<rect class=\"region\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>")
 }
 
-/// The line, cut at the region that it was found in. Pixel (i, j) covers i to i + 1 and j to j + 1.
+/// Draws the edge, cut at the region in which it was found.
+///
+/// Pixel (i, j) covers i to i + 1 and j to j + 1.
 fn drawn_edge(line: EdgeLine, [x, y, width, height]: Rectangle) -> String {
     let (sin, cos) = line.normal_rad.sin_cos();
     let centre = [
@@ -157,7 +164,7 @@ mod tests {
     fn pixels_are_averaged_stretched_and_marked() {
         let bytes = png(&photo(), [0, 0, 500, 300]).expect("a picture");
         let picture = image::load_from_memory(&bytes).expect("a PNG").to_rgb8();
-        // 500 pixels fit into 240 by blocks of 3.
+        // Blocks of 3 pixels make 500 pixels fit into 240.
         assert_eq!(picture.dimensions(), (167, 100));
         assert_eq!(picture.get_pixel(3, 50), &Rgb([0, 0, 0]));
         assert_eq!(picture.get_pixel(160, 50), &Rgb([255, 255, 255]));

@@ -1,5 +1,5 @@
-//! Small multiples: the MTF of every photograph, measured and modelled through one estimator, and
-//! what lies between.
+//! Section of the page with the MTF of every photograph, measured and modelled by the same
+//! estimator, and their difference.
 
 use crate::result::CaptureResult;
 
@@ -7,13 +7,14 @@ use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{escape, significant};
 use crate::report::page::shown::Page;
 
-/// Modulus below which nothing is to be seen.
+/// MTF below which frequencies are not drawn.
 const VISIBLE: f64 = 0.02;
 
-/// Standard errors that a good residual seldom leaves; a worse one widens the strip.
+/// Half height of the strip of residuals, standard errors; a larger residual makes the strip
+/// higher.
 const RESIDUALS: f64 = 4.0;
 
-/// One figure per photograph, all with the same axes.
+/// Writes one figure per photograph, all with the same axes.
 pub(crate) fn section(page: &Page) -> String {
     let captures = &page.result.captures;
     let farthest = captures
@@ -24,17 +25,22 @@ pub(crate) fn section(page: &Page) -> String {
         .fold(0.0, f64::max);
     let figures: String = captures.iter().map(|c| figure(c, farthest)).collect();
     format!(
-        "<p>The spectrum of every edge along its normal: <span class=\"key measured\">dots</span> \
-        are the photograph with \
-         95 % intervals, the <span class=\"key model\">line</span> is the fitted model seen \
-         through the same window, bins and \
-         taper. Below each, their difference in standard errors; the band holds 95 % of pure \
-         noise. Neighbouring \
-         frequencies share pixels, so their differences run together.</p>\n<div \
+        "<p>The modulation transfer function (MTF) says how much contrast the image keeps of a \
+         pattern of lines: 1 is all of it, 0 is none. The frequency is the number of line pairs \
+         (one dark, one bright) per millimetre. The MTF50 is the frequency at which the MTF falls \
+         to one half; a larger MTF50 means a sharper image.</p>\n<p>Each picture stands for one \
+         photograph. The <span class=\"key measured\">dots</span> are the photograph, with 95 % \
+         intervals. The <span class=\"key model\">line</span> is the model, measured in the same \
+         way as the photograph. The strip below shows the difference of the two, in standard \
+         errors. If only noise is left, the shaded band holds 95 % of the dots. Neighbouring dots \
+         share pixels, so their differences are alike.</p>\n<p>Below each picture stand \
+         incidence, floating distance, the direction across the edge (0\u{b0} is right, 90\u{b0} \
+         is down), MTF50, and the root mean square (rms) difference of the two curves.</p>\n<div \
          class=\"grid\">\n{figures}</div>\n"
     )
 }
 
+/// Draws the MTF curves and residuals of one photograph.
 fn figure(capture: &CaptureResult, farthest: f64) -> String {
     let curves = &capture.curves;
     let shown = curves
@@ -60,7 +66,7 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
             (f, [(m - half).max(0.0), (m + half).min(1.05)])
         })
         .collect();
-    // The modulus at zero frequency is 1 by definition.
+    // The MTF at frequency 0 is 1 by definition, so it has no residual.
     let residuals: Vec<[f64; 2]> = at(&curves.measured)
         .into_iter()
         .zip(curves.modelled.iter().zip(&curves.standard_error))
@@ -85,7 +91,7 @@ fn figure(capture: &CaptureResult, farthest: f64) -> String {
         main.dots("measured", &at(&curves.measured)),
         strip.band("noise", -band, band),
         strip.grid(2, true),
-        strip.names("frequency (1/mm)", "diff./s.e."),
+        strip.names("frequency (1/mm)", "difference"),
         strip.dots("measured", &residuals),
     ]
     .concat();

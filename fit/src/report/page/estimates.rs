@@ -1,4 +1,4 @@
-//! The numbers: c, a and mu with 95 % intervals, or bounds.
+//! Section of the page with the numbers: c, a and mu with 95 % intervals, or bounds.
 
 use crate::estimate::Bound;
 use crate::names::{ParameterId, ParameterKind};
@@ -8,10 +8,10 @@ use crate::report::page::chart::{Axis, Panel, svg};
 use crate::report::page::markup::{Row, minus, rounded, significant, table};
 use crate::report::page::shown::Page;
 
-/// Half a 95 % interval, in standard errors of a normal distribution.
+/// Half width of a 95 % interval of a normal distribution, standard errors.
 pub(crate) const INTERVAL: f64 = 1.959_964;
 
-/// One parameter as the page shows it.
+/// Parameter as the page shows it.
 struct Shown<'a> {
     kind: ParameterKind,
     symbol: &'static str,
@@ -21,7 +21,7 @@ struct Shown<'a> {
     page: &'a Page<'a>,
 }
 
-/// One number of it.
+/// One number of a parameter.
 struct Entry {
     incidence_deg: Option<f64>,
     number: Number,
@@ -29,7 +29,7 @@ struct Entry {
     truth: Option<f64>,
 }
 
-/// Symbol, meaning and unit of a parameter.
+/// Returns symbol, meaning and unit of a parameter.
 pub(crate) fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'static str) {
     match kind {
         ParameterKind::CornerSize => ("c", "corner size", "mm"),
@@ -42,6 +42,42 @@ pub(crate) fn symbol(kind: ParameterKind) -> (&'static str, &'static str, &'stat
     }
 }
 
+/// Explains a parameter in one or two sentences.
+fn explained(kind: ParameterKind) -> &'static str {
+    match kind {
+        ParameterKind::CornerSize => {
+            "c is the edge of one corner cube, measured from its innermost corner. A larger c \
+             means a larger ray shift (the small step to the side of each returned ray) and more \
+             blur."
+        }
+        ParameterKind::APerMm => {
+            "a says how narrow the spot is into which diffraction spreads the light. A larger a \
+             means less blur."
+        }
+        ParameterKind::ATimesR => {
+            "a R is the diffraction spread a times the distance R from the sheet to the image. It \
+             says how narrow the angle is into which diffraction spreads the light. A larger a R \
+             means less blur."
+        }
+        ParameterKind::Roughness => {
+            "\u{3b1} is the roughness of the facets. A larger \u{3b1} means more blur."
+        }
+        ParameterKind::SurfaceRoughness => {
+            "\u{3b1}\u{2080} is the roughness of the front face. A larger \u{3b1}\u{2080} means \
+             more blur."
+        }
+        ParameterKind::Mu => {
+            "\u{b5} (mu) is the returned light, divided by the light that the model expects \
+             without further losses. A \u{b5} of 1 means that there are no such losses."
+        }
+        ParameterKind::Azimuth => {
+            "\u{3c6} is the angle by which the sheet was turned about its normal, beyond the \
+             azimuths of the photographs."
+        }
+    }
+}
+
+/// Collects the numbers of a parameter with their bounds and truths.
 fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Shown<'a> {
     let entry = |incidence_deg: Option<f64>, number: Number| {
         let id = ParameterId {
@@ -87,7 +123,7 @@ fn shown<'a>(page: &'a Page, kind: ParameterKind, parameter: &Parameter) -> Show
     }
 }
 
-/// Cards, charts by angle, and the whole table.
+/// Writes cards, charts by angle, and a table of all numbers.
 pub(crate) fn section(page: &Page) -> String {
     let result = page.result;
     // A term that the model lacks may have a bound all the same.
@@ -120,16 +156,36 @@ pub(crate) fn section(page: &Page) -> String {
     .into_iter()
     .filter_map(|(kind, parameter)| Some(shown(page, kind, parameter?)))
     .collect();
-    let mut out = String::from("<dl class=\"cards\">\n");
+    let mut out = String::from(
+        "<p>The large number is the estimate. The 95 % interval says how sure it is: if the \
+         photographs were repeated many times, 95 of 100 such intervals would hold the true \
+         value. The standard error is the typical size of the random error.",
+    );
+    if !result.bounds.is_empty() {
+        out.push_str(
+            " A sign &lt; or &gt; marks a bound: the photographs say only that the value is \
+             smaller or larger.",
+        );
+    }
+    if page.truth.is_some() {
+        out.push_str(" The truth is the known value from the file of <code>--truth</code>.");
+    }
+    out.push_str("</p>\n<dl class=\"cards\">\n");
     out.extend(all.iter().map(Shown::card));
     out.push_str("</dl>\n");
     let charts: String = all.iter().filter_map(Shown::by_angle).collect();
     if !charts.is_empty() {
         out.push_str(&format!("<div class=\"wide grid\">\n{charts}</div>\n"));
     }
-    let mut head = vec!["", "incidence", "estimate", "std. error", "95 % interval"];
+    let mut head = vec![
+        "",
+        "incidence",
+        "estimate",
+        "standard error",
+        "95 % interval",
+    ];
     if page.truth.is_some() {
-        head.extend(["truth", "difference", "in std. errors"]);
+        head.extend(["truth", "difference", "in standard errors"]);
     }
     let rows: Vec<Row> = all
         .iter()
@@ -137,18 +193,29 @@ pub(crate) fn section(page: &Page) -> String {
         .collect();
     out.push_str(&table("All estimates", &head, &rows));
     if result.mu.is_none() {
-        out.push_str("<p>\u{b5} is a ratio to the reference photograph, and there is none.</p>\n");
+        out.push_str(
+            "<p>There is no value for the reflectance \u{b5} (mu), because there is no reference \
+             photograph. The reference photograph shows the source itself, without sheet and \
+             half mirror.</p>\n",
+        );
     }
     out
 }
 
 impl Entry {
+    /// Returns the 95 % interval, or `None` without a value or an error.
     fn interval(&self) -> Option<[f64; 2]> {
         let (value, error) = (self.number.value?, self.number.standard_error?);
         Some([value - INTERVAL * error, value + INTERVAL * error])
     }
 
-    /// What stands in place of the number: a bound, at 95 %.
+    /// Returns true if there is a bound at one side or at both.
+    fn is_bounded(&self) -> bool {
+        self.bound
+            .is_some_and(|b| b.at_least.is_some() || b.at_most.is_some())
+    }
+
+    /// Writes the bound that stands in place of the number, at 95 %.
     fn bounded(&self) -> String {
         match self.bound.map(|b| (b.at_least, b.at_most)) {
             Some((Some(least), Some(most))) => {
@@ -166,6 +233,7 @@ impl Entry {
 }
 
 impl Shown<'_> {
+    /// Writes the card of a parameter.
     fn card(&self) -> String {
         let unit = if self.unit.is_empty() {
             String::new()
@@ -183,38 +251,56 @@ impl Shown<'_> {
                     1 => significant(low, 4),
                     _ => format!("{} \u{2013} {}", significant(low, 4), significant(high, 4)),
                 };
-                let mut note = format!("one for each of {} incidence angles", several.len());
+                let mut note = format!(
+                    "from the smallest to the largest value at {} incidence angles",
+                    several.len()
+                );
                 if values.len() < several.len() {
-                    note.push_str(&format!(", {} only bounded", several.len() - values.len()));
+                    note.push_str(&format!(
+                        "; at {} of them there is only a bound",
+                        several.len() - values.len()
+                    ));
                 }
                 (range, note)
             }
         };
         format!(
-            "<div><dt><b>{}</b> {}</dt>\n<dd \
-            class=\"value\">{value}{unit}</dd>\n<dd>{note}</dd></div>\n",
-            self.symbol, self.meaning
+            "<div><dt><b>{}</b> {}</dt>\n<dd class=\"value\">{value}{unit}</dd>\n\
+             <dd>{note}</dd>\n<dd>{}</dd></div>\n",
+            self.symbol,
+            self.meaning,
+            explained(self.kind)
         )
     }
 
+    /// Returns the number and the note of the card of a parameter that all angles share.
     fn card_of_one(&self, one: &Entry) -> (String, String) {
         match (one.number.value, one.interval()) {
             (Some(value), Some([low, high])) => {
                 let error = one.number.standard_error.unwrap_or(0.0);
-                let mut note = format!("95 %: {} to {}", rounded(low, error), rounded(high, error));
+                let (low, high) = (rounded(low, error), rounded(high, error));
+                let mut note = format!("95 % interval: {low} to {high}");
                 if let Some(truth) = one.truth {
-                    note.push_str(&format!("<br/>truth {truth}"));
+                    note.push_str(&format!("<br/>truth: {truth}"));
                 }
                 (rounded(value, error), note)
             }
-            (Some(value), None) => (significant(value, 4), "no finite error".into()),
+            (Some(value), None) => (
+                significant(value, 4),
+                "The photographs give no standard error.".into(),
+            ),
+            (None, _) if one.is_bounded() => (
+                one.bounded(),
+                "The photographs give only this bound. 95 of 100 such bounds are right.".into(),
+            ),
             (None, _) => (
                 one.bounded(),
-                "at 95 %: the photographs only bound it".into(),
+                "The photographs give no value and no bound.".into(),
             ),
         }
     }
 
+    /// Writes the row of one number in the table.
     fn row(&self, entry: &Entry) -> Vec<String> {
         let error = entry.number.standard_error;
         let dash = || "\u{2013}".to_owned();
@@ -257,7 +343,7 @@ impl Shown<'_> {
         cells
     }
 
-    /// The parameter against incidence, where there is one per angle.
+    /// Draws the parameter against the incidence, if it has at least two values.
     fn by_angle(&self) -> Option<String> {
         let known = || {
             self.entries
@@ -297,7 +383,7 @@ impl Shown<'_> {
         let legend = if planted.is_empty() {
             ""
         } else {
-            "; rings are the truth"
+            " Rings are the truth."
         };
         let picture = svg(
             [360.0, 196.0],
@@ -309,8 +395,8 @@ impl Shown<'_> {
             &body,
         );
         Some(format!(
-            "<figure>{picture}<figcaption><b>{}</b> {} by incidence, with 95 % \
-            intervals{legend}</figcaption></figure>\n",
+            "<figure>{picture}<figcaption><b>{}</b>, {}, at each incidence angle. The bars are \
+             95 % intervals.{legend}</figcaption></figure>\n",
             self.symbol, self.meaning
         ))
     }

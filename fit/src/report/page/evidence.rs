@@ -1,5 +1,7 @@
-//! What an estimate rests on: profile likelihoods, how much worse the best fit becomes as one
-//! parameter is moved away.
+//! Profile likelihoods of an estimate.
+//!
+//! A profile shows how much worse the best fit becomes if one parameter is moved away from its
+//! estimate.
 
 use crate::estimate::Bound;
 use crate::estimate::Estimated;
@@ -7,39 +9,46 @@ use crate::estimate::sum_of_squares_with;
 use crate::estimate::{Kind, Loss};
 use crate::names::{ParameterId, ParameterKind};
 
-/// Most parameters that are followed: of a campaign with many angles the first.
+/// Greatest number of parameters with a profile: the first ones, if a campaign has many angles.
 const MOST: usize = 4;
 
-/// Points to either side of the estimate.
+/// Points on either side of the estimate.
 const SIDE: usize = 12;
 
-/// Standard errors to either side of an estimate.
+/// Distance from the estimate to either end of a profile, standard errors.
 const REACH: f64 = 3.0;
 
-/// The profile likelihood of one parameter.
+/// Profile likelihood of one parameter.
 #[derive(Debug, Clone)]
 pub(crate) struct LikelihoodProfile {
     /// The parameter.
     pub id: ParameterId,
-    /// Parameter, and rise of the least sum of squares in units of the misfit (chi-square per
-    /// degree of freedom, at least 1).
+    /// Points of the profile: the parameter, and the rise of the least sum of squares.
+    ///
+    /// The rise is in units of the misfit (chi-square per degree of freedom, at least 1).
     pub points: Vec<[f64; 2]>,
-    /// Whether the photographs only bound the parameter; its values are then spread by powers.
+    /// True if the photographs only bound the parameter.
+    ///
+    /// The points are then spaced logarithmically.
     pub bounded: bool,
 }
 
-/// What an estimate rests on, beyond its numbers.
+/// Quality of the fit and profiles of an estimate, which a result does not hold.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence {
-    /// Sum of squares per degree of freedom: 1 where the model describes the photographs.
+    /// Sum of squares per degree of freedom: 1 if the model describes the photographs.
     pub reduced_chi2: f64,
-    /// Profiles of c, of a spread that all angles share, and of what is only bounded; at most four.
-    /// None under `mse`, which is no likelihood.
+    /// Profiles of c, of a spread that all angles share, and of parameters with a bound; at most
+    /// four.
+    ///
+    /// There are none under `mse`, which is no likelihood.
     pub profiles: Vec<LikelihoodProfile>,
 }
 
 impl Evidence {
-    /// Follows the profiles of a fit: each point is a least-squares fit of all other parameters.
+    /// Computes the evidence of a fit.
+    ///
+    /// At each point of a profile, all other parameters are fitted again by least squares.
     pub(crate) fn of(estimated: &Estimated) -> Evidence {
         let (fit, bounds) = (&estimated.best, &estimated.bounds);
         let size = ParameterKind::size_of(fit.choice.kernel);
@@ -61,6 +70,7 @@ impl Evidence {
     }
 }
 
+/// Computes the profile of parameter `i`.
 fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
     let (scene, fit) = (&estimated.scene, &estimated.best);
     let id = fit.parameters[i];
@@ -68,10 +78,10 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
     let unit = fit.reduced_chi2().max(1.0);
     let estimate = fit.solution.parameters[i];
     let error = fit.covariance[(i, i)].sqrt() / estimate.exp();
-    // Parameters are logarithms.
+    // The solver's parameters are logarithms.
     let [low, high] = match bound.map(|b| (b.at_most, b.at_least)) {
         None => [estimate - REACH * error, estimate + REACH * error],
-        // From well inside of what is allowed to a little beyond the bound.
+        // The range begins well inside the allowed values and ends a little beyond the bound.
         Some((Some(most), Some(least))) => [(least / 1.4).ln(), (most * 1.4).ln()],
         Some((Some(most), _)) => [(most / 12.0).ln(), (most * 1.4).ln()],
         Some((_, Some(least))) => [(least / 1.4).ln(), (least * 12.0).ln()],
@@ -79,7 +89,8 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
     };
     let middle = estimate.clamp(low, high);
     let mut points = Vec::with_capacity(2 * SIDE + 1);
-    // Outwards on both sides; the other parameters start where the last two points lead them.
+    // The points go outwards on both sides. The other parameters start at the values to which the
+    // last two points lead.
     for (end, first) in [(low, 0), (high, 1)] {
         let mut last = fit.solution.parameters.clone();
         let mut from = last.clone();

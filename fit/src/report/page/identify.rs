@@ -1,5 +1,5 @@
-//! What the photographs can tell: profile likelihoods, and how c and the spread trade against each
-//! other.
+//! Section of the page on how sure the estimates are: profile likelihoods, and how errors of c and
+//! of the spread go together.
 
 use std::fmt::Write;
 
@@ -13,21 +13,24 @@ use crate::report::page::markup::minus;
 use crate::report::page::markup::{significant, table};
 use crate::report::page::shown::Page;
 
-/// Rise of the sum of squares at the ends of a 95 % interval of one parameter (chi-square, 1 degree
-/// of freedom).
+/// Rise of the sum of squares at the ends of a 95 % interval of one parameter (chi-square with 1
+/// degree of freedom).
 const INTERVAL_RISE: f64 = 3.841;
 
-/// Rise at a one-sided 95 % bound.
+/// Rise of the sum of squares at a one-sided 95 % bound of one parameter.
 const BOUND_RISE: f64 = 2.706;
 
-/// Rise at the border of a 95 % region of two parameters (2 degrees of freedom).
+/// Rise of the sum of squares at the border of a 95 % region of two parameters (2 degrees of
+/// freedom).
 const REGION_RISE: f64 = 5.991;
 
-/// Size of a figure and the place of its panel.
+/// Width and height of a figure, in the figure's own units.
 const SIZE: [f64; 2] = [360.0, 236.0];
+
+/// Left, top, width and height of the panel in a figure, in the figure's own units.
 const FRAME: [f64; 4] = [54.0, 10.0, 294.0, 184.0];
 
-/// Profiles and ellipses.
+/// Writes profile likelihoods, ellipses, and a table of errors and correlations.
 pub(crate) fn section(page: &Page) -> String {
     let mut figures: String = page
         .evidence
@@ -41,30 +44,42 @@ pub(crate) fn section(page: &Page) -> String {
     }
     let mut out = String::new();
     if page.result.bounds.is_empty() {
-        out.push_str("<p>The photographs determine every parameter.</p>\n");
+        out.push_str("<p>The photographs determine every parameter.");
     } else {
         out.push_str(
-            "<p>The photographs do not determine every parameter: what fades out of sight in one \
-            direction comes back as a \
-             bound. Where the curve stays low, any value fits.</p>\n",
+            "<p>The photographs do not determine every parameter. If the effect of a parameter is \
+             too small to be seen, the parameter has a bound in place of a value.",
         );
     }
+    if !page.evidence.profiles.is_empty() {
+        out.push_str(
+            " Each curve shows how much \u{3c7}\u{b2} rises if one parameter is held at another \
+             value and all others are fitted again. A narrow valley means a sure estimate. Where \
+             the curve stays below the dashed line, the value agrees with the photographs.",
+        );
+    }
+    out.push_str("</p>\n");
     let _ = writeln!(out, "<div class=\"wide grid\">\n{figures}</div>");
     if !pairs.is_empty() {
         let rows: Vec<_> = pairs.iter().map(|pair| pair.row().into()).collect();
+        let spread = format!("standard error of {}", pairs[0].symbol);
         let head = [
             "",
             "incidence",
-            "error of c",
-            "error of the spread",
+            "standard error of c",
+            spread.as_str(),
             "correlation",
         ];
         out.push_str(&table("Errors and correlations", &head, &rows));
+        out.push_str(
+            "<p>The correlation says whether the errors of two parameters go together: 0 means \
+             not at all, +1 and \u{2212}1 mean fully.</p>\n",
+        );
     }
     out
 }
 
-/// The symbol of a parameter, with its incidence where it has one.
+/// Returns the symbol of a parameter, with its incidence if it has one, and its unit.
 fn symbol_at(id: ParameterId) -> (String, &'static str) {
     let (symbol, _, unit) = symbol(id.kind);
     let at = id
@@ -73,6 +88,7 @@ fn symbol_at(id: ParameterId) -> (String, &'static str) {
     (format!("{symbol}{at}"), unit)
 }
 
+/// Draws the profile likelihood of one parameter.
 fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
     let points = &profile.points;
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
@@ -99,7 +115,7 @@ fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
             BOUND_RISE,
             Some([least, most]),
             format!(
-                "{symbol} lies between {} and {}",
+                "{symbol} lies between {} and {} (shaded)",
                 significant(least, 3),
                 significant(most, 3)
             ),
@@ -107,18 +123,18 @@ fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
         Some([Some(least), _]) => (
             BOUND_RISE,
             Some([least, last[0]]),
-            format!("{symbol} is larger than {}", significant(least, 3)),
+            format!("{symbol} is larger than {} (shaded)", significant(least, 3)),
         ),
         Some([_, Some(most)]) => (
             BOUND_RISE,
             Some([first[0], most]),
-            format!("{symbol} is smaller than {}", significant(most, 3)),
+            format!("{symbol} is smaller than {} (shaded)", significant(most, 3)),
         ),
         Some(_) => (BOUND_RISE, None, format!("{symbol} is not bounded")),
         None => (
             INTERVAL_RISE,
             interval(page, profile.id),
-            format!("{symbol} and its 95 % interval (shaded)"),
+            format!("The 95 % interval of {symbol} is shaded"),
         ),
     };
     let truth = page
@@ -142,19 +158,21 @@ fn profile(page: &Page, profile: &LikelihoodProfile) -> String {
     ]
     .concat();
     let dotted = if truth.is_some() {
-        "; the dotted line is the truth"
+        " The dotted line is the truth."
     } else {
         ""
     };
     format!(
-        "<figure>{}<figcaption><b>{symbol}</b>: how much worse the best fit becomes with {symbol} \
-        held elsewhere. {caption}; \
-         the dashed line is the 95 % limit of pixel noise{dotted}.</figcaption></figure>\n",
-        svg(SIZE, &format!("Profile likelihood: {caption}"), &body)
+        "<figure>{}<figcaption><b>{symbol}</b>: rise of \u{3c7}\u{b2} if {symbol} is held at \
+         another value. {caption}. The dashed line is the 95 % limit of pixel \
+         noise.{dotted}</figcaption></figure>\n",
+        svg(SIZE, &format!("Rise of chi-square. {caption}"), &body)
     )
 }
 
-/// The 95 % interval of the covariance, which carries the errors of lens and table too.
+/// Returns the 95 % interval of a parameter from the covariance.
+///
+/// The covariance includes the errors of lens and table.
 fn interval(page: &Page, id: ParameterId) -> Option<[f64; 2]> {
     let covariance = &page.result.covariance;
     let i = covariance.names.iter().position(|&own| own == id)?;
@@ -163,7 +181,7 @@ fn interval(page: &Page, id: ParameterId) -> Option<[f64; 2]> {
     Some([value - half, value + half])
 }
 
-/// An estimate of the blur.
+/// Returns the estimate of a parameter of the blur.
 fn value(page: &Page, id: ParameterId) -> Option<f64> {
     let result = page.result;
     let parameter = match id.kind {
@@ -185,7 +203,7 @@ fn value(page: &Page, id: ParameterId) -> Option<f64> {
     }
 }
 
-/// c and one spread: relative errors in %, their correlation, and where the truth lies.
+/// c and one spread: relative errors in %, their correlation, and the place of the truth.
 struct Pair {
     symbol: String,
     incidence_deg: Option<f64>,
@@ -196,6 +214,7 @@ struct Pair {
 }
 
 impl Pair {
+    /// Collects c with every spread of the result.
     fn of(page: &Page) -> Vec<Pair> {
         let covariance = &page.result.covariance;
         let size = ParameterKind::CornerSize.shared();
@@ -227,6 +246,7 @@ impl Pair {
             .collect()
     }
 
+    /// Writes the row of the pair in the table.
     fn row(&self) -> Vec<String> {
         vec![
             format!("c and {}", self.symbol),
@@ -239,7 +259,7 @@ impl Pair {
     }
 }
 
-/// All regions about the estimates, in per cent of them.
+/// Draws the 95 % regions of all pairs around the estimates, in per cent of the estimates.
 fn ellipses(pairs: &[Pair]) -> String {
     let scale = REGION_RISE.sqrt();
     let reach = |of: fn(&Pair) -> f64, axis: usize| {
@@ -256,8 +276,8 @@ fn ellipses(pairs: &[Pair]) -> String {
         frame: FRAME,
     };
     let last = (pairs.len().max(2) - 1) as f64;
-    // Blue for steep incidence over violet to red for grazing: one lightness, told apart on white
-    // and on black.
+    // From blue for a small incidence over violet to red for a large one. All have one lightness,
+    // so they can be told apart on white and on black.
     let colour = |i: usize| format!("hsl({:.0} 68% 54%)", 210.0 + 160.0 * i as f64 / last);
     let mut body = panel.grid(5, true);
     let spread = &pairs[0].symbol;
@@ -286,15 +306,21 @@ fn ellipses(pairs: &[Pair]) -> String {
             ))
         })
         .collect();
+    let angles = if keys.is_empty() {
+        ""
+    } else {
+        " One ellipse stands for each incidence angle:"
+    };
     let dots = if pairs.iter().any(|p| p.truth.is_some()) {
         " Dots are the truth."
     } else {
         ""
     };
     format!(
-        "<figure>{}<figcaption><b>c and {spread}</b>: 95 % region of the two together, about the \
-        estimate. A long slanted \
-         ellipse means that one can be traded for the other.{dots} {keys}</figcaption></figure>\n",
+        "<figure>{}<figcaption><b>c and {spread}</b>: the ellipse holds the pairs of values that \
+         agree with the photographs (95 % region), as changes from the estimate. If it is long \
+         and slanted, a change of c is nearly made up for by a change of {spread}.{dots}{angles} \
+         {keys}</figcaption></figure>\n",
         svg(
             SIZE,
             &format!(

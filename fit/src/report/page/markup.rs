@@ -1,8 +1,8 @@
-//! Text and numbers of a page. Everything that comes from a file or a command line goes through
-//! [`escape`].
+//! Text and numbers of the page; all text from a file or a command line goes through [`escape`].
 
-/// Text for any place of the page, attributes too. Characters that no XML may hold become the
-/// replacement character.
+/// Escapes text for any place of the page, attributes too.
+///
+/// Characters that no XML may hold become the replacement character.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -20,7 +20,7 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// A number with as many decimals as show two significant digits of its error.
+/// Writes a number with as many decimals as show two significant digits of its error.
 pub(crate) fn rounded(value: f64, error: f64) -> String {
     let decimals = if error > 0.0 && error.is_finite() {
         (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize
@@ -30,7 +30,7 @@ pub(crate) fn rounded(value: f64, error: f64) -> String {
     minus(format!("{value:.decimals$}"))
 }
 
-/// A number with so many significant digits; a power of ten where it would be long.
+/// Writes a number with `digits` significant digits, as a power of ten if it would be long.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(format!("{value}"));
@@ -44,7 +44,8 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     minus(format!("{value:.decimals$}"))
 }
 
-/// A criterion or a chi-square: one decimal, or whole in groups of three where it is large.
+/// Writes a criterion or a chi-square: with one decimal, or if it is large, whole in groups of
+/// three digits.
 pub(crate) fn grouped(value: f64) -> String {
     if value.abs() < 10_000.0 || !value.is_finite() {
         return minus(format!("{value:.1}"));
@@ -60,18 +61,19 @@ pub(crate) fn grouped(value: f64) -> String {
     out
 }
 
-/// The typographic minus.
+/// Replaces the hyphen of a number by the typographic minus.
 pub(crate) fn minus(number: String) -> String {
     number.replace('-', "\u{2212}")
 }
 
-/// A number of things.
+/// Writes a number and the noun that it counts.
 pub(crate) fn count(number: usize, one: &str, several: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { several })
 }
 
-/// A table that scrolls by itself where it is wider than the page. Cells are markup; the first of a
-/// row is its header.
+/// Writes a table that scrolls on its own if it is wider than the page.
+///
+/// Cells are markup. The first cell of a row is its header.
 pub(crate) fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
     let mut out = format!(
         "<div class=\"scroll\" role=\"region\" tabindex=\"0\" \
@@ -100,11 +102,11 @@ pub(crate) fn table(label: &str, head: &[&str], rows: &[Row]) -> String {
     out
 }
 
-/// One row of a [`table`].
+/// Row of a [`table`].
 pub(crate) struct Row {
     /// Markup of the cells.
     pub cells: Vec<String>,
-    /// Whether it stands out.
+    /// True if the row is highlighted.
     pub chosen: bool,
 }
 

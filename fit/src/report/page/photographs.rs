@@ -1,4 +1,4 @@
-//! Warnings, each beside the photograph that it is about.
+//! Section of the page with the warnings, each beside its photograph.
 
 use rayon::prelude::*;
 
@@ -9,8 +9,9 @@ use crate::report::page::crop::crop;
 use crate::report::page::markup::{count, escape};
 use crate::report::page::shown::{Page, name};
 
-/// Most photographs that are shown: a page of hundreds would be slow on a phone, and they say the
-/// same.
+/// Greatest number of photographs that are shown.
+///
+/// A page with hundreds of them would be slow on a phone, and they would repeat one another.
 const MOST_CROPS: usize = 24;
 
 /// Warnings about one photograph, or about the campaign.
@@ -20,17 +21,19 @@ struct Warned<'a> {
     warnings: Vec<&'a str>,
 }
 
-/// How many warnings a result has.
+/// Returns the number of warnings of a result.
 pub(crate) fn number(result: &ResultFile) -> usize {
     let of_captures: usize = result.captures.iter().map(|c| c.warnings.len()).sum();
     result.warnings.len() + of_captures
 }
 
-/// All of them.
+/// Writes all warnings with the photographs that they are about.
 pub(crate) fn section(page: &Page) -> String {
     let warned = gather(page);
     if warned.is_empty() {
-        return "<p>None: nothing was repaired, assumed or found doubtful.</p>\n".into();
+        return "<p>There are no warnings: <code>fit</code> repaired nothing, assumed nothing and \
+                found nothing doubtful.</p>\n"
+            .into();
     }
     let crops: Vec<Option<String>> = warned
         .par_iter()
@@ -43,9 +46,10 @@ pub(crate) fn section(page: &Page) -> String {
     let mut out = String::new();
     if crops.iter().any(Option::is_some) {
         out.push_str(
-            "<p>Photographs are stretched from their darkest to their brightest pixels. The \
-            dashed line is the edge that was \
-             found, the frame the region, red is saturated.</p>\n",
+            "<p>The brightness of these pictures is stretched from their darkest to their \
+             brightest pixels. The dashed line is the edge that <code>fit</code> found. The frame \
+             is the region that it measured. Red pixels are saturated: they were too bright for \
+             the camera.</p>\n",
         );
     }
     for (item, crop) in warned.iter().zip(&crops) {
@@ -63,14 +67,14 @@ pub(crate) fn section(page: &Page) -> String {
     let pictures = warned.iter().filter(|item| item.shot.is_some()).count();
     if pictures > MOST_CROPS {
         out.push_str(&format!(
-            "<p>{} without a picture: the first {MOST_CROPS} are shown.</p>\n",
+            "<p>{} listed without a picture: the page shows {MOST_CROPS} at most.</p>\n",
             count(pictures - MOST_CROPS, "photograph is", "photographs are")
         ));
     }
     out
 }
 
-/// Those of the campaign first, then by photograph.
+/// Collects the warnings: those of the campaign first, then those of each photograph.
 fn gather<'a>(page: &'a Page) -> Vec<Warned<'a>> {
     let (campaign, result) = (page.campaign, page.result);
     let shots: Vec<&Shot> = campaign
@@ -78,7 +82,7 @@ fn gather<'a>(page: &'a Page) -> Vec<Warned<'a>> {
         .iter()
         .chain(campaign.captures.iter().map(|c| &c.shot))
         .collect();
-    // A warning of the campaign about one photograph begins with its name.
+    // If a warning of the campaign is about one photograph, it begins with the photograph's name.
     let about = |warning: &'a str| {
         shots.iter().find_map(|&shot| {
             let rest = warning.strip_prefix(&name(&shot.image))?;
@@ -104,7 +108,7 @@ fn gather<'a>(page: &'a Page) -> Vec<Warned<'a>> {
             }),
         }
     }
-    // Results come in the order of the manifest, without the captures that were left out.
+    // Results are in the order of the manifest. Captures that were left out are missing.
     let mut results = result.captures.iter().peekable();
     for capture in &campaign.captures {
         let image = name(&capture.shot.image);
@@ -121,7 +125,7 @@ fn gather<'a>(page: &'a Page) -> Vec<Warned<'a>> {
     }
     if !whole.is_empty() {
         let campaign = Warned {
-            title: "The campaign".into(),
+            title: "The campaign: all photographs together".into(),
             shot: None,
             warnings: whole,
         };

@@ -1,4 +1,4 @@
-//! What the page is made of.
+//! Content of the page.
 
 use std::path::Path;
 
@@ -7,22 +7,23 @@ use crate::report::page::evidence::Evidence;
 use crate::result::ResultFile;
 use crate::simulate::Truth;
 
-/// What is shown.
+/// Content of the page.
 pub(crate) struct Page<'a> {
     /// The estimate.
     pub result: &'a ResultFile,
-    /// The photographs and where they lie; those that are warned about are read again for their
-    /// crops.
+    /// The photographs and their files.
+    ///
+    /// Those with a warning are read again for their crops.
     pub campaign: &'a Campaign,
-    /// The planted answer, where there is one.
+    /// Known values of the parameters, if there are any (`--truth`).
     pub truth: Option<&'a Truth>,
-    /// What the result does not hold.
+    /// Profiles and quality of the fit, which the result does not hold.
     pub evidence: &'a Evidence,
-    /// The command line.
+    /// Command line.
     pub command: &'a str,
 }
 
-/// A file's name without its folder.
+/// Returns the name of a file without its folder.
 pub(crate) fn name(path: &Path) -> String {
     path.file_name()
         .unwrap_or(path.as_os_str())
