@@ -39,17 +39,23 @@ enum Verb {
     /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
     #[command(after_help = "\
 Examples:
+
 Pair of cubes with edges of 0.18 mm:
   bake design triangular-pair -o pair.obj --edge-length 0.18
+
 Pair with one dihedral angle 0.1 mrad too wide:
   bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0
+
 Pair whose faces bulge by 1e-4 edge lengths:
   bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20
+
 Pair with rounded edges, and flat land between the cubes:
   bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002
       --gap 0.004
+
 Plate of slit mirrors:
   bake design plate -o plate.obj --edge-length 0.5 --depth 3
+
 Glass beads on a mirror:
   bake design bead -o bead.obj --edge-length 0.06 --segments 24")]
     Design(design::DesignArgs),
@@ -61,27 +67,36 @@ Glass beads on a mirror:
     /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
     #[command(after_help = "\
 Examples:
+
 Acrylic prisms at azimuth 30 degrees:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
+
 All azimuths in steps of 10 degrees:
   bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5
       --azimuth full:10
+
 Any direction, with an interpolation error below 0.005:
   bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full
       --direction-tolerance 0.005
+
 Aluminium mirrors and all losses, with one table for each of three colours:
   bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma
       --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
+
 Rough facets:
   bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20
       --rays 65536 --roughness 0.001
+
 Curved faces, with the normals of the file:
   bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
+
 Exit directions, within 1 mrad, of a cell that is not ideal:
   bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536
       --deviations 1
+
 Plate of slit mirrors:
   bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45
+
 Glass beads on a mirror:
   bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file
       --angular-tolerance 2 --incidence 0,30 --rays 65536")]
@@ -102,8 +117,10 @@ Example: up to a million rays per direction, with the curves as a picture
     /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
     #[command(after_help = "\
 Examples:
+
 Report as text, and the histograms as a picture:
   bake inspect pair.h5 --plot pair.svg
+
 Spots into which a cell that is not ideal sends light:
   bake inspect wide.h5 --plot-deviations spots.svg")]
     Inspect(inspect::InspectArgs),

@@ -183,7 +183,7 @@ pub struct Study {
     pub design: String,
     /// Directions of each table.
     pub directions: usize,
-    /// Number of these directions that run as programs.
+    /// Number of directions that run as programs.
     ///
     /// In them, [`Tracer::Fastest`] differs from [`Tracer::OneByOne`].
     pub programs: usize,
