@@ -1,4 +1,4 @@
-//! The `bake` program; see `bake --help`.
+//! Program `bake`: traces corner-cube retroreflector cells into ray-shift tables.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

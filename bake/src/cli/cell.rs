@@ -1,4 +1,4 @@
-//! The cell of a mesh file, with what a user says about it on the command line.
+//! Options that describe the cell of a mesh file, and the cell that they make.
 
 use crate::cli::failure::Failure;
 use clap::Args;
@@ -7,22 +7,34 @@ use meshes::{Cell, CellOptions};
 use std::path::Path;
 use tables::options::{NormalsFrom, SceneOptions};
 
-/// What a user says about a cell instead of the mesh file.
+/// Options that say about a cell what the mesh file does not, or override it.
 #[derive(Debug, Args)]
 pub(crate) struct CellArgs {
-    /// Lattice vectors of a periodic cell, file units
-    #[arg(long, value_name = "AX,AY,AZ,BX,BY,BZ", allow_hyphen_values = true)]
-    pub(crate) lattice: Option<String>,
-    /// Incidence of azimuth 0 in the file's frame
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub(crate) azimuth_zero: Option<String>,
-    /// Length of an edge from the apex, file units [default: found from the mesh]
+    /// Edge length, file units [default: found from the mesh]
+    ///
+    /// The length of a cube's edge from its apex. It is the unit of all lengths in the table. When
+    /// a table is verified, edge length and azimuth 0 are those of the table by default.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     pub(crate) edge_length: Option<f64>,
+    /// Direction of azimuth 0 in the frame of the file
+    ///
+    /// It may have any length. Its part in the plane of the sheet counts. Without this option and
+    /// without a direction in the file, it is the first edge of the first cube.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub(crate) azimuth_zero: Option<String>,
+    /// Lattice vectors of a periodic cell, file units
+    ///
+    /// They override the vectors in the file. A cell whose rim is not planar needs them.
+    #[arg(long, value_name = "AX,AY,AZ,BX,BY,BZ", allow_hyphen_values = true)]
+    pub(crate) lattice: Option<String>,
 }
 
 impl CellArgs {
-    /// The cell of `mesh` as a bake with these options takes it.
+    /// Loads the cell of the file `mesh` with these options and those of the `scene`.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Numbers`] if an option is no list of numbers, and [`Failure::Mesh`] if
+    /// the file cannot be read or is no cell.
     pub(crate) fn load(&self, mesh: &Path, scene: &SceneOptions) -> Result<Cell, Failure> {
         let lattice = self
             .lattice
@@ -45,6 +57,7 @@ impl CellArgs {
     }
 }
 
+/// Reads `N` finite numbers separated by commas; an error names the option and an example.
 fn numbers<const N: usize>(
     option: &'static str,
     text: &str,

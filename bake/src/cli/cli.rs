@@ -1,5 +1,4 @@
-//! The command line: what a user types, turned into calls, and every error into one sentence and an
-//! exit code.
+//! The command line of `bake`: its verbs with their help, and the exit code of each outcome.
 
 use crate::cli::compare;
 use crate::cli::design;
@@ -15,13 +14,19 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use tables::cli::{Completions, Manual, version};
 
-/// Traces a corner-cube mesh into a ray-shift table.
+/// Traces corner-cube retroreflector cells into tables of their ray shift
+///
+/// A table holds, for each direction of the light, the share of the rays that come straight back
+/// and the distribution of their shift. The program fit reads it.
+///
+/// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
 #[derive(Debug, Parser)]
 #[command(name = "bake", version, max_term_width = 100)]
-#[command(after_help = "Example, from nothing to a picture:\n  \
-    bake design triangular-pair -o pair.obj\n  \
-    bake trace pair.obj -o pair.h5 --refractive-index 1.49\n  \
-    bake inspect pair.h5 --plot pair.png")]
+#[command(after_help = "\
+Example, from nothing to a picture:
+  bake design triangular-pair -o pair.obj
+  bake trace pair.obj -o pair.h5 --refractive-index 1.49
+  bake inspect pair.h5 --plot pair.png")]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
@@ -29,75 +34,126 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// Writes the mesh of a parametric corner-cube cell
-    #[command(
-        after_help = "Examples: a pair cell of 0.18 mm edges; one with a dihedral angle 0.1 mrad \
-        too wide; one whose faces bulge by 1e-4 of \
-        an edge; one with rounded edges and land between the cubes; a plate of slit mirrors; \
-        glass beads on a mirror\n  \
-        bake design triangular-pair -o pair.obj --edge-length 0.18\n  \
-        bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad \
-        0.1,0,0\n  \
-        bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20\n  \
-        bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002 --gap \
-        0.004\n  \
-        bake design plate -o plate.obj --edge-length 0.5 --depth 3\n  \
-        bake design bead -o bead.obj --edge-length 0.06 --segments 24"
-    )]
-    Design(design::DesignArgs),
-    /// Traces a mesh into a ray-shift table
+    /// Writes the mesh of a parametric retroreflector cell
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
     #[command(after_help = "\
-Examples: acrylic prisms at azimuth 30; at all azimuths in steps of 10; anywhere within 0.005; \
-with aluminium backs and all losses, a table a colour; \
-with rough facets; curved faces by the file's normals; the exit directions of a cell that is not \
-ideal, within 1 mrad; \
-a plate of slit mirrors; glass beads
-  bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
-  bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth full:10
-  bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full \
-  --direction-tolerance 0.005
-  bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma --wavelength-nm 450,550,650 \
-  --losses fresnel --metal aluminium
-  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20 --rays 65536 \
-  --roughness 0.001
-  bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
-  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536 --deviations 1
-  bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45
-  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file --angular-tolerance 2 \
-  --incidence 0,30 --rays 65536")]
-    Trace(Box<trace::TraceArgs>),
-    /// Speed against error: every method, sampler and number of rays on a mesh, against the exact
-    /// table
-    #[command(
-        after_help = "Example: up to a million rays per direction, and the curves as a picture\n  \
-        bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 1048576 --plot study.svg"
-    )]
-    Study(Box<study::StudyArgs>),
-    /// Says what is in a table
-    #[command(
-        after_help = "Examples: a text report, and the histograms as a picture; the spots of a \
-        cell that is not ideal\n  \
-        bake inspect pair.h5 --plot pair.svg\n  \
-        bake inspect wide.h5 --plot-deviations spots.svg"
-    )]
-    Inspect(inspect::InspectArgs),
-    /// Compares two tables direction by direction: eta and shifts, not where light goes that is off
-    /// straight back
-    #[command(after_help = "Example: do two seeds agree within their errors?\n  \
-        bake compare seed1.h5 seed2.h5")]
-    Compare(compare::CompareArgs),
-    /// Checks a table: seal, checksums, schema, sums; with the mesh, rays at a random part of its
-    /// directions
-    #[command(
-        after_help = "Examples:\n  bake verify pair.h5\n  bake verify pair.h5 --mesh pair.obj"
-    )]
-    Verify(verify::VerifyArgs),
-    /// Puts tables of one cell together: shards of a bake, other directions, more rays
-    #[command(after_help = "\
-Shards of one bake, in any order, give the table of the whole bake bit for bit; so do tables of \
-its directions. Rays are \
-added by a bake with the seed that follows (the error names it).
+Examples:
 
+Pair of cubes with edges of 0.18 mm:
+  bake design triangular-pair -o pair.obj --edge-length 0.18
+
+Pair with one dihedral angle 0.1 mrad too wide:
+  bake design triangular-pair -o wide.glb --edge-length 0.18 --dihedral-error-mrad 0.1,0,0
+
+Pair whose faces bulge by 1e-4 edge lengths:
+  bake design triangular-pair -o curved.obj --sag 1e-4 --segments 20
+
+Pair with rounded edges, and flat land between the cubes:
+  bake design triangular-pair -o worn.obj --edge-length 0.18 --edge-radius 0.002
+      --gap 0.004
+
+Plate of slit mirrors:
+  bake design plate -o plate.obj --edge-length 0.5 --depth 3
+
+Glass beads on a mirror:
+  bake design bead -o bead.obj --edge-length 0.06 --segments 24")]
+    Design(design::DesignArgs),
+    /// Traces the mesh of a cell into a ray-shift table
+    ///
+    /// The table holds, for each direction, eta (the share of the rays that come straight back),
+    /// the fates of all other rays, and the distribution of the ray shift in edge lengths.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Examples:
+
+Acrylic prisms at azimuth 30 degrees:
+  bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
+
+All azimuths in steps of 10 degrees:
+  bake trace pair.obj -o all.h5 --refractive-index 1.49 --incidence 0:45:5
+      --azimuth full:10
+
+Any direction, with an interpolation error below 0.005:
+  bake trace pair.obj -o any.h5 --refractive-index 1.49 --incidence 0,45 --azimuth full
+      --direction-tolerance 0.005
+
+Aluminium mirrors and all losses, with one table for each of three colours:
+  bake trace pair.obj -o pair-{nm}.h5 --refractive-index pmma
+      --wavelength-nm 450,550,650 --losses fresnel --metal aluminium
+
+Rough facets:
+  bake trace pair.obj -o rough.h5 --refractive-index 1.49 --incidence 0:40:20
+      --rays 65536 --roughness 0.001
+
+Curved faces, with the normals of the file:
+  bake trace curved.obj -o curved.h5 --normals file --incidence 0,20 --rays 100000
+
+Exit directions, within 1 mrad, of a cell that is not ideal:
+  bake trace wide.glb -o wide.h5 --incidence 0:40:20 --method rays --rays 65536
+      --deviations 1
+
+Plate of slit mirrors:
+  bake trace plate.obj -o plate.h5 --element plate --refractive-index 1.5 --azimuth 45
+
+Glass beads on a mirror:
+  bake trace bead.obj -o bead.h5 --glass-index 1.93 --normals file
+      --angular-tolerance 2 --incidence 0,30 --rays 65536")]
+    Trace(Box<trace::TraceArgs>),
+    /// Measures the speed and the error of every method on a mesh
+    ///
+    /// Bakes with every method, sampler and number of rays, and compares each table with the exact
+    /// table. Without an exact table, the reference is a table of more rays.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Example: up to a million rays per direction, with the curves as a picture
+  bake study pair.obj --refractive-index 1.49 --azimuth 30 --rays 1048576
+      --plot study.svg")]
+    Study(Box<study::StudyArgs>),
+    /// Prints what a table contains, and draws it
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Examples:
+
+Report as text, and the histograms as a picture:
+  bake inspect pair.h5 --plot pair.svg
+
+Spots into which a cell that is not ideal sends light:
+  bake inspect wide.h5 --plot-deviations spots.svg")]
+    Inspect(inspect::InspectArgs),
+    /// Compares two tables direction by direction
+    ///
+    /// Eta and the histograms of the shift are compared, within the errors of both tables. The
+    /// deviations are not compared. The exit code is 1 if the tables differ.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Example: do two seeds agree within their errors?
+  bake compare seed1.h5 seed2.h5")]
+    Compare(compare::CompareArgs),
+    /// Checks a table, on its own or against the mesh of its cell
+    ///
+    /// Checks seal, checksums, schema and sums. With --mesh, also traces rays at some of the
+    /// directions, chosen at random, and compares them with the table. The exit code is 1 if a
+    /// check fails.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
+Examples:
+  bake verify pair.h5
+  bake verify pair.h5 --mesh pair.obj")]
+    Verify(verify::VerifyArgs),
+    /// Merges tables of one cell: shards, other directions, more rays
+    ///
+    /// The shards of one bake, in any order, merge to the table of the whole bake, byte for byte.
+    /// Tables of its directions do so too. To add rays, bake again with the seed that follows. If
+    /// the seed does not fit, the error names the one that does.
+    ///
+    /// Words and formulas: fit/doc/model.md. All pages: doc/README.md.
+    #[command(after_help = "\
 Example: a bake in two halves, as two machines would make them
   bake trace pair.obj -o half1.h5 --method rays --rays 1000000 --shard 1/2
   bake trace pair.obj -o half2.h5 --method rays --rays 1000000 --shard 2/2
@@ -111,7 +167,10 @@ Example: a bake in two halves, as two machines would make them
     Manual(Manual),
 }
 
-/// The arguments, read.
+/// Reads the arguments; the version that `--version` shows names `commit` if there is one.
+///
+/// # Errors
+/// Returns clap's error for wrong usage, and for help or the version, which clap prints as errors.
 fn parsed(
     arguments: impl IntoIterator<Item = OsString>,
     commit: Option<&str>,
@@ -120,12 +179,12 @@ fn parsed(
     Cli::from_arg_matches(&command.try_get_matches_from(arguments)?)
 }
 
-/// Runs the program on its arguments (the program's name first): results to stdout, the rest to
-/// stderr.
+/// Runs the program on its arguments (the program's name first) and returns its exit code.
 ///
-/// Of the ranks of an MPI run all trace, and rank 0 alone does the rest.
+/// Results go to stdout, warnings, progress and errors to stderr. In a run under MPI, all ranks
+/// trace, and rank 0 alone does everything else.
 ///
-/// `commit` names the commit that was built, where the build was told; `--version` shows it.
+/// `commit` names the commit that was built, if the build knew it. `--version` shows it.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>) -> ExitCode {
     tables::apart::serve();
     let launched = Launched::from(|name| std::env::var(name).ok());
@@ -134,8 +193,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>)
         Ok(cli) => cli,
         Err(_) if !ranks.leads() => return ExitCode::SUCCESS,
         Err(error) => {
-            // Help is printed to stdout with code 0, wrong usage to stderr with code 2; a closed
-            // pipe is no failure.
+            // clap prints help to stdout with code 0, and wrong usage to stderr with code 2. A
+            // closed pipe is no failure.
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }

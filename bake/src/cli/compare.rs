@@ -1,4 +1,4 @@
-//! `bake compare`: two tables, direction by direction.
+//! `bake compare`: compares two tables direction by direction.
 
 use crate::cli::failure::Failure;
 use crate::cli::report::{comparison_json, comparison_text};
@@ -10,16 +10,19 @@ use tables::cli::print;
 /// Options of `bake compare`.
 #[derive(Debug, Args)]
 pub(crate) struct CompareArgs {
-    /// One table
+    /// First table
     first: PathBuf,
-    /// Another of the same directions and bins
+    /// Second table, of the same directions and bins
     second: PathBuf,
-    /// Prints one JSON object
+    /// Prints the comparison as one JSON object
     #[arg(long)]
     json: bool,
 }
 
 /// Runs `bake compare`.
+///
+/// # Errors
+/// Returns [`Failure::Differ`] if the tables differ, after the comparison was printed.
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let [a, b] = [tables::read(&args.first)?, tables::read(&args.second)?];
     let comparison = Comparison::new(&a, &b).map_err(|reason| Failure::Axes {

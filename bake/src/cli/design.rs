@@ -1,6 +1,7 @@
-//! `bake design`: its options and what is done with them.
+//! `bake design`: reads its options and writes the mesh of a design.
 
 use crate::cli::failure::Failure;
+use crate::cli::heading;
 use clap::Args;
 use meshes::design::{Bead, Design, Plate, Shape};
 use meshes::{Fault, Mesh};
@@ -11,7 +12,7 @@ use tables::cli::print;
 /// Options of `bake design`.
 #[derive(Debug, Args)]
 pub(crate) struct DesignArgs {
-    /// Name of the design (see --list)
+    /// Name of the design; --list prints all names
     #[arg(required_unless_present = "list")]
     name: Option<String>,
     /// Mesh to write: .obj (exact digits) or .glb
@@ -20,44 +21,86 @@ pub(crate) struct DesignArgs {
     /// Lists the designs
     #[arg(long)]
     list: bool,
-    /// Length of an edge from the apex (of an element in a lattice: its pitch), file units
+    /// Edge length of a cube, from its apex, file units [default: 3]
+    ///
+    /// For a plate or beads it is the pitch, that is the distance from one element to the next, 1
+    /// by default.
     #[arg(long, value_name = "LENGTH")]
     pub(crate) edge_length: Option<f64>,
-    /// Errors of the dihedral angles at edges 1, 2, 3, mrad; positive is wider than 90 degrees
+    /// Part by which the top is lower than the ideal one
+    ///
+    /// The unit is the height of the ideal top above the apex. From 0 to below 1; of a full cube
+    /// below 0.5.
+    #[arg(long, value_name = "PART", help_heading = heading::SHAPE)]
+    pub(crate) truncation: Option<f64>,
+    /// Angle between the sheet's normal and the cube's axis, degrees
+    ///
+    /// For the design canted only, 8.59 degrees (0.15 rad) by default. A positive angle leans
+    /// towards edge 1.
+    #[arg(
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true,
+        help_heading = heading::SHAPE
+    )]
+    pub(crate) cant_deg: Option<f64>,
+    /// Width of the flat land between neighbouring cubes, file units
+    ///
+    /// Between full cubes the gap is open.
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_negative_numbers = true,
+        help_heading = heading::SHAPE
+    )]
+    pub(crate) gap: Option<f64>,
+    /// Errors of the dihedral angles at edges 1, 2, 3, mrad
+    ///
+    /// A positive error makes the angle wider than 90 degrees.
     #[arg(
         long,
         value_name = "E1,E2,E3",
         value_delimiter = ',',
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = heading::IMPERFECT
     )]
     pub(crate) dihedral_error_mrad: Vec<f64>,
-    /// How much lower the top is than the ideal one, as a part of its height over the apex
-    #[arg(long, value_name = "PART")]
-    pub(crate) truncation: Option<f64>,
-    /// Angle between the sheet's normal and the cube's axis, degrees (design canted)
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    pub(crate) cant_deg: Option<f64>,
-    /// How far the middle of each face bulges towards the light, edge lengths; its normals are
-    /// written too
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// Bulge of each face in its middle, edge lengths
+    ///
+    /// A positive bulge is towards the light. The normals of the curved faces are written too.
+    #[arg(
+        long,
+        value_name = "S",
+        allow_negative_numbers = true,
+        help_heading = heading::IMPERFECT
+    )]
     pub(crate) sag: Option<f64>,
-    /// Facets along each edge of a face [default: 1; with --sag 40]
-    #[arg(long, value_name = "N")]
+    /// Facets along an edge of a face [default: 1; 40 with --sag]
+    ///
+    /// For the design bead it is the number of facets along each edge of the octahedron that
+    /// becomes the sphere, 40 by default.
+    #[arg(long, value_name = "N", help_heading = heading::IMPERFECT)]
     pub(crate) segments: Option<u32>,
-    /// Radius that the edges from the apex are rounded with, file units
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    /// Radius of the rounded edges from the apex, file units
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_negative_numbers = true,
+        help_heading = heading::IMPERFECT
+    )]
     pub(crate) edge_radius: Option<f64>,
-    /// Planar strips that a rounded edge is made of [default: 8]
-    #[arg(long, value_name = "N")]
+    /// Planar strips of each rounded edge [default: 8]
+    #[arg(long, value_name = "N", help_heading = heading::IMPERFECT)]
     pub(crate) strips: Option<u32>,
     /// Part of each edge that a flat facet at the apex cuts off
-    #[arg(long, value_name = "PART", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "PART",
+        allow_negative_numbers = true,
+        help_heading = heading::IMPERFECT
+    )]
     pub(crate) apex_flat: Option<f64>,
-    /// Width of the flat land between neighbouring cubes, file units (between full cubes the gap is
-    /// open)
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
-    pub(crate) gap: Option<f64>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = heading::ELEMENT)]
     pub(crate) element: ElementArgs,
 }
 
@@ -75,14 +118,14 @@ pub(crate) struct ElementArgs {
     diameter: Option<f64>,
 }
 
-/// Runs `bake design`.
+/// Runs `bake design`: writes a mesh, or prints the list of designs.
 pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     if args.list {
         let lines =
             meshes::design::list().map(|(name, description)| format!("{name:16} {description}\n"));
         return Ok(print(&lines.collect::<String>())?);
     }
-    // clap asks for both unless --list is there.
+    // clap requires both unless --list is given.
     let (Some(name), Some(output)) = (&args.name, &args.output) else {
         return Ok(());
     };
@@ -131,7 +174,12 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     write(&design.mesh().map_err(Failure::Design)?, output)
 }
 
-/// The mesh of the design `name`; `None` where that is a corner cube's, if any.
+/// Makes the mesh of a plate or of beads, if `name` is one of these designs.
+///
+/// Returns `None` for any other name, which is left to [`Shape::from_name`].
+///
+/// # Errors
+/// Returns [`Failure::Design`] if an option has no meaning for the design, or is out of range.
 fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
     let own = &args.element;
     let pitch = args.edge_length.unwrap_or(1.0);
@@ -184,6 +232,7 @@ fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
     mesh.map(Some).map_err(Failure::Design)
 }
 
+/// Writes a mesh in the format that the extension of `output` names.
 fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
     let bytes = match extension(output).as_str() {
         "obj" => meshes::write::obj(mesh).into_bytes(),
@@ -194,6 +243,7 @@ fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
     Ok(Outputs::beside([]).reserve(output)?.commit(&bytes)?)
 }
 
+/// Returns the extension of `path` in small letters, or an empty string.
 fn extension(path: &Path) -> String {
     path.extension()
         .map(|extension| extension.to_string_lossy().to_lowercase())

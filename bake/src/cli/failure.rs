@@ -1,4 +1,4 @@
-//! Why a verb of `bake` failed: one sentence, and the exit code that it ends with.
+//! Failures of the verbs of `bake`: one sentence each, and the exit code of the program.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use crate::plots::PlotError;
 use crate::run::RunError;
 use crate::study::StudyError;
 
-/// Why a verb failed.
+/// Failure of a verb, as one sentence for the user.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
@@ -51,16 +51,16 @@ pub(crate) enum Failure {
     Terminal(#[from] tables::cli::Error),
     #[error("the tables differ by more than their errors allow")]
     Differ,
-    #[error("{} does not hold what rays find in {}: the differences are larger than both errors; \
-    bake it again",
+    #[error("{} does not agree with the rays through {}: they differ by more than both errors; \
+    bake the table again",
         table.display(), mesh.display())]
     Retraced { table: PathBuf, mesh: PathBuf },
-    #[error("{} claims a symmetry that {} does not have, so that it is wrong at other azimuths; \
-    bake it again",
+    #[error("{} claims a symmetry that {} does not have, so it is wrong at the azimuths that it \
+    leaves out; bake the table again",
         table.display(), mesh.display())]
     Symmetry { table: PathBuf, mesh: PathBuf },
     #[error("{}: its back \"{back}\", losses \"{losses}\" or options \"{options}\" are not known \
-    to this program; update it, or leave out --mesh",
+    to this version of bake; update bake, or leave out --mesh",
         file.display())]
     Unknown {
         file: PathBuf,
@@ -69,38 +69,42 @@ pub(crate) enum Failure {
         options: String,
     },
     #[error(
-        "this is one of {count} processes of mpirun, which this program cannot join (built \
-        without the feature mpi, or for \
-        another MPI), so that each would do the whole bake; build it with `cargo install --path \
-        bake --features mpi`, or \
-        give each process its own --shard"
+        "this is one of {count} processes of mpirun, but this bake was built without the feature \
+        mpi, or for another MPI, so each process would do the whole bake; build it with `cargo \
+        install --path bake --features mpi`, or give each process its own --shard"
     )]
     NotJoined { count: usize },
     #[error(
-        "rank {rank} reads another mesh, other options or is another version of bake than rank 0; \
-        give all of them the same"
+        "rank {rank} has another mesh, other options or another version of bake than rank 0; give \
+        all ranks the same"
     )]
     OtherBake { rank: usize },
-    /// Another rank failed, and says so.
+    /// Failure of another rank, which prints it.
     #[error("another process failed")]
     Elsewhere,
-    #[error("{} (tables from 0: {})", source, files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", "))]
+    #[error(
+        "{} (tables, counted from 0: {})",
+        source,
+        files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ")
+    )]
     Merge {
         files: Vec<PathBuf>,
-        // Boxed: every result of the program would grow with it.
+        // Boxed, because every result of the program would be as large as this variant.
         source: Box<tables::Error>,
     },
 }
 
 impl Failure {
-    /// Says it on standard error.
+    /// Prints the failure to standard error.
     pub(crate) fn print(&self) {
         // A closed standard error is no reason to stop.
         let _ = writeln!(std::io::stderr(), "error: {self}");
     }
 
-    /// 2 for wrong usage, 1 for work that failed; 0 where another process tells, whose code then is
-    /// that of all.
+    /// Returns the exit code: 2 for wrong usage, 1 for work that failed.
+    ///
+    /// The code is 0 if another process failed. That process prints the failure, and its code is
+    /// the code of the whole run.
     pub(crate) fn code(&self) -> u8 {
         match self {
             Failure::Elsewhere => 0,
@@ -114,7 +118,7 @@ impl Failure {
             | Failure::MeshExtension(_)
             | Failure::Terminal(tables::cli::Error::PlotExtension(_))
             | Failure::Plot(PlotError::Format(_)) => 2,
-            // Options that only the mesh's own code can judge.
+            // Faults of options that only the code of meshes can check.
             Failure::Mesh(error) => match *error.fault {
                 Fault::EdgeLength { .. }
                 | Fault::EdgeLengthScale { .. }

@@ -1,4 +1,4 @@
-//! `bake inspect`: what is in a table.
+//! `bake inspect`: prints the content of a table and draws it.
 
 use crate::cli::failure::Failure;
 use crate::cli::report::{directions_json, directions_text};
@@ -17,18 +17,20 @@ use tables::{Exact, Outputs, Provenance, Symmetry, Table};
 pub(crate) struct InspectArgs {
     /// Table to read
     table: PathBuf,
-    /// Draws the histograms into a .png or .svg file
+    /// Plot of the histograms of the shift, .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Draws where the light of cells goes that are not ideal into a .png or .svg file
+    /// Plot of the exit directions of light, .png or .svg
+    ///
+    /// For cells that are not ideal, so that light leaves off the way back.
     #[arg(long, value_name = "FILE")]
     plot_deviations: Option<PathBuf>,
-    /// Prints one JSON object
+    /// Prints the content as one JSON object
     #[arg(long)]
     json: bool,
 }
 
-/// Runs `bake inspect`.
+/// Runs `bake inspect`: draws the plots that were asked for and prints the report.
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([args.table.as_path()]);
     let shifts = reserve_plot(args.plot.as_deref(), &mut outputs)?;
@@ -47,18 +49,19 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     })?)
 }
 
-/// Lines of a name and a value each.
+/// Report of lines, each with a name and a value.
 #[derive(Default)]
 struct Lines(String);
 
 impl Lines {
+    /// Appends one line.
     fn add(&mut self, name: &str, value: impl Display) {
         // Writing to a String cannot fail.
         let _ = writeln!(self.0, "{name:20} {value}");
     }
 }
 
-/// For a person.
+/// Returns the report of a table as text.
 fn text(table: &Table) -> String {
     let from = &table.provenance;
     let axes = &table.axes;
@@ -86,6 +89,7 @@ fn text(table: &Table) -> String {
     text
 }
 
+/// Appends what the table says about its cell.
 fn cell(lines: &mut Lines, from: &Provenance) {
     lines.add("design", &from.design);
     lines.add("mesh SHA-256", &from.mesh_hash);
@@ -102,6 +106,7 @@ fn cell(lines: &mut Lines, from: &Provenance) {
     lines.add("refractive index", from.refractive_index.to_string());
 }
 
+/// Appends the options that the table was baked with.
 fn options(lines: &mut Lines, from: &Provenance) {
     lines.add(
         "back, losses",
@@ -127,6 +132,7 @@ fn options(lines: &mut Lines, from: &Provenance) {
     );
 }
 
+/// Appends how far light leaves off the way back, if the table records it.
 fn deviations(lines: &mut Lines, table: &Table) {
     let deviation = table.exact.as_ref().map(Exact::largest_deviation_rad);
     if let Some(largest) = deviation.filter(|largest| *largest > 0.0) {
@@ -155,7 +161,7 @@ fn deviations(lines: &mut Lines, table: &Table) {
     }
 }
 
-/// What the directions stand for besides themselves.
+/// Appends which further directions the table stands for: by symmetry, or by interpolation.
 fn directions(lines: &mut Lines, from: &Provenance) {
     let Symmetry {
         rotations,
@@ -167,18 +173,20 @@ fn directions(lines: &mut Lines, from: &Provenance) {
         });
         lines.add(
             "symmetry",
-            format!("{rotations} rotations{mirror}: every azimuth is looked up among those below"),
+            format!("{rotations} rotations{mirror}: the azimuths below stand for all"),
         );
     }
     if let Some(tolerance) = from.direction_tolerance {
         lines.add(
             "between directions",
-            format!("the polygons are within {tolerance} (total variation of eta x histogram)"),
+            format!(
+                "interpolated polygons are within {tolerance} (total variation of eta x histogram)"
+            ),
         );
     }
 }
 
-/// How far light goes from straight back, where the table says so.
+/// Returns the largest deviation in the table, radians, if the table records deviations.
 fn largest_deviation_rad(table: &Table) -> Option<f64> {
     let of_beams = || table.exact.as_ref().map(Exact::largest_deviation_rad);
     let of_rays = table.deviations.as_ref().map(|found| {
@@ -188,7 +196,7 @@ fn largest_deviation_rad(table: &Table) -> Option<f64> {
     of_rays.or_else(of_beams)
 }
 
-/// For a script.
+/// Returns the report of a table as one line of JSON.
 fn json(table: &Table) -> String {
     let from = &table.provenance;
     let value = json!({
@@ -207,7 +215,9 @@ fn json(table: &Table) -> String {
         "method": from.method.text(),
         "sampler": from.sampler_text(),
         "seed": from.seed,
-        "symmetry": { "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg },
+        "symmetry": {
+            "rotations": from.symmetry.rotations, "mirror_deg": from.symmetry.mirror_deg
+        },
         "direction_tolerance": from.direction_tolerance,
         "options": from.options.text(),
         "shards": from.shards.as_ref().map(ToString::to_string),

@@ -1,4 +1,4 @@
-//! `bake merge`: tables of one cell put together.
+//! `bake merge`: merges tables of one cell.
 
 use crate::cli::failure::Failure;
 use clap::Args;
@@ -9,20 +9,20 @@ use tables::{Outputs, Table};
 /// Options of `bake merge`.
 #[derive(Debug, Args)]
 pub(crate) struct MergeArgs {
-    /// Tables to put together
+    /// Tables to merge
     #[arg(required = true, value_name = "TABLE.h5")]
     tables: Vec<PathBuf>,
-    /// Table to write; it may be one of those that are read
+    /// Table to write; it may be one of the merged tables
     #[arg(short, long, value_name = "TABLE.h5")]
     output: PathBuf,
-    /// Prints one JSON object
+    /// Prints the result as one JSON object
     #[arg(long)]
     json: bool,
 }
 
 /// Runs `bake merge`.
 pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
-    // All are read before the output is written, so that rays can be added in place.
+    // All tables are read before the output is written, so the output may be one of them.
     let output = Outputs::beside([]).reserve(&args.output)?;
     let parts = args
         .tables
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     })?;
     if let Some(shards) = &merged.provenance.shards {
         warn(&[format!(
-            "shards {} of {} are missing: the table holds the rays of the others",
+            "shards {} of {} are missing: the table holds only the rays of the other shards",
             shards.missing_text(),
             shards.of
         )]);
@@ -47,7 +47,8 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     Ok(print(&if args.json {
         let value = serde_json::json!({
             "table": args.output.display().to_string(), "merged": parts.len(), "content_hash": hash,
-            "directions": incidences * azimuths, "rays": rays, "seed": merged.provenance.seed, "shards": shards });
+            "directions": incidences * azimuths, "rays": rays, "seed": merged.provenance.seed,
+            "shards": shards });
         format!("{value}\n")
     } else {
         format!(

@@ -1,9 +1,9 @@
-//! The program `bake`: one file a verb, what they share, and every error as one sentence and an
-//! exit code.
+//! Command line of the program `bake`: one file for each verb, and what the verbs share.
 //!
-//! Words that a user typed enter; text on stdout, warnings and a progress bar on stderr, tables,
-//! meshes and pictures on the disk leave. This room alone prints, reads a command line and chooses
-//! exit codes. It may touch every other room.
+//! Words that a user typed enter. Text on stdout, warnings and a progress bar on stderr, and
+//! tables, meshes and pictures on the disk leave. Every error leaves as one sentence and an exit
+//! code. This room alone prints, reads a command line and chooses exit codes. It may touch every
+//! other room.
 
 mod cell;
 #[allow(clippy::module_inception, reason = "the command line itself")]
@@ -11,6 +11,7 @@ mod cli;
 mod compare;
 mod design;
 mod failure;
+mod heading;
 mod inspect;
 mod merge;
 mod progress;

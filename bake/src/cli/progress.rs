@@ -1,18 +1,19 @@
-//! The progress bar: on a terminal only.
+//! Progress bar of a bake or of a study, shown on a terminal only.
 
 use crate::plan::Effort;
 use crate::run::Bake;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
-/// A bar on stderr that counts rays; silent where stderr is no terminal.
+/// Progress bar on stderr, hidden where stderr is no terminal.
 pub(super) struct Progress {
     bar: ProgressBar,
 }
 
 impl Progress {
-    /// A bar as long as the bake's rays; without an end where it runs to a tolerance.
-    /// One that is not `shown` counts in silence.
+    /// Makes the bar of a bake; it has no end if the bake runs to a tolerance.
+    ///
+    /// The bar counts without being displayed if it is not `shown`.
     pub(super) fn new(bake: &Bake, shown: bool) -> Self {
         let (incidences, azimuths) = bake.axes().shape();
         let (bar, template) = match bake.plan.effort {
@@ -38,7 +39,7 @@ impl Progress {
         Progress { bar }
     }
 
-    /// A bar over the bakes of a study, which names the one that runs.
+    /// Makes the bar of a study, which counts bakes and names the one that runs.
     pub(super) fn of_study() -> Self {
         let bar = ProgressBar::no_length();
         if !std::io::stderr().is_terminal() {
@@ -50,19 +51,19 @@ impl Progress {
         Progress { bar }
     }
 
-    /// The bake called `name` begins, after `done` of `all`.
+    /// Displays that the bake `name` begins, after `done` of `all` bakes.
     pub(super) fn step(&self, name: &str, done: usize, all: usize) {
         self.bar.set_length(all as u64);
         self.bar.set_position(done as u64);
         self.bar.set_message(name.to_owned());
     }
 
-    /// Counts rays; may be called from any thread.
+    /// Adds rays to the count; may be called from any thread.
     pub(super) fn advance(&self, rays: u64) {
         self.bar.inc(rays);
     }
 
-    /// Takes the bar off the terminal.
+    /// Removes the bar from the terminal.
     pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
     }

@@ -1,4 +1,4 @@
-//! What a bake and a comparison say: one text for a person, one JSON object for a script.
+//! Reports of a bake and of a comparison, as text for a person and as JSON for a script.
 
 use crate::run::Comparison;
 use serde_json::{Value, json};
@@ -6,26 +6,27 @@ use std::fmt::Write;
 use std::path::Path;
 use tables::{Fate, Table};
 
-/// Part of the light in the outermost bins of deviations that is worth a word.
+/// Share of a direction's light in the outermost bins of deviations above which a warning is given.
 const OUTERMOST: f64 = 1e-4;
 
-/// Bins of deviations that the spread of light must reach for them to tell it, and bins that are
-/// fine for any: 10 um at 1 m.
+/// Bins of deviations, in the rms spread of the light, below which a warning calls them coarse.
 const FEW_BINS: f64 = 2.0;
+
+/// Width of a bin of deviations, mrad, that is fine enough for any cell: 10 um at 1 m.
 const FINE_MRAD: f64 = 0.01;
 
 /// Report of `bake trace`.
 pub(crate) struct Trace<'a> {
-    /// The table.
+    /// Table that was baked.
     pub table: &'a Table,
-    /// Where it went.
+    /// File that holds the table.
     pub file: &'a Path,
-    /// Time of the bake without reading and writing, s.
+    /// Time of the bake in seconds, without reading and writing.
     pub seconds: f64,
 }
 
 impl Trace<'_> {
-    /// For a person.
+    /// Returns the report as text: one line about the bake, then one line for each direction.
     pub(crate) fn text(&self) -> String {
         let table = self.table;
         let rays: u64 = table.rays.sum();
@@ -51,14 +52,13 @@ impl Trace<'_> {
         text
     }
 
-    /// What the user should know of the table.
+    /// Returns warnings about the table: no light comes back, or its deviations are badly binned.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.table.retroreflected.iter().all(|&eta| eta == 0.0) {
             warnings.push(
-                "nothing comes back in any direction: the fates say where the light goes \
-                (--element plate is for what images through \
-                 itself, --glass-index for bodies of glass)"
+                "no light comes back in any direction: the fates say where it goes (give \
+                --element plate for a plate that light passes, --glass-index for bodies of glass)"
                     .into(),
             );
         }
@@ -74,17 +74,15 @@ impl Trace<'_> {
         if outermost > OUTERMOST {
             warnings.push(format!(
                 "up to {:.2} % of the light of a direction goes to the outermost bins of \
-                deviations, or beyond them; give a \
-                 --deviations above {range:.4} mrad",
+                deviations, or beyond them; give --deviations above {range:.4} mrad",
                 100.0 * outermost
             ));
         }
         let returns = found.entries.iter().any(|entries| !entries.is_empty());
         if returns && 1e3 * rms < FEW_BINS * width && width > FINE_MRAD {
             warnings.push(format!(
-                "exit directions are counted in bins of {width:.4} mrad, which is coarse for what \
-                is there (rms {:.4} mrad); give \
-                 --deviations {:.4}",
+                "exit directions are counted in bins of {width:.4} mrad, which is coarse for their \
+                spread (rms {:.4} mrad); give --deviations {:.4}",
                 1e3 * rms,
                 (range / 20.0).max(8e3 * rms)
             ));
@@ -92,7 +90,7 @@ impl Trace<'_> {
         warnings
     }
 
-    /// For a script.
+    /// Returns the report as JSON.
     pub(crate) fn json(&self) -> Value {
         let rays: u64 = self.table.rays.sum();
         json!({
@@ -101,13 +99,14 @@ impl Trace<'_> {
             "method": self.table.provenance.method.text(),
             "seconds": self.seconds,
             "rays": rays,
-            "rays_per_second": if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },
+            "rays_per_second":
+                if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },
             "directions": directions_json(self.table),
         })
     }
 }
 
-/// One line per direction: angles, retroreflected fraction, error, and the other fates that occur.
+/// Returns one line for each direction: angles, eta, its error, and the other fates that occur.
 pub(crate) fn directions_text(table: &Table) -> String {
     let mut text = String::from("incidence  azimuth  retroreflected  std. error  other fates\n");
     for ((i, a), &eta) in table.retroreflected.indexed_iter() {
@@ -135,7 +134,7 @@ pub(crate) fn directions_text(table: &Table) -> String {
     text
 }
 
-/// The same for a script.
+/// Returns the directions of a table as a JSON array: angles, eta, error, rays, deviation, fates.
 pub(crate) fn directions_json(table: &Table) -> Value {
     let (deviations, azimuths) = (table.deviations.as_ref(), table.axes.azimuth_deg.len());
     let direction = |((i, a), &eta): ((usize, usize), &f64)| {
@@ -152,7 +151,9 @@ pub(crate) fn directions_json(table: &Table) -> Value {
             "rays": table.rays[[i, a]],
             "deviation": deviations.map(|found| {
                 let spread = found.spread(i * azimuths + a);
-                json!({ "rms_mrad": 1e3 * spread.rms_rad, "largest_mrad": 1e3 * spread.largest_rad })
+                json!({
+                    "rms_mrad": 1e3 * spread.rms_rad, "largest_mrad": 1e3 * spread.largest_rad
+                })
             }),
             "fates": fates,
         })
@@ -160,7 +161,7 @@ pub(crate) fn directions_json(table: &Table) -> Value {
     table.retroreflected.indexed_iter().map(direction).collect()
 }
 
-/// A comparison for a person.
+/// Returns a comparison as text, one line for each direction.
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let mut text = String::from(
         "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  agrees\n",
@@ -185,7 +186,7 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     text
 }
 
-/// A comparison for a script.
+/// Returns a comparison as one line of JSON.
 pub(crate) fn comparison_json(comparison: &Comparison) -> String {
     let rows: Vec<Value> = comparison
         .rows

@@ -1,7 +1,8 @@
-//! `bake study`: its options and what is done with them.
+//! `bake study`: reads its options, runs the study, and writes what it measured.
 
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
+use crate::cli::heading;
 use crate::cli::progress::Progress;
 use crate::plan::{Request, default};
 use crate::study::{StudyPlan, picture, report, study};
@@ -14,55 +15,113 @@ use tables::options::{Back, SceneOptions};
 /// Options of `bake study`.
 #[derive(Debug, Args)]
 pub(crate) struct StudyArgs {
-    /// Mesh: .obj, .gltf or .glb
+    /// Mesh file of one cell: .obj, .gltf or .glb
     mesh: PathBuf,
-    /// Incidence angles outside the sheet, degrees: a list or start:stop:step
-    #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
-    incidence: String,
-    /// Azimuths, degrees: a list, start:stop:step, or mean for the average over all
-    #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
-    azimuth: String,
-    /// Refractive index behind a flat front face [default: the file's, else 1]
+    /// Refractive index behind the front face [default: the file's, else 1]
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     refractive_index: Option<f64>,
-    /// What the facets are backed with
-    #[arg(long, value_enum, default_value_t = Back::Mirror)]
-    back: Back,
-    /// Most rays per direction; the study begins with 1024 and takes four times as many each time
-    #[arg(long, value_name = "N", default_value_t = default::RAYS)]
+    /// Angles of incidence in the air, degrees
+    ///
+    /// A list such as 0,15,30, or start:stop:step. The angle is measured from the sheet's normal.
+    #[arg(
+        long,
+        value_name = "ANGLES",
+        default_value = default::INCIDENCE,
+        allow_hyphen_values = true
+    )]
+    incidence: String,
+    /// Azimuths about the sheet's normal, degrees
+    ///
+    /// A list such as 0,30; start:stop:step; or mean for the average over all azimuths.
+    #[arg(
+        long,
+        value_name = "ANGLES",
+        default_value = default::AZIMUTH,
+        allow_hyphen_values = true
+    )]
+    azimuth: String,
+    /// Largest number of rays per direction
+    ///
+    /// The study begins with 1024 rays and takes four times as many each time.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = default::RAYS,
+        help_heading = heading::MEASUREMENT
+    )]
     rays: u64,
-    /// Histogram bins along u and along v
-    #[arg(long, value_name = "N", default_value_t = default::BINS)]
-    bins: usize,
-    /// The histogram covers u, v from -RANGE to RANGE, edge lengths
-    #[arg(long, default_value_t = default::RANGE, allow_negative_numbers = true)]
-    range: f64,
-    #[command(flatten)]
-    cell: CellArgs,
-    /// Seed of the samples of the first repeat; each further repeat takes the next
-    #[arg(long, default_value_t = default::SEED)]
-    seed: u64,
-    /// Threads [default: all processors]
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Bakes of each kind: seconds are their median, errors their mean
-    #[arg(long, value_name = "N", default_value_t = study::default::REPEATS)]
+    /// Bakes of each kind
+    ///
+    /// The seconds are their median, and the errors their mean.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = study::default::REPEATS,
+        help_heading = heading::MEASUREMENT
+    )]
     repeats: usize,
-    /// L1 error of the worst direction that the time is asked for
-    #[arg(long, value_name = "E", default_value_t = study::default::TARGET, allow_negative_numbers = true)]
+    /// L1 error for which the study reports the time
+    ///
+    /// The error of the worst direction counts. It is a sum of probabilities: above 0, at most 2.
+    #[arg(
+        long,
+        value_name = "E",
+        default_value_t = study::default::TARGET,
+        allow_negative_numbers = true,
+        help_heading = heading::MEASUREMENT
+    )]
     target: f64,
-    /// Leaves out bakes that are expected to take longer than this, s, and all with more rays
-    #[arg(long, value_name = "SECONDS", default_value_t = study::default::LONGEST_SECONDS, allow_negative_numbers = true)]
+    /// Longest expected time of a bake, seconds
+    ///
+    /// A bake that is expected to take longer is left out, and so are those with more rays.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = study::default::LONGEST_SECONDS,
+        allow_negative_numbers = true,
+        help_heading = heading::MEASUREMENT
+    )]
     longest: f64,
-    /// Writes the figures as comma-separated values
-    #[arg(long, value_name = "FILE.csv")]
-    csv: Option<PathBuf>,
-    /// Draws error against rays and against seconds into a .png or .svg file
-    #[arg(long, value_name = "FILE")]
+    /// Seed of the samples of the first repeat
+    ///
+    /// Each further repeat takes the next seed.
+    #[arg(long, default_value_t = default::SEED, help_heading = heading::MEASUREMENT)]
+    seed: u64,
+    /// Histogram bins along u and along v
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = default::BINS,
+        help_heading = heading::ACCURACY
+    )]
+    bins: usize,
+    /// Half width of the histogram, edge lengths
+    ///
+    /// The histogram covers shifts u and v from -RANGE to RANGE.
+    #[arg(
+        long,
+        default_value_t = default::RANGE,
+        allow_negative_numbers = true,
+        help_heading = heading::ACCURACY
+    )]
+    range: f64,
+    /// Backing of facets
+    #[arg(long, value_enum, default_value_t = Back::Mirror, help_heading = heading::MATERIAL)]
+    back: Back,
+    #[command(flatten, next_help_heading = heading::CELL)]
+    cell: CellArgs,
+    /// Plot of error against rays and against seconds, .png or .svg
+    #[arg(long, value_name = "FILE", help_heading = heading::OUTPUT)]
     plot: Option<PathBuf>,
-    /// Prints one JSON object
-    #[arg(long)]
+    /// File for all measurements as comma-separated values
+    #[arg(long, value_name = "FILE.csv", help_heading = heading::OUTPUT)]
+    csv: Option<PathBuf>,
+    /// Prints the report as one JSON object
+    #[arg(long, help_heading = heading::OUTPUT)]
     json: bool,
+    /// Number of threads [default: all processors]
+    #[arg(long, value_name = "N", help_heading = heading::OUTPUT)]
+    threads: Option<usize>,
 }
 
 /// Runs `bake study`.
@@ -84,7 +143,7 @@ pub(crate) fn run(args: &StudyArgs) -> Result<(), Failure> {
         target: args.target,
         longest_seconds: args.longest,
     })?;
-    // Minutes of work are not lost to a folder that is not there.
+    // The outputs are reserved first: minutes of work must not be lost to a missing folder.
     let mut outputs = Outputs::beside([args.mesh.as_path()]);
     let picture = reserve_plot(args.plot.as_deref(), &mut outputs)?;
     let csv = args

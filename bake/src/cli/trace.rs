@@ -1,8 +1,9 @@
-//! `bake trace`: its options and what is done with them.
+//! `bake trace`: reads its options, bakes one table for each wavelength, and reports.
 
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
+use crate::cli::heading;
 use crate::cli::progress::Progress;
 use crate::cli::report;
 use crate::optics::material;
@@ -18,96 +19,185 @@ use tables::{Output, Outputs, Table};
 
 /// Options of `bake trace`.
 #[derive(Debug, Args)]
+#[command(mut_arg("deviations", |arg| arg.help_heading(heading::ACCURACY)))]
 pub(crate) struct TraceArgs {
-    /// Mesh: .obj, .gltf or .glb
+    /// Mesh file of one cell: .obj, .gltf or .glb
     mesh: PathBuf,
-    /// Table to write (HDF5); {nm} in the name stands for the wavelength
+    /// Table to write, an HDF5 file
+    ///
+    /// With several wavelengths, write {nm} in the name where the wavelength belongs.
     #[arg(short, long, value_name = "TABLE.h5")]
     output: PathBuf,
-    /// Incidence angles outside the sheet, degrees: a list or start:stop:step
-    #[arg(long, value_name = "ANGLES", default_value = default::INCIDENCE, allow_hyphen_values = true)]
-    incidence: String,
-    /// Azimuths, degrees: a list, start:stop:step, full for all (steps of 5, full:STEP for others;
-    /// of a symmetric cell only a sector is baked), or mean for the average over all
-    #[arg(long, value_name = "ANGLES", default_value = default::AZIMUTH, allow_hyphen_values = true)]
-    azimuth: String,
-    /// Chooses the directions between the ends of --incidence and of --azimuth (steps and what else
-    /// is listed are left aside), so that the polygons of an exact table give every other one
-    /// within this total variation of eta x histogram
-    #[arg(long, value_name = "TV", allow_negative_numbers = true)]
-    direction_tolerance: Option<f64>,
-    /// Refractive index behind a flat front face: a number, pmma, polycarbonate, bk7, or pairs
-    /// nm:index [default: the file's, else 1]
+    /// Refractive index behind the front face [default: the file's, else 1]
+    ///
+    /// A number from 1 to 10; a material: pmma, polycarbonate or bk7; or pairs nm:index such as
+    /// 450:1.50,650:1.49. A material and pairs need --wavelength-nm.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     refractive_index: Option<String>,
-    /// Wavelengths in vacuum, nm: each has a table of its own
+    /// Angles of incidence in the air, degrees
+    ///
+    /// A list such as 0,15,30, or start:stop:step. The angle is measured from the sheet's normal.
+    #[arg(
+        long,
+        value_name = "ANGLES",
+        default_value = default::INCIDENCE,
+        allow_hyphen_values = true
+    )]
+    incidence: String,
+    /// Azimuths about the sheet's normal, degrees
+    ///
+    /// A list such as 0,30; start:stop:step; full for all azimuths in steps of at most 5 degrees,
+    /// or full:STEP for another step; or mean for the average over all azimuths. With full, only
+    /// one sector of a symmetric cell is baked. It stands for all azimuths.
+    #[arg(
+        long,
+        value_name = "ANGLES",
+        default_value = default::AZIMUTH,
+        allow_hyphen_values = true
+    )]
+    azimuth: String,
+    /// Histogram bins along u and along v
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = default::BINS,
+        help_heading = heading::ACCURACY
+    )]
+    bins: usize,
+    /// Half width of the histogram, edge lengths
+    ///
+    /// The histogram covers shifts u and v from -RANGE to RANGE.
+    #[arg(
+        long,
+        default_value_t = default::RANGE,
+        allow_negative_numbers = true,
+        help_heading = heading::ACCURACY
+    )]
+    range: f64,
+    /// Largest deviation of retroreflected light, degrees
+    ///
+    /// A path counts as retroreflected if its linear map deviates from -I by at most this angle.
+    /// For a plate, the map of its image takes the place of -I. With --glass-index, the exit
+    /// direction decides.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = default::ANGULAR_TOLERANCE_DEG,
+        allow_negative_numbers = true,
+        help_heading = heading::ACCURACY
+    )]
+    angular_tolerance: f64,
+    /// Chooses directions that keep the interpolation error below TV
+    ///
+    /// Chooses the fewest directions between the ends of --incidence and of --azimuth, so that the
+    /// polygons of an exact table, interpolated, give every other direction within this total
+    /// variation of eta x histogram (above 0, at most 1). Steps, and listed angles between the
+    /// ends, have no effect.
+    #[arg(
+        long,
+        value_name = "TV",
+        allow_negative_numbers = true,
+        help_heading = heading::ACCURACY
+    )]
+    direction_tolerance: Option<f64>,
+    /// Wavelengths in vacuum, nm
+    ///
+    /// Each wavelength has a table of its own.
     #[arg(
         long,
         alias = "wavelengths-nm",
         value_name = "NM,..",
         value_delimiter = ',',
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = heading::MATERIAL
     )]
     wavelength_nm: Vec<f64>,
-    /// What the facets are backed with
-    #[arg(long, value_enum, default_value_t = Back::Mirror)]
+    /// Backing of facets
+    #[arg(long, value_enum, default_value_t = Back::Mirror, help_heading = heading::MATERIAL)]
     back: Back,
-    /// What surfaces take from the light
-    #[arg(long, value_enum, default_value_t = Losses::None)]
+    /// Losses at surfaces
+    ///
+    /// With none, the reflectance mu that fit estimates contains these losses.
+    #[arg(long, value_enum, default_value_t = Losses::None, help_heading = heading::MATERIAL)]
     losses: Losses,
-    /// Part of the light that each mirror facet reflects, with --losses fresnel [default: 1]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    reflectance: Option<f64>,
-    /// Metal of the mirrors, with --losses fresnel: aluminium, silver, or the complex index N,K
-    #[arg(long, value_name = "NAME", allow_hyphen_values = true)]
+    /// Metal of the mirrors: aluminium, silver or N,K
+    ///
+    /// N,K is the complex refractive index, such as 0.96,6.7. A name needs --wavelength-nm. Needs
+    /// --losses fresnel and excludes --reflectance.
+    #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = heading::MATERIAL)]
     metal: Option<String>,
-    /// How to find the distribution
-    #[arg(long, value_enum, default_value_t = Method::Auto)]
-    method: Method,
-    /// How samples are spread
-    #[arg(long, value_enum, default_value_t = Sampler::Sobol)]
-    sampler: Sampler,
-    /// Rays per direction [default: 4194304]
-    #[arg(long, value_name = "N")]
-    rays: Option<u64>,
-    /// Trace until the estimated L1 error of every direction is below this
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
-    /// Histogram bins along u and along v
-    #[arg(long, value_name = "N", default_value_t = default::BINS)]
-    bins: usize,
-    /// The histogram covers u, v from -RANGE to RANGE, edge lengths
-    #[arg(long, default_value_t = default::RANGE, allow_negative_numbers = true)]
-    range: f64,
-    /// Largest deviation of a path's linear map from -I that counts as retroreflected, degrees
-    #[arg(long, value_name = "DEG", default_value_t = default::ANGULAR_TOLERANCE_DEG, allow_negative_numbers = true)]
-    angular_tolerance: f64,
-    #[command(flatten)]
+    /// Share of the light that a mirror facet reflects [default: 1]
+    ///
+    /// Needs --losses fresnel.
+    #[arg(
+        long,
+        value_name = "R",
+        allow_negative_numbers = true,
+        help_heading = heading::MATERIAL
+    )]
+    reflectance: Option<f64>,
+    #[command(flatten, next_help_heading = heading::MATERIAL)]
     scene: SceneOptions,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = heading::CELL)]
     cell: CellArgs,
+    /// Exact beams or rays
+    #[arg(long, value_enum, default_value_t = Method::Auto, help_heading = heading::RAYS)]
+    method: Method,
+    /// Rays per direction [default: 4194304]
+    #[arg(long, value_name = "N", help_heading = heading::RAYS)]
+    rays: Option<u64>,
+    /// Traces until the estimated L1 error of every direction is below E
+    ///
+    /// The L1 error is the sum, over the bins of eta x histogram, of the absolute errors. It is at
+    /// most 2. Not together with --rays, --shard or --sampler random.
+    #[arg(
+        long,
+        value_name = "E",
+        allow_negative_numbers = true,
+        help_heading = heading::RAYS
+    )]
+    tolerance: Option<f64>,
+    /// Kind of sample points
+    #[arg(long, value_enum, default_value_t = Sampler::Sobol, help_heading = heading::RAYS)]
+    sampler: Sampler,
     /// Seed of the samples
-    #[arg(long, default_value_t = default::SEED)]
+    ///
+    /// To add rays to a table, bake again with the seed that follows, and merge the two tables.
+    #[arg(long, default_value_t = default::SEED, help_heading = heading::RAYS)]
     seed: u64,
-    /// Threads [default: all processors]; the table does not depend on it
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
-    /// Traces only share K of N equal shares of the samples; `bake merge` puts them together
-    #[arg(long, value_name = "K/N")]
+    /// Traces only share K of N equal shares of the samples
+    ///
+    /// Merge the N tables with bake merge. The result is the table of a single bake, byte for byte.
+    #[arg(long, value_name = "K/N", help_heading = heading::LONG_RUNS)]
     shard: Option<String>,
-    /// Goes on with the bake of this table that was interrupted, from TABLE.h5.resume beside it
-    #[arg(long)]
+    /// Continues the interrupted bake of this table
+    ///
+    /// Reads TABLE.h5.resume beside the table. Give all other options again.
+    #[arg(long, help_heading = heading::LONG_RUNS)]
     resume: bool,
-    /// Saves rays that are traced every so many seconds in TABLE.h5.resume, for --resume
-    #[arg(long, value_name = "SECONDS", default_value = saves::EVERY_SECONDS, value_parser = seconds)]
+    /// Seconds between two saves of the rays traced so far
+    ///
+    /// They are saved in TABLE.h5.resume, for --resume.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value = saves::EVERY_SECONDS,
+        value_parser = seconds,
+        help_heading = heading::LONG_RUNS
+    )]
     save_every: Duration,
     /// Prints the report as one JSON object
-    #[arg(long)]
+    #[arg(long, help_heading = heading::OUTPUT)]
     json: bool,
+    /// Number of threads [default: all processors]
+    ///
+    /// The table does not depend on it.
+    #[arg(long, value_name = "N", help_heading = heading::OUTPUT)]
+    threads: Option<usize>,
 }
 
 impl TraceArgs {
-    /// What is asked of the table of one wavelength, where any is named.
+    /// Returns what is asked of the table of one wavelength (nm), or of the only table.
     fn request(&self, wavelength_nm: Option<f64>) -> Result<Request, PlanError> {
         let index = self.refractive_index.as_deref();
         let index = index.map(|text| material::refractive_index(text, wavelength_nm));
@@ -137,7 +227,7 @@ impl TraceArgs {
         })
     }
 
-    /// The tables to write and their wavelengths.
+    /// Returns the tables to write, each with its wavelength in nm if one is named.
     fn tables(&self) -> Result<Vec<(PathBuf, Option<f64>)>, PlanError> {
         let name = self.output.to_string_lossy();
         let named = name.contains("{nm}");
@@ -168,13 +258,13 @@ impl TraceArgs {
     }
 }
 
-/// A time from 0 to a year.
+/// Reads a time in seconds, from 0 to about a year.
 fn seconds(text: &str) -> Result<Duration, String> {
     let year = 3e7;
     let number = text.parse::<f64>().ok().filter(|s| (0.0..year).contains(s));
     number
         .map(Duration::from_secs_f64)
-        .ok_or_else(|| "give seconds from 0 on".into())
+        .ok_or_else(|| "give a number of seconds from 0 to below 3e7 (a year)".into())
 }
 
 /// Runs `bake trace` as one of `ranks`; `launched` is what started them.
@@ -211,10 +301,10 @@ pub(crate) fn run(
     }
 }
 
-/// A plan and the table that it makes.
+/// File of a table to write, and the plan that makes it.
 type Planned = (PathBuf, Plan);
 
-/// The cell, dissected, and the plans, one for each table.
+/// Reads the mesh, and returns the dissected cell and one plan for each table.
 fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Failure> {
     let plans = args
         .tables()?
@@ -225,17 +315,19 @@ fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Failure> {
     Ok((Prepared::new(cell), plans))
 }
 
-/// One table to be: a bake whose options, mesh and output are in order.
+/// Table to be made: a bake whose options, mesh and output have been checked.
 struct Job<'a> {
     bake: Bake<'a>,
     file: &'a Path,
-    /// Reserved by who writes.
+    /// Place of the table on the disk; `None` in a process that does not write.
     output: Option<Output>,
+    /// Rays of an interrupted bake, with which this one begins.
     before: Option<Table>,
 }
 
-/// Says what the user should know and reserves the outputs; `leads`: this process prints, writes
-/// and reads what was saved.
+/// Prints warnings, reserves the outputs and returns one job for each plan.
+///
+/// Only the process that `leads` prints, writes, and reads what an interrupted bake saved.
 fn jobs<'a>(
     args: &TraceArgs,
     prepared: &'a Prepared,
@@ -272,8 +364,10 @@ fn jobs<'a>(
 }
 
 impl Job<'_> {
-    /// Bakes and writes the table and says what is in it: at once for a person, as an object for a
-    /// script. Nothing in the ranks that do not write.
+    /// Bakes and writes the table, prints its report unless `--json` was given, and returns the
+    /// report as JSON.
+    ///
+    /// Returns `None` in a rank that does not write.
     fn run(
         self,
         args: &TraceArgs,
@@ -282,7 +376,8 @@ impl Job<'_> {
         let progress = Progress::new(&self.bake, ranks.leads());
         let saved = SavedFile::of(self.file);
         let mut unsaved = None;
-        // A disk that is full now may have room at the end: the bake goes on, and says so once.
+        // A disk that is full now may have room at the end. So the bake continues if a save fails,
+        // and the failure is printed once.
         let mut save = |table: &Table| unsaved = unsaved.take().or(saved.write(table).err());
         let saves = Saves::new(self.before, args.save_every, &mut save);
         let start = Instant::now();
@@ -293,10 +388,10 @@ impl Job<'_> {
         let seconds = start.elapsed().as_secs_f64();
         progress.finish();
         warn(Vec::from_iter(unsaved.map(|error| {
-            format!("the bake could not be saved on its way: {error}")
+            format!("the bake could not be saved for --resume: {error}")
         })));
         let table = match table.map_err(Failure::from) {
-            // The others wait for what this rank no longer does.
+            // The other ranks wait for this one, so all of them are stopped.
             Err(failure) if ranks.count() > 1 => {
                 failure.print();
                 ranks.abort(failure.code());
@@ -322,8 +417,11 @@ impl Job<'_> {
     }
 }
 
-/// What this rank has got ready, if all have; the failure of the first that has not is for that
-/// rank to tell.
+/// Returns what this rank has prepared, if all ranks have succeeded.
+///
+/// # Errors
+/// Returns the rank's own failure in the lowest rank that failed, and [`Failure::Elsewhere`] in all
+/// others, so that the failure is printed once.
 fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure> {
     match ranks.first_of(ready.is_err()) {
         Some(first) if first != ranks.number() => Err(Failure::Elsewhere),
@@ -331,8 +429,12 @@ fn agreed<T>(ready: Result<T, Failure>, ranks: &dyn Ranks) -> Result<T, Failure>
     }
 }
 
-/// Whether this rank bakes what rank 0 bakes: machines may hold another mesh under the same name,
-/// or another program.
+/// Checks that this rank bakes what rank 0 bakes.
+///
+/// A machine may hold another mesh under the same name, or another version of the program.
+///
+/// # Errors
+/// Returns [`Failure::OtherBake`] if version, plan, axes or provenance differ from those of rank 0.
 fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Failure> {
     let plan = Plan {
         threads: None,
@@ -355,22 +457,26 @@ fn same_everywhere(bake: &Bake, ranks: &dyn Ranks) -> Result<(), Failure> {
     }
 }
 
-/// What an interrupted bake of the same table has done, if it is to go on.
+/// Reads what an interrupted bake of the same table has saved, if `resume` asks for it.
+///
+/// Without `resume`, warns that a saved bake is there and returns `None`.
 fn saved_before(saved: &SavedFile, resume: bool) -> Result<Option<Table>, Failure> {
     if resume {
         return Ok(saved.read()?);
     }
     if saved.is_there() {
         warn(&[format!(
-            "{} holds an interrupted bake, which --resume would go on with; it is begun anew",
+            "{} holds an interrupted bake, which --resume would go on with; this bake starts from \
+            the beginning",
             saved.path().display()
         )]);
     }
     Ok(None)
 }
 
-/// What `--method auto` decided, where that is not what the other options suggest; the report names
-/// the method anyway.
+/// Returns a warning if the method that was chosen ignores other options, or is not the exact one.
+///
+/// The report names the method in any case.
 fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<String> {
     let refusal = plan.exact_cell(prepared).err();
     let asks_for_rays = args.rays.is_some() || args.tolerance.is_some();
@@ -380,8 +486,8 @@ fn method_warning(args: &TraceArgs, prepared: &Prepared, plan: &Plan) -> Vec<Str
             if plan.scene.deviations != Record::Auto && !plan.is_azimuth_mean() =>
         {
             vec![
-                "the exact method says where each path goes: --deviations has no effect; give \
-                --method rays to use it"
+                "the exact method records where each path goes, so --deviations has no effect; \
+                give --method rays to use it"
                     .into(),
             ]
         }

@@ -1,4 +1,4 @@
-//! `bake verify`: a table by itself, and by its mesh.
+//! `bake verify`: checks a table on its own, and against rays through its mesh.
 
 use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
@@ -15,20 +15,22 @@ use tables::cli::{print, warn};
 pub(crate) struct VerifyArgs {
     /// Table to check
     table: PathBuf,
-    /// Traces rays through this mesh at some of the table's directions, and compares eta and shifts
-    /// (exit directions are not compared)
+    /// Mesh whose rays are compared with the table
+    ///
+    /// Rays are traced at some of the table's directions. Eta and the shifts are compared, the exit
+    /// directions are not.
     #[arg(long)]
     mesh: Option<PathBuf>,
     #[command(flatten)]
     cell: CellArgs,
-    /// Rays per direction of that trace
+    /// Rays per direction, with --mesh
     #[arg(long, value_name = "N", default_value_t = 1_048_576,
         value_parser = clap::value_parser!(u64).range(1..1 << 40))]
     rays: u64,
-    /// Seed that chooses the directions and their rays
+    /// Seed of the choice of directions and of their rays
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Prints one JSON object
+    /// Prints the result as one JSON object
     #[arg(long)]
     json: bool,
 }
@@ -47,14 +49,15 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let agrees = comparison.as_ref().map(Comparison::agrees);
     print(&if args.json {
         let value = serde_json::json!({
-            "valid": true, "sealed": sealed, "content_hash": hash, "directions": incidences * azimuths,
-            "mesh_agrees": agrees });
+            "valid": true, "sealed": sealed, "content_hash": hash,
+            "directions": incidences * azimuths, "mesh_agrees": agrees });
         format!("{value}\n")
     } else {
         let seal = if sealed {
             ""
         } else {
-            "; its seal is gone: another program wrote to it, its content hash still holds"
+            "; its seal is gone because another program wrote to the file, but its content hash is \
+            right"
         };
         let head = format!(
             "{}: valid, {} directions, content {hash}{seal}\n",
@@ -72,8 +75,14 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
 }
 
-/// The comparison with rays through `mesh`, placed as the table says unless the options say
-/// otherwise.
+/// Traces rays through `mesh` and compares them with the table.
+///
+/// Edge length and azimuth 0 are those of the table, unless the options give others.
+///
+/// # Errors
+/// Returns [`Failure::Unknown`] if a later version made the table with options unknown here,
+/// [`Failure::Symmetry`] if the mesh lacks the table's symmetry, and the failures of loading the
+/// mesh and of tracing.
 fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Comparison, Failure> {
     let from = &table.provenance;
     let unknown = || Failure::Unknown {
@@ -82,7 +91,7 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Comparison, F
         losses: from.losses.to_string(),
         options: from.options.to_string(),
     };
-    // A mesh is read in vain where the rest is not known.
+    // Reading the mesh would be in vain if the other options are not known.
     let scene = stated(from).ok_or_else(unknown)?.scene;
     let cell = CellArgs {
         edge_length: args.cell.edge_length.or(Some(from.edge_length)),
@@ -96,8 +105,8 @@ fn traced(table: &Table, mesh: &Path, args: &VerifyArgs) -> Result<Comparison, F
     warn(&cell.warnings);
     if cell.mesh_hash != from.mesh_hash {
         warn(&[format!(
-            "{} is not the file that the table was baked from (its hash differs); the rays judge \
-            it all the same",
+            "{} is not the file that the table was baked from (its hash differs); its rays are \
+            compared with the table nevertheless",
             mesh.display()
         )]);
     }

@@ -1,15 +1,18 @@
-//! What a table of rays says of its own error, from its counts.
+//! Error estimate and density of a table of rays, from its counts alone.
 
 use crate::rays::Sums;
 use tables::Table;
 
-/// Estimated L1 error of every direction of a table of rays, as `--tolerance` makes it.
+/// Returns the estimated L1 error of every direction of a table of rays.
+///
+/// `bake trace --tolerance` makes the same estimate.
 pub(crate) fn estimates(table: &Table) -> Vec<f64> {
     Sums::of_table(table).iter().map(Sums::l1_error).collect()
 }
 
-/// Returned rays per bin met, in one randomisation; the least over directions, infinite where
-/// nothing returns.
+/// Returns the mean number of retroreflected rays per bin that any ray met, in one randomisation.
+///
+/// It is the least over all directions. A direction in which nothing returns counts as infinite.
 pub(crate) fn density(table: &Table) -> f64 {
     let of = |sums: &Sums| {
         let randomisations = sums.launched.len().max(1);

@@ -1,33 +1,34 @@
-//! Slopes and crossings of measured error curves, on logarithmic axes.
+//! Slopes of measured error curves, and their crossings with a target, on logarithmic axes.
 
-/// A power law fitted to points (x, y).
+/// Power law fitted to points (x, y).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope {
     /// Exponent: d log y / d log x.
     pub exponent: f64,
-    /// Its standard error from the scatter about the line; `None` for two points.
+    /// Standard error of the exponent, from the scatter about the line; `None` for two points.
     pub standard_error: Option<f64>,
-    /// log y at x = 1, natural.
+    /// Natural logarithm of y at x = 1.
     pub intercept: f64,
-    /// The least and the greatest x of the points.
+    /// Smallest and largest x of the points.
     pub range: [f64; 2],
 }
 
 impl Slope {
-    /// The fitted y at x.
+    /// Returns the fitted y at `x`.
     pub fn at(&self, x: f64) -> f64 {
         (self.intercept + self.exponent * x.ln()).exp()
     }
 }
 
-/// Least squares of log y on log x; `None` for fewer than two different x. All numbers must be
-/// positive.
+/// Fits log y as a linear function of log x by least squares.
+///
+/// Returns `None` for fewer than two different x. All numbers must be positive.
 pub(crate) fn slope(points: &[[f64; 2]]) -> Option<Slope> {
     let n = points.len() as f64;
     let logs = || points.iter().map(|point| point.map(f64::ln));
     let [x_mean, y_mean] = [0, 1].map(|axis| logs().map(|p| p[axis]).sum::<f64>() / n);
     let xx: f64 = logs().map(|[x, _]| (x - x_mean).powi(2)).sum();
-    // No points: xx is 0, the means are not used.
+    // Without points xx is 0, and the means are not used.
     if xx <= 0.0 {
         return None;
     }
@@ -46,19 +47,19 @@ pub(crate) fn slope(points: &[[f64; 2]]) -> Option<Slope> {
     })
 }
 
-/// When a falling error meets a target.
+/// Time at which a falling error meets a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reached {
-    /// Interpolated between two measurements, s.
+    /// Time in seconds, interpolated between two measurements.
     At(f64),
-    /// The first measurement is below the target already: at most that long, s.
+    /// Upper bound in seconds: the first measurement has already reached the target.
     Within(f64),
-    /// No measurement is below it.
+    /// No time: no measurement has reached the target.
     Never,
 }
 
 impl Reached {
-    /// The time, s, where there is one.
+    /// Returns the time in seconds, or its upper bound; `None` if the target was never reached.
     pub fn seconds(self) -> Option<f64> {
         match self {
             Reached::At(seconds) | Reached::Within(seconds) => Some(seconds),
@@ -67,8 +68,9 @@ impl Reached {
     }
 }
 
-/// Where the points (seconds, error) first fall to `target`, linear between neighbours on
-/// logarithmic axes.
+/// Finds the time at which the points (seconds, error) first fall to `target`.
+///
+/// Interpolates linearly between neighbours on logarithmic axes.
 pub(crate) fn reached(points: &[[f64; 2]], target: f64) -> Reached {
     let Some(below) = points.iter().position(|&[_, error]| error <= target) else {
         return Reached::Never;
@@ -77,7 +79,7 @@ pub(crate) fn reached(points: &[[f64; 2]], target: f64) -> Reached {
     if below == 0 {
         return Reached::Within(seconds);
     }
-    // An error of 0 has no logarithm: then the time of the measurement itself.
+    // An error of 0 has no logarithm, so the time of the measurement itself is taken.
     if error <= 0.0 {
         return Reached::At(seconds);
     }
@@ -86,8 +88,9 @@ pub(crate) fn reached(points: &[[f64; 2]], target: f64) -> Reached {
     Reached::At(before * (seconds / before).powf(part))
 }
 
-/// The median; the mean of the two in the middle for an even number. Reorders; not a number for
-/// none.
+/// Returns the median; for an even number of values the mean of the two in the middle.
+///
+/// Sorts the values. Returns NaN if there are none.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();
@@ -118,8 +121,9 @@ mod tests {
         assert_eq!(slope(&[]), None);
     }
 
-    /// Scatter s about the line: the standard error is s / sqrt(sum (x - mean)^2). Here the
-    /// residuals are +-0.1 in a pattern orthogonal to 1 and x, so that the exponent stays.
+    /// Checks the standard error s / sqrt(sum (x - mean)^2), where s is the scatter about the line.
+    ///
+    /// The residuals are +-0.1 in a pattern orthogonal to 1 and x, so the exponent stays the same.
     #[test]
     fn scatter_makes_the_standard_error() {
         let points = [(0.0, 0.1), (1.0, -0.1), (2.0, -0.1), (3.0, 0.1)];

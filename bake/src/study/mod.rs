@@ -1,8 +1,9 @@
-//! Speed against error: every method, sampler and number of rays on one cell, against the exact
-//! table.
+//! Study of speed and error: every method, sampler and number of rays on one cell, compared with
+//! the exact table.
 //!
-//! A request and a cell enter; measured points and fitted slopes leave, and their report as text,
-//! CSV, JSON or a picture. This room may touch `run`, `plots` and all below, and writes no file.
+//! A request and a cell enter. Measured points and fitted slopes leave, and their report as text,
+//! CSV, JSON or a picture. This room may touch `run`, `plots` and all rooms below, and writes no
+//! file.
 
 mod counted;
 mod fit;

@@ -1,4 +1,4 @@
-//! The study as a picture: error against rays and against seconds, on logarithmic axes.
+//! Picture of a study: error against rays and against seconds, on logarithmic axes.
 
 use crate::plots::{PlotError, render};
 use crate::rays::Tracer;
@@ -13,10 +13,10 @@ use std::path::Path;
 use std::sync::Arc;
 use tables::options::Sampler;
 
-/// Draws the study for `file`, a .png or an .svg, and gives the file's bytes.
+/// Draws the study in the format of `file`, .png or .svg, and returns the bytes of that file.
 ///
 /// # Errors
-/// [`PlotError`].
+/// Returns [`PlotError`] if the extension of `file` is neither, or the picture cannot be rendered.
 pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
     let (plots, layouts) = [by_rays(study), by_seconds(study)].into_iter().unzip();
     let heading = format!(
@@ -33,7 +33,7 @@ pub(crate) fn draw(study: &Study, file: &Path) -> Result<Vec<u8>, PlotError> {
     render(&scene, file)
 }
 
-/// Both axes logarithmic, or empty where there is nothing above zero to draw.
+/// Returns logarithmic axes that fit the plots, or empty axes if nothing above zero is drawn.
 fn axes(plots: &[Plot]) -> Layout {
     let holds = |plot: &Plot| matches!(plot, Plot::Line(line) if !line.data.is_empty());
     match plots.iter().any(holds) {
@@ -42,6 +42,7 @@ fn axes(plots: &[Plot]) -> Layout {
     }
 }
 
+/// Returns the colour of a series: hue by sampler, pale if rays are traced one by one.
 const fn colour(series: &Series) -> &'static str {
     match (series.tracer, series.sampler) {
         (Tracer::Fastest, Sampler::Random) => "#1f77b4",
@@ -51,10 +52,11 @@ const fn colour(series: &Series) -> &'static str {
     }
 }
 
-/// Dots joined by a line; dashed for the tracer that is drawn second, whose errors are those of the
-/// first.
+/// Draws a series as dots joined by a line; points with a zero coordinate are left out.
+///
+/// The line is dashed for [`Tracer::OneByOne`], whose errors are those of [`Tracer::Fastest`].
 fn curve(series: &Series, legend: String, coordinates: impl Fn(&Point) -> (f64, f64)) -> Vec<Plot> {
-    // Zero has no place on a logarithmic axis.
+    // A logarithmic axis has no place for zero.
     let points: Vec<(f64, f64)> = series
         .points
         .iter()
@@ -77,7 +79,7 @@ fn curve(series: &Series, legend: String, coordinates: impl Fn(&Point) -> (f64, 
     vec![Plot::Line(line), Plot::Scatter(dots)]
 }
 
-/// 0.02, not 2e-2.
+/// Returns the format of ticks as decimal numbers: 0.02, not 2e-2.
 fn decimal() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let places = (-value.log10().floor()).max(0.0) as usize;
@@ -85,11 +87,12 @@ fn decimal() -> TickFormat {
     }))
 }
 
-/// 5e4, not 50000.
+/// Returns the format of ticks as powers of ten: 5e4, not 50000.
 fn powers_of_ten() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| format!("{value:.0e}")))
 }
 
+/// Draws the mean L1 error against rays per direction, with the fitted slopes in the legend.
 fn by_rays(study: &Study) -> (Vec<Plot>, Layout) {
     let mut plots = Vec::new();
     for series in &study.series {
@@ -106,6 +109,7 @@ fn by_rays(study: &Study) -> (Vec<Plot>, Layout) {
     (plots, layout)
 }
 
+/// Draws the L1 error of the worst direction against seconds, with the exact method's time.
 fn by_seconds(study: &Study) -> (Vec<Plot>, Layout) {
     let mut plots = Vec::new();
     for series in &study.series {

@@ -1,4 +1,4 @@
-//! What a study says: a table for a person, CSV and JSON for a script.
+//! Reports of a study: text for a person, CSV and JSON for a script.
 
 use crate::study::fit::Reached;
 use crate::study::study::{Point, Reference, Series, Study, name};
@@ -6,12 +6,12 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use tables::options::Sampler;
 
-/// The exponent that theory expects of L1 against rays, by sampler.
+/// Returns the exponent of the L1 error against rays that theory predicts for a sampler.
 ///
-/// Random counts: -1/2. Of a scrambled net of N points in d dimensions only the N^(1 - 1/d)
-/// elementary boxes that the outline of a bin crosses contribute, each with an independent error of
-/// order 1/N: together N^(-1/2 - 1/(2 d)). The entrance has two dimensions; the azimuth of a mean
-/// over azimuths is a third.
+/// Random counts have the exponent -1/2. In a scrambled net of N points in d dimensions, only the
+/// N^(1 - 1/d) elementary boxes that the outline of a bin crosses contribute to the error. Each
+/// contributes an independent error of order 1/N, so the sum is of order N^(-1/2 - 1/(2 d)). The
+/// entrance has two dimensions. In a mean over azimuths, the azimuth is a third one.
 pub(crate) fn expected_exponent(sampler: Sampler, azimuth_mean: bool) -> f64 {
     match (sampler, azimuth_mean) {
         (Sampler::Random, _) => -1.0 / 2.0,
@@ -20,7 +20,7 @@ pub(crate) fn expected_exponent(sampler: Sampler, azimuth_mean: bool) -> f64 {
     }
 }
 
-/// For a person.
+/// Returns the report as text: errors and times, slopes, and the times to the target.
 pub(crate) fn text(study: &Study) -> String {
     let mut text = String::new();
     let threads = study.threads.map_or("all processors".into(), |threads| {
@@ -39,12 +39,14 @@ pub(crate) fn text(study: &Study) -> String {
         against(&study.reference)
     );
     text.push_str(
-        "\nmethod  tracer      sampler  rays/direction     seconds   L1 mean  L1 worst  estimated  true/est.\n",
+        "\nmethod  tracer      sampler  rays/direction     seconds   L1 mean  L1 worst  \
+        estimated  true/est.\n",
     );
     if let Reference::Exact { seconds } = study.reference {
         let _ = writeln!(
             text,
-            "exact   beams       none                  0  {seconds:10.5}         0         0          0          -"
+            "exact   beams       none                  0  \
+            {seconds:10.5}         0         0          0          -"
         );
     }
     for series in &study.series {
@@ -64,7 +66,8 @@ pub(crate) fn text(study: &Study) -> String {
         }
     }
     text.push_str(
-        "\nslope of the mean L1 against rays (from 4 rays per bin and randomisation on)\n",
+        "\nslope of the mean L1 against rays (of points with 4 rays per bin and randomisation or \
+        more)\n",
     );
     for series in &study.series {
         let _ = writeln!(
@@ -79,7 +82,7 @@ pub(crate) fn text(study: &Study) -> String {
     text
 }
 
-/// How long each way takes to the error that was asked for.
+/// Returns the seconds that each method, tracer and sampler takes to reach the target error.
 fn seconds_text(study: &Study) -> String {
     let mut text = format!(
         "\nseconds to L1 = {} in the worst direction\n",
@@ -109,12 +112,12 @@ fn seconds_text(study: &Study) -> String {
     text
 }
 
-/// "rays, program, sobol".
+/// Returns the title of a series, such as "rays, program, sobol".
 pub(crate) fn title(series: &Series) -> String {
     format!("rays, {}, {}", name(series.tracer), series.sampler.name())
 }
 
-/// "-0.752 +- 0.004".
+/// Returns the fitted exponent as text, such as "-0.752 +- 0.004".
 pub(crate) fn slope_text(series: &Series) -> String {
     match series.slope {
         None => "not fitted".into(),
@@ -125,7 +128,7 @@ pub(crate) fn slope_text(series: &Series) -> String {
     }
 }
 
-/// The reference in words.
+/// Describes the reference, as the end of a sentence "L1 error against ...".
 pub(crate) fn against(reference: &Reference) -> String {
     match reference {
         Reference::Exact { .. } => "the exact table".into(),
@@ -134,16 +137,17 @@ pub(crate) fn against(reference: &Reference) -> String {
             estimated_l1,
             refusal,
         } => format!(
-            "a Sobol table of {rays} rays per direction, itself in error by about \
+            "a Sobol table of {rays} rays per direction, whose own error is about \
             {estimated_l1:.1e} ({refusal})"
         ),
     }
 }
 
-/// For a spreadsheet: one line per bake, the exact one first.
+/// Returns the measurements as CSV: one line for each point, with the exact method first.
 pub(crate) fn csv(study: &Study) -> String {
     let mut csv = String::from(
-        "method,tracer,sampler,rays_per_direction,seconds,l1_mean,l1_worst,l1_estimated_mean,l1_estimated_worst\n",
+        "method,tracer,sampler,rays_per_direction,seconds,l1_mean,l1_worst,l1_estimated_mean,\
+        l1_estimated_worst\n",
     );
     if let Reference::Exact { seconds } = study.reference {
         let _ = writeln!(csv, "exact,beams,none,0,{seconds},0,0,0,0");
@@ -167,7 +171,7 @@ pub(crate) fn csv(study: &Study) -> String {
     csv
 }
 
-/// For a script.
+/// Returns the study as one line of JSON.
 pub(crate) fn json(study: &Study) -> String {
     let reference = match &study.reference {
         Reference::Exact { seconds } => json!({ "method": "exact", "seconds": seconds }),
@@ -182,7 +186,8 @@ pub(crate) fn json(study: &Study) -> String {
     };
     let point = |point: &Point| {
         json!({
-            "rays": point.rays, "seconds": point.seconds, "l1": point.l1, "worst_l1": point.worst_l1,
+            "rays": point.rays, "seconds": point.seconds,
+            "l1": point.l1, "worst_l1": point.worst_l1,
             "estimated_l1": point.estimated_l1, "worst_estimated_l1": point.worst_estimated_l1,
             "true_over_estimated": point.ratio(), "rays_per_bin": point.rays_per_bin,
         })
@@ -194,7 +199,8 @@ pub(crate) fn json(study: &Study) -> String {
             "sampler": series.sampler.name(),
             "points": series.points.iter().map(point).collect::<Vec<Value>>(),
             "slope": series.slope.map(|slope| json!({
-                "exponent": slope.exponent, "standard_error": slope.standard_error, "rays": slope.range,
+                "exponent": slope.exponent, "standard_error": slope.standard_error,
+                "rays": slope.range,
                 "expected": expected_exponent(series.sampler, study.azimuth_mean),
             })),
             "seconds_to_target": series.reached.seconds(),

@@ -1,10 +1,9 @@
-//! Speed against error: every method, sampler and number of rays on one cell, against the exact
-//! table.
+//! Study of speed and error: plans the bakes, runs them, and compares each with the exact table.
 //!
-//! The error is L1 on eta x histogram, probability per launched ray ([`tables::l1`]), of every
-//! direction; seconds are those of a whole bake from the loaded cell to the table in memory, all
-//! directions, start of the threads included. Every repeat has its own seed, so that errors are
-//! averaged over independent samples and seconds are medians.
+//! The error of a direction is the L1 distance of eta x histogram, in probability per launched ray
+//! ([`tables::l1`]). The seconds are those of a whole bake of all directions, from the loaded cell
+//! to the table in memory, including the start of the threads. Every repeat has its own seed.
+//! Errors are means over these independent samples, and seconds are medians.
 
 use crate::study::counted::density;
 pub(crate) use crate::study::counted::estimates;
@@ -23,184 +22,194 @@ use tables::Table;
 use tables::options::{Method, Sampler};
 use thiserror::Error;
 
-/// The smallest number of rays per direction; the next ones are its products with powers of 4.
+/// Smallest number of rays per direction; the other numbers are its products with powers of 4.
 pub(crate) const FEWEST_RAYS: u64 = 1 << 10;
 
-/// Rays of the reference over the largest number studied, where a cell has no exact table: at the
-/// slope of -3/4 its error is then a third of the smallest one measured.
+/// Ratio of the rays of the reference to the largest number studied, if a cell has no exact table.
+///
+/// At the slope of -3/4, the error of the reference is then a third of the smallest one measured.
 const REFERENCE_RAYS: u64 = 4;
 
-/// Repeats at most.
+/// Largest number of repeats.
 const MOST_REPEATS: usize = 1000;
 
-/// Rays per histogram bin that is met, in each randomisation, from which on a slope is fitted:
-/// below, a bin is met or not, and the error falls slower (the mean absolute error of 4 random rays
-/// is 2 % below its limit).
+/// Smallest number of rays per bin that any ray met, in each randomisation, of a fitted point.
+///
+/// With fewer rays, a bin is met or not, and the error falls slower. The mean absolute error of 4
+/// random rays is 2 % below its limit.
 const RAYS_PER_BIN: f64 = 4.0;
 
-/// Errors below this many times the reference's own are left out of a slope: independent errors add
-/// in squares, so that the greatest one left in is 5 % too large.
+/// Smallest ratio of a fitted point's error to the error of the reference.
+///
+/// Independent errors add in squares, so a point at this ratio is 5 % too large.
 const ABOVE_REFERENCE: f64 = 3.0;
 
-/// Defaults of `bake study` that are not those of `bake trace`.
+/// Defaults of those options of `bake study` that `bake trace` does not have.
 pub(crate) mod default {
-    /// `--repeats`
+    /// Bakes of each kind (`--repeats`).
     pub(crate) const REPEATS: usize = 3;
-    /// `--target`, L1: what 16.8 million random rays a direction reach on 128 x 128 bins.
+    /// L1 error (`--target`) that 16.8 million random rays per direction reach on 128 x 128 bins.
     pub(crate) const TARGET: f64 = 0.008;
-    /// `--longest`, s
+    /// Longest expected time of a bake, seconds (`--longest`).
     pub(crate) const LONGEST_SECONDS: f64 = 60.0;
 }
 
-/// What to study.
+/// Request for a study, before it is checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyRequest {
-    /// Directions, bins, rules, threads and first seed; its `rays` is the greatest number per
-    /// direction, its method, sampler and tolerance have no effect.
+    /// Directions, bins, rules, threads, first seed, and in `rays` the largest number of rays per
+    /// direction. Method, sampler and tolerance have no effect.
     pub trace: request::Request,
     /// Bakes of each kind.
     pub repeats: usize,
-    /// L1 error of the worst direction that the time is asked for.
+    /// L1 error of the worst direction for which the time is reported; above 0, at most 2.
     pub target: f64,
-    /// A bake that is expected to take longer than this, s, is left out, and all with more rays.
+    /// Longest expected time of a bake, seconds.
+    ///
+    /// A bake that is expected to take longer is left out, and so are those with more rays.
     pub longest_seconds: f64,
 }
 
-/// Why a study failed.
+/// Failure of a study.
 #[derive(Debug, Error)]
 pub enum StudyError {
-    /// The options are out of range.
+    /// Options of the bakes out of range.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Too few rays to begin.
+    /// Number of rays below that with which a study begins.
     #[error(
         "--rays {rays}: a study begins with {FEWEST_RAYS} rays per direction; give at least that \
         many"
     )]
     FewRays {
-        /// The number given.
+        /// Rays per direction that were given.
         rays: u64,
     },
-    /// No repeats, or too many.
+    /// Number of repeats out of range.
     #[error("--repeats {repeats}: give a whole number from 1 to {MOST_REPEATS}")]
     Repeats {
-        /// The number given.
+        /// Repeats that were given.
         repeats: usize,
     },
-    /// A target that is no L1 distance.
+    /// Target that is no L1 distance.
     #[error("--target {target}: give a number above 0 and at most 2, the greatest L1 distance")]
     Target {
-        /// The number given.
+        /// Target that was given.
         target: f64,
     },
-    /// A time that no bake can keep.
+    /// Longest time that is not above 0.
     #[error("--longest {seconds}: give a number of seconds above 0")]
     Longest {
-        /// The number given.
+        /// Time that was given, seconds.
         seconds: f64,
     },
-    /// A bake failed.
+    /// Failure of a bake.
     #[error(transparent)]
     Run(#[from] RunError),
 }
 
-/// What the errors are measured against.
+/// Table against which the errors are measured.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reference {
-    /// The exact table: no error but rounding.
+    /// Exact table, which has no error but rounding.
     Exact {
-        /// Median time of the exact bake, s.
+        /// Median time of the exact bake, seconds.
         seconds: f64,
     },
-    /// A table of more Sobol rays, where the exact method does not take the cell.
+    /// Table of more Sobol rays, if the exact method does not take the cell.
     Sobol {
-        /// Its rays per direction.
+        /// Rays per direction of the reference.
         rays: u64,
-        /// Its own estimated L1 error in the worst direction: errors below some times this are not
-        /// measured.
+        /// Estimated L1 error of the reference in its worst direction.
+        ///
+        /// Points whose error is not well above it are left out of the fitted slopes.
         estimated_l1: f64,
-        /// Why there is no exact table.
+        /// Reason why there is no exact table.
         refusal: ExactError,
     },
 }
 
-/// Bakes of one number of rays.
+/// Measurement of the bakes of one number of rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Rays per direction.
     pub rays: u64,
-    /// Median time of the bake, s.
+    /// Median time of the bake, seconds.
     pub seconds: f64,
     /// L1 error, mean over directions and repeats.
     pub l1: f64,
     /// L1 error of the worst direction, mean over repeats.
     pub worst_l1: f64,
-    /// Estimate of `l1` from the tables alone, as `--tolerance` makes it.
+    /// Estimate of `l1` from the tables alone, by the method of `--tolerance`.
     pub estimated_l1: f64,
-    /// Estimate of the L1 error of the direction with the largest estimate, mean over repeats: what
-    /// `--tolerance` compares.
+    /// Largest estimated L1 error of any direction, mean over repeats.
+    ///
+    /// `--tolerance` compares the same number with its target.
     pub worst_estimated_l1: f64,
-    /// Returned rays per bin that any ray met, in one randomisation; the least over directions that
-    /// return light.
+    /// Retroreflected rays per bin that any ray met, in one randomisation.
+    ///
+    /// It is the least over the directions that return light, and over the repeats.
     pub rays_per_bin: f64,
 }
 
 impl Point {
-    /// True error over estimated error; not a number where nothing returned.
+    /// Returns the true error over the estimated error; NaN if nothing returned.
     pub fn ratio(&self) -> f64 {
         self.l1 / self.estimated_l1
     }
 }
 
-/// One way to trace and to sample, at every number of rays.
+/// Measurements of one tracer and one sampler, at every number of rays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// How rays are traced.
+    /// Tracer of the rays.
     pub tracer: Tracer,
-    /// How samples are spread.
+    /// Sampler of the rays.
     pub sampler: Sampler,
-    /// In ascending numbers of rays.
+    /// Measurements, in ascending numbers of rays.
     pub points: Vec<Point>,
-    /// Exponent of `l1` against rays, over the points with enough rays per bin and well above the
-    /// error of the reference; `None` for fewer than two of them.
+    /// Power law of `l1` against rays; `None` if fewer than two points can be used.
+    ///
+    /// A point is used if it has enough rays per bin and its error is well above the reference's.
     pub slope: Option<Slope>,
-    /// When the worst direction's error falls to the target.
+    /// Time at which the error of the worst direction falls to the target.
     pub reached: Reached,
 }
 
-/// All that was measured.
+/// Result of a study: all measurements, and what they were made on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     /// Name of the cell's design.
     pub design: String,
     /// Directions of each table.
     pub directions: usize,
-    /// Directions of these that run as programs: [`Tracer::Fastest`] differs from
-    /// [`Tracer::OneByOne`] in them.
+    /// Number of directions that run as programs.
+    ///
+    /// In them, [`Tracer::Fastest`] differs from [`Tracer::OneByOne`].
     pub programs: usize,
-    /// Whether each is a mean over all azimuths.
+    /// `true` if each direction is a mean over all azimuths.
     pub azimuth_mean: bool,
     /// Bins along u and along v.
     pub bins: usize,
-    /// Threads; `None` for all processors.
+    /// Number of threads; `None` for all processors.
     pub threads: Option<usize>,
     /// Bakes of each kind.
     pub repeats: usize,
-    /// L1 error that the time was asked for.
+    /// L1 error of the worst direction for which the time is reported.
     pub target: f64,
-    /// What the errors are measured against.
+    /// Table against which the errors are measured.
     pub reference: Reference,
-    /// The rays.
+    /// Measurements of rays, one series for each tracer and sampler.
     pub series: Vec<Series>,
 }
 
-/// The numbers of rays per direction up to `most`: products of [`FEWEST_RAYS`] with powers of 4.
+/// Returns the rays per direction to study: [`FEWEST_RAYS`] times powers of 4, up to `most`.
 pub(crate) fn ray_counts(most: u64) -> Vec<u64> {
     let next = |&rays: &u64| rays.checked_mul(4).filter(|&rays| rays <= most);
     std::iter::successors(Some(FEWEST_RAYS).filter(|&rays| rays <= most), next).collect()
 }
 
-/// A study whose options are in range.
+/// Study whose options are in range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyPlan {
     request: StudyRequest,
@@ -211,7 +220,8 @@ impl StudyPlan {
     /// Checks a request.
     ///
     /// # Errors
-    /// [`StudyError`], all but [`StudyError::Run`].
+    /// Returns the [`StudyError`] of the first option that is out of range; never
+    /// [`StudyError::Run`].
     pub fn new(request: StudyRequest) -> Result<Self, StudyError> {
         let StudyRequest {
             repeats, target, ..
@@ -237,7 +247,7 @@ impl StudyPlan {
         Ok(checked)
     }
 
-    /// The plan of repeat `repeat`.
+    /// Plans the bake of one repeat, whose seed is the first seed plus `repeat`.
     fn plan(&self, sampler: Sampler, rays: u64, repeat: usize) -> Result<Plan, PlanError> {
         Plan::new(&request::Request {
             method: Method::Rays,
@@ -249,10 +259,14 @@ impl StudyPlan {
         })
     }
 
-    /// Bakes everything; `done` is told what comes next, how many bakes were done and of how many.
+    /// Runs all bakes of the study and fits the slopes.
+    ///
+    /// Before the reference, and before the bakes of each number of rays, calls `done` with the
+    /// name of what comes next, the number of steps that are done, and the number of all steps.
     ///
     /// # Errors
-    /// [`StudyError`].
+    /// Returns [`StudyError::Run`] if a bake fails, and [`StudyError::Plan`] if an option is out of
+    /// range.
     pub fn run(&self, cell: &Cell, done: &dyn Fn(&str, usize, usize)) -> Result<Study, StudyError> {
         let most = self.counts[self.counts.len() - 1];
         let plan = self.plan(Sampler::Sobol, most, 0)?;
@@ -268,7 +282,7 @@ impl StudyPlan {
             Reference::Exact { .. } => 0.0,
             Reference::Sobol { estimated_l1, .. } => estimated_l1,
         };
-        // The first bake of a process pays for its memory: it is not timed.
+        // The first bake of a process is slower because it allocates memory, so it is not timed.
         bake(cell, &self.plan(Sampler::Sobol, FEWEST_RAYS, 0)?)?;
         let mut series = Vec::new();
         for tracer in tracers {
@@ -322,12 +336,14 @@ impl StudyPlan {
         })
     }
 
+    /// Bakes the reference: the exact table and its time, or a table of more rays.
     fn reference(&self, cell: &Cell, plan: &Plan) -> Result<(Table, Reference), StudyError> {
         if let Err(refusal) = exact::prepare(&Prepared::new(cell.clone()), &plan.axes) {
             let most = self.counts[self.counts.len() - 1];
             let rays = most * REFERENCE_RAYS;
             let mut plan = self.plan(Sampler::Sobol, rays, 0)?;
-            // A seed of its own: with the samples of a table it would share that table's error.
+            // The reference has a seed of its own. With the samples of a studied table it would
+            // share the error of that table.
             plan.seed = self.request.trace.seed.wrapping_sub(1);
             let table = bake(cell, &plan)?;
             let estimated_l1 = estimates(&table).into_iter().fold(0.0, f64::max);
@@ -353,6 +369,7 @@ impl StudyPlan {
         Ok((table, Reference::Exact { seconds }))
     }
 
+    /// Bakes every repeat with one number of rays and measures its time and its errors.
     fn point(
         &self,
         cell: &Cell,
@@ -397,12 +414,12 @@ impl StudyPlan {
     }
 }
 
-/// The table of a cell, which is dissected anew: seconds count that too.
+/// Bakes a cell, which is dissected anew because the measured seconds include that.
 fn bake(cell: &Cell, plan: &Plan) -> Result<Table, RunError> {
     trace(&Prepared::new(cell.clone()), plan, Watch::none())
 }
 
-/// Name of a tracer in reports.
+/// Returns the name of a tracer in reports.
 pub(crate) fn name(tracer: Tracer) -> &'static str {
     match tracer {
         Tracer::Fastest => "program",
@@ -410,7 +427,7 @@ pub(crate) fn name(tracer: Tracer) -> &'static str {
     }
 }
 
-/// Directions that run as programs.
+/// Counts the directions that run as programs.
 fn programs(prepared: &Prepared, plan: &Plan) -> usize {
     let sheet = Sheet::new(prepared, Index::Auto);
     let bins = Bins::new(plan.axes.bins, plan.axes.range);

@@ -213,7 +213,7 @@ fn a_mesh_judges_its_table() {
             here,
             &["verify", file, "--mesh", "canted.obj"],
             1,
-            "does not hold what rays find in canted.obj",
+            "does not agree with the rays through canted.obj",
         );
     }
     assert_eq!(judged, 9);

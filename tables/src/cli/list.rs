@@ -1,30 +1,31 @@
 //! Lists of numbers as a user types them: `0,5,10`, or `start:stop:step` with both ends.
 
-/// Most numbers in a list.
+/// Largest number of values in a list.
 pub const LONGEST_LIST: usize = 100_000;
 
-/// Why a text is no list of numbers.
+/// Reason why a text is no list of numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ListError {
-    /// A part that is no finite number.
+    /// Part of the text that is no finite number.
     #[error("\"{0}\" is not a number; write 0,5,10 or start:stop:step")]
     Number(String),
-    /// More or fewer than the three parts of a range.
+    /// Range with more or fewer than three parts.
     #[error("a range has three parts, start:stop:step")]
     Parts,
-    /// A range without numbers, or with too many.
+    /// Range without values, or with more than [`LONGEST_LIST`].
     #[error("a range needs stop >= start and a step > 0 (at most {LONGEST_LIST} values)")]
     Range,
 }
 
 /// Reads `0,5,10` or `start:stop:step`, in the order that was typed.
 ///
-/// The stop belongs to the range when a whole number of steps leads there. Whether one does is
-/// decided within the rounding of the three numbers, so that `0:0.3:0.1` has four values and
-/// `0:10:3.3334`, which would end beyond 10, has three.
+/// The stop belongs to the range if a whole number of steps leads there, within the rounding of the
+/// three numbers. So `0:0.3:0.1` has four values, and `0:10:3.3334`, which would end beyond 10, has
+/// three.
 ///
 /// # Errors
-/// Which part is wrong, as a sentence.
+/// Returns [`ListError::Number`] if a part is no finite number, [`ListError::Parts`] if a range has
+/// more or fewer than three parts, and [`ListError::Range`] if it has no values or too many.
 pub fn list(text: &str) -> Result<Vec<f64>, ListError> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -38,9 +39,10 @@ pub fn list(text: &str) -> Result<Vec<f64>, ListError> {
         return Err(ListError::Parts);
     };
     let count = (stop - start) / step;
-    // Each typed number is off by half a unit in the last place, each operation adds half a unit of
-    // its result. The numerator is so off by at most eps/2 (|start| + |stop| + |stop - start|), the
-    // quotient by that over the step and by eps of itself. The sum below is twice this.
+    // Each typed number is off by half a unit in the last place, and each operation adds half a
+    // unit of its result. So the numerator is off by at most
+    // eps/2 (|start| + |stop| + |stop - start|), and the quotient by that over the step and by eps
+    // of itself. The sum below is twice this.
     let rounding = f64::EPSILON * ((start.abs() + stop.abs()) / step + 3.0 * count);
     let steps = (count + rounding).floor();
     if !(step > 0.0 && (0.0..LONGEST_LIST as f64).contains(&steps)) {
@@ -74,7 +76,7 @@ mod tests {
         for (text, count) in cases {
             assert_eq!(list(text).map(|found| found.len()), Ok(count), "{text}");
         }
-        // Every decimal step that divides its range, typed as people type it.
+        // Decimal steps that divide their range, typed as people type them.
         let mut tried = 0;
         for digits in 0..6_i32 {
             for steps in [1_u32, 3, 7, 10, 99, 1000] {

@@ -1,5 +1,4 @@
-//! What a shell and a reader of manual pages want of a program: its version, completions and pages,
-//! from clap's description.
+//! Version, shell completions and manual pages of a program, made from clap's description of it.
 
 use std::path::PathBuf;
 
@@ -10,8 +9,7 @@ use crate::cli::error::Error;
 use crate::cli::terminal::print;
 use crate::file::output::Outputs;
 
-/// Returns the text behind `--version`: the version, and the commit where the build was told of
-/// one.
+/// Returns the text behind `--version`: the version, and the commit if the build knew it.
 pub fn version(version: &str, commit: Option<&str>) -> String {
     match commit.filter(|commit| !commit.is_empty()) {
         Some(commit) => format!("{version} ({commit})"),
@@ -22,7 +20,7 @@ pub fn version(version: &str, commit: Option<&str>) -> String {
 /// Prints completions for a shell
 #[derive(Debug, clap::Args)]
 pub struct Completions {
-    /// Which shell
+    /// Shell that reads the completions
     #[arg(value_enum)]
     shell: Shell,
 }
@@ -31,7 +29,7 @@ impl Completions {
     /// Prints the completions of `program`.
     ///
     /// # Errors
-    /// [`Error::Stdout`].
+    /// Returns [`Error::Stdout`] if standard output cannot be written.
     pub fn run(&self, mut program: Command) -> Result<(), Error> {
         let name = program.get_name().to_owned();
         let mut text = Vec::new();
@@ -43,15 +41,17 @@ impl Completions {
 /// Writes manual pages, one for the program and one for each verb
 #[derive(Debug, clap::Args)]
 pub struct Manual {
-    /// Folder to write them into; made where it is missing
+    /// Folder for the pages; it is made if it is missing
     folder: PathBuf,
 }
 
 impl Manual {
-    /// Writes the pages of `program` and prints their names.
+    /// Writes the pages of `program` and its verbs, and prints the names of the files.
     ///
     /// # Errors
-    /// [`Error::Folder`], [`Error::Output`] or [`Error::Stdout`].
+    /// Returns [`Error::Folder`] if the folder cannot be made, [`Error::Output`] if a page cannot
+    /// be written, and [`Error::Stdout`] if a page cannot be rendered or the names cannot be
+    /// printed.
     pub fn run(&self, mut program: Command) -> Result<(), Error> {
         std::fs::create_dir_all(&self.folder).map_err(|source| Error::Folder {
             folder: self.folder.clone(),

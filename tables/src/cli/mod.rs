@@ -1,9 +1,10 @@
-//! What the command lines of `bake` and `fit` have in common (feature `cli`): lists of numbers, the
-//! formats of plots, outputs that are reserved before the work, threads, printing, completions and
-//! manual pages.
+//! Parts that the command lines of `bake` and `fit` share (feature `cli`).
 //!
-//! Text that a user typed enters; numbers, open outputs, or one [`Error`] leave. This room writes
-//! to the terminal, which no other room of this crate does, and may touch [`crate::Outputs`].
+//! They are lists of numbers, formats of plots, outputs that are reserved before the work, threads,
+//! printing, completions and manual pages.
+//!
+//! Text that a user typed enters. Numbers, reserved outputs or one [`Error`] leave. This room
+//! writes to the terminal, which no other room of this crate does. It may touch [`crate::Outputs`].
 
 mod error;
 mod list;

@@ -1,15 +1,15 @@
-//! The formats that plots are written in, as the name of a file says them.
+//! File formats of plots, recognised by the extension of a file.
 
 use std::path::Path;
 
 use crate::cli::error::Error;
 
-/// A format of plots.
+/// File format of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlotFormat {
-    /// Vectors.
+    /// Vector graphics.
     Svg,
-    /// Pixels.
+    /// Pixel graphics.
     Png,
 }
 
@@ -17,7 +17,7 @@ impl PlotFormat {
     /// Returns the format that the extension of `file` names, in small letters or capitals.
     ///
     /// # Errors
-    /// [`Error::PlotExtension`] when it names none.
+    /// Returns [`Error::PlotExtension`] if the extension names no format of plots.
     pub fn of(file: &Path) -> Result<PlotFormat, Error> {
         let extension = file
             .extension()

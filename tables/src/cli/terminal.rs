@@ -1,4 +1,4 @@
-//! Results to standard output or a file, warnings and remarks to standard error.
+//! Printing: results to standard output or a file, warnings and remarks to standard error.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -8,11 +8,12 @@ use crate::cli::error::Error;
 use crate::cli::plot_format::PlotFormat;
 use crate::file::output::{Output, Outputs};
 
-/// Prints a result to standard output. A pipe that was closed (`... | head`) is its reader's wish
-/// and no error.
+/// Prints a result to standard output.
+///
+/// A pipe that its reader has closed (`... | head`) is no error.
 ///
 /// # Errors
-/// [`Error::Stdout`] when the disk behind it is full, for example.
+/// Returns [`Error::Stdout`] if standard output cannot be written, for example to a full disk.
 pub fn print(text: &str) -> Result<(), Error> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -21,10 +22,11 @@ pub fn print(text: &str) -> Result<(), Error> {
     }
 }
 
-/// Writes a result to the file that was reserved for it, or prints it where none was asked for.
+/// Writes a result to the file that was reserved for it, or prints it if there is none.
 ///
 /// # Errors
-/// [`Error::Stdout`] or [`Error::Output`].
+/// Returns [`Error::Output`] if the file cannot be written, and [`Error::Stdout`] if standard
+/// output cannot be written.
 pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Error> {
     match output {
         Some(output) => Ok(output.commit(text.as_bytes())?),
@@ -32,15 +34,16 @@ pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Error> {
     }
 }
 
-/// Prints each warning as a line `warning: ...` to standard error. A closed standard error is
-/// ignored.
+/// Prints each warning as a line `warning: ...` to standard error.
+///
+/// A standard error that cannot be written is ignored.
 pub fn warn<W: Display>(warnings: impl IntoIterator<Item = W>) {
     for warning in warnings {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
 }
 
-/// Prints a remark to standard error where a person reads it; a pipe stays quiet.
+/// Prints a remark to standard error if it is a terminal; a pipe or a file gets nothing.
 pub fn note(remark: impl Display) {
     let mut stderr = std::io::stderr();
     if stderr.is_terminal() {
@@ -51,15 +54,16 @@ pub fn note(remark: impl Display) {
 /// Reserves the file that was asked for, if any.
 ///
 /// # Errors
-/// [`Error::Output`].
+/// Returns [`Error::Output`] if the file cannot be written, is an input, or is named twice.
 pub fn reserve(file: Option<&Path>, outputs: &mut Outputs) -> Result<Option<Output>, Error> {
     Ok(file.map(|file| outputs.reserve(file)).transpose()?)
 }
 
-/// Reserves the file of the plot that was asked for, if any. Its extension is checked first.
+/// Reserves the file of the plot that was asked for, if any.
 ///
 /// # Errors
-/// [`Error::PlotExtension`] or [`Error::Output`].
+/// Returns [`Error::PlotExtension`] if the extension is neither .png nor .svg, which is checked
+/// first, and [`Error::Output`] if the file cannot be written, is an input, or is named twice.
 pub fn reserve_plot<'a>(
     file: Option<&'a Path>,
     outputs: &mut Outputs,

@@ -1,21 +1,21 @@
-//! A pool of threads of the size that was asked for.
+//! Pool of threads of the size that the user asks for.
 
 use std::num::NonZeroUsize;
 
-/// Threads that could not be started.
+/// Error of threads that could not be started.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("--threads {threads}: the threads could not be started ({reason}); ask for fewer")]
 pub struct NoThreads {
-    /// How many were asked for; 0 for one a core.
+    /// Number of threads that were asked for; 0 for one per core.
     pub threads: usize,
-    /// What the library says.
+    /// Reason that the thread library gives.
     pub reason: String,
 }
 
-/// Starts a pool of `threads` threads, or of one a core.
+/// Starts a pool of `threads` threads, or of one thread per core.
 ///
 /// # Errors
-/// [`NoThreads`] when the system refuses them.
+/// Returns [`NoThreads`] if the system does not start them.
 pub fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, NoThreads> {
     let threads = threads.map_or(0, NonZeroUsize::get);
     rayon::ThreadPoolBuilder::new()
