@@ -93,7 +93,10 @@ pub(crate) struct Arguments {
         help_heading = "Light"
     )]
     pub wavelength_nm: Option<Spectrum>,
-    /// Way in which the model is evaluated.
+    /// Forward model.
+    ///
+    /// spectral evaluates the model in closed form. render draws samples, as the published loop
+    /// does, and reports its sampling error.
     #[arg(
         long,
         value_enum,
@@ -104,7 +107,7 @@ pub(crate) struct Arguments {
     /// Samples of a render.
     #[command(flatten)]
     pub samples: Samples,
-    /// Loss that is minimised; edge if left out.
+    /// Loss to minimise; edge if left out.
     ///
     /// With --forward render it is mtf if left out, because a render is compared by its MTF. The
     /// losses are described below.

@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     /// Factor on the light of both pictures.
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::positive)]
     pub exposure: f64,
-    /// Pixels per degree of the viewer's field, for FLIP.
+    /// Pixels per degree of view, for FLIP.
     #[arg(long, value_name = "N", default_value_t = 67.020_64, value_parser = parse::positive)]
     pub pixels_per_degree: f64,
     /// Weights for LPIPS, from fit/doc/lpips_weights.py.

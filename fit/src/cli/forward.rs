@@ -21,7 +21,7 @@ pub(crate) struct Renders {
         help_heading = "Forward model"
     )]
     pub forward: Option<Forward>,
-    /// Samples per pixel of --forward render, as a list.
+    /// Samples per pixel of --forward render, a list.
     #[arg(
         long,
         value_name = "LIST",

@@ -65,7 +65,9 @@ pub(crate) struct Arguments {
     /// Give it if the rule of the format (8 bits: sRGB, 16 bits: linear) does not hold.
     #[arg(long, value_parser = transfer)]
     pub transfer: Option<Transfer>,
-    /// Colour channel: luminance, red, green, blue or a name.
+    /// Channel: luminance, red, green, blue or a name.
+    ///
+    /// A name is that of a channel in the file.
     #[arg(long, default_value = "luminance", value_parser = channel)]
     pub channel: Channel,
     /// Fault that is accepted with a warning: doubled.

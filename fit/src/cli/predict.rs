@@ -69,9 +69,9 @@ pub(crate) struct Arguments {
     /// Spatial frequencies in the image, 1/mm.
     #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = terminal::list)]
     pub frequency: std::vec::Vec<f64>,
-    /// Model that the result must have; any if left out.
+    /// Model that is required.
     ///
-    /// The command fails if the result is of another model.
+    /// The command fails if the result is of another model. Without this option, any model will do.
     #[arg(long, value_enum, help_heading = "Result")]
     pub model: Option<Family>,
     /// Writes one JSON object in place of CSV.

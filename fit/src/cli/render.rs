@@ -170,7 +170,7 @@ pub(crate) struct Arguments {
     /// 16-bit files are linear.
     #[arg(long, value_name = "NAME", value_parser = parse::transfer, help_heading = "Picture")]
     pub transfer: Option<Transfer>,
-    /// Way in which the image is made.
+    /// Forward model.
     ///
     /// spectral uses Fourier transforms. render draws samples, as a check.
     #[arg(long, value_enum, default_value_t, help_heading = "Forward model")]
@@ -178,9 +178,9 @@ pub(crate) struct Arguments {
     /// Samples of the blur.
     #[command(flatten)]
     pub samples: Samples,
-    /// Model that the result must have; any if left out.
+    /// Model that is required.
     ///
-    /// The command fails if the result is of another model.
+    /// The command fails if the result is of another model. Without this option, any model will do.
     #[arg(long, value_enum, help_heading = "Forward model")]
     pub model: Option<Family>,
     /// Number of threads; one per core if left out.

@@ -25,7 +25,9 @@ pub(crate) struct Samples {
         help_heading = "Forward model"
     )]
     pub seed: u64,
-    /// Sequence of the samples.
+    /// Sample sequence.
+    ///
+    /// Sobol points are spread more evenly than independent ones.
     #[arg(long, value_enum, default_value_t = Sequence::Sobol, help_heading = "Forward model")]
     pub sequence: Sequence,
 }

@@ -36,7 +36,7 @@ pub(crate) struct Terms {
     /// leave this option out.
     #[arg(long, value_parser = lobes, help_heading = "Model")]
     pub lobe: Option<Lobes>,
-    /// Parameters that get one value for each incidence.
+    /// Parameters with one value per incidence.
     ///
     /// What you name neither here nor in --shared is decided by a criterion (BIC).
     #[arg(
@@ -46,7 +46,7 @@ pub(crate) struct Terms {
         help_heading = "Model"
     )]
     pub per_angle: Vec<PerAngle>,
-    /// Parameters that get one value for all incidences.
+    /// Parameters that all incidences share.
     ///
     /// c is always shared.
     #[arg(

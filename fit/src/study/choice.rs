@@ -68,8 +68,8 @@ pub(crate) struct Verdict {
 pub(crate) struct OneSided {
     /// Bound on c in mm or on a in 1/mm; `None` if the photographs gave none.
     pub bound: Option<f64>,
-    /// Planted c in mm, 0 if the kernel has no ray shift; or planted a in 1/mm, `None` if the kernel
-    /// has no a of Eq. (1).
+    /// Planted c in mm, 0 if the kernel has no c; or planted a in 1/mm, `None` if the kernel has no
+    /// a of Eq. (1).
     pub planted: Option<f64>,
     /// True if the planted value lies on the right side of the bound, or if there is no bound.
     pub holds: bool,
@@ -163,8 +163,8 @@ fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
     Ok(Scene::of(&campaign, table, &photographs)?)
 }
 
-/// Returns the bounds on c (from above) and a (from below) with the planted values. A parameter that
-/// came back as a number has `None`.
+/// Returns the bounds on c (from above) and a (from below) with the planted values. The bound of a
+/// parameter that came back as a number is `None`.
 fn one_sided(params: &Params, planted: Choice, found: &Estimated) -> [Option<OneSided>; 2] {
     let truth = &params.truth;
     let of = |kind: ParameterKind| found.bounds.get(&kind.shared());
