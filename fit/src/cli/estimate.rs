@@ -42,18 +42,18 @@ use crate::simulate::Truth;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Losses (--loss):
-  edge  compares the pixels around the edge by maximum likelihood. Its errors are
-        within a few percent of the Cramer-Rao bound.
-  mtf   compares the MTF curves, each difference weighted by its noise. Its errors
-        are 1.7 (c) and 2.4 (a) times the bound.
-  mse   compares the MTF curves, all frequencies alike, as in the paper. Its errors
-        are up to twice those of mtf. Terms and bounds are those of mtf.
+  edge  compares the pixels around the edge by maximum likelihood. Its errors
+        are within a few percent of the Cramer-Rao bound.
+  mtf   compares the MTF curves, each difference weighted by its noise. Its
+        errors are 1.7 (c) and 2.4 (a) times the bound.
+  mse   compares the MTF curves, all frequencies alike, as in the paper. Its
+        errors are up to twice those of mtf. Terms and bounds are those of mtf.
 `fit study` and fit/BENCHMARKS.md give these figures.
 
-Terms that you leave open (auto) are chosen by Bayes' information criterion (BIC) on the
-residuals in units of their noise: a further term must lower it by more than 4. Standard
-errors contain the noise of the pixels, the fit of the lens, the step of the reference
-and the noise of the table's rays.
+Terms that you leave open (auto) are chosen by Bayes' information criterion
+(BIC) on the residuals in units of their noise: a further term must lower it by
+more than 4. Standard errors contain the noise of the pixels, the fit of the
+lens, the step of the reference and the noise of the table's rays.
 
 Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \\

@@ -19,12 +19,12 @@ use crate::photographs::photo::transfer::Transfer;
 /// Compares two pictures by PSNR, SSIM, FLIP and, with weights that you bring, LPIPS.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Both pictures must show the same thing at the same size and place, in the same units.
-They are compared as a display shows them: the light times --exposure, clipped to 0..1,
-as sRGB.
+Both pictures must show the same thing at the same size and place, in the same
+units. They are compared as a display shows them: the light times --exposure,
+clipped to 0..1, as sRGB.
 
-PSNR (dB) and SSIM (Gaussian window, mean of the colours) are higher for pictures that
-are more alike. FLIP (mean) and LPIPS (AlexNet, v0.1) are lower.
+PSNR (dB) and SSIM (Gaussian window, mean of the colours) are higher for
+pictures that are more alike. FLIP (mean) and LPIPS (AlexNet, v0.1) are lower.
 
 Examples:
   fit evaluate aerial.png photograph.png

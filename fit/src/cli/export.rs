@@ -13,13 +13,15 @@ use crate::predict::{Form, LOST, nearest};
 /// Writes the lobe that is nearest to a fitted sheet, as a material for renderers.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The three forms of material share one model: the minimal retroreflective microfacet model
-with GGX. Its roughness is the one whose MTF differs least (least squares) from the MTF of
-the sheet at the given distance and incidence. The material has no ray shift.
+The three forms of material share one model: the minimal retroreflective
+microfacet model with GGX. Its roughness is the one whose MTF differs least
+(least squares) from the MTF of the sheet at the given distance and incidence.
+The material has no ray shift.
 
 Examples:
   fit export result.json --table pair.h5 --to materialx --distance 150 -o sheet.mtlx
-  fit export result.json --table pair.h5 --to gltf --distance 300 --incidence 20 -o sheet.gltf
+  fit export result.json --table pair.h5 --to gltf --distance 300 \\
+      --incidence 20 -o sheet.gltf
 
 Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {

@@ -33,8 +33,8 @@ Conventions:
 - Frequencies are along the edge normal, not along the rows.
 - The edge is located by least squares over all pixels.
 - Bins along the edge normal are a quarter of a pixel wide.
-- The effects of averaging in bins and of the difference are divided out. This is +5 % at
-  half the sampling frequency.
+- The effects of averaging in bins and of the difference are divided out.
+  This is +5 % at half the sampling frequency.
 - The window is a Tukey window, flat over 70 %.
 fit/doc/mtf.md describes the accuracy.
 

@@ -23,10 +23,11 @@ use crate::report::plot::{self};
 /// Predicts MTF and luminance of a fitted sheet at other distances and angles.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The MTF is that of the mid-air image itself, without a camera: tangential (contrast along
-the plane of incidence) and sagittal (contrast across it). The luminance is relative to the
-source and contains the half mirror. Parameters that were fitted per angle are interpolated
-linearly between the fitted angles, and held constant beyond them.
+The MTF is that of the mid-air image itself, without a camera: tangential
+(contrast along the plane of incidence) and sagittal (contrast across it). The
+luminance is relative to the source and contains the half mirror. Parameters
+that were fitted per angle are interpolated linearly between the fitted angles,
+and held constant beyond them.
 
 A LIST is 0,5,10 or start:stop:step with both ends, such as 0:45:5.
 

@@ -30,10 +30,11 @@ use crate::predict::Fitted;
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The source is an EXR, PNG, TIFF or JPEG, grey or in colour. It shows the picture upright, as
-it appears in mid air. Its pixels are squares of even light. What lies outside of the source
-is black. A pixel of the result is the mean of the mid-air image over its square, in the
-units of the source. The result is as dim as the mid-air image; --exposure brightens it.
+The source is an EXR, PNG, TIFF or JPEG, grey or in colour. It shows the
+picture upright, as it appears in mid air. Its pixels are squares of even
+light. What lies outside of the source is black. A pixel of the result is the
+mean of the mid-air image over its square, in the units of the source. The
+result is as dim as the mid-air image; --exposure brightens it.
 
 Examples:
   fit render --source content.png --params result.json --table pair.h5 \\
@@ -45,10 +46,10 @@ Examples:
       --distance 300 --incidence 20 --azimuth 30 --forward render --samples 64 \\
       -o sampled.exr --json
 
-With --view, a camera sees the sheet. Each pixel then has its own incidence, azimuth and
-distance, and with them its own blur and brightness. The table must hold directions all
-around (bake trace --azimuth 0:345:15). VIEW.toml gives all places in mm, as if the half
-mirror were not there:
+With --view, a camera sees the sheet. Each pixel then has its own incidence,
+azimuth and distance, and with them its own blur and brightness. The table must
+hold directions all around (bake trace --azimuth 0:345:15). VIEW.toml gives all
+places in mm, as if the half mirror were not there:
     [camera]
     position_mm = [0, 0, 600]
     [image]                         # the mid-air image
@@ -99,7 +100,8 @@ pub(crate) struct Arguments {
     pub incidence: Option<f64>,
     /// File with the places of camera, image and sheet.
     ///
-    /// It replaces distance, incidence and azimuth. All its keys are shown below.
+    /// Each pixel then has its own distance, incidence and azimuth. The file also gives pixel
+    /// pitch, axes and ambient light. All its keys are shown below.
     #[arg(
         long,
         value_name = "VIEW.toml",

@@ -11,8 +11,8 @@ use crate::simulate::write;
 /// Writes a synthetic campaign: noisy photographs, captures.toml and truth.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The photographs are made in the spatial domain, from the closed form of the ideal cube. They
-use neither the transforms of the estimator nor a table.
+The photographs are made in the spatial domain, from the closed form of the
+ideal cube. They use neither the transforms of the estimator nor a table.
 
 Example (PARAMS.toml):
   seed = 7
@@ -31,8 +31,8 @@ Example (PARAMS.toml):
   edge_normal_deg = 5.0
   exposure = 6.0
 
-If kernel is \"wave\", [truth] takes wavelength_nm in place of lobe and a. Write 550, or
-\"450:0.2,550:0.5,620:0.3\".
+If kernel is \"wave\", [truth] takes wavelength_nm in place of lobe and a. Write
+550, or \"450:0.2,550:0.5,620:0.3\".
 
 Keys that may be left out, with the values that they then have:
   [camera]
@@ -54,11 +54,12 @@ Keys that may be left out, with the values that they then have:
   exposure = 1
   light_to_right = 0                # gain of light from centre to right border
   light_to_bottom = 0               # gain of light from centre to lower border
-The keys of [reference] exist in [[capture]] too; edge_normal_deg is then 5 and exposure 6.
-[[capture]] further takes azimuth_deg (0), tangential_axis_deg (0) and path_mm.
+The keys of [reference] exist in [[capture]] too; edge_normal_deg is then 5 and
+exposure 6. [[capture]] further takes azimuth_deg (0), tangential_axis_deg (0)
+and path_mm.
 
-With --table, the sheet is the one that an exact table describes. The table gives polygons
-and deviations, so the cubes need not be ideal.
+With --table, the sheet is the one that an exact table describes. The table
+gives polygons and deviations, so the cubes need not be ideal.
 
   fit simulate params.toml -o campaign
   fit simulate params.toml --table pair.h5 -o of-the-table

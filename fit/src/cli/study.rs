@@ -38,14 +38,15 @@ use crate::study::{choice, trial};
 /// the closed form (--forward render), and those of simulated campaigns with the truth (--ranges).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The Cramer-Rao bound is the smallest standard deviation that any unbiased estimate from the
-same pixels can have. Place, angle, plateaus and light gradient of each photograph count as
-unknown.
+The Cramer-Rao bound is the smallest standard deviation that any unbiased
+estimate from the same pixels can have. Place, angle, plateaus and light
+gradient of each photograph count as unknown.
 
-With --ranges, campaigns are drawn, photographed in memory, fitted by the losses mtf and
-edge, and compared with their truth. A campaign counts if its bound on c is below 10 %. The
-table must be of the ideal cell that the ranges name. All keys of RANGES.toml may be left
-out. These are the values that they then have, except for light:
+With --ranges, campaigns are drawn, photographed in memory, fitted by the
+losses mtf and edge, and compared with their truth. A campaign counts if its
+bound on c is below 10 %. The table must be of the ideal cell that the ranges
+name. All keys of RANGES.toml may be left out. These are the values that they
+then have, except for light:
   ior = 1.49                              # refractive index
   pair = true                             # cell: triangular-pair, or triangular
   lobe = \"radial\"
@@ -60,8 +61,9 @@ out. These are the values that they then have, except for light:
   width = 192
   height = 128
   pixel_pitch_mm = 0.08
-With --choice, the terms are drawn too and left open. The study then says how often the
-estimate chose the right terms. Its keys, with the values if left out:
+With --choice, the terms are drawn too and left open. The study then says how
+often the estimate chose the right terms. Its keys, with the values if left
+out:
   kernels = [\"eq1\", \"angular\", \"shift\", \"lobe\"]  # \"wave\" needs wavelength_nm
   a_fall = { from = 0.005, to = 1.5 }     # fall of ln a from 0 to 45 degrees,
                                           # in half of the campaigns

@@ -14,7 +14,7 @@ pub(crate) struct Terms {
     ///
     /// Possible values:
     /// - auto:    the simplest kernel that the photographs allow
-    /// - eq1:     ray shift and the lobe of Eq. (1); one a for all distances
+    /// - eq1:     ray shift and the lobe of Eq. (1), the same at all distances
     /// - angular: ray shift and a lobe of a fixed angle, a = A/R
     /// - shift:   ray shift alone, no lobe
     /// - lobe:    the lobe of Eq. (1) alone, no ray shift
