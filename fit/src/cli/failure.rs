@@ -120,7 +120,7 @@ pub(crate) enum Failure {
         design: &'static str,
     },
     /// Table without the azimuths that `--fit-azimuth` needs.
-    #[error("--fit-azimuth: {} does not hold all azimuths ({held}); bake a table that does: \
+    #[error("--fit-azimuth: {} does not tell azimuths apart ({held}); bake one of all azimuths: \
     bake trace --azimuth full --direction-tolerance 0.005",
         table.display())]
     OneAzimuth {
