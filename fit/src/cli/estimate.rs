@@ -14,7 +14,7 @@ use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
-use crate::cli::terms::Terms;
+use crate::cli::terms::{Terms, described};
 use crate::estimate::Bound;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
@@ -41,83 +41,118 @@ use crate::simulate::Truth;
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-What is minimised: edge, by default, comes within a few percent of the Cramer-Rao bound; mtf, the \
-published loss, has \
-standard errors 1.7 times (c) and 2.4 times (a) the bound (`fit study`, fit/BENCHMARKS.md), its \
-differences weighed by \
-their noise; mse weighs all frequencies alike, as published (terms and bounds are then those of \
-mtf), with errors of up to twice those of mtf.
-What is left open (auto) is decided by Bayes' criterion on the residuals in units of their noise; \
-a further term must \
-lower it by more than 4. Standard errors carry pixel noise, the lens fit, the reference's step \
-and the table's rays.
+Losses (--loss):
+  edge  compares the pixels around the edge by maximum likelihood. Its errors
+        are within a few percent of the Cramer-Rao bound.
+  mtf   compares the MTF curves, each difference weighted by its noise. Its
+        errors are 1.7 (c) and 2.4 (a) times the bound.
+  mse   compares the MTF curves, all frequencies alike, as in the paper. Its
+        errors are up to twice those of mtf. Terms and bounds are those of mtf.
+`fit study` and fit/BENCHMARKS.md give these figures.
+
+Terms that you leave open (auto) are chosen by Bayes' information criterion
+(BIC) on the residuals in units of their noise: a further term must lower it by
+more than 4. Standard errors contain the noise of the pixels, the fit of the
+lens, the step of the reference and the noise of the table's rays.
 
 Examples:
-  bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 --azimuth 30
+  bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \\
+      --azimuth 30
   fit estimate captures.toml --table pair.h5 -o result.json
-  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial --per-angle a,mu --plot \
-  mtf.svg -o result.json
+  fit estimate captures.toml --table pair.h5 --kernel eq1 --lobe radial \\
+      --per-angle a,mu --plot mtf.svg -o result.json
   fit estimate captures.toml --table pair.h5 -o result.json --report report.html
   fit estimate captures.toml --table pair.h5 --model saito -o saito.json
-  bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full --direction-tolerance 0.005
+  bake trace pair.obj -o all.h5 --refractive-index 1.49 --azimuth full \\
+      --direction-tolerance 0.005
   fit estimate captures.toml --table all.h5 --fit-azimuth
-  fit estimate captures.toml --table pair.h5 --forward render --loss mse --samples 16 -o \
-  result.json")]
+  fit estimate captures.toml --table pair.h5 --forward render --loss mse \\
+      --samples 16 -o result.json
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// The campaign's manifest
+    /// Manifest of the campaign (captures.toml), which lists the photographs.
     pub captures: PathBuf,
-    /// The sheet's ray-shift table, made by `bake trace`
+    /// Ray-shift table of the sheet, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
-    /// Write the result there (JSON)
+    /// File that receives the result, as JSON.
     #[arg(short, long, value_name = "RESULT.json")]
     pub output: Option<PathBuf>,
-    /// What the photographs may need.
+    /// Terms of the model.
     #[command(flatten)]
     pub terms: Terms,
-    /// Wavelengths of the source and their weights, nm: 550, or 450:0.2,550:0.5,620:0.3; instead of
-    /// wavelength_nm in the manifest
-    #[arg(long, value_name = "NM[:WEIGHT],...", value_parser = Spectrum::parse)]
+    /// Wavelengths of the source, nm, with their weights.
+    ///
+    /// Write 550, or 450:0.2,550:0.5,620:0.3. The wavelengths replace wavelength_nm of the
+    /// manifest. Only the kernel wave needs them.
+    #[arg(
+        long,
+        value_name = "NM[:WEIGHT],...",
+        value_parser = Spectrum::parse,
+        help_heading = "Light"
+    )]
     pub wavelength_nm: Option<Spectrum>,
-    /// How the model is evaluated
-    #[arg(long, value_enum, default_value_t = Forward::Spectral)]
+    /// Forward model.
+    ///
+    /// spectral evaluates the model in closed form. render draws samples, as the published loop
+    /// does, and reports its sampling error.
+    #[arg(
+        long,
+        value_enum,
+        default_value_t = Forward::Spectral,
+        help_heading = "Forward model"
+    )]
     pub forward: Forward,
-    /// The samples of a render.
+    /// Samples of a render.
     #[command(flatten)]
     pub samples: Samples,
-    /// What is minimised; edge if left out; mtf with --forward render, which compares MTFs
-    #[arg(long, value_enum)]
+    /// Loss to minimise; edge if left out.
+    ///
+    /// With --forward render it is mtf if left out, because a render is compared by its MTF. The
+    /// losses are described below.
+    #[arg(long, value_enum, help_heading = "Forward model")]
     pub loss: Option<Kind>,
-    /// Finds the sheet's azimuth too: one angle, added to azimuth_deg of all captures (0 where left
-    /// out); needs a table of all azimuths
-    #[arg(long, conflicts_with_all = ["forward", "model"])]
+    /// Estimates the azimuth of the sheet too, in degrees.
+    ///
+    /// One angle is estimated. It is added to azimuth_deg of each capture, which is 0 if left out.
+    /// The table must hold all azimuths (bake trace --azimuth full).
+    #[arg(long, conflicts_with_all = ["forward", "model"], help_heading = "Model")]
     pub fit_azimuth: bool,
-    /// A planted answer (truth.json of `fit simulate`): printed beside the estimate
-    #[arg(long, value_name = "TRUTH.json")]
+    /// Planted answer to print beside the estimate.
+    ///
+    /// It is the truth.json that `fit simulate` writes.
+    #[arg(long, value_name = "TRUTH.json", help_heading = "Output and threads")]
     pub truth: Option<PathBuf>,
-    /// Measured and modelled MTF curves as a picture, .svg or .png
+    /// File that receives the MTF curves as a picture, .svg or .png.
+    ///
+    /// The picture shows the measured and the modelled curves.
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// A page for a person, in one file: estimates with intervals, curves, the choice of terms,
-    /// warnings with pictures
+    /// File that receives all results on one page, as HTML.
+    ///
+    /// The page shows estimates with intervals, curves, the choice of terms, and warnings with
+    /// pictures.
     #[cfg(feature = "report")]
     #[arg(long, value_name = "REPORT.html")]
     pub report: Option<PathBuf>,
-    /// Colour channel of all photographs, whatever the manifest says: luminance, red, green, blue,
-    /// a channel's name, or each: red, green and blue are fitted one by one, and the result is an
-    /// object with one result per channel
-    #[arg(long, value_name = "NAME", value_parser = channels)]
+    /// Colour channel that is fitted: a name, or each.
+    ///
+    /// Write luminance, red, green, blue, or the name of a channel in the file. The channel
+    /// replaces that of the manifest, for all photographs. With each, red, green and blue are
+    /// fitted one by one, and the result is an object with one result per channel.
+    #[arg(long, value_name = "NAME", value_parser = channels, help_heading = "Light")]
     pub channel: Option<Channels>,
-    /// Threads; one per core if left out
-    #[arg(long, value_name = "N")]
+    /// Number of threads; one per core if left out.
+    #[arg(long, value_name = "N", help_heading = "Output and threads")]
     pub threads: Option<NonZeroUsize>,
-    /// Print the result as one JSON object instead of a table
-    #[arg(long)]
+    /// Prints the result as one JSON object in place of a table.
+    #[arg(long, help_heading = "Output and threads")]
     pub json: bool,
 }
 
-/// The channels that are fitted.
+/// Channels that are fitted.
 #[derive(Debug, Clone)]
 pub(crate) struct Channels(Vec<Channel>);
 
@@ -128,8 +163,8 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     }))
 }
 
-/// The options of the estimate as the command line has them. Ends the program with a usage error
-/// where they exclude each other.
+/// Returns the options of the estimate that the command line gives. Ends the program with a usage
+/// error if they exclude each other.
 fn options(arguments: &Arguments) -> Options {
     let mut options = Options::new(arguments.terms.candidates("fit estimate"));
     if arguments.forward == Forward::Render {
@@ -147,7 +182,7 @@ fn options(arguments: &Arguments) -> Options {
     options
 }
 
-/// Channels that are fitted one by one, if there are several.
+/// Returns the channels that are fitted one by one, or `None` if there is one only.
 fn several(arguments: &Arguments) -> Option<&[Channel]> {
     let Channels(channels) = arguments.channel.as_ref()?;
     (channels.len() > 1).then_some(channels)
@@ -156,7 +191,8 @@ fn several(arguments: &Arguments) -> Option<&[Channel]> {
 /// Runs the verb.
 ///
 /// # Errors
-/// Manifest, photographs, table or outputs.
+/// Fails if the manifest, a photograph or the table cannot be used, if the estimate fails, or if an
+/// output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = options(arguments);
     #[cfg(feature = "report")]
@@ -236,7 +272,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?)
 }
 
-/// Files that are read, of which none may be an output.
+/// Returns the files that are read. None of them may be an output.
 fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
     let captures = campaign.captures.iter().map(|capture| &capture.shot);
     let shots = campaign.reference.iter().chain(captures);
@@ -246,7 +282,7 @@ fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator
         .chain(shots.map(|shot| shot.image.as_path()))
 }
 
-/// What is estimated from.
+/// Arguments, photographs and table of one estimate.
 struct Job<'a> {
     arguments: &'a Arguments,
     campaign: &'a Campaign,
@@ -254,7 +290,7 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// One estimate, and what is written of it.
+    /// Makes one estimate, and the result that is written of it.
     fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
         let (table, watch) = (self.table, &Watch::NOBODY);
         let estimated = campaign(self.campaign, &Shot::load, table, options, watch).map_err(
@@ -272,7 +308,7 @@ impl Job<'_> {
         Ok((estimated, result))
     }
 
-    /// One estimate for each channel, by its name.
+    /// Makes one estimate for each channel, and returns the results by the name of the channel.
     fn each_channel(
         &self,
         options: &Options,
@@ -291,7 +327,7 @@ impl Job<'_> {
     }
 }
 
-/// Says what the user should know of a result.
+/// Prints the warnings of a result, each with `before` in front of it.
 fn warn(result: &ResultFile, before: &str) {
     for warning in &result.warnings {
         terminal::warn([format!("{before}{warning}")]);
@@ -303,7 +339,7 @@ fn warn(result: &ResultFile, before: &str) {
     }
 }
 
-/// The result as a table for a person.
+/// Returns the result as a table for a reader.
 fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let mut text = head(result);
     let beside = if truth.is_some() {
@@ -319,7 +355,7 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let mut rows = Rows { text, truth };
     let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
     let azimuth = result.azimuth_deg.map(Parameter::Shared);
-    // Roughnesses are thousandths, and shown as such.
+    // Roughnesses are shown in thousandths.
     let parameters = [
         ("c (mm)", ParameterKind::CornerSize, 1.0, &sizes[0]),
         (
@@ -349,7 +385,7 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     text
 }
 
-/// What was fitted, to what, and how.
+/// Returns the first two lines of the summary: the model in words, then the data and the fit.
 fn head(result: &ResultFile) -> String {
     let lobe = result
         .lobe
@@ -358,26 +394,27 @@ fn head(result: &ResultFile) -> String {
         format!(", {} samples a pixel", own.sampling.samples)
     });
     format!(
-        "kernel {}{lobe}, loss {}{samples}; {} photographs, table {}; {} after {} evaluations, \
-        {:.2} s\n",
+        "model: {} (kernel {}{lobe})\n\
+         fitted: {} photographs, table {}, loss {}{samples}; {} after {} evaluations, {:.2} s\n",
+        described(result.kernel),
         result.kernel.name(),
-        result.loss.name(),
         result.captures.len(),
         result.table.design,
+        result.loss.name(),
         result.stop,
         result.iterations,
         result.seconds
     )
 }
 
-/// Rows of the table of estimates.
+/// Table of estimates, row by row.
 struct Rows<'a> {
     text: String,
     truth: Option<&'a Truth>,
 }
 
 impl Rows<'_> {
-    /// A parameter, in units of 1 / `scale`.
+    /// Adds the rows of a parameter, in units of 1 / `scale`.
     fn add(&mut self, label: &str, kind: ParameterKind, scale: f64, parameter: Option<&Parameter>) {
         let scaled = |value: Option<f64>, standard_error: Option<f64>| Number {
             value: value.map(|v| v * scale),
@@ -418,7 +455,7 @@ impl Rows<'_> {
     }
 }
 
-/// A bound in words.
+/// Returns the line that states a bound.
 fn bounded(id: ParameterId, bound: Bound) -> String {
     let shown = |v: f64| {
         if v < 1e-3 {
@@ -432,21 +469,22 @@ fn bounded(id: ParameterId, bound: Bound) -> String {
         (_, Some(v)) => format!("< {}", shown(v)),
         _ => "not bounded by these photographs".into(),
     };
-    format!("{id} {side} (at {:.0} %)", 100.0 * bound.confidence)
+    format!("{id} {side} ({:.0} % confidence)", 100.0 * bound.confidence)
 }
 
 /// Reads a RESULT.json of one fit.
 ///
 /// # Errors
-/// [`Failure::Json`]; [`Failure::Channel`] for one of several channels.
+/// Returns [`Failure::Json`] if the file cannot be read or holds no result. Returns
+/// [`Failure::Channel`] if it holds one result for each of several channels.
 pub(crate) fn read_result(path: &Path) -> Result<ResultFile, Failure> {
     read_channel(path, None)
 }
 
-/// That a result is of the model that was named, if one was.
+/// Checks that a result is of the model that was named, if one was named.
 ///
 /// # Errors
-/// [`Failure::Model`].
+/// Returns [`Failure::Model`] if the result is of another model.
 pub(crate) fn check_model(
     path: &Path,
     result: &ResultFile,
@@ -461,11 +499,11 @@ pub(crate) fn check_model(
     }
 }
 
-/// Reads a RESULT.json of one fit, or, by its name, one channel of a file of several.
+/// Reads a RESULT.json: of one fit, or the named channel of a file with several channels.
 ///
 /// # Errors
-/// [`Failure::Json`]; [`Failure::Channel`] where the file holds several and none of them is named,
-/// or another.
+/// Returns [`Failure::Json`] if the file cannot be read or holds no result. Returns
+/// [`Failure::Channel`] if it holds several channels and `channel` names none of them.
 pub(crate) fn read_channel(path: &Path, channel: Option<&str>) -> Result<ResultFile, Failure> {
     let expected = "`fit estimate -o` wrote";
     let several = || parse::read_json::<BTreeMap<String, ResultFile>>(path, expected);

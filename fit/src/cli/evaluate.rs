@@ -1,4 +1,4 @@
-//! `fit evaluate`: how alike a rendered image and a photograph look.
+//! `fit evaluate`: compares a rendered image with a photograph.
 
 use std::path::PathBuf;
 use tables::cli as terminal;
@@ -16,36 +16,41 @@ use crate::images::metrics::lpips::Lpips;
 use crate::photographs::photo;
 use crate::photographs::photo::transfer::Transfer;
 
-/// Says how alike two pictures look: PSNR, SSIM, FLIP, and LPIPS with weights that you bring.
+/// Compares two pictures by PSNR, SSIM, FLIP and, with weights that you bring, LPIPS.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Both pictures must show the same thing at the same size and place, in the same units; they are \
-compared as a display shows \
-them (sRGB values of light clipped to 0..1, after --exposure). PSNR in dB and SSIM (Gaussian \
-window, mean of the colours) are \
-higher, FLIP (mean) and LPIPS (AlexNet, v0.1) lower for pictures that are more alike.
+Both pictures must show the same thing at the same size and place, in the same
+units. They are compared as a display shows them: the light times --exposure,
+clipped to 0..1, as sRGB.
+
+PSNR (dB) and SSIM (Gaussian window, mean of the colours) are higher for
+pictures that are more alike. FLIP (mean) and LPIPS (AlexNet, v0.1) are lower.
 
 Examples:
   fit evaluate aerial.png photograph.png
   fit evaluate aerial.exr photograph.png --exposure 10 --json")]
 pub(crate) struct Arguments {
-    /// The rendered image
+    /// Rendered image.
     pub rendered: PathBuf,
-    /// The photograph that it should look like
+    /// Photograph that the rendered image should look like.
     pub photo: PathBuf,
-    /// Factor on the light of both
+    /// Factor on the light of both pictures.
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::positive)]
     pub exposure: f64,
-    /// Pixels per degree of the viewer's field, for FLIP
+    /// Pixels per degree of view, for FLIP.
     #[arg(long, value_name = "N", default_value_t = 67.020_64, value_parser = parse::positive)]
     pub pixels_per_degree: f64,
-    /// Weights for LPIPS, as fit/doc/lpips_weights.py writes them
+    /// Weights for LPIPS, from fit/doc/lpips_weights.py.
+    ///
+    /// Without this option, LPIPS is left out.
     #[arg(long, value_name = "WEIGHTS.safetensors")]
     pub lpips: Option<PathBuf>,
-    /// What integers in both files mean, linear or srgb; sRGB for 8 bits, linear for 16 if left out
+    /// Meaning of integers in both files: linear or srgb.
+    ///
+    /// Without this option, 8-bit files are sRGB and 16-bit files are linear.
     #[arg(long, value_name = "NAME", value_parser = parse::transfer)]
     pub transfer: Option<Transfer>,
-    /// One JSON object
+    /// Prints one JSON object in place of lines of text.
     #[arg(long)]
     pub json: bool,
 }
@@ -54,11 +59,11 @@ pub(crate) struct Arguments {
 struct Report {
     width: usize,
     height: usize,
-    /// Null for equal pictures.
+    /// Peak signal-to-noise ratio, dB; null if the pictures are equal.
     psnr_db: Option<f64>,
     ssim: f64,
     flip: f64,
-    /// Null without weights.
+    /// LPIPS distance; null without weights.
     lpips: Option<f64>,
     warnings: Vec<String>,
 }
@@ -66,7 +71,8 @@ struct Report {
 /// Runs the verb.
 ///
 /// # Errors
-/// Pictures or weights.
+/// Fails if a picture or the weights cannot be read, if the pictures differ in size, or if they are
+/// too small for a metric.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (rendered, photo) = (&arguments.rendered, &arguments.photo);
     let lpips = arguments.lpips.as_deref().map(Lpips::read).transpose();

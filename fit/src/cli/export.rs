@@ -1,4 +1,4 @@
-//! `fit export`: the nearest retroreflective lobe for renderers.
+//! `fit export`: the nearest retroreflective lobe as a material for renderers.
 
 use std::path::PathBuf;
 use tables::cli as terminal;
@@ -10,36 +10,39 @@ use crate::cli::failure::Failure;
 use crate::cli::parse;
 use crate::predict::{Form, LOST, nearest};
 
-/// Writes the nearest lobe of a fitted sheet as a material for renderers.
+/// Writes the lobe that is nearest to a fitted sheet, as a material for renderers.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The lobe is that of the minimal retroreflective microfacet model with GGX, which the three forms \
-share; its roughness has the \
-least squared MTF difference from the sheet at the distance and incidence given. Ray shift is not \
-carried.
+The three forms of material share one model: the minimal retroreflective
+microfacet model with GGX. Its roughness is the one whose MTF differs least
+(least squares) from the MTF of the sheet at the given distance and incidence.
+The material has no ray shift.
 
 Examples:
   fit export result.json --table pair.h5 --to materialx --distance 150 -o sheet.mtlx
-  fit export result.json --table pair.h5 --to gltf --distance 300 --incidence 20 -o sheet.gltf")]
+  fit export result.json --table pair.h5 --to gltf --distance 300 \\
+      --incidence 20 -o sheet.gltf
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// What `fit estimate -o` wrote
+    /// Result that `fit estimate -o` wrote, as JSON.
     pub result: PathBuf,
-    /// A table of the fitted cell
+    /// Ray-shift table of the fitted cell, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
-    /// Form of the material
+    /// Form of the material.
     #[arg(long, value_enum)]
     pub to: Form,
-    /// Floating distance at which the lobe is nearest, mm
+    /// Floating distance at which the lobe is nearest, mm.
     #[arg(long, value_name = "MM", value_parser = parse::positive)]
     pub distance: f64,
-    /// Incidence at which it is, degrees
+    /// Incidence at which the lobe is nearest, degrees.
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = parse::incidence)]
     pub incidence: f64,
-    /// Azimuth, degrees; the table's own if it holds only one
+    /// Azimuth of the light, degrees; that of the table if it holds one.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub azimuth: Option<f64>,
-    /// Write there instead of standard output
+    /// File that receives the material, in place of standard output.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
@@ -47,7 +50,8 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 ///
 /// # Errors
-/// Result, table, direction or output.
+/// Fails if the result or the table cannot be used, if the table lacks the direction, or if the
+/// output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;

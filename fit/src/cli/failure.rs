@@ -1,4 +1,4 @@
-//! Why a verb ends.
+//! Errors that end a verb.
 
 use std::path::PathBuf;
 
@@ -15,122 +15,124 @@ use crate::predict::error as predict;
 use crate::report::plot;
 use crate::simulate::error as simulate;
 
-/// Anything that ends a verb.
+/// Error that ends a verb.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum Failure {
-    /// The manifest.
+    /// Fault of the manifest.
     #[error(transparent)]
     Captures(#[from] captures::error::Error),
-    /// A photograph.
+    /// Fault of a photograph.
     #[error(transparent)]
     Photo(#[from] photo::error::Error),
-    /// The scene.
+    /// Fault of the scene: photographs and table together.
     #[error(transparent)]
     Scene(#[from] scene::Error),
-    /// The table.
+    /// Fault of the table.
     #[error(transparent)]
     Table(#[from] tables::Error),
-    /// The estimate. Boxed: every result of the verbs would grow with it.
+    /// Failure of the estimate. It is boxed because it would enlarge the results of all verbs.
     #[error(transparent)]
     Estimate(Box<estimate::Error>),
-    /// The result is of another model than the one that was named.
+    /// Result of another model than the one that was named.
     #[error("{}: is the fit of another model; fit this one: fit estimate captures.toml --table \
     table.h5 --model {} -o result.json",
         path.display(), asked.name())]
     Model {
-        /// The result.
+        /// File of the result.
         path: PathBuf,
-        /// The model named.
+        /// Model that was named.
         asked: Family,
     },
-    /// The prediction.
+    /// Failure of the prediction.
     #[error(transparent)]
     Predict(#[from] predict::Error),
-    /// The comparison.
+    /// Failure of the comparison of pictures.
     #[cfg(feature = "images")]
     #[error(transparent)]
     Evaluate(#[from] metrics::error::Error),
-    /// The mid-air image.
+    /// Failure of the mid-air image.
     #[cfg(feature = "images")]
     #[error(transparent)]
     Render(#[from] render::Error),
-    /// The simulation.
+    /// Failure of the simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
-    /// An output.
+    /// Output that cannot be reserved or written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A picture.
+    /// Plot that cannot be drawn.
     #[cfg(feature = "report")]
     #[error(transparent)]
     Plot(#[from] plot::Error),
-    /// No edge.
+    /// Photograph without a usable edge.
     #[error("{}: {fault}", image.display())]
     Edge {
-        /// The photograph.
+        /// File of the photograph.
         image: PathBuf,
-        /// What is wrong.
+        /// Fault of the edge.
         fault: edge::fault::Fault,
     },
-    /// A region outside of the photograph.
+    /// Region of interest that does not lie in the photograph.
     #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}); give \
     x,y,width,height in pixels",
         image.display(), roi.x, roi.y, roi.width, roi.height)]
     Roi {
-        /// The photograph.
+        /// File of the photograph.
         image: PathBuf,
-        /// The region.
+        /// Region that was named, pixels.
         roi: crate::photographs::Roi,
-        /// Width of the picture.
+        /// Width of the photograph, pixels.
         width: usize,
-        /// Height of the picture.
+        /// Height of the photograph, pixels.
         height: usize,
     },
-    /// A JSON file that is none, or another.
+    /// File that is no JSON, or JSON of another kind.
     #[error("{}: {message}; give a file that {expected}", path.display())]
     Json {
-        /// The file.
+        /// File that was read.
         path: PathBuf,
-        /// What the parser said.
+        /// Message of the parser.
         message: String,
-        /// What writes such files.
+        /// End of the remedy "give a file that ...".
         expected: &'static str,
     },
-    /// A result of several channels, of which one must be named.
-    #[error("{}: holds one result for each of the channels {held}; name one with --channel", path.display())]
+    /// Result of several channels, of which none was named.
+    #[error("{}: holds one result for each of the channels {held}; name one with --channel",
+        path.display())]
     Channel {
-        /// The file.
+        /// File of the result.
         path: PathBuf,
-        /// Names of its channels.
+        /// Names of the channels in the file.
         held: String,
     },
-    /// A table of another cell than the ranges name.
-    #[error("{}: is not the table of the ideal cell that is simulated; bake it: bake design \
-    {design} -o cell.obj, then \
-             bake trace cell.obj --refractive-index {ior} --incidence 0:45:15 --azimuth 30", table.display())]
+    /// Table of another cell than the ranges name.
+    #[error("{}: is not the table of the ideal cell that is simulated; bake that table: \
+    bake design {design} -o cell.obj, then \
+    bake trace cell.obj --refractive-index {ior} --incidence 0:45:15 --azimuth 30",
+        table.display())]
     OtherCell {
-        /// The table.
+        /// File of the table.
         table: PathBuf,
-        /// Refractive index of the cell.
+        /// Refractive index of the simulated cell.
         ior: f64,
-        /// Its design.
+        /// Design of the simulated cell.
         design: &'static str,
     },
-    /// The azimuth cannot be told by such a table.
-    #[error("--fit-azimuth: {} says nothing of other azimuths ({held}); bake them all: bake trace \
-    --azimuth full \
-             --direction-tolerance 0.005", table.display())]
+    /// Table without the azimuths that `--fit-azimuth` needs.
+    #[error("--fit-azimuth: {} does not tell azimuths apart ({held}); bake one of all azimuths: \
+    bake trace --azimuth full --direction-tolerance 0.005",
+        table.display())]
     OneAzimuth {
-        /// The table.
+        /// File of the table.
         table: PathBuf,
-        /// What it holds.
+        /// Azimuths that the table holds, in words.
         held: &'static str,
     },
-    /// What both programs do with terminal, threads and outputs.
+    /// Failure of terminal, threads or outputs, which both programs share.
     #[error(transparent)]
     Terminal(#[from] tables::cli::Error),
-    /// Threads could not be started.
+    /// Threads that could not be started.
     #[error(transparent)]
     Threads(#[from] tables::cli::NoThreads),
 }
@@ -142,7 +144,7 @@ impl From<estimate::Error> for Failure {
 }
 
 impl Failure {
-    /// 2 for wrong usage that clap cannot see, 1 for work that failed.
+    /// Returns the exit code: 2 for wrong usage that clap cannot see, 1 for work that failed.
     pub(crate) fn code(&self) -> u8 {
         match self {
             #[cfg(feature = "report")]

@@ -1,4 +1,4 @@
-//! `fit study CAPTURES --forward render`: speed against error of the forward models, as a table.
+//! `fit study CAPTURES --forward render`: time and error of the forward models, as a table.
 
 use std::fmt::Write;
 
@@ -8,21 +8,44 @@ use crate::samples::Sampling;
 use crate::samples::Sequence;
 use crate::study::Speed;
 
-/// The renders that are studied.
+/// Renders that are studied.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct Renders {
-    /// Study a forward model: render times estimates by samples beside the closed form
-    #[arg(long, value_enum, conflicts_with = "ranges")]
+    /// Forward model that is studied.
+    ///
+    /// render times estimates by samples and gives their errors against the closed form.
+    #[arg(
+        long,
+        value_enum,
+        conflicts_with = "ranges",
+        help_heading = "Forward model"
+    )]
     pub forward: Option<Forward>,
-    /// Samples per pixel of --forward render, a list
-    #[arg(long, value_name = "LIST", default_value = "1,4,16,64,256", value_parser = samples, requires = "forward")]
+    /// Samples per pixel of --forward render, a list.
+    #[arg(
+        long,
+        value_name = "LIST",
+        default_value = "1,4,16,64,256",
+        value_parser = samples,
+        requires = "forward",
+        help_heading = "Forward model"
+    )]
     pub samples: Samples,
-    /// Independent randomisations of every number of samples
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(2..=1000), requires = "forward")]
+    /// Independent randomisations of each number of samples.
+    ///
+    /// Their scatter gives the errors.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 8,
+        value_parser = clap::value_parser!(u64).range(2..=1000),
+        requires = "forward",
+        help_heading = "Forward model"
+    )]
     pub randomisations: u64,
 }
 
-/// Numbers of samples.
+/// Numbers of samples per pixel.
 #[derive(Debug, Clone)]
 pub(crate) struct Samples(Vec<usize>);
 
@@ -35,7 +58,7 @@ fn samples(text: &str) -> Result<Samples, String> {
 }
 
 impl Renders {
-    /// Every number of samples, evenly spread and independent.
+    /// Returns the samplings to study: each number of samples, evenly spread and independent.
     pub(crate) fn samplings(&self, seed: u64) -> Vec<Sampling> {
         let Samples(list) = &self.samples;
         [Sequence::Sobol, Sequence::Independent]
@@ -55,12 +78,12 @@ fn percent(value: Option<f64>) -> String {
     value.map_or("-".into(), |v| format!("{:.4}", 100.0 * v))
 }
 
-/// The study as a table for a person.
+/// Returns the study as a table for a reader.
 pub(crate) fn table(speed: &Speed) -> String {
     let mut text = format!(
         "{} photographs, loss mtf; closed form: {:.4} s for the estimate ({} evaluations), {:.5} \
-        s for one evaluation\n\
-         standard errors by the pixels' noise: c {} %, a {} %, mu {} %\n",
+         s for one evaluation\n\
+         standard errors from the noise of the pixels: c {} %, a {} %, mu {} %\n",
         speed.photographs,
         speed.spectral_seconds,
         speed.spectral_iterations,

@@ -1,8 +1,8 @@
 //! The program: arguments in, a verb run, text and files out.
 //!
-//! Arguments enter as a shell gives them; printed text, written files and an exit code leave. The
-//! room may touch every other room of the crate. It alone prints, reads the command line and ends
-//! the program.
+//! Arguments enter as a shell gives them. Printed text, written files and an exit code leave. The
+//! room may touch every other room of the crate. Only this room prints, reads the command line and
+//! ends the program.
 
 mod estimate;
 #[cfg(feature = "images")]

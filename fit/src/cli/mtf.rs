@@ -1,4 +1,4 @@
-//! `fit mtf`: the slanted-edge MTF of one photograph.
+//! `fit mtf`: measures the slanted-edge MTF of one photograph.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -21,44 +21,64 @@ use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::sfr;
 use crate::photographs::{Estimator, crossing};
 
-/// Points of the curve from 0 to the pixel frequency.
+/// Number of points of the curve, from frequency 0 to the sampling frequency.
 const POINTS: usize = 512;
 
-/// Measures the slanted-edge MTF of one photograph (ISO 12233 style) and writes it as CSV or JSON.
+/// Measures the MTF of one photograph of a slanted edge, as CSV or JSON.
+///
+/// The method follows ISO 12233.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Conventions: fourfold oversampling along the edge normal; the edge is located by least squares \
-over all pixels; bin \
-averaging and the difference are divided out (at half the sampling frequency: +5 %); Tukey \
-window, flat over 70 %; \
-frequencies are along the edge normal, not along the rows.
+Conventions:
+- Frequencies are along the edge normal, not along the rows.
+- The edge is located by least squares over all pixels.
+- Bins along the edge normal are a quarter of a pixel wide.
+- The effects of averaging in bins and of the difference are divided out.
+  This is +5 % at half the sampling frequency.
+- The window is a Tukey window, flat over 70 %.
+fit/doc/mtf.md describes the accuracy.
 
 Examples:
   fit mtf edge.exr --pixel-pitch 0.05
-  fit mtf photo.png --roi 200,150,320,256 --accept doubled --json -o mtf.json")]
+  fit mtf photo.png --roi 200,150,320,256 --accept doubled --json -o mtf.json
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// The photograph: EXR, 16-bit PNG or TIFF (linear), 8-bit PNG or JPEG (sRGB); camera raw with
-    /// the feature raw
+    /// Photograph of an edge: EXR, PNG, TIFF or JPEG.
+    ///
+    /// EXR and 16-bit files are read as linear light, 8-bit files as sRGB. Camera raw needs a
+    /// `fit` that was built with the feature raw.
     pub image: PathBuf,
-    /// Region that holds one edge, pixels; if left out, the picture's only slanted edge is found
+    /// Region that holds one edge, in pixels.
+    ///
+    /// X and Y are its upper left corner. Without this option, `fit` finds the edge, which must be
+    /// the only slanted edge of the picture.
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<Roi>,
-    /// One pixel, mm: frequencies are then in 1/mm, else in cycles per pixel
+    /// Side of a pixel, mm, so that frequencies are in 1/mm.
+    ///
+    /// Without this option, frequencies are in cycles per pixel.
     #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
-    /// Transfer function, where the format's own does not hold: linear or srgb
+    /// Meaning of integers in the file: linear or srgb.
+    ///
+    /// Give it if the rule of the format (8 bits: sRGB, 16 bits: linear) does not hold.
     #[arg(long, value_parser = transfer)]
     pub transfer: Option<Transfer>,
-    /// Colour channel: luminance, red, green, blue, or a channel's name
+    /// Channel: luminance, red, green, blue or a name.
+    ///
+    /// A name is that of a channel in the file.
     #[arg(long, default_value = "luminance", value_parser = channel)]
     pub channel: Channel,
-    /// Measure an edge with this fault all the same, with a warning: doubled
+    /// Fault that is accepted with a warning: doubled.
+    ///
+    /// Without this option, an edge that the sheet doubles is refused.
     #[arg(long, value_name = "FAULT", value_parser = accepted)]
     pub accept: Vec<Accepted>,
-    /// One JSON object instead of CSV
+    /// Writes one JSON object in place of CSV.
     #[arg(long)]
     pub json: bool,
-    /// Write there instead of standard output
+    /// File that receives the curve, in place of standard output.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
@@ -76,7 +96,7 @@ fn transfer(text: &str) -> Result<Transfer, String> {
 }
 
 fn roi(text: &str) -> Result<Roi, String> {
-    // As a message or a manifest writes it, too.
+    // The form `roi = [...]` of messages and manifests is read too.
     let pasted = text
         .strip_prefix("roi = [")
         .and_then(|text| text.strip_suffix(']'));
@@ -112,7 +132,7 @@ struct Report {
 /// Runs the verb.
 ///
 /// # Errors
-/// The photograph cannot be read or holds no edge; the output cannot be written.
+/// Fails if the photograph cannot be read or holds no edge, or if the output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = terminal::reserve(
         arguments.output.as_deref(),
@@ -147,7 +167,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::deliver(&text, output)?)
 }
 
-/// The edge of a photograph and its curve, up to the sampling frequency.
+/// Measures the edge of a photograph and its MTF, up to the sampling frequency.
 fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
     let Measurement {
         line,
@@ -159,7 +179,7 @@ fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
         fault,
     })?;
     let pitch = arguments.pixel_pitch.unwrap_or(1.0);
-    // Up to the sampling frequency, which is a quarter of a period.
+    // The curve ends at the sampling frequency, a quarter of the period of the spectrum.
     let estimator = Estimator::new(&profile, pitch, 4 * POINTS, POINTS);
     let mtf = estimator.measure(&profile).modulus;
     let standard_error = sfr::standard_error(&estimator.response(&profile), &profile);
@@ -186,7 +206,7 @@ fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
 }
 
 impl Report {
-    /// The edge in one line, for a person.
+    /// Returns the edge in one line, for a reader.
     fn line(&self) -> String {
         let (angle, contrast) = (self.edge_angle_deg, self.contrast);
         let unit = self.frequency_unit;

@@ -1,16 +1,16 @@
-//! What a verb says: an object as JSON, a command line as a shell takes it.
+//! Text that verbs write: objects as JSON, and the command line as a shell reads it.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// An object as JSON text, keys in the order of the struct.
+/// Returns an object as JSON text, with the keys in the order of the struct.
 pub(crate) fn json(object: &impl serde::Serialize) -> String {
     let text = serde_json::to_string_pretty(object)
         .expect("all keys are strings and all values are numbers or text");
     text + "\n"
 }
 
-/// A command line as a shell would take it again; the program without its folder.
+/// Returns a command line that can be pasted into a shell, with the program's folder left out.
 pub(crate) fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
     let quoted = |text: String| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+@%".contains(c);

@@ -1,4 +1,4 @@
-//! How arguments are read: numbers, lists of them, JSON files.
+//! Readers of arguments: numbers, lists of numbers, JSON files.
 
 use std::path::Path;
 
@@ -7,32 +7,32 @@ use tables::cli::list;
 use crate::cli::failure::Failure;
 use crate::photographs::photo::transfer::Transfer;
 
-/// `0 <= incidence < 90`, every one.
+/// Reads a list of incidence angles, degrees.
 ///
 /// # Errors
-/// A sentence for clap.
+/// Returns a message for clap if `text` is no list, or if an angle is not in 0 <= angle < 90.
 pub(crate) fn incidences(text: &str) -> Result<Vec<f64>, String> {
     let list = list(text).map_err(|error| error.to_string())?;
     match list.iter().find(|v| !(0.0..90.0).contains(*v)) {
         Some(bad) => Err(format!(
-            "incidence {bad} is outside of 0 <= angle < 90 degrees"
+            "the incidence {bad} is not in 0 <= angle < 90 degrees"
         )),
         None => Ok(list),
     }
 }
 
-/// One incidence, degrees.
+/// Reads one incidence, degrees.
 ///
 /// # Errors
-/// A sentence for clap.
+/// Returns a message for clap if `text` is no number in 0 <= angle < 90.
 pub(crate) fn incidence(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..90.0).contains(&value) => Ok(value),
-        _ => Err("must be an angle of 0 <= angle < 90 degrees".into()),
+        _ => Err("must be an angle in 0 <= angle < 90 degrees".into()),
     }
 }
 
-/// The azimuth of a table that holds only one.
+/// Returns the azimuth of a table that holds only one, degrees; `None` for other tables.
 pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
     match table.axes.azimuth_deg[..] {
         [azimuth] if !azimuth.is_nan() => Some(azimuth),
@@ -40,10 +40,10 @@ pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
     }
 }
 
-/// Numbers > 0, every one.
+/// Reads a list of numbers above 0.
 ///
 /// # Errors
-/// A sentence for clap.
+/// Returns a message for clap if `text` is no list, or if a number is not above 0.
 pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
     let list = list(text).map_err(|error| error.to_string())?;
     match list.iter().find(|v| **v <= 0.0) {
@@ -52,10 +52,10 @@ pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
     }
 }
 
-/// One number > 0.
+/// Reads one finite number above 0.
 ///
 /// # Errors
-/// A sentence for clap.
+/// Returns a message for clap if `text` is no such number.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
@@ -63,10 +63,10 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// One number >= 0.
+/// Reads one finite number that is 0 or larger.
 ///
 /// # Errors
-/// A sentence for clap.
+/// Returns a message for clap if `text` is no such number.
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
@@ -74,22 +74,23 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What stored integers mean.
+/// Reads the transfer function of stored integers: linear or srgb.
 ///
 /// # Errors
-/// A sentence for clap.
+/// Returns a message for clap if `text` is another word.
 pub(crate) fn transfer(text: &str) -> Result<Transfer, String> {
     let names = Transfer::NAMES.join(" or ");
     Transfer::from_name(text).ok_or_else(|| format!("must be {names}"))
 }
 
-/// Longest JSON that is read, bytes: a hundred times the result of a thousand photographs.
+/// Size of the longest JSON file that is read, bytes: a hundred times the result of a thousand
+/// photographs.
 const MOST_JSON: u64 = 1 << 25;
 
 /// Reads a JSON file.
 ///
 /// # Errors
-/// [`Failure::Json`] where it cannot be read or is another kind of file.
+/// Returns [`Failure::Json`] if the file cannot be read or is of another kind.
 pub(crate) fn read_json<T: serde::de::DeserializeOwned>(
     path: &Path,
     expected: &'static str,
@@ -101,5 +102,5 @@ pub(crate) fn read_json<T: serde::de::DeserializeOwned>(
     };
     let text = crate::document::read(path, MOST_JSON)
         .map_err(|e| error(format!("cannot be read ({e})")))?;
-    serde_json::from_str(&text).map_err(|e| error(format!("is not such a file ({e})")))
+    serde_json::from_str(&text).map_err(|e| error(format!("cannot be used ({e})")))
 }

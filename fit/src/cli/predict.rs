@@ -1,4 +1,4 @@
-//! `fit predict`: MTF and luminance of a fitted sheet at other places.
+//! `fit predict`: predicts MTF and luminance of a fitted sheet at other distances and angles.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,68 +20,81 @@ use crate::report::Variable;
 #[cfg(feature = "report")]
 use crate::report::plot::{self};
 
-/// Predicts MTF and luminance of a fitted sheet at other distances and incidence angles.
+/// Predicts MTF and luminance of a fitted sheet at other distances and angles.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The MTF is that of the mid-air image itself, without camera: tangential (contrast along the plane \
-of incidence) and \
-sagittal. Luminance is relative to the source, half mirror included. Parameters fitted per angle \
-are interpolated \
-linearly between the fitted angles and held constant beyond them.
+The MTF is that of the mid-air image itself, without a camera: tangential
+(contrast along the plane of incidence) and sagittal (contrast across it). The
+luminance is relative to the source and contains the half mirror. Parameters
+that were fitted per angle are interpolated linearly between the fitted angles,
+and held constant beyond them.
+
+A LIST is 0,5,10 or start:stop:step with both ends, such as 0:45:5.
 
 Examples:
-  fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 --azimuth 30
-  fit predict result.json --table pair.h5 --distance 500 --incidence 20 --azimuth 30 --plot \
-  mtf.svg --json
-  fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 --frequency 0.5,1,2 \
-  --against incidence \
-    --plot against.svg -o against.csv
-  fit predict result.json --table pair.h5 --distance 150 --incidence 20 --frequency 0.5,1,2 \
-  --against direction \
-    --plot polar.svg --json -o polar.json")]
+  fit predict result.json --table pair.h5 --distance 150,300 --incidence 0:45:5 \\
+      --azimuth 30
+  fit predict result.json --table pair.h5 --distance 500 --incidence 20 \\
+      --azimuth 30 --plot mtf.svg --json
+  fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 \\
+      --frequency 0.5,1,2 --against incidence --plot against.svg -o against.csv
+  fit predict result.json --table pair.h5 --distance 150 --incidence 20 \\
+      --frequency 0.5,1,2 --against direction --plot polar.svg --json -o polar.json
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// What `fit estimate -o` wrote
+    /// Result that `fit estimate -o` wrote, as JSON.
     pub result: PathBuf,
-    /// A table of the fitted cell: the fit's own, or one of the same mesh and index with more
-    /// directions
+    /// Ray-shift table of the fitted cell, from `bake trace`.
+    ///
+    /// Give the table of the fit, or one of the same mesh and refractive index with more
+    /// directions.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
-    /// Floating distances, mm
+    /// Floating distances R, mm.
+    ///
+    /// R is the length of the principal ray from the sheet to the image.
     #[arg(long, value_name = "LIST", value_parser = parse::positives)]
     pub distance: std::vec::Vec<f64>,
-    /// Incidence angles, degrees
+    /// Incidence angles in the air, degrees.
     #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
     pub incidence: std::vec::Vec<f64>,
-    /// Azimuths, degrees; the table's own if it holds only one
+    /// Azimuths of the light, degrees; that of the table if it holds one.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = terminal::list)]
     pub azimuth: Option<std::vec::Vec<f64>>,
-    /// Of a file of `fit estimate --channel each`, the channel: red, green or blue
-    #[arg(long, value_name = "NAME")]
+    /// Channel of a result of several channels: red, green or blue.
+    ///
+    /// `fit estimate --channel each` writes such results.
+    #[arg(long, value_name = "NAME", help_heading = "Result")]
     pub channel: Option<String>,
-    /// Frequencies, 1/mm
+    /// Spatial frequencies in the image, 1/mm.
     #[arg(long, value_name = "LIST", default_value = "0:5:0.05", value_parser = terminal::list)]
     pub frequency: std::vec::Vec<f64>,
-    /// Whose model the result must be, if any is named: a result knows its own
-    #[arg(long, value_enum)]
+    /// Model that is required.
+    ///
+    /// The command fails if the result is of another model. Without this option, any model will do.
+    #[arg(long, value_enum, help_heading = "Result")]
     pub model: Option<Family>,
-    /// One JSON object instead of CSV
-    #[arg(long)]
+    /// Writes one JSON object in place of CSV.
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
-    /// What --plot shows: the MTF at each --frequency against this, instead of MTF curves;
-    /// direction draws a polar picture for every place, and adds its curves to the JSON ("around")
+    /// Quantity against which --plot draws the MTF.
+    ///
+    /// The picture then shows the MTF at each --frequency, in place of MTF curves. direction draws
+    /// a polar picture for each place, and adds its curves to the JSON (key around).
     #[cfg(feature = "report")]
-    #[arg(long, value_enum, requires = "plot")]
+    #[arg(long, value_enum, requires = "plot", help_heading = "Output")]
     pub against: Option<Variable>,
-    /// The MTF curves as a picture, .svg or .png
+    /// File that receives the MTF curves as a picture, .svg or .png.
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub plot: Option<PathBuf>,
-    /// Write there instead of standard output
-    #[arg(short, long, value_name = "FILE")]
+    /// File that receives CSV or JSON, in place of standard output.
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
 
-/// Most frequencies that `--against` draws at each place.
+/// Largest number of frequencies that `--against` draws at each place.
 #[cfg(feature = "report")]
 const MOST_CURVES: usize = 12;
 
@@ -98,7 +111,8 @@ struct Report<'a> {
 /// Runs the verb.
 ///
 /// # Errors
-/// Result, table, direction or outputs.
+/// Fails if the result or the table cannot be used, if the table lacks a direction, or if an output
+/// cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
@@ -154,8 +168,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     between.dedup();
     if !between.is_empty() {
         terminal::warn([format!(
-            "interpolated between directions of the table, which costs accuracy: incidence {} \
-            deg; bake them",
+            "the prediction at incidence {} deg is interpolated between directions of the table, \
+            which costs accuracy; bake these directions",
             between.join(", ")
         )]);
     }
@@ -182,8 +196,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::deliver(&text, output)?)
 }
 
-/// One row per place and frequency. Where nothing is retroreflected the luminance is 0 and the MTF
-/// empty.
+/// Returns CSV with one row per place and frequency. The luminance is 0 and the MTF is empty at
+/// places where nothing is retroreflected.
 fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
     let mut text = String::from(
         "distance_mm,incidence_deg,azimuth_deg,axis,eta,luminance,frequency_per_mm,mtf\n",

@@ -1,4 +1,4 @@
-//! How far a long study is, on a terminal; nothing without the feature `report`.
+//! Progress of a long study, shown on a terminal. Without the feature `report` nothing is shown.
 
 #[cfg(feature = "report")]
 use std::io::IsTerminal;
@@ -6,14 +6,14 @@ use std::io::IsTerminal;
 #[cfg(feature = "report")]
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar that a person sees; a pipe stays quiet.
+/// Progress bar on standard error if that is a terminal.
 pub(crate) struct Progress {
     #[cfg(feature = "report")]
     bar: ProgressBar,
 }
 
 impl Progress {
-    /// A bar of this many campaigns, at none.
+    /// Shows a bar for this many campaigns, none of them done.
     #[cfg(feature = "report")]
     pub(crate) fn of(campaigns: u64) -> Progress {
         let bar = ProgressBar::new(campaigns);
@@ -28,19 +28,19 @@ impl Progress {
         Progress { bar }
     }
 
-    /// Nothing that is seen.
+    /// Shows nothing.
     #[cfg(not(feature = "report"))]
     pub(crate) fn of(_: u64) -> Progress {
         Progress {}
     }
 
-    /// One campaign is done.
+    /// Counts one campaign as done.
     pub(crate) fn step(&self) {
         #[cfg(feature = "report")]
         self.bar.inc(1);
     }
 
-    /// All are done; the bar goes.
+    /// Removes the bar.
     pub(crate) fn done(&self) {
         #[cfg(feature = "report")]
         self.bar.finish_and_clear();

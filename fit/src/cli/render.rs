@@ -1,4 +1,4 @@
-//! `fit render`: the mid-air image of any picture.
+//! `fit render`: makes the mid-air image of any picture.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -27,115 +27,180 @@ use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::Fitted;
 
-/// Renders the mid-air image of a picture: blurred and dimmed as the fitted sheet does it.
+/// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The source is any EXR, PNG, TIFF or JPEG, grey or in colour, as it appears in the mid-air image \
-(upright). Its pixels are \
-squares of even light; a pixel of the result is the mean of the mid-air image over its square, in \
-the source's units, as dim \
-as it is: --exposure brightens it as a camera would. What lies outside of the source is black.
+The source is an EXR, PNG, TIFF or JPEG, grey or in colour. It shows the
+picture upright, as it appears in mid air. Its pixels are squares of even
+light. What lies outside of the source is black. A pixel of the result is the
+mean of the mid-air image over its square, in the units of the source. The
+result is as dim as the mid-air image; --exposure brightens it.
 
 Examples:
-  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence \
-  20 --azimuth 30 \
--o aerial.exr
-  fit render --source content.png --params result.json --table pair.h5 --distance 150 --incidence \
-  0 --azimuth 30 \
---exposure 10 --ambient 0.002 -o aerial.png --json
-  fit render --source content.png --params result.json --table pair.h5 --distance 300 --incidence \
-  20 --azimuth 30 \
---forward render --samples 64 -o sampled.exr --json
+  fit render --source content.png --params result.json --table pair.h5 \\
+      --distance 300 --incidence 20 --azimuth 30 -o aerial.exr
+  fit render --source content.png --params result.json --table pair.h5 \\
+      --distance 150 --incidence 0 --azimuth 30 --exposure 10 --ambient 0.002 \\
+      -o aerial.png --json
+  fit render --source content.png --params result.json --table pair.h5 \\
+      --distance 300 --incidence 20 --azimuth 30 --forward render --samples 64 \\
+      -o sampled.exr --json
 
-With --view, a camera sees the sheet: every pixel has its own incidence, azimuth and distance, \
-and with them its own blur and \
-brightness, so the table must hold directions all around (bake trace --azimuth 0:345:15). All as \
-the camera sees it, the half \
-mirror taken away, in mm:
+With --view, a camera sees the sheet. Each pixel then has its own incidence,
+azimuth and distance, and with them its own blur and brightness. The table must
+hold directions all around (bake trace --azimuth 0:345:15). VIEW.toml gives all
+places in mm, as if the half mirror were not there:
     [camera]
     position_mm = [0, 0, 600]
-    [image]                             # the mid-air image
+    [image]                         # the mid-air image
     centre_mm = [0, 0, 0]
-    right = [1, 0, 0]                   # of the picture's columns
-    down = [0, -1, 0]                   # of its rows
+    right = [1, 0, 0]               # direction in which columns are counted
+    down = [0, -1, 0]               # direction in which rows are counted
     pixel_pitch_mm = 0.2
     [sheet]
     position_mm = [0, 0, -300]
-    normal = [0.34, 0, 0.94]            # towards the light
-    first_edge = [0, 1, 0]              # azimuth 0
-    seen_in_mirror = false              # true: the camera sees the sheet in the half mirror
-    [ambient]                           # optional
-    luminance = 0.002
-    [coating]                           # optional: what its front face mirrors is added
-    refractive_index = 1.5")]
+    normal = [0.34, 0, 0.94]        # towards the light
+    first_edge = [0, 1, 0]          # azimuth 0
+    seen_in_mirror = false          # true if the half mirror shows the sheet
+    [ambient]                       # may be left out
+    luminance = 0.002               # of the scene behind, source white = 1
+    [coating]                       # may be left out
+    refractive_index = 1.5          # adds the mirror image in the flat front
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// The picture
+    /// Picture that becomes a mid-air image.
     #[arg(long, value_name = "IMAGE")]
     pub source: PathBuf,
-    /// What `fit estimate -o` wrote
+    /// Result that `fit estimate -o` wrote, as JSON.
     #[arg(long, value_name = "RESULT.json")]
     pub params: PathBuf,
-    /// A table of the fitted cell
+    /// Ray-shift table of the fitted cell, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
-    /// Floating distance (optical path from the sheet), mm
-    #[arg(long, value_name = "MM", value_parser = parse::positive, required_unless_present = "view")]
+    /// Floating distance R, mm.
+    ///
+    /// R is the length of the principal ray from the sheet to the image.
+    #[arg(
+        long,
+        value_name = "MM",
+        value_parser = parse::positive,
+        required_unless_present = "view",
+        help_heading = "Place"
+    )]
     pub distance: Option<f64>,
-    /// Incidence, degrees
-    #[arg(long, value_name = "DEG", value_parser = parse::incidence, required_unless_present = "view")]
+    /// Incidence in the air, degrees.
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_parser = parse::incidence,
+        required_unless_present = "view",
+        help_heading = "Place"
+    )]
     pub incidence: Option<f64>,
-    /// Camera, image and sheet in space, instead of distance, incidence and azimuth
-    #[arg(long, value_name = "VIEW.toml",
-        conflicts_with_all = ["distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis", "ambient"])]
+    /// File with the places of camera, image and sheet.
+    ///
+    /// Each pixel then has its own distance, incidence and azimuth. The file also gives pixel
+    /// pitch, axes and ambient light. All its keys are shown below.
+    #[arg(
+        long,
+        value_name = "VIEW.toml",
+        conflicts_with_all = [
+            "distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis", "ambient"
+        ],
+        help_heading = "Place"
+    )]
     pub view: Option<PathBuf>,
-    /// With --view: largest error between tiles, of the brightest pixel
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = parse::positive)]
+    /// Largest error between tiles of --view, as a share.
+    ///
+    /// The share is of the brightest pixel. A smaller share makes more tiles.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value_t = 0.01,
+        value_parser = parse::positive,
+        help_heading = "Place"
+    )]
     pub tolerance: f64,
-    /// Azimuth, degrees; the table's own if it holds only one
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    /// Azimuth of the light, degrees; that of the table if it holds one.
+    #[arg(
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true,
+        help_heading = "Place"
+    )]
     pub azimuth: Option<f64>,
-    /// One pixel in the plane of the mid-air image, mm; that of the fitted photographs if left out
-    #[arg(long, value_name = "MM", value_parser = parse::positive)]
+    /// Side of a pixel in the plane of the mid-air image, mm.
+    ///
+    /// Without this option, it is that of the fitted photographs.
+    #[arg(long, value_name = "MM", value_parser = parse::positive, help_heading = "Picture")]
     pub pixel_pitch: Option<f64>,
-    /// Direction of the plane of incidence in the picture, from right towards down, degrees
+    /// Direction of the plane of incidence, degrees.
+    ///
+    /// It is measured in the picture: 0 is right, 90 is down.
     #[arg(
         long,
         value_name = "DEG",
         default_value_t = 0.0,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = "Picture"
     )]
     pub tangential_axis: f64,
-    /// Luminance of the scene behind the image, in units of the source's white
-    #[arg(long, value_name = "L", default_value_t = 0.0, value_parser = parse::not_negative)]
+    /// Luminance behind the image; source white is 1.
+    ///
+    /// It is the light of the scene that is seen through the mid-air image.
+    #[arg(
+        long,
+        value_name = "L",
+        default_value_t = 0.0,
+        value_parser = parse::not_negative,
+        help_heading = "Picture"
+    )]
     pub ambient: f64,
-    /// Factor on the result, as of a camera's exposure
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::positive)]
+    /// Factor on the light of the result, like an exposure.
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 1.0,
+        value_parser = parse::positive,
+        help_heading = "Picture"
+    )]
     pub exposure: f64,
-    /// What integers in the source mean, linear or srgb, and in a PNG that is written; sRGB for 8
-    /// bits if left out
-    #[arg(long, value_name = "NAME", value_parser = parse::transfer)]
+    /// Meaning of integers in the source: linear or srgb.
+    ///
+    /// A PNG that is written has the same meaning. Without this option, 8-bit files are sRGB and
+    /// 16-bit files are linear.
+    #[arg(long, value_name = "NAME", value_parser = parse::transfer, help_heading = "Picture")]
     pub transfer: Option<Transfer>,
-    /// spectral: by transforms; render: by samples, for a check
-    #[arg(long, value_enum, default_value_t)]
+    /// Forward model.
+    ///
+    /// spectral uses Fourier transforms. render draws samples, as a check.
+    #[arg(long, value_enum, default_value_t, help_heading = "Forward model")]
     pub forward: Forward,
     /// Samples of the blur.
     #[command(flatten)]
     pub samples: Samples,
-    /// Whose model the result must be, if any is named: a result knows its own
-    #[arg(long, value_enum)]
+    /// Model that is required.
+    ///
+    /// The command fails if the result is of another model. Without this option, any model will do.
+    #[arg(long, value_enum, help_heading = "Forward model")]
     pub model: Option<Family>,
-    /// Threads; all cores if left out
-    #[arg(long, value_name = "N")]
+    /// Number of threads; one per core if left out.
+    #[arg(long, value_name = "N", help_heading = "Output and threads")]
     pub threads: Option<NonZeroUsize>,
-    /// One JSON object about the image on standard output
-    #[arg(long)]
+    /// Prints facts about the image as one JSON object.
+    ///
+    /// They are energy, contrast against the ambient light, angles, distance, errors and seconds.
+    #[arg(long, help_heading = "Output and threads")]
     pub json: bool,
-    /// The image: .exr (linear, 32-bit float) or .png (16-bit, in the source's transfer)
+    /// File that receives the image, .exr or .png.
+    ///
+    /// An .exr is linear, in 32-bit floats. A .png has 16 bits, with the transfer of the source.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }
 
-/// Least and greatest over the image.
+/// Least and greatest value over the image.
 type Range = [f64; 2];
 
 #[derive(Serialize)]
@@ -147,18 +212,17 @@ struct Report {
     incidence_deg: Range,
     azimuth_deg: Option<Range>,
     distance_mm: Range,
-    /// Luminance over the source's; null without mu.
+    /// Luminance relative to the source; null without mu.
     energy: Option<Range>,
-    /// Largest error of the transfer by what was left out.
+    /// Largest error of the contrast by the frequencies that were left out.
     transfer_error: f64,
-    /// Tiles along columns and rows, and the largest error between their corners; null without a
-    /// view.
+    /// Number of tiles and largest error between their corners; null without a view.
     tiles: Option<TileReport>,
-    /// Root mean square over the image of the standard error by the samples, before exposure; null
+    /// Standard error by the samples, root mean square over the image, before exposure; null
     /// without samples.
     sampling_error: Option<f64>,
-    /// Mean and greatest luminance of the mid-air image over the ambient one; null without ambient
-    /// light.
+    /// Mean and greatest luminance of the mid-air image, relative to the ambient light; null
+    /// without ambient light.
     contrast: Option<Contrast>,
     seconds: Seconds,
     warnings: Vec<String>,
@@ -186,7 +250,8 @@ struct Seconds {
 /// Runs the verb.
 ///
 /// # Errors
-/// Source, result, table, direction or output.
+/// Fails if the source, the result, the table or the view cannot be used, if the table lacks a
+/// direction, or if the output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let inputs = [&arguments.source, &arguments.params, &arguments.table];
     let inputs = inputs.into_iter().chain(&arguments.view);
@@ -259,7 +324,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }))?)
 }
 
-/// What is said of an image brighter than its file can hold.
+/// Returns the warning for an image that is brighter than its file can hold.
 fn clipped(image: &Picture, writing: Writing) -> Option<String> {
     let clipped = image.above_white();
     (writing == Writing::Png && clipped > 0).then(|| {
@@ -283,10 +348,10 @@ fn encoded(
         })
 }
 
-/// The image and what is said about it.
+/// Image and the facts about it.
 struct Seen {
     image: Picture,
-    /// All places that were worked out.
+    /// Places whose blur was computed.
     spots: Vec<Spotted>,
     transfer_error: f64,
     tiles: Option<TileReport>,
@@ -320,7 +385,7 @@ impl Seen {
     }
 }
 
-/// All pixels at one incidence and distance.
+/// Renders the image with one incidence and distance for all pixels.
 fn from_afar(
     source: &Picture,
     sheet: &Fitted<'_>,
@@ -348,7 +413,7 @@ fn from_afar(
     })
 }
 
-/// Every pixel at its own.
+/// Renders the image as a camera sees it: each pixel at its own incidence, azimuth and distance.
 fn from_camera(
     source: &Picture,
     sheet: &Fitted<'_>,
@@ -382,7 +447,7 @@ fn from_camera(
     })
 }
 
-/// Least and greatest.
+/// Returns the least and the greatest value over all items.
 fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
     let values = all.iter().map(value);
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
@@ -401,7 +466,8 @@ fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
     };
     if spots.iter().any(|spot| spot.energy.is_none()) {
         warnings.push(
-            "the result has no mu (no reference photograph): the image is as bright as the source"
+            "the result has no mu (no reference photograph): the image has the brightness of the \
+            source"
                 .into(),
         );
     }
@@ -412,8 +478,8 @@ fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
     }
     if low == high && spots.iter().any(|spot| spot.interpolated) {
         warnings.push(format!(
-            "interpolated between directions of the table, which costs accuracy: incidence {at}; \
-            bake it"
+            "the blur at incidence {at} is interpolated between directions of the table, which \
+            costs accuracy; bake this direction"
         ));
     }
     if seen.transfer_error > 1e-3 {

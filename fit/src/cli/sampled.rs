@@ -1,26 +1,39 @@
-//! The options of a model by samples.
+//! The options of a forward model that draws samples.
 
 use crate::estimate::Candidates;
 use crate::estimate::Kind;
 use crate::samples::Sampling;
 use crate::samples::Sequence;
 
-/// Samples of a render.
+/// Samples of `--forward render`.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct Samples {
-    /// Samples per pixel of --forward render
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    /// Samples per pixel of --forward render.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 256,
+        value_parser = clap::value_parser!(u32).range(1..=65_536),
+        help_heading = "Forward model"
+    )]
     pub samples: u32,
-    /// Seed of the samples
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    /// Seed of the samples.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        help_heading = "Forward model"
+    )]
     pub seed: u64,
-    /// How samples are spread
-    #[arg(long, value_enum, default_value_t = Sequence::Sobol)]
+    /// Sample sequence.
+    ///
+    /// Sobol points are spread more evenly than independent ones.
+    #[arg(long, value_enum, default_value_t = Sequence::Sobol, help_heading = "Forward model")]
     pub sequence: Sequence,
 }
 
 impl Samples {
-    /// The samples that were asked for.
+    /// Returns number, seed and sequence of the samples that were asked for.
     pub(crate) fn sampling(&self) -> Sampling {
         Sampling {
             samples: self.samples as usize,
@@ -30,8 +43,8 @@ impl Samples {
     }
 }
 
-/// Leaves the candidates that have samples. Ends the program with a usage error where none is left,
-/// or another loss was asked for than those of MTFs.
+/// Leaves the candidates that have samples. Ends the program with a usage error if none is left, or
+/// if a loss was asked for that does not compare MTFs.
 pub(crate) fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
     match candidates.clone().with_samples(loss) {
         Ok(left) => *candidates = left,

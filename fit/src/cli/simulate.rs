@@ -1,4 +1,4 @@
-//! `fit simulate`: a synthetic campaign with a planted answer.
+//! `fit simulate`: writes a synthetic campaign with a planted answer.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -8,12 +8,11 @@ use crate::cli::failure::Failure;
 use crate::simulate::Params;
 use crate::simulate::write;
 
-/// Writes a synthetic campaign: photographs with noise, captures.toml and truth.json.
+/// Writes a synthetic campaign: noisy photographs, captures.toml and truth.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The photographs are made in the spatial domain, from the closed form of the ideal cube: \
-independent of the \
-estimator's transforms and of any table.
+The photographs are made in the spatial domain, from the closed form of the
+ideal cube. They use neither the transforms of the estimator nor a table.
 
 Example (PARAMS.toml):
   seed = 7
@@ -32,31 +31,57 @@ Example (PARAMS.toml):
   edge_normal_deg = 5.0
   exposure = 6.0
 
-With kernel = \"wave\" [truth] takes wavelength_nm (550, or \"450:0.2,550:0.5,620:0.3\") instead \
-of lobe and a.
+If kernel is \"wave\", [truth] takes wavelength_nm in place of lobe and a. Write
+550, or \"450:0.2,550:0.5,620:0.3\".
 
-With --table the sheet is the one that an exact table describes, with the spots of cubes that are \
-not ideal: polygons and deviations come from there, all else is as above.
+Keys that may be left out, with the values that they then have:
+  [camera]
+  width = 320                       # pixels
+  height = 256                      # pixels
+  pixel_pitch_mm = 0.05             # in the plane of the image
+  sigma_px = 0.55                   # blur of the lens, standard deviation
+  source_level = 0.9                # bright side of the source at exposure 1
+  half_mirror_transmittance = 0.5
+  half_mirror_reflectance = 0.5
+  veil = 0.004                      # light that is added everywhere
+  dark_ratio = 0.01                 # dark side of the source / bright side
+  full_well_e = 40000               # electrons at full scale, which is level 1
+  read_noise_e = 3                  # electrons, standard deviation
+  bits = 14
+  [reference]
+  edge_normal_deg = 4               # from dark to bright: 0 right, 90 down
+  offset_px = 0                     # of the edge, from the centre to the left
+  exposure = 1
+  light_to_right = 0                # gain of light from centre to right border
+  light_to_bottom = 0               # gain of light from centre to lower border
+The keys of [reference] exist in [[capture]] too; edge_normal_deg is then 5 and
+exposure 6. [[capture]] further takes azimuth_deg (0), tangential_axis_deg (0)
+and path_mm.
+
+With --table, the sheet is the one that an exact table describes. The table
+gives polygons and deviations, so the cubes need not be ideal.
 
   fit simulate params.toml -o campaign
   fit simulate params.toml --table pair.h5 -o of-the-table
-  fit estimate campaign/captures.toml --table pair.h5 --truth campaign/truth.json")]
+  fit estimate campaign/captures.toml --table pair.h5 --truth campaign/truth.json
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// Camera, sheet and captures
+    /// Parameters of the campaign: camera, sheet and captures, as TOML.
     pub params: PathBuf,
-    /// The folder to write; created
+    /// Folder that is made and receives the campaign.
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Exact table of the sheet to photograph, in the place of the ideal cube
+    /// Exact table of the sheet, in place of the ideal cube.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: Option<PathBuf>,
-    /// Write into a folder that already holds something
+    /// Writes even if the folder already holds something.
     #[arg(long)]
     pub force: bool,
-    /// Report as one JSON object
+    /// Prints one JSON object in place of a line of text.
     #[arg(long)]
     pub json: bool,
-    /// Threads; one per core if left out
+    /// Number of threads; one per core if left out.
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 }
@@ -64,7 +89,7 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 ///
 /// # Errors
-/// The parameters, or the folder.
+/// Fails if the parameters or the table cannot be used, or if the folder cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut params = Params::load(&arguments.params)?;
     if let Some(table) = &arguments.table {

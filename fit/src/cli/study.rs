@@ -1,4 +1,4 @@
-//! `fit study`: how good the estimates are.
+//! `fit study`: measures how good the estimates are.
 
 use std::fmt::Write;
 use std::num::NonZeroUsize;
@@ -12,7 +12,7 @@ use tables::{Outputs, Table};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::terms::Terms;
+use crate::cli::terms::{Terms, described};
 use crate::cli::{forward, sampled};
 use crate::estimate::Error;
 use crate::estimate::Forward;
@@ -32,95 +32,122 @@ use crate::study::{Speed, speed};
 use crate::study::{Study, photographs};
 use crate::study::{choice, trial};
 
-/// Studies how good the estimates are: against the Cramer-Rao bound on given photographs, by
-/// samples against the closed form, or over simulated campaigns.
+/// Measures how good estimates are: against the Cramer-Rao bound or a known truth.
+///
+/// The errors of given photographs are compared with the Cramer-Rao bound, those of renders with
+/// the closed form (--forward render), and those of simulated campaigns with the truth (--ranges).
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The Cramer-Rao bound is the smallest standard deviation that any unbiased estimate from the same \
-pixels can have, with \
-place, angle, plateaus and light gradient of every photograph unknown.
+The Cramer-Rao bound is the smallest standard deviation that any unbiased
+estimate from the same pixels can have. Place, angle, plateaus and light
+gradient of each photograph count as unknown.
 
-With --ranges, campaigns are drawn, photographed in memory, fitted by both losses and compared \
-with their truth; those \
-whose bound on c is below 10 % are counted. The table must be of the ideal cell that the ranges \
-name. All keys of \
-RANGES.toml may be left out; these are the defaults:
-  ior = 1.49
-  pair = true                                  # triangular-pair, else triangular
+With --ranges, campaigns are drawn, photographed in memory, fitted by the
+losses mtf and edge, and compared with their truth. A campaign counts if its
+bound on c is below 10 %. The table must be of the ideal cell that the ranges
+name. All keys of RANGES.toml may be left out. These are the values that they
+then have, except for light:
+  ior = 1.49                              # refractive index
+  pair = true                             # cell: triangular-pair, or triangular
   lobe = \"radial\"
-  a_per_mm = { from = 1.5, to = 8.0 }          # every range evenly in the logarithm
+  a_per_mm = { from = 1.5, to = 8.0 }     # all ranges evenly in the logarithm
   c_mm = { from = 0.05, to = 0.5 }
   mu = { from = 0.2, to = 0.8 }
-  photographs = { from = 2, to = 20 }          # at directions of the table, drawn with repetition
-  electrons = { from = 500, to = 40000 }       # at full scale
+  photographs = { from = 2, to = 20 }     # at directions of the table
+  electrons = { from = 500, to = 40000 }  # at full scale
   distance_mm = { from = 100, to = 400 }
-  light = { from = 0.001, to = 0.03 }          # uneven light, middle to border; even if left out
-  [camera]                                     # as for `fit simulate`; 192 x 128 pixels of 0.08 \
-  mm if left out
-With --choice the terms are drawn too and left open, and the shares of right choices are reported:
-  kernels = [\"eq1\", \"angular\", \"shift\", \"lobe\"]   # with wavelength_nm also \"wave\"
-  a_fall = { from = 0.005, to = 1.5 }          # in half of the campaigns ln of a falls so much \
-  from 0 to 45 degrees
-  mu_fall = { from = 0.0005, to = 0.5 }        # likewise ln of mu
+  light = { from = 0.001, to = 0.03 }     # uneven light; even if left out
+  [camera]                                # other keys: fit simulate --help
+  width = 192
+  height = 128
+  pixel_pitch_mm = 0.08
+With --choice, the terms are drawn too and left open. The study then says how
+often the estimate chose the right terms. Its keys, with the values if left
+out:
+  kernels = [\"eq1\", \"angular\", \"shift\", \"lobe\"]  # \"wave\" needs wavelength_nm
+  a_fall = { from = 0.005, to = 1.5 }     # fall of ln a from 0 to 45 degrees,
+                                          # in half of the campaigns
+  mu_fall = { from = 0.0005, to = 0.5 }   # fall of ln mu, likewise
 
 Examples:
   fit study captures.toml --table pair.h5 --per-angle a,mu
   fit study captures.toml --table pair.h5 --kernel eq1 --plot speed.svg
-  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --csv trials.csv --plot study.svg
+  fit study --ranges ranges.toml --table pair.h5 --campaigns 20 \\
+      --csv trials.csv --plot study.svg
   fit study --ranges ranges.toml --table pair.h5 --campaigns 20 --choice
-  fit study captures.toml --table pair.h5 --forward render --samples 1,4 --randomisations 2 \
-  --plot forward.svg")]
+  fit study captures.toml --table pair.h5 --forward render --samples 1,4 \\
+      --randomisations 2 --plot forward.svg
+
+Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// The manifest of the photographs to study
+    /// Manifest of the photographs that are studied (captures.toml).
     #[arg(required_unless_present = "ranges", conflicts_with = "ranges")]
     pub captures: Option<PathBuf>,
-    /// The sheet's ray-shift table, made by `bake trace`
+    /// Ray-shift table of the sheet, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
-    /// What the photographs may need.
+    /// Terms of the model.
     #[command(flatten)]
     pub terms: Terms,
-    /// Draw campaigns from these ranges instead
-    #[arg(long, value_name = "RANGES.toml")]
+    /// Ranges from which campaigns are drawn, as TOML.
+    ///
+    /// The campaigns take the place of given photographs.
+    #[arg(long, value_name = "RANGES.toml", help_heading = "Drawn campaigns")]
     pub ranges: Option<PathBuf>,
-    /// Campaigns to draw
-    #[arg(long, value_name = "N", default_value_t = 1900, requires = "ranges")]
+    /// Number of campaigns.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1900,
+        requires = "ranges",
+        help_heading = "Drawn campaigns"
+    )]
     pub campaigns: u64,
-    /// Seed of all draws and samples
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    /// Seed of all draws, and of the samples of a render.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        help_heading = "Drawn campaigns"
+    )]
     pub seed: u64,
-    /// Draw kernels and sharings too, leave them open (auto), and say how often what was planted is
-    /// chosen
-    #[arg(long, requires = "ranges")]
+    /// Counts how often the planted terms are chosen.
+    ///
+    /// Kernels and sharings are drawn too, and are left open in the fit (auto).
+    #[arg(long, requires = "ranges", help_heading = "Drawn campaigns")]
     pub choice: bool,
-    /// Write every campaign there (CSV)
+    /// File that receives one row for each campaign, as CSV.
     #[arg(
         long,
         value_name = "FILE",
         requires = "ranges",
-        conflicts_with = "choice"
+        conflicts_with = "choice",
+        help_heading = "Drawn campaigns"
     )]
     pub csv: Option<PathBuf>,
-    /// Errors and coverage, or of given photographs and renders seconds against error, as a
-    /// picture, .svg or .png
+    /// File that receives the study as a picture, .svg or .png.
+    ///
+    /// For drawn campaigns it shows errors and coverage. For given photographs and renders it
+    /// shows seconds against error.
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE", conflicts_with = "choice")]
     pub plot: Option<PathBuf>,
     /// Samples in place of the closed form.
     #[command(flatten)]
     pub forward: forward::Renders,
-    /// Print one JSON object instead of a table
-    #[arg(long)]
+    /// Prints one JSON object in place of a table.
+    #[arg(long, help_heading = "Output and threads")]
     pub json: bool,
-    /// Threads; one per core if left out
-    #[arg(long, value_name = "N")]
+    /// Number of threads; one per core if left out.
+    #[arg(long, value_name = "N", help_heading = "Output and threads")]
     pub threads: Option<NonZeroUsize>,
 }
 
 /// Runs the verb.
 ///
 /// # Errors
-/// Manifest, photographs, ranges, table or outputs.
+/// Fails if the manifest, a photograph, the ranges or the table cannot be used, if an estimate of
+/// given photographs fails, or if an output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = terminal::pool(arguments.threads)?;
     let text = match (&arguments.ranges, &arguments.captures) {
@@ -156,7 +183,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::print(&text)?)
 }
 
-/// Speed against error of the estimate by samples.
+/// Studies estimates by samples: their seconds and their errors against the closed form.
 fn rendered(
     arguments: &Arguments,
     captures: &Path,
@@ -194,10 +221,13 @@ fn bounds(study: &Study) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{} photographs measured in {:.3} s; kernel {}",
+        "model: {} (kernel {})\n\
+         {} photographs, measured in {:.3} s\n\
+         bound: least standard error that these pixels allow (Cramer-Rao), % of the estimate",
+        described(study.kernel),
+        study.kernel.name(),
         study.photographs,
-        study.seconds_to_measure,
-        study.kernel.name()
+        study.seconds_to_measure
     );
     let _ = writeln!(
         text,
@@ -218,7 +248,7 @@ fn bounds(study: &Study) -> String {
     let _ = writeln!(
         text,
         "{:<10}{:<6}{:>9}{:>26}{:>15}",
-        "kernel", "loss", "seconds", "chi-square per freedom", "error / bound"
+        "kernel", "loss", "seconds", "chi-square / freedom", "error / bound"
     );
     for fit in &study.fits {
         let error = fit.error_over_bound;
@@ -274,7 +304,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     })
 }
 
-/// Every campaign, in parallel, and how many came to nothing, by the reason.
+/// Runs all campaigns in parallel. Returns their trials, and the refused campaigns by reason.
 fn run_all<T: Send>(
     arguments: &Arguments,
     pool: &rayon::ThreadPool,
@@ -296,10 +326,13 @@ fn run_all<T: Send>(
 
 fn choices(summary: &choice::Summary) -> String {
     let mut text = format!(
-        "{} campaigns, {}; told apart: what was planted should win by {} standard deviations\n",
+        "{} campaigns, {}\n\
+         told: the planted terms should win by {sure} standard deviations or more\n\
+         hidden: simpler terms should win by {sure} standard deviations or more\n\
+         between: all other campaigns\n",
         summary.campaigns,
         refused::line(&summary.refused),
-        choice::SURE
+        sure = choice::SURE
     );
     let _ = writeln!(
         text,
@@ -334,13 +367,17 @@ fn choices(summary: &choice::Summary) -> String {
     text + &refused::examples(&summary.refused)
 }
 
-/// The directions to photograph; the table must hold the shift of the cell that is simulated there.
+/// Returns the directions to photograph, after a check that the table is of the simulated cell.
+///
+/// # Errors
+/// Returns [`Failure::OtherCell`] if the retroreflected fraction of the table differs from that of
+/// the simulated cell in a direction, or if no direction can be photographed.
 fn checked_directions(
     ranges: &Ranges,
     table: &Table,
     path: &Path,
 ) -> Result<Vec<[f64; 2]>, Failure> {
-    /// Relative difference of the retroreflected fraction that a table of rays may have.
+    /// Largest relative difference of the retroreflected fraction, for tables of rays.
     const SAME: f64 = 0.01;
     let directions = ranges.directions(table);
     let same = |&[incidence, azimuth]: &[f64; 2]| {
@@ -365,7 +402,8 @@ fn checked_directions(
 
 fn table_of(summary: &Summary) -> String {
     let mut text = format!(
-        "{} campaigns: {} counted (bound on c below {:.0} %; dark pixels cut off at 0 in {}), {}\n",
+        "{} campaigns: {} counted (bound on c below {:.0} %; in {} of them dark pixels are cut off \
+         at 0), {}\n",
         summary.campaigns,
         summary.counted,
         100.0 * LOOSE,

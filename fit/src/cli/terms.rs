@@ -1,68 +1,115 @@
-//! The options by which a verb leaves terms of the model open, or closes them.
+//! The options that name terms of the model or leave them open, and the kernels in words.
 
 use crate::estimate::Candidates;
 use crate::names::LobeShape;
 use crate::names::{Family, Kernel};
 
-/// Which terms are open.
+/// Terms of the model that the user names or leaves open.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Terms {
-    /// Whose model of the sheet: the proposed one, or a baseline for comparison
-    #[arg(long, value_enum, default_value_t = Family::Proposed)]
+    /// Model of the sheet: the proposed one or a published baseline.
+    #[arg(long, value_enum, default_value_t = Family::Proposed, help_heading = "Model")]
     pub model: Family,
-    /// Blur terms of the proposed model: auto, eq1 (a independent of distance), angular (a = A/R),
-    /// shift (no lobe), lobe (no shift), wave (wave optics: c alone, the wavelength given; in auto
-    /// where one is named)
-    #[arg(long, default_value = "auto", value_parser = kernels)]
+    /// Kernel: the blur terms of the proposed model
+    ///
+    /// Possible values:
+    /// - auto:    the simplest kernel that the photographs allow
+    /// - eq1:     ray shift and the lobe of Eq. (1), the same at all distances
+    /// - angular: ray shift and a lobe of a fixed angle, a = A/R
+    /// - shift:   ray shift alone, no lobe
+    /// - lobe:    the lobe of Eq. (1) alone, no ray shift
+    /// - wave:    wave optics, from c and the wavelength alone
+    ///
+    /// wave needs a wavelength and an exact table. auto compares it too if both
+    /// are given.
+    #[arg(
+        long,
+        default_value = "auto",
+        value_parser = kernels,
+        help_heading = "Model",
+        verbatim_doc_comment
+    )]
     pub kernel: Kernels,
-    /// Shape of the lobe: radial (the default), separable or auto; of a baseline beckmann, ggx or
-    /// auto (the default)
-    #[arg(long, value_parser = lobes)]
+    /// Shape of the lobe: radial, separable or auto; radial if left out.
+    ///
+    /// auto compares both shapes. The lobe of a baseline is beckmann, ggx or auto, and auto if you
+    /// leave this option out.
+    #[arg(long, value_parser = lobes, help_heading = "Model")]
     pub lobe: Option<Lobes>,
-    /// Parameters fitted for every incidence angle: a (a baseline's roughness), mu, or auto (what
-    /// is named in neither list is decided)
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    /// Parameters with one value per incidence.
+    ///
+    /// What you name neither here nor in --shared is decided by a criterion (BIC).
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        help_heading = "Model"
+    )]
     pub per_angle: Vec<PerAngle>,
-    /// Parameters that all angles share: a, c, mu (c always is)
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    /// Parameters that all incidences share.
+    ///
+    /// c is always shared.
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        help_heading = "Model"
+    )]
     pub shared: Vec<SharedName>,
 }
 
-/// The kernels that are open.
+/// Kernels that are open.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernels(Vec<Kernel>);
 
-/// The lobe shapes that are open.
+/// Lobe shapes that are open.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Lobes {
-    /// All that the model has.
+    /// All shapes that the model has.
     Auto,
-    /// One.
+    /// One shape.
     One(LobeShape),
 }
 
-/// What may be fitted per angle.
+/// Parameters that may be fitted per angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum PerAngle {
-    /// The diffraction spread.
+    /// Diffraction spread; of a baseline its roughness.
     A,
-    /// The reflectance.
+    /// Reflectance.
     Mu,
-    /// Decide.
+    /// Decided by the criterion.
     Auto,
 }
 
-/// What may be shared.
+/// Parameters that may be shared by all angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum SharedName {
-    /// The diffraction spread.
+    /// Diffraction spread; of a baseline its roughness.
     A,
-    /// The corner size.
+    /// Corner size.
     C,
-    /// The reflectance.
+    /// Reflectance.
     Mu,
-    /// Decide.
+    /// Decided by the criterion.
     Auto,
+}
+
+/// Returns a kernel in words, for a reader who does not know its name.
+pub(crate) fn described(kernel: Kernel) -> &'static str {
+    match kernel {
+        Kernel::Eq1 => "blur by ray shift and by the diffraction lobe of Eq. (1)",
+        Kernel::Angular => "blur by ray shift and by a diffraction lobe of fixed angle, a = A/R",
+        Kernel::Shift => "blur by ray shift alone",
+        Kernel::Lobe => "blur by the diffraction lobe of Eq. (1) alone",
+        Kernel::Wave => "blur by ray shift and diffraction together, from wave optics",
+        Kernel::Saito => "blur by three rough facets behind a smooth front (Saito et al. 2024)",
+        Kernel::SaitoSurface => {
+            "blur by three rough facets behind a rough front (Saito et al. 2024)"
+        }
+        Kernel::Guo => "blur by a rough front (Guo et al. 2018)",
+        Kernel::Mrm => "blur by the lobe of a rough mirror (Portsmouth et al. 2026)",
+    }
 }
 
 fn kernels(text: &str) -> Result<Kernels, String> {
@@ -92,8 +139,8 @@ fn conflict(verb: &'static str, message: &str) -> ! {
 }
 
 impl Terms {
-    /// The candidates that are left. Ends the program with a usage error where a parameter is both
-    /// shared and per angle, or terms of one model are named for another.
+    /// Returns the candidates that these options leave. Ends the program with a usage error if a
+    /// parameter is both shared and per angle, or if terms of one model are named for another.
     pub(crate) fn candidates(&self, verb: &'static str) -> Candidates {
         let sharing = |per_angle: PerAngle, shared: SharedName| {
             let named = (
@@ -138,7 +185,7 @@ impl Terms {
                 self.kernel.0.clone()
             },
             shapes,
-            // The roughness of a material is one number, unless it is asked for by angle.
+            // The roughness of a material is one number, unless the user asks for one per angle.
             per_angle_a: sharing(PerAngle::A, SharedName::A).or(baseline.then_some(false)),
             per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu),
         }

@@ -14,9 +14,16 @@ use crate::cli::{evaluate, render};
 /// Estimates diffraction spread a, corner size c and reflectance mu of a retroreflective sheet from
 /// photographs of mid-air images, and predicts what the sheet shows elsewhere.
 #[derive(Debug, Parser)]
-#[command(name = "fit", version, arg_required_else_help = true)]
+#[command(
+    name = "fit",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
+`fit VERB --help` describes a verb and its options, and shows examples.
+Words and formulas: fit/doc/model.md"
+)]
 struct Arguments {
-    /// What to do.
+    /// Verb that is run.
     #[command(subcommand)]
     verb: Verb,
 }
@@ -43,7 +50,7 @@ enum Verb {
 
 /// Runs the program on the arguments of the process.
 ///
-/// `commit` names the commit that was built, where the build was told; `--version` shows it.
+/// `commit` names the commit that was built, if the build was told it; `--version` shows it.
 pub fn main(commit: Option<&str>) -> ExitCode {
     tables::apart::serve();
     let done = match arguments(commit).verb {
@@ -69,21 +76,19 @@ pub fn main(commit: Option<&str>) -> ExitCode {
     }
 }
 
-/// The command line as it was given; ends the program for `--help` and wrong usage.
+/// Reads the command line of the process. Ends the program after `--help` and for wrong usage.
 fn arguments(commit: Option<&str>) -> Arguments {
     let mut command = command().version(version(env!("CARGO_PKG_VERSION"), commit));
     let matches = command.get_matches_mut();
     Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit())
 }
 
-/// All verbs and options of this build.
+/// Returns the command line's description: all verbs and options of this build.
 fn command() -> clap::Command {
     let command = Arguments::command();
     if cfg!(feature = "report") {
         return command;
     }
-    // Examples of options that this build lacks.
-    let lacks = |line: &&str| line.contains(" --plot ") || line.contains(" --report ");
     let verbs: Vec<String> = command
         .get_subcommands()
         .map(|verb| verb.get_name().to_owned())
@@ -93,8 +98,26 @@ fn command() -> clap::Command {
             let Some(help) = verb.get_after_help().map(ToString::to_string) else {
                 return verb;
             };
-            let kept: Vec<&str> = help.lines().filter(|line| !lacks(line)).collect();
-            verb.after_help(kept.join("\n"))
+            verb.after_help(without_pictures(&help))
         })
     })
+}
+
+/// Returns `help` without the examples of `--plot` and `--report`, which need the feature `report`.
+///
+/// An example continues on the next line if its line ends with a backslash. It is left out whole.
+fn without_pictures(help: &str) -> String {
+    let mut kept: Vec<&str> = Vec::new();
+    let mut example: Vec<&str> = Vec::new();
+    for line in help.lines() {
+        example.push(line);
+        if !line.ends_with('\\') {
+            let whole = std::mem::take(&mut example);
+            let lacks = |line: &&str| line.contains(" --plot ") || line.contains(" --report ");
+            if !whole.iter().any(lacks) {
+                kept.extend(whole);
+            }
+        }
+    }
+    kept.join("\n")
 }

@@ -1,12 +1,14 @@
-//! The choice of terms, judged: campaigns of drawn terms, fitted with all of them open.
+//! Study of the choice of terms: campaigns with drawn terms, fitted with all terms open.
 //!
-//! Whether photographs can tell a term is asked of the bound, not of the fit: every simpler rival
-//! is fitted to the same photographs without noise, under the planted noise. Its sum of squares D
-//! is what its own is above the truth's on the average, less the q parameters that it spares; with
-//! noise the difference scatters by sqrt(4 D + 2 q). So the planted terms win by (D + q - penalty)
-//! / sqrt(4 D + 2 q) standard deviations, the penalty being that of the criterion. By more than
-//! [`SURE`] against every rival they can be told apart; by less than -[`SURE`] against one they
-//! cannot.
+//! The study computes, independently of the fit, if the photographs of a campaign can tell the
+//! planted terms from simpler ones (rivals). Each rival is fitted to the same photographs without
+//! noise, with residuals in units of the planted noise. Its sum of squares is then D above that of
+//! the planted terms. With noise, the sum of squares of a rival that spares q parameters is D + q
+//! above that of the planted terms on average, and the difference scatters by sqrt(4 D + 2 q). So
+//! the planted terms win by (D + q - penalty) / sqrt(4 D + 2 q) standard deviations, where the
+//! penalty is that of the criterion. If they win by more than [`SURE`] against every rival, the
+//! photographs can tell them. If this number is below -[`SURE`] for one rival, the photographs
+//! cannot tell them.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -34,69 +36,70 @@ use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial;
 
-/// Standard deviations that make a difference sure: one campaign in 44 on the limit goes the other
-/// way.
+/// Number of standard deviations at which a difference counts as sure. Of campaigns that lie at
+/// this limit, one in 44 goes the other way.
 pub(crate) const SURE: f64 = 2.0;
 
 /// Terms of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub(crate) struct Terms {
-    /// The kernel.
+    /// Kernel.
     pub kernel: Kernel,
-    /// Whether every angle has an a of its own.
+    /// True if each incidence has an a of its own.
     pub per_angle_a: bool,
-    /// Whether every angle has a mu of its own.
+    /// True if each incidence has a mu of its own.
     pub per_angle_mu: bool,
 }
 
-/// A term as planted, beside what was made of it.
+/// Planted terms compared with the chosen ones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Verdict {
     /// Standard deviations by which the planted terms should win against the best simpler ones;
-    /// `None`: there are none.
+    /// `None` if there are no simpler ones.
     pub margin: Option<f64>,
-    /// Whether they were chosen.
+    /// True if the planted terms were chosen.
     pub right: bool,
-    /// Whether simpler ones were.
+    /// True if simpler terms were chosen.
     pub simpler: bool,
 }
 
-/// A one-sided bound beside the planted value: c from above, a from below.
+/// One-sided bound with the planted value: c from above, a from below.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct OneSided {
-    /// The bound; `None` where the photographs gave none.
+    /// Bound on c in mm or on a in 1/mm; `None` if the photographs gave none.
     pub bound: Option<f64>,
-    /// c in mm, 0 where nothing was shifted; a in 1/mm, `None` where nothing was diffracted.
+    /// Planted c in mm, 0 if the kernel has no c; or planted a in 1/mm, `None` if the kernel has no
+    /// a of Eq. (1).
     pub planted: Option<f64>,
-    /// Whether it holds.
+    /// True if the planted value lies on the right side of the bound, or if there is no bound.
     pub holds: bool,
 }
 
-/// What came of one campaign.
+/// Result of one campaign.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Trial {
     /// Number of the campaign.
     pub index: u64,
-    /// Photographs, the reference not counted.
+    /// Number of photographs without the reference.
     pub photographs: usize,
-    /// What was planted.
+    /// Terms that were planted.
     pub planted: Terms,
-    /// What was chosen.
+    /// Terms that were chosen.
     pub chosen: Terms,
-    /// Kernel and sharing of a.
+    /// Verdict on the kernel and the sharing of a.
     pub blur: Verdict,
-    /// Sharing of mu; `None` where all photographs are of one angle.
+    /// Verdict on the sharing of mu; `None` if all photographs have one incidence.
     pub mu: Option<Verdict>,
-    /// Where c came back as a bound.
+    /// Bound on c; `None` if c came back as a number.
     pub c_at_most: Option<OneSided>,
-    /// Where a, shared by all angles, came back as a bound.
+    /// Bound on an a that all angles share; `None` if a came back as a number.
     pub a_at_least: Option<OneSided>,
 }
 
-/// Runs a campaign of any terms with all of them open.
+/// Photographs and fits a campaign of any terms, with all terms open.
 ///
 /// # Errors
-/// Photographs so noisy that their edge is not found, or a fit that failed.
+/// Fails if a photograph is so noisy that its edge is not found, or if the fit fails.
 pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let truth = &params.truth;
     let own = |values: &ByIncidence| matches!(values, ByIncidence::Table(_));
@@ -142,10 +145,13 @@ pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, E
     })
 }
 
-/// The same photographs without noise.
+/// Takes the photographs of a campaign without noise.
+///
+/// # Errors
+/// Fails if an edge is not found or a photograph cannot be used.
 fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
-    // A plateau without noise looks clipped: a millionth of noise parts its pixels. And where noise
-    // does not hide it, a ripple of the blur may look like a second edge.
+    // A plateau without noise looks clipped, so noise of a millionth is added. A ripple of the blur
+    // that no noise hides may look like a second edge, so doubled edges are accepted.
     let photograph = |params: &Params, index: Option<usize>| {
         let light = simulate::light(params, index)?.into_iter().enumerate();
         let photograph = index.map_or(0, |index| index as u64 + 1);
@@ -157,7 +163,8 @@ fn silent(params: &Params, table: &Table) -> Result<Scene, Error> {
     Ok(Scene::of(&campaign, table, &photographs)?)
 }
 
-/// c from above and a from below, where they came back as bounds, beside the planted values.
+/// Returns the bounds on c (from above) and a (from below) with the planted values. The bound of a
+/// parameter that came back as a number is `None`.
 fn one_sided(params: &Params, planted: Choice, found: &Estimated) -> [Option<OneSided>; 2] {
     let truth = &params.truth;
     let of = |kind: ParameterKind| found.bounds.get(&kind.shared());
@@ -171,7 +178,7 @@ fn one_sided(params: &Params, planted: Choice, found: &Estimated) -> [Option<One
         planted: Some(c),
         holds: found.at_most.is_none_or(|bound| c <= bound),
     });
-    // Bounds of a are of the literal Eq. (1); of another lobe there is no such a.
+    // A bound on a is one on the a of Eq. (1). Planted terms with another lobe have no such a.
     let a = (truth.kernel == Kernel::Eq1 || truth.kernel == Kernel::Lobe)
         .then(|| truth.a.at(found.scene.groups[0]))
         .flatten();
@@ -194,8 +201,8 @@ fn terms(choice: Choice) -> Terms {
     }
 }
 
-/// By how many standard deviations the planted terms should win: of the blur, and of mu. `scene` is
-/// without noise.
+/// Computes by how many standard deviations the planted terms should win: those of the blur, then
+/// the sharing of mu. `scene` is without noise.
 fn margins(
     params: &Params,
     scene: &Scene,
@@ -260,25 +267,28 @@ fn margins(
             let above = (fitted - own).max(0.0);
             let spared = (layout.parameters() - rival.parameters) as f64;
             let wins = above + spared - spared * n - CLEAR;
-            // Equal rivals of equal size do not scatter: the preferred one stays.
+            // The difference to an equal rival of equal size does not scatter: the preferred one
+            // stays.
             wins / (4.0 * above + 2.0 * spared).sqrt().max(1e-3)
         })
         .reduce(f64::min);
     (margin, mu_margin)
 }
 
-/// How often what was planted was chosen, among campaigns that can tell it, cannot, or lie between.
+/// Counts of campaigns with the same planted terms: how many can tell these terms, and how many
+/// chose them.
 #[derive(Debug, Clone, Default, Serialize)]
 pub(crate) struct Row {
-    /// What was planted.
+    /// Planted terms, in words.
     pub planted: String,
-    /// Campaigns of it.
+    /// Number of campaigns with these terms.
     pub campaigns: usize,
-    /// Campaigns that can tell it from everything simpler, and those of them that chose it.
+    /// Campaigns that can tell the terms from all simpler ones, and those of them that chose the
+    /// planted terms.
     pub told: [usize; 2],
-    /// Campaigns that cannot, and those of them that chose something simpler.
+    /// Campaigns that cannot tell the terms, and those of them that chose simpler ones.
     pub hidden: [usize; 2],
-    /// Those between, and those of them that chose either.
+    /// Campaigns between the two, and those of them that chose the planted terms or simpler ones.
     pub between: [usize; 2],
 }
 
@@ -305,34 +315,34 @@ impl Row {
     }
 }
 
-/// One kind of one-sided bound.
+/// Counts of one kind of one-sided bound.
 #[derive(Debug, Clone, Default, Serialize)]
 pub(crate) struct Sided {
-    /// c at most, or a at least; and of what.
+    /// Kind of the bound (c at most, or a at least) and planted kernel.
     pub name: String,
-    /// Campaigns in which the parameter was not given as a number.
+    /// Number of campaigns in which the parameter did not come back as a number.
     pub campaigns: usize,
-    /// Those with a bound.
+    /// Number of these campaigns that gave a bound.
     pub bounded: usize,
-    /// Those whose bound holds the planted value.
+    /// Number of these bounds that hold for the planted value.
     pub holds: usize,
 }
 
-/// What the trials say.
+/// Summary of all trials.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Summary {
-    /// Campaigns drawn.
+    /// Number of campaigns drawn.
     pub campaigns: usize,
-    /// Those in which some photograph was refused, by the reason.
+    /// Campaigns that gave no trial, by reason.
     pub refused: Vec<Refused>,
-    /// By what was planted; all of them last.
+    /// Counts by planted kernel and sharing of a, for all kernels, then by sharing of mu.
     pub rows: Vec<Row>,
-    /// One-sided bounds.
+    /// Counts of one-sided bounds.
     pub bounds: Vec<Sided>,
 }
 
 impl Summary {
-    /// Sums up the trials, beside the campaigns that came to none.
+    /// Sums up the trials and the campaigns that gave none.
     pub(crate) fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
         let mut rows = Vec::new();
         let (mut all, mut mus) = (Row::new("all kernels".into()), Vec::new());

@@ -1,4 +1,5 @@
-//! Speed against error of the estimate: the closed form, and renders by ever more samples.
+//! Study of time against error: the estimate in closed form, and by renders with more and more
+//! samples.
 
 use std::time::Instant;
 
@@ -22,71 +23,71 @@ use crate::numerics::Solution;
 use crate::samples::Sampling;
 use crate::samples::Sequence;
 
-/// Where renders begin and gradients are compared, as multiples of the closed form's a and c: far
-/// off, where the scripts that they are compared with begin (fit/BENCHMARKS.md).
+/// Point at which renders start and gradients are compared: factors on a and c of the closed form.
+/// It lies as far away as the start of the scripts in fit/BENCHMARKS.md.
 const AWAY: [f64; 2] = [1.75, 7.0 / 12.0];
 
-/// Relative errors of a fit, root mean square over randomisations and incidence angles; null for
-/// what the model has not.
+/// Relative errors of a fit, root mean square over randomisations and incidence angles; `None` for
+/// a parameter that the model does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Errors {
-    /// Of the spreads.
+    /// Relative error of the diffraction spreads a.
     pub a: Option<f64>,
-    /// Of the corner size.
+    /// Relative error of the corner size c.
     pub c: Option<f64>,
-    /// Of the reflectances.
+    /// Relative error of the reflectances mu.
     pub mu: Option<f64>,
 }
 
-/// One forward model timed.
+/// Times and errors of one forward model.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     /// Samples per pixel.
     pub samples: usize,
-    /// How they are spread.
+    /// Sequence of the samples.
     pub sequence: Sequence,
     /// Samples of one evaluation of all photographs.
     pub samples_in_all: usize,
-    /// Median seconds to draw the samples and project them.
+    /// Median seconds to draw and project the samples.
     pub seconds_to_draw: f64,
-    /// Median seconds of one evaluation: MTFs of all photographs and both derivatives, and their
+    /// Median seconds of one evaluation: MTFs of all photographs, both derivatives, and the
     /// comparison.
     pub seconds_to_evaluate: f64,
-    /// Median seconds from measured photographs and a far start to the estimate and its standard
-    /// errors by pixel noise.
+    /// Median seconds from measured photographs and a far start to the estimate with its standard
+    /// errors from pixel noise.
     pub seconds: f64,
-    /// Most evaluations that an estimate took.
+    /// Largest number of evaluations that an estimate took.
     pub iterations: usize,
     /// Differences from the estimate in closed form.
     pub errors: Errors,
-    /// Scatter of the gradient of the mean squared MTF difference by ln a and ln c over the
-    /// gradient, at a and c away from the estimate.
+    /// Scatter of the gradient of the mean squared MTF difference by ln a and by ln c, relative to
+    /// the gradient, at a point away from the estimate.
     pub gradient_noise: [Option<f64>; 2],
 }
 
-/// What a study of forward models says.
+/// Result of a study of forward models.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Speed {
-    /// Photographs.
+    /// Number of photographs.
     pub photographs: usize,
     /// Median seconds of the estimate in closed form.
     pub spectral_seconds: f64,
-    /// Median seconds of one evaluation of it.
+    /// Median seconds of one evaluation in closed form.
     pub spectral_seconds_to_evaluate: f64,
-    /// Evaluations of it.
+    /// Number of evaluations of the estimate in closed form.
     pub spectral_iterations: usize,
-    /// Standard errors by the pixels' noise.
+    /// Relative standard errors from the noise of the pixels.
     pub pixel_noise: Errors,
-    /// Independent randomisations behind every row.
+    /// Number of independent randomisations behind each row.
     pub randomisations: u64,
-    /// The renders.
+    /// One row for each render.
     pub rows: Vec<Row>,
 }
 
-/// Times the estimate of one candidate by every forward model, with the loss `mtf`.
+/// Times the estimate of one candidate by each forward model, with the loss `mtf`.
 ///
 /// # Errors
-/// As [`Renders::drawn`].
+/// Returns the error of [`Renders::drawn`] if the table does not give samples.
 pub(crate) fn speed(
     scene: &Scene,
     table: &Table,
@@ -122,7 +123,7 @@ pub(crate) fn speed(
     })
 }
 
-/// One forward model beside the estimate in closed form.
+/// Times one forward model and compares it with the estimate in closed form.
 fn row(
     renders: &Renders,
     layout: &Layout,
@@ -130,7 +131,7 @@ fn row(
     randomisations: u64,
 ) -> Result<Row, tables::Error> {
     let at = &best.solution.parameters;
-    // All renders begin far off, where the peers' loop begins.
+    // All renders start as far away as the published loop does.
     let far = Optimum {
         choice: best.choice,
         solution: Solution {
@@ -188,7 +189,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Values of a, c and mu.
+/// Returns the values of a, c and mu.
 fn values(fit: &Estimate) -> [Vec<f64>; 3] {
     let of = |list: &[Value]| list.iter().map(|v| v.value).collect();
     let mu = fit.mu.as_deref().unwrap_or_default();
@@ -238,13 +239,13 @@ fn root_mean(squares: &[f64]) -> Option<f64> {
     (n > 0.0).then(|| (squares.iter().sum::<f64>() / n).sqrt())
 }
 
-/// Parameters away from an estimate's.
+/// Returns the parameters of an estimate, moved by the factors of [`AWAY`].
 fn away(layout: &Layout, at: &DVector<f64>) -> DVector<f64> {
     let [by_a, by_c] = AWAY.map(f64::ln);
     at.map_with_location(|i, _, ln| ln + if layout.c() == Some(i) { by_c } else { by_a })
 }
 
-/// The gradient of the mean squared MTF difference, as published (not weighted).
+/// Computes the gradient of the mean squared MTF difference, without weights as in the paper.
 fn gradient(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> DVector<f64> {
     let parts: Vec<Vec<(usize, f64)>> = scene
         .shots
@@ -271,7 +272,8 @@ fn gradient(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> DVector<f64> {
     sum
 }
 
-/// Standard deviation over mean of the gradient by ln a (root mean square over angles) and by ln c.
+/// Returns standard deviation over mean of the gradient, by ln a (root mean square over angles) and
+/// by ln c.
 fn noise(layout: &Layout, gradients: &[DVector<f64>]) -> [Option<f64>; 2] {
     let n = gradients.len() as f64;
     let mean = gradients.iter().sum::<DVector<f64>>() / n;

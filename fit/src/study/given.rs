@@ -1,5 +1,4 @@
-//! How good the estimates are: against the Cramer-Rao bound on given photographs, and over
-//! simulated campaigns.
+//! Study of given photographs: errors of the estimate against the Cramer-Rao bound.
 
 use std::time::Instant;
 
@@ -20,55 +19,56 @@ use crate::estimate::{Kind, Loss};
 use crate::names::Kernel;
 use crate::names::ParameterId;
 
-/// What the photographs of a campaign allow, and what the losses make of them.
+/// Bounds and errors for the photographs of a campaign.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Study {
-    /// Terms of the blur.
+    /// Chosen kernel.
     pub kernel: Kernel,
-    /// Photographs, the reference not counted.
+    /// Number of photographs without the reference.
     pub photographs: usize,
     /// Seconds to read and measure all photographs.
     pub seconds_to_measure: f64,
-    /// Every parameter.
+    /// One entry for each parameter.
     pub parameters: Vec<Parameter>,
-    /// Every fit that was timed.
+    /// One entry for each fit that was timed.
     pub fits: Vec<Fit>,
 }
 
-/// A parameter: how well it can be known, and how well it is.
+/// Estimate of one parameter, with its bound and its standard errors.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Parameter {
-    /// c_mm, a_per_mm or a_times_r, mu; `_at_<incidence>` where there is one per angle.
+    /// Name: c_mm, a_per_mm or a_times_r, mu, with `_at_<incidence>` if there is one per angle.
     pub name: ParameterId,
-    /// Estimate of the pixels.
+    /// Estimate with the loss `edge`, in the unit of the parameter.
     pub value: f64,
-    /// The Cramer-Rao bound there: no unbiased estimate from these pixels has a smaller standard
-    /// deviation.
+    /// Cramer-Rao bound at the estimate: no unbiased estimate from these pixels has a smaller
+    /// standard deviation.
     pub bound: f64,
-    /// Standard error with `edge`.
+    /// Standard error with the loss `edge`.
     pub edge: f64,
-    /// Standard error with `mtf`. It can lie below the bound of mu: the MTFs take the light for
-    /// even across the edge, the pixels do not.
+    /// Standard error with the loss `mtf`. That of mu can lie below the bound, because the MTFs
+    /// assume that the light is even across the edge, and the pixels do not.
     pub mtf: f64,
 }
 
-/// One kernel fitted with one loss.
+/// Fit of one kernel with one loss.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Fit {
-    /// Terms of the blur.
+    /// Kernel that was fitted.
     pub kernel: Kernel,
-    /// What was minimised.
+    /// Loss that was minimised.
     pub loss: Kind,
-    /// Seconds from measured photographs to the estimate; those of `edge` hold the start by `mtf`.
+    /// Seconds from measured photographs to the estimate. For `edge` they contain the fit by `mtf`
+    /// from which it starts.
     pub seconds: f64,
     /// Sum of squares per degree of freedom.
     pub reduced_chi2: f64,
-    /// Standard errors of c and the spreads over their bounds (root mean square); `None` for other
-    /// kernels than the chosen.
+    /// Standard errors of c and the spreads relative to their bounds (root mean square); `None` for
+    /// kernels other than the chosen one.
     pub error_over_bound: Option<f64>,
 }
 
-/// One candidate fitted with one loss: start, optimum, and everything that follows from it.
+/// Fits one candidate with one loss, from the start to values and standard errors.
 pub(crate) fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
     let near = optimum(scene, choice);
     let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
@@ -79,10 +79,10 @@ pub(crate) fn fit(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
     estimate(scene, &loss, best)
 }
 
-/// Studies given photographs, measured in so many seconds.
+/// Studies given photographs, whose reading and measuring took `seconds_to_measure`.
 ///
 /// # Errors
-/// As [`select`].
+/// Returns the error of [`select`] if no candidate can be fitted.
 pub(crate) fn photographs(
     scene: &Scene,
     seconds_to_measure: f64,

@@ -1,9 +1,10 @@
-//! How good the estimates are: against the Cramer-Rao bound, and over simulated campaigns.
+//! Studies of how good the estimates are: against the Cramer-Rao bound, and over simulated
+//! campaigns.
 //!
-//! Given photographs, or ranges to draw campaigns from, and a table enter; errors, coverage,
-//! seconds and shares of right choices leave. Drawn campaigns are photographed in memory by
-//! `simulate` and go through the very call of `estimate` that the program makes. The room prints
-//! and draws nothing. It may touch `simulate`, `estimate` and the rooms below them.
+//! A table enters, with given photographs or with ranges from which campaigns are drawn. Errors,
+//! coverage, seconds and shares of right choices leave. `simulate` photographs the drawn campaigns
+//! in memory, and they go through the same call of `estimate` that the program makes. The room
+//! prints and plots nothing. It may touch `simulate`, `estimate` and the rooms below them.
 
 pub(crate) mod choice;
 pub(crate) mod forward;

@@ -1,4 +1,4 @@
-//! Campaigns drawn at random: the ranges, and one campaign of them.
+//! Random campaigns: the ranges of their parameters, and the draw of one campaign.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -35,48 +35,48 @@ const ROOT: [&str; 15] = [
     "camera",
 ];
 
-/// Bright plateau of every aerial photograph, full scale 1.
+/// Bright plateau of each mid-air photograph, where full scale is 1.
 const BRIGHT: f64 = 0.8;
 
-/// Smallest tilt of an edge from the rows or columns, and largest, degrees.
+/// Smallest and largest tilt of an edge from the rows or columns, degrees.
 const TILT_DEG: [f64; 2] = [4.0, 40.0];
 
-/// Retroreflected fraction below which a direction of the table is not photographed.
+/// Smallest retroreflected fraction at which a direction of the table is photographed.
 const LEAST_ETA: f64 = 0.02;
 
-/// What is drawn from, each range evenly in the logarithm.
+/// Ranges from which campaigns are drawn, each as its two ends and evenly in the logarithm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranges {
-    /// Refractive index behind the flat front.
+    /// Refractive index behind the flat front; 1 for hollow cubes.
     pub ior: f64,
-    /// Pair of cubes rather than one.
+    /// True for a cell of a pair of cubes, false for a single cube.
     pub pair: bool,
     /// Shape of the lobe.
     pub lobe: LobeShape,
-    /// Diffraction spread, 1/mm.
+    /// Diffraction spread a, 1/mm.
     pub a_per_mm: [f64; 2],
-    /// Edge length of the cubes, mm.
+    /// Edge length c of the cubes, mm.
     pub c_mm: [f64; 2],
-    /// Reflectance.
+    /// Reflectance mu.
     pub mu: [f64; 2],
-    /// Photographs of a campaign, the reference not counted.
+    /// Number of photographs of a campaign without the reference.
     pub photographs: [f64; 2],
-    /// Electrons at full scale.
+    /// Number of electrons at full scale.
     pub electrons: [f64; 2],
     /// Floating distance, mm.
     pub distance_mm: [f64; 2],
-    /// Uneven light: gain from the middle to the border of every picture, in a direction of its
-    /// own; even where `None`.
+    /// Uneven light: relative gain from the middle to the border of a photograph, in a random
+    /// direction for each photograph. The light is even if this is `None`.
     pub light: Option<[f64; 2]>,
-    /// Kernels of [`Ranges::open_campaign`], each as likely.
+    /// Kernels of [`Ranges::open_campaign`], all with equal probability.
     pub kernels: Vec<Kernel>,
     /// Wavelengths of the source, for the `wave` kernel.
     pub spectrum: Option<Spectrum>,
-    /// ln of a at 0 degrees over a at 45, where every angle has its own.
+    /// Fall of ln a from 0 to 45 degrees, in campaigns with one a per incidence.
     pub a_fall: [f64; 2],
-    /// The same of mu.
+    /// Fall of ln mu from 0 to 45 degrees, in campaigns with one mu per incidence.
     pub mu_fall: [f64; 2],
-    /// The camera; its full well is drawn.
+    /// Camera, except for its full well, which is drawn.
     pub camera: PlantedCamera,
 }
 
@@ -108,10 +108,10 @@ impl Default for Ranges {
 }
 
 impl Ranges {
-    /// Reads and checks a file of ranges; what it leaves out is as in [`Ranges::default`].
+    /// Reads and checks a file of ranges. Keys that it leaves out are as in [`Ranges::default`].
     ///
     /// # Errors
-    /// The first thing that is wrong, with its line.
+    /// Returns the first fault of the file, with its line.
     pub fn load(file: &Path) -> Result<Ranges, Error> {
         const INDEX: Bounds = Bounds {
             words: "at least 1",
@@ -164,29 +164,31 @@ impl Ranges {
         })
     }
 
-    /// Directions of a table that these campaigns photograph: incidence and azimuth, degrees.
+    /// Returns the directions of a table that these campaigns photograph: incidence and azimuth,
+    /// degrees.
     pub fn directions(&self, table: &Table) -> Vec<[f64; 2]> {
         let all = table.axes.directions().map(|(i, a)| [i, a]);
         all.filter(|&direction| self.eta(direction) >= LEAST_ETA)
             .collect()
     }
 
-    /// Retroreflected fraction of the ideal cell at (incidence, azimuth), degrees.
+    /// Returns the retroreflected fraction of the ideal cell at (incidence, azimuth), degrees.
     pub fn eta(&self, [incidence, azimuth]: [f64; 2]) -> f64 {
         let (incidence, azimuth) = (incidence.to_radians(), azimuth.to_radians());
         let cubes = cell::shifts(incidence, azimuth, self.ior, self.pair);
         cubes.iter().map(|cube| cube.eta).sum::<f64>() / cubes.len() as f64
     }
 
-    /// Campaign number `index` under `seed`, over the given directions (at least one): a function
-    /// of these alone.
+    /// Draws campaign number `index` under `seed`, over the given directions (at least one).
+    ///
+    /// The campaign depends on these three arguments and the ranges alone.
     pub fn campaign(&self, seed: u64, index: u64, directions: &[[f64; 2]]) -> Params {
         let mut draw = PixelNoise::new(seed, index, u64::MAX);
         let a = log(&mut draw, self.a_per_mm);
         let c_mm = log(&mut draw, self.c_mm);
         let mu = log(&mut draw, self.mu);
         let full_well_e = log(&mut draw, self.electrons);
-        // Whole numbers: each is as likely as its share of the logarithm.
+        // The probability of a whole number is its share of the range in the logarithm.
         let [least, most] = self.photographs;
         let count = log(&mut draw, [least, most + 1.0]).floor().min(most) as usize;
         let camera = PlantedCamera {
@@ -250,8 +252,10 @@ impl Ranges {
         params
     }
 
-    /// The same campaign with terms drawn, too: one of the kernels, and in half of the campaigns
-    /// each an a and a mu that fall from angle to angle, as those of real sheets do.
+    /// Draws a campaign as [`Ranges::campaign`] does, and its terms too: one of the kernels, and
+    /// one value or one per incidence for a and for mu, with equal probability.
+    ///
+    /// A value per incidence falls from angle to angle, as in real sheets.
     pub fn open_campaign(&self, seed: u64, index: u64, directions: &[[f64; 2]]) -> Params {
         let mut params = self.campaign(seed, index, directions);
         let mut draw = PixelNoise::new(seed, index, u64::MAX - 2);
@@ -272,7 +276,7 @@ impl Ranges {
         let truth = &mut params.truth;
         truth.kernel = kernel;
         truth.spectrum = self.spectrum.clone();
-        // The A of the angular kernel is that of a at the middle distance.
+        // A of the angular kernel corresponds to the drawn a at the middle distance.
         let middle = (self.distance_mm[0] * self.distance_mm[1]).sqrt();
         let scale = kernel.distance_scale(middle);
         truth.a = falling(&truth.a, scale, self.a_fall, kernel.has_lobe());
@@ -281,12 +285,12 @@ impl Ranges {
     }
 }
 
-/// A number evenly drawn in the logarithm.
+/// Draws a number evenly in the logarithm.
 fn log(draw: &mut PixelNoise, [low, high]: [f64; 2]) -> f64 {
     low * (high / low).powf(draw.uniform())
 }
 
-/// `key = { from = ..., to = ... }`.
+/// Reads `key = { from = ..., to = ... }`; `None` if the key is left out.
 fn named_range(
     root: &Section<'_>,
     key: &'static str,

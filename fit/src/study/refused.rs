@@ -1,4 +1,4 @@
-//! Campaigns that came to nothing, by what their photographs were refused for.
+//! Campaigns that gave no trial, grouped by the reason for which a photograph was refused.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -11,19 +11,20 @@ use crate::estimate::scene;
 /// Campaigns refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(crate) struct Refused {
-    /// The kind of what is wrong with the first photograph that was refused; see
+    /// Kind of the fault of the first photograph that was refused; see
     /// [`crate::photographs::edge::fault::Fault::kind`].
     pub reason: &'static str,
-    /// How many.
+    /// Number of campaigns with this reason.
     pub campaigns: usize,
-    /// Number of the first.
+    /// Index of the first of these campaigns.
     pub first: usize,
-    /// What was said of it: its photograph by number, or the source, and what is wrong with it.
+    /// Message of the first of these campaigns, which names the photograph by its number (or the
+    /// source) and its fault.
     pub message: String,
 }
 
-/// Parts what came of all campaigns, in order, into trials and refusals, the most frequent reason
-/// first.
+/// Splits the results of all campaigns, in order, into trials and refusals. The most frequent
+/// reason comes first.
 pub(crate) fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T>, Vec<Refused>) {
     let (mut trials, mut found) = (Vec::new(), BTreeMap::new());
     for (index, one) in all.into_iter().enumerate() {
@@ -42,7 +43,7 @@ pub(crate) fn part<T>(all: impl IntoIterator<Item = Result<T, Error>>) -> (Vec<T
         }
     }
     let mut refused: Vec<Refused> = found.into_values().collect();
-    // A stable sort: the same order whatever the threads.
+    // The sort is stable, so the order does not depend on the threads.
     refused.sort_by_key(|of| std::cmp::Reverse(of.campaigns));
     (trials, refused)
 }
@@ -56,12 +57,12 @@ fn reason(error: &Error) -> &'static str {
     }
 }
 
-/// How many were refused, whatever for.
+/// Returns the number of campaigns that were refused for any reason.
 pub(crate) fn total(refused: &[Refused]) -> usize {
     refused.iter().map(|of| of.campaigns).sum()
 }
 
-/// In words: how many, of what kind, and the first of every kind.
+/// Returns one line for each reason, with the first campaign and its message.
 pub(crate) fn examples(refused: &[Refused]) -> String {
     let mut text = String::new();
     for of in refused {
@@ -74,7 +75,7 @@ pub(crate) fn examples(refused: &[Refused]) -> String {
     text
 }
 
-/// One line: how many, and of what kind.
+/// Returns one line: the number of refused campaigns, in all and for each reason.
 pub(crate) fn line(refused: &[Refused]) -> String {
     let mut text = format!("{} refused", total(refused));
     for (i, of) in refused.iter().enumerate() {

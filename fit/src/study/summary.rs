@@ -1,4 +1,4 @@
-//! Trials summed up: efficiency, bias and coverage, each with its own error.
+//! Summary of trials: efficiency, bias and coverage, each with a standard error.
 
 use serde::Serialize;
 
@@ -7,55 +7,56 @@ use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
 
-/// Relative bound on c from which a campaign says too little to be counted. A convention: up to
-/// there the model is all but linear across the errors, which the Cramer-Rao bound and intervals of
-/// +-1.96 standard errors take it for.
+/// Relative bound on c below which a campaign is counted.
+///
+/// The value is a convention. Below it the model is nearly linear across the errors, as the
+/// Cramer-Rao bound and intervals of +-1.96 standard errors assume.
 pub(crate) const LOOSE: f64 = 0.1;
 
-/// Standard deviations of a 95 % interval.
+/// Half width of a 95 % interval, standard errors.
 const INTERVAL: f64 = 1.959_964;
 
-/// A number and its standard error.
+/// Mean over campaigns with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Figure {
-    /// The number.
+    /// Mean.
     pub value: f64,
-    /// One standard deviation, by the number of campaigns.
+    /// Standard error, which falls with the number of campaigns.
     pub error: f64,
 }
 
-/// One parameter under one loss.
+/// Errors of one parameter under one loss.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
-    /// c, a or mu.
+    /// Name of the parameter: c, a or mu.
     pub parameter: &'static str,
-    /// What was minimised.
+    /// Loss that was minimised.
     pub loss: Kind,
-    /// Root-mean-square error over the Cramer-Rao bound, campaign by campaign.
+    /// Root mean square of the error relative to the Cramer-Rao bound of its campaign.
     pub rmse_over_bound: Figure,
-    /// Mean error over the standard error.
+    /// Mean of the error relative to its standard error.
     pub bias_over_standard_error: Figure,
-    /// Share of 95 % intervals that hold the truth.
+    /// Share of 95 % intervals that contain the truth.
     pub coverage: Figure,
 }
 
-/// What a study says.
+/// Summary of a study of drawn campaigns.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Summary {
-    /// Campaigns drawn.
+    /// Number of campaigns drawn.
     pub campaigns: usize,
-    /// Those in which some photograph was refused, by the reason.
+    /// Campaigns that gave no trial, by reason.
     pub refused: Vec<Refused>,
-    /// Those whose bound on c is below [`LOOSE`]; the rows are about these.
+    /// Number of campaigns whose relative bound on c is below [`LOOSE`]. Only these enter the rows.
     pub counted: usize,
-    /// Those of them in which the camera cut dark pixels off at 0.
+    /// Number of counted campaigns in which the camera cut dark pixels off at 0.
     pub cut_off: usize,
-    /// By parameter and loss.
+    /// One row for each parameter and loss.
     pub rows: Vec<Row>,
 }
 
 impl Summary {
-    /// Sums up the trials, beside the campaigns that came to none.
+    /// Sums up the trials and the campaigns that gave none.
     pub(crate) fn new(trials: &[Trial], refused: Vec<Refused>) -> Summary {
         let counted: Vec<&Trial> = trials.iter().filter(|t| tells(t)).collect();
         let mut rows = Vec::new();
@@ -74,7 +75,7 @@ impl Summary {
     }
 }
 
-/// Whether a campaign's photographs tell c.
+/// Returns whether the relative bound on c of a campaign is below [`LOOSE`].
 pub(crate) fn tells(trial: &Trial) -> bool {
     trial.bound[0] < LOOSE * trial.truth[0]
 }

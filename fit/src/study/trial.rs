@@ -1,5 +1,5 @@
-//! One simulated campaign: photographed in memory, fitted with both losses, beside its truth and
-//! its bound.
+//! One simulated campaign: photographed in memory, fitted with both losses, and compared with its
+//! truth and its bound.
 
 use std::path::PathBuf;
 
@@ -25,35 +25,36 @@ use crate::photographs::{Campaign, Capture, Setup};
 use crate::simulate;
 use crate::simulate::{Params, PlantedCamera};
 
-/// The parameters of a trial, in their order everywhere.
+/// Parameters of a trial, in the order of its arrays.
 pub(crate) const PARAMETERS: [&str; 3] = ["c", "a", "mu"];
 
-/// The losses of a trial, in their order everywhere.
+/// Losses of a trial, in the order of its arrays.
 pub(crate) const LOSSES: [Kind; 2] = [Kind::Mtf, Kind::Edge];
 
-/// What came of one campaign. c in mm, a in 1/mm.
+/// Result of one campaign, with c in mm and a in 1/mm.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Trial {
     /// Number of the campaign.
     pub index: u64,
-    /// Photographs, the reference not counted.
+    /// Number of photographs without the reference.
     pub photographs: usize,
-    /// Electrons at full scale.
+    /// Number of electrons at full scale.
     pub electrons: f64,
-    /// Whether dark pixels were cut off at 0 in any photograph.
+    /// True if dark pixels were cut off at 0 in any photograph.
     pub cut_off: bool,
-    /// Planted values.
+    /// Planted values of [`PARAMETERS`].
     pub truth: [f64; 3],
-    /// Cramer-Rao bound at the truth: standard deviations.
+    /// Cramer-Rao bounds at the truth, as standard deviations.
     pub bound: [f64; 3],
-    /// By loss: estimates and their standard errors.
+    /// Estimates and standard errors, by loss and parameter.
     pub found: [[[f64; 2]; 3]; 2],
 }
 
-/// Runs a campaign of one `a` and `mu` for all angles.
+/// Photographs and fits a campaign with one `a` and one `mu` for all angles.
 ///
 /// # Errors
-/// As [`Scene::load`]: photographs so noisy that their edge is not found.
+/// Fails if [`Scene::of`] fails, for example because a photograph is so noisy that its edge is not
+/// found.
 pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
     let photographs = source(params, simulate::photograph::photograph);
     let scene = Scene::of(&campaign(params, &[]), table, &photographs)?;
@@ -95,8 +96,9 @@ fn found(fit: &Estimate) -> [[f64; 2]; 3] {
         .map(|value| value.map_or([f64::NAN, f64::INFINITY], |v| [v.value, v.standard_error]))
 }
 
-/// The Cramer-Rao bound at the truth with the noise that was planted. Poisson light of n electrons
-/// tells 1/n of its mean, as normal light of that variance does, so the two have one bound.
+/// Computes the Cramer-Rao bound at the truth with the planted noise. Poisson light of n electrons
+/// and normal light of the same variance carry the same information (1/n) about the mean, so both
+/// have this bound.
 fn bound(
     params: &Params,
     scene: &Scene,
@@ -116,7 +118,7 @@ fn bound(
     [0, 1, 2].map(|i| deviation(i) * truth[i])
 }
 
-/// The planted point: a blur, and the planted lens behind it.
+/// Returns the parameters that were planted: a blur, and the lens of the camera.
 pub(crate) fn planted(joint: &Joint, camera: &PlantedCamera, blur: &DVector<f64>) -> DVector<f64> {
     // exp(-2 (pi sigma f)^2) = exp(-(f blur)^2).
     let blur_mm =
@@ -128,7 +130,7 @@ pub(crate) fn planted(joint: &Joint, camera: &PlantedCamera, blur: &DVector<f64>
     at
 }
 
-/// The planted noise.
+/// Returns the noise of the pixels that was planted.
 pub(crate) fn noise(camera: &PlantedCamera) -> PixelNoise {
     let step = 1.0 / ((1_u64 << camera.bits) - 1) as f64;
     PixelNoise {
@@ -137,8 +139,8 @@ pub(crate) fn noise(camera: &PlantedCamera) -> PixelNoise {
     }
 }
 
-/// A campaign without a file: its photographs are named by their numbers. Faults of their edges
-/// that are `accepted` are no reason to refuse them.
+/// Returns a campaign without a file, whose photographs are named by their numbers. The `accepted`
+/// faults of edges give warnings only.
 pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
     let name =
         |index: Option<usize>| PathBuf::from(index.map_or("source".into(), |i| i.to_string()));
@@ -173,7 +175,8 @@ pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
     }
 }
 
-/// Photographs of such a campaign; `photograph` gives the pixels of a capture, or of the reference.
+/// Returns a source of photographs for such a campaign. `photograph` gives the pixels of a capture,
+/// or of the reference if the index is `None`.
 pub(crate) fn source(
     params: &Params,
     photograph: impl Fn(&Params, Option<usize>) -> Result<Vec<f32>, simulate::error::Error> + Sync,

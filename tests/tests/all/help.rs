@@ -24,8 +24,8 @@ fn verbs(program: &str) -> Vec<String> {
         .collect()
 }
 
-/// The command lines of a help text's examples; a line that the terminal's width broke is joined
-/// again.
+/// Returns the command lines of a help text's examples. A line that a backslash or the terminal's
+/// width broke is joined again.
 fn examples(help: &str) -> Vec<Vec<String>> {
     let mut lines: Vec<String> = Vec::new();
     let mut inside = false;
@@ -34,11 +34,11 @@ fn examples(help: &str) -> Vec<Vec<String>> {
             .iter()
             .any(|name| line.trim_start().starts_with(&format!("{name} ")));
         match (line.starts_with("  "), command, inside) {
-            (true, true, _) => lines.push(line.trim().to_owned()),
+            (true, true, _) => lines.push(line.trim().trim_end_matches('\\').to_owned()),
             (true, false, true) => {
                 let last = lines.last_mut().expect("a command came before");
                 last.push(' ');
-                last.push_str(line.trim());
+                last.push_str(line.trim().trim_end_matches('\\'));
             }
             _ => {}
         }
