@@ -475,8 +475,8 @@ fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Aperture of an ideal cube of edge 1, its centroid in the origin, its first corner at azimuth
-    /// 0.
+    /// Returns the aperture of an ideal cube of edge 1, its centroid in the origin, its first
+    /// corner at azimuth 0.
     fn triangle() -> Vec<[f64; 2]> {
         let radius = (2.0_f64 / 3.0).sqrt();
         let corner = |k: u32| turned([radius, 0.0], f64::from(k) * 120_f64.to_radians());
@@ -488,8 +488,10 @@ mod tests {
         turned([tangent, 0.0], azimuth_deg.to_radians())
     }
 
-    /// Closed form: light that enters at p in T leaves at 2 q - p in T, where q is the apex seen
-    /// along the light.
+    /// Returns the path of a cube by its closed form, or `None` if nothing returns.
+    ///
+    /// Light that enters at p in T leaves at 2 q - p in T, where q is the apex seen along the
+    /// light.
     fn path(tau: [f64; 2], turn: f64) -> Option<Path> {
         let q = tau.map(|x| -x / 3_f64.sqrt());
         let corners: Vec<[f64; 2]> = triangle().iter().map(|&p| turned(p, turn)).collect();
@@ -510,7 +512,7 @@ mod tests {
         })
     }
 
-    /// Directions all around in steps of `step_deg`, each in its own frame.
+    /// Returns directions all around in steps of `step_deg`, each in its own frame.
     fn nodes(incidences: &[f64], step_deg: f64, cubes: &[f64]) -> Vec<Node> {
         let azimuths: Vec<f64> = (0..(360.0 / step_deg) as u32)
             .map(|k| f64::from(k) * step_deg)
@@ -557,6 +559,8 @@ mod tests {
         (45.0, 90.0, 0.0),
     ];
 
+    /// Checks an ideal cube between few directions.
+    ///
     /// Hexagons lose corners at 19.47 deg and paths end at 35.26 deg. Neither incidence is in the
     /// table.
     #[test]
@@ -592,7 +596,8 @@ mod tests {
         assert_eq!(cases, 212);
     }
 
-    /// Cubes of both orientations look alike at normal incidence. The families must not mix them.
+    /// Checks that two cubes stay two: cubes of both orientations look alike at normal incidence,
+    /// and the families must not mix them.
     #[test]
     fn a_pair_stays_two_cubes() {
         let half_turn = std::f64::consts::PI;
@@ -642,7 +647,8 @@ mod tests {
         assert!((paths[0].weight - 11.0 / 12.0).abs() < 1e-9);
     }
 
-    /// The light of a path is off by one rotation at every direction, seen through the front face.
+    /// Checks deviations between directions: the light of a path is off by one rotation at every
+    /// direction, seen through the front face.
     #[test]
     fn deviations_are_exact_between_directions() {
         let (index, axis) = (1.49, [3e-3, -2e-3, 5e-3]);

@@ -123,8 +123,9 @@ impl Table {
     /// #     refractive_index: 1.0, back: Back::Mirror.into(), losses: Losses::None.into(),
     /// #     reflectance: 1.0, method: Method::Rays.into(), sampler: Some(Sampler::Random.into()),
     /// #     seed: 1, angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None,
-    /// #     wavelength_nm: None, metal_index: None, shards: None, symmetry: tables::Symmetry::NONE,
-    /// #     direction_tolerance: None, options: StatedOptions::none(),
+    /// #     wavelength_nm: None, metal_index: None, shards: None,
+    /// #     symmetry: tables::Symmetry::NONE, direction_tolerance: None,
+    /// #     options: StatedOptions::none(),
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg.

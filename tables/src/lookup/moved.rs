@@ -142,7 +142,7 @@ mod tests {
     use super::*;
     use crate::table::deviation::Grid;
 
-    /// Direction with two bins and three spots between them.
+    /// Returns a direction with two bins and three spots between them.
     fn two_bins() -> Direction {
         let grid = Grid {
             cells: 2,
@@ -176,14 +176,14 @@ mod tests {
         2.0 * direction.range / direction.probability.ncols() as f64
     }
 
-    /// Sum over the bins of their content times a function of their place (u, v).
+    /// Returns the sum over the bins of their content times a function of their place (u, v).
     fn moment(direction: &Direction, of: impl Fn(f64, f64) -> f64) -> f64 {
         let centre = |k: usize| (k as f64 + 0.5) * width(direction) - direction.range;
         let cells = direction.probability.indexed_iter();
         cells.map(|((v, u), p)| p * of(centre(u), centre(v))).sum()
     }
 
-    /// Masses and their mean places, calculated by hand.
+    /// Compares masses and their mean places with those calculated by hand.
     #[test]
     fn bins_go_where_their_light_goes() {
         // The bins of deviation are 2 mrad wide: the second spot is moved by 2.5 along u, the third
@@ -210,8 +210,8 @@ mod tests {
         }
     }
 
-    /// Light that is moved so far that bins are pooled is complete and has its mean place, up to
-    /// the greatest distance that is allowed.
+    /// Checks that no light is lost when it is moved so far that bins are pooled, and that its mean
+    /// place stays right, up to the greatest distance that is allowed.
     #[test]
     fn pooled_bins_lose_nothing() {
         let (mut cases, mut widest) = (0, 0.0_f64);

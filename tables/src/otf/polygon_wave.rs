@@ -178,7 +178,7 @@ pub(crate) mod tests {
             .collect()
     }
 
-    /// Mean of exp(-i k.p) by quadrature over the fan of triangles.
+    /// Returns the mean of exp(-i k.p) by quadrature over the fan of triangles.
     ///
     /// 40 x 40 nodes are exact to rounding for |k| x size < 30: the error of n nodes falls like
     /// (phase/4n)^2n.

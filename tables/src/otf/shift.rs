@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use ndarray::Array2;
 
-    /// Direction at 20 degrees in which these paths return.
+    /// Returns a direction at 20 degrees in which these paths return.
     fn of(paths: Vec<Path>) -> Direction {
         Direction {
             incidence_deg: 20.0,
@@ -143,10 +143,10 @@ mod tests {
         }
     }
 
-    /// Deviations of three triangles, two of which leave in one direction.
+    /// Compares two ways to the OTF of three triangles, two of which leave in one direction: spots
+    /// in turn, and deviations made part of the shift at one distance and corner size.
     ///
-    /// Two ways must give equal OTFs: spots in turn, and deviations made part of the shift at one
-    /// distance and corner size. The derivative is compared with differences.
+    /// The derivative is compared with differences.
     #[test]
     fn deviations_are_shifts_that_grow_with_the_distance() {
         let path = |x: f64, weight: f64, deviation: [f64; 2]| Path {
@@ -187,8 +187,8 @@ mod tests {
         assert_eq!(cases, 16);
     }
 
-    /// Far shifts of up to 30 edge lengths, together or apart, against the OTF of the polygons or
-    /// of the bins.
+    /// Compares far shifts of up to 30 edge lengths, together or apart, with the OTF of the
+    /// polygons or of the bins.
     #[test]
     fn far_shifts_are_as_good_as_near_ones() {
         let path = |offset: [f64; 2]| Path {

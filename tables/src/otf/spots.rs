@@ -258,7 +258,7 @@ mod tests {
     use crate::table::deviation::Grid;
     use ndarray::Array2;
 
-    /// Bins of one of 4 x 4 cells: their places and probabilities.
+    /// Returns the bins of one of 4 x 4 cells: their places and probabilities.
     fn cell(bins: &Array2<f64>, [v, u]: [usize; 2]) -> impl Iterator<Item = ([usize; 2], f64)> {
         let inside = move |(bv, bu): (usize, usize)| [bv / 4, bu / 4] == [v, u];
         bins.indexed_iter()
@@ -266,7 +266,8 @@ mod tests {
             .map(|((v, u), &p)| ([v, u], p))
     }
 
-    /// Light of made-up shares at every third place of a grid, its bins of shift pooled by 4.
+    /// Returns light of made-up shares at every third place of a grid, its bins of shift pooled by
+    /// 4.
     fn direction(bins: usize, range: f64) -> Direction {
         let grid = Grid {
             cells: 4,
@@ -307,8 +308,9 @@ mod tests {
         }
     }
 
-    /// Spots and rows against the plain sum over bins of shift and of deviation; the derivative by
-    /// c against differences.
+    /// Compares spots and rows with the plain sum over bins of shift and of deviation.
+    ///
+    /// The derivative by c is compared with differences.
     #[test]
     fn spots_and_rows_are_the_plain_sum() {
         let incidence = 20_f64.to_radians();

@@ -103,7 +103,7 @@ pub fn clip<P: Copy>(
 mod tests {
     use super::*;
 
-    /// Half planes on a unit square: the number of corners left, and the area.
+    /// Cuts a unit square by half planes, and checks the number of corners left and the area.
     #[test]
     fn a_square_is_cut() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
