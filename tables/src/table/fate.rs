@@ -5,6 +5,8 @@
 #[repr(usize)]
 pub enum Fate {
     /// Came back by a path whose linear map is -I, with a shift inside the histogram.
+    ///
+    /// In a plate the map is diag(-1, -1, 1). In bodies of glass the exit direction decides.
     Retroreflected,
     /// Left the cell after one reflection.
     LeftAfter1,

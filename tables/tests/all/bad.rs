@@ -325,7 +325,7 @@ fn every_bad_table_is_refused_with_its_message() {
         "dataset incidence_deg is stored in another file",
     );
     case(
-        "a filter that we do not write",
+        "a filter that is never written",
         spoilt(&|f| {
             f.unlink("incidence_deg").unwrap();
             f.new_dataset::<f64>()

@@ -1,4 +1,4 @@
-//! HDF5 objects to table, without trust in the file.
+//! Reading of HDF5 objects into a table, without trust in the file.
 //!
 //! Every size is compared with the axes, and with a limit, before memory of that size is allocated.
 

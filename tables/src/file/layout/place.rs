@@ -22,7 +22,7 @@ use crate::table::fate::Fate;
 /// Rounding that another writer may have in scales and derived datasets.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Longest text that is read from a fixed-length attribute, bytes; our longest has some hundred.
+/// Longest text that is read from a fixed-length attribute, bytes; a table needs some hundred.
 const MOST_TEXT: usize = 4096;
 
 /// Largest chunk, bytes: 4096 x 4096 bins.

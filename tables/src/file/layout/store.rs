@@ -1,4 +1,4 @@
-//! Table to HDF5 objects.
+//! Writing of a table as HDF5 objects.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
