@@ -1,4 +1,7 @@
-"""Reads a ray-shift table (FORMAT.md, versions 1 and 2) with h5py and numpy alone. Usage: read_table.py TABLE.h5"""
+"""Reads a ray-shift table (FORMAT.md, versions 1 and 2) with h5py and numpy alone.
+
+Usage: read_table.py TABLE.h5
+"""
 
 import sys
 
@@ -7,7 +10,10 @@ import numpy as np
 
 
 def read_table(name):
-    """Returns a dict: axes, arrays and attributes by their names in the file, and 'paths' of an exact table."""
+    """Returns axes, arrays and attributes as a dict, by their names in the file.
+
+    An exact table also has 'paths', a list of dicts.
+    """
     with h5py.File(name, "r") as file:
         table = {key: value for key, value in file.attrs.items()}
         if table.get("format") != "retroreflective ray-shift table":
@@ -42,7 +48,10 @@ def read_table(name):
 
 
 def deviation_image(table, i, j):
-    """Rays of a direction by deviation [along v, across], and the middles of the bins (tangents)."""
+    """Returns the rays of a direction by deviation, and the middles of the bins.
+
+    The rays are an image [along v, across]; the middles of the bins are tangents.
+    """
     group = table["deviation"]
     bins, k = int(group["bins"]), i * len(table["azimuth_deg"]) + j
     own = slice(int(group["entry_start"][k]), int(group["entry_start"][k + 1]))
@@ -53,13 +62,16 @@ def deviation_image(table, i, j):
 
 
 def at_azimuth(table, azimuth_deg):
-    """The histograms [incidence, v, u] and eta [incidence] at an azimuth that the table holds, itself or by its symmetry."""
+    """Returns the histograms [incidence, v, u] and eta [incidence] at an azimuth.
+
+    The table must hold the azimuth itself, or by its symmetry.
+    """
     turn = 360 / table.get("symmetry_rotations", 1)
     mirror = table.get("symmetry_mirror_deg")
     for j, own in enumerate(table["azimuth_deg"]):
         for image, step in [(own, 1)] + ([(2 * mirror - own, -1)] if mirror is not None else []):
             if abs((azimuth_deg - image + turn / 2) % turn - turn / 2) < 1e-9:
-                # Seen in a mirror, v is turned over.
+                # A mirror turns v over.
                 return {
                     "histogram": table["histogram"][:, j, ::step],
                     "retroreflected": table["retroreflected"][:, j],

@@ -1,12 +1,13 @@
-//! Corner-cube cells: loading (OBJ, glTF/GLB), checking, normalising and designing meshes.
+//! Corner-cube cells: meshes are loaded (OBJ, glTF/GLB), checked, normalised and designed here.
 //!
-//! A [`Mesh`] is what a file holds, in file units. A [`Cell`] is what the tracer needs: facets in
-//! the **cell frame**, edge length 1, with the entrance, the lattice and the provenance.
+//! A [`Mesh`] is the content of a file, in file units. A [`Cell`] is what rays are traced through:
+//! facets in the **cell frame**, edge length 1, with the entrance, the lattice and the provenance.
 //!
 //! ```
 //! use meshes::design::{Design, Shape};
 //! let mesh = Design::new(Shape::Triangular).mesh()?;
-//! let cell = meshes::normalise(&mesh, "triangular.obj".as_ref(), &meshes::CellOptions::default())?;
+//! let options = meshes::CellOptions::default();
+//! let cell = meshes::normalise(&mesh, "triangular.obj".as_ref(), &options)?;
 //! assert_eq!(cell.facets.len(), 3);
 //! assert!((cell.entrance.height - 1.0 / 3f64.sqrt()).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,7 +1,7 @@
-//! Writing and reading tables of ten directions, 128 x 128 bins: 16 randomisations of counts, or
-//! exact.
+//! Time of writing and reading tables of ten directions, 128 x 128 bins: 16 randomisations of
+//! counts, or exact.
 //!
-//! `make bench`, or `cargo bench -p tables --bench file`
+//! Run `make bench`, or `cargo bench -p tables --bench file`.
 
 #[path = "../tests/all/sample/mod.rs"]
 mod sample;
@@ -28,13 +28,13 @@ fn axes() -> Axes {
     }
 }
 
-/// Bins that hold anything: a disc of radius 1, a fifth of the histogram.
+/// Bins that hold light: a disc of radius 1, a fifth of the histogram.
 fn is_met(v: usize, u: usize) -> bool {
     let axes = axes();
     axes.bin_centre(u).hypot(axes.bin_centre(v)) < 1.0
 }
 
-/// What four million rays leave: some tens a bin and randomisation.
+/// Counts of four million rays: some tens in a bin and randomisation.
 fn rays() -> Table {
     let mut numbers = Numbers(1);
     let counts = Array5::from_shape_fn((DIRECTIONS, 1, 16, BINS, BINS), |(_, _, _, v, u)| {

@@ -1,8 +1,8 @@
-//! Ray-shift tables: axes, counts, fates, provenance, and the HDF5 file they live in.
+//! Ray-shift tables: axes, counts, fates, provenance, and the HDF5 file that holds them.
 //!
 //! A [`Table`] holds, for each direction of incidence, how far a corner-cube sheet displaces the
 //! rays that it returns. [`read()`] and [`write()`] move it from and to a file (`FORMAT.md` beside
-//! this crate), [`merge()`] adds the rays of tables, [`Table::direction`] looks one direction up
+//! this crate). [`merge()`] adds the rays of tables. [`Table::direction`] looks up one direction,
 //! and [`Direction::otf_along`] is its Fourier transform.
 //!
 //! ```
@@ -19,8 +19,9 @@
 //!
 //! A program that reads strangers' tables calls [`apart::serve`] first in its `main`.
 //!
-//! Frame and unit everywhere: shifts are (u, v) in the incidence frame of the entrance plane, u
-//! along the in-plane travel direction, v = n x u, in edge lengths; angles in degrees.
+//! Frame and unit everywhere: shifts are (u, v) in the incidence frame of the entrance plane, in
+//! edge lengths. u points along the in-plane travel direction, and v = n x u. Angles are in
+//! degrees.
 
 #![deny(unsafe_code)]
 #![warn(unreachable_pub)]

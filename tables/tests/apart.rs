@@ -1,8 +1,8 @@
-//! Reading in a process of its own: the same tables and the same refusals, and a crash of the HDF5
-//! library is an error.
+//! Reading in a process of its own: equal tables and equal refusals, and a crash of the HDF5
+//! library becomes an error.
 //!
-//! Without the test harness, because `serve` must come first in `main`: the reading process is this
-//! program again.
+//! It runs without the test harness, because `serve` must come first in `main`: the reading process
+//! is this program again.
 
 #[path = "all/sample/mod.rs"]
 mod sample;
@@ -40,8 +40,8 @@ fn main() {
     );
 }
 
-/// Bytes changed all over a file without seal: each read ends in a table or an error, never in the
-/// end of this program.
+/// Bytes changed all over a file without seal: each read ends in a table or an error, and never
+/// ends this program.
 fn changes(file: &Path) {
     let sealed = std::fs::read(file).unwrap();
     let whole = &sealed[..sealed.len() - 40];

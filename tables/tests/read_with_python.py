@@ -1,4 +1,7 @@
-"""Opens a table with h5py, xarray and the reader of FORMAT.md, and compares it with what the Rust test wrote."""
+"""Opens a table with h5py, xarray and the reader of FORMAT.md.
+
+Compares it with what the Rust test wrote.
+"""
 
 import hashlib
 import importlib.util
@@ -21,7 +24,7 @@ def check(condition, what):
 
 
 def content_hash(file):
-    """The hash as FORMAT.md describes it, from the file alone."""
+    """Returns the hash as FORMAT.md describes it, from the file alone."""
     digest = hashlib.sha256()
 
     def item(name, value):

@@ -1,47 +1,46 @@
-//! Where the apexes are, and the edges that run from them.
+//! Apexes of a surface, and the edges that run from them.
 //!
-//! An apex is an inner vertex around which the facets face three nearly perpendicular ways, all
-//! neighbours lying on the side that the facets face (the light's). A finely triangulated facet
-//! counts as one where its normals at the apex agree. Its three edges (legs) are the valleys
-//! between the facets, followed as long as they go straight on.
+//! An apex is an inner vertex around which the facets face in three nearly perpendicular
+//! directions. All neighbours lie on the side that the facets face (the light's side). A finely
+//! triangulated facet counts as one facet if its normals at the apex agree. The three edges (legs)
+//! of an apex are the valleys between the facets, followed as long as they are straight.
 
 use glam::DVec3;
 
 use crate::cell::surface::Surface;
 
-/// Triangles around a vertex belong to one facet where their normals differ by less than this
-/// angle's cosine (20 deg).
+/// Cosine of the angle (20 deg) within which the normals of two triangles around a vertex are those
+/// of one facet.
 const SAME_FACET_COS: f64 = 0.94;
-/// Facets count as perpendicular where their normals' cosine is below this (5.7 deg off a right
-/// angle).
+/// Greatest cosine between the normals of two facets that count as perpendicular (5.7 deg off a
+/// right angle).
 const PERPENDICULAR_COS: f64 = 0.1;
-/// A valley goes straight on where the next step's direction has at least this cosine with the
-/// leg's.
+/// Least cosine between a leg and the next step of its valley, if the valley counts as straight.
 const STRAIGHT_COS: f64 = 0.9995;
 
-/// A vertex at which three perpendicular facets meet.
+/// Vertex at which three perpendicular facets meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Corner {
-    /// Welded vertex.
+    /// Welded vertex of the corner.
     pub vertex: u32,
-    /// Unit vector in the middle of the three facets' normals: the cube's axis, towards the side
+    /// Axis of the cube: unit vector in the middle of the three facets' normals, towards the side
     /// that they face.
     pub axis: DVec3,
-    /// Whether the neighbours lie on that side: a hollow corner that returns light. Else it is a
-    /// peak.
+    /// True if the neighbours lie on the side of `axis`: a hollow corner that returns light.
+    /// Otherwise the corner is a peak.
     pub hollow: bool,
 }
 
-/// An edge from an apex.
+/// Edge from an apex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Leg {
-    /// Welded vertex where it ends.
+    /// Welded vertex at the end of the edge.
     pub outer: u32,
-    /// From the apex to its end, file units.
+    /// Vector from the apex to the end of the edge, file units.
     pub along: DVec3,
 }
 
-/// The triangles around each vertex.
+/// Triangles around each vertex.
 #[derive(Debug)]
 pub(crate) struct Fans<'s, 'm> {
     surface: &'s Surface<'m>,
@@ -74,16 +73,18 @@ impl<'s, 'm> Fans<'s, 'm> {
         }
     }
 
+    /// Returns the triangles around a vertex.
     fn around(&self, vertex: u32) -> &[u32] {
         &self.triangles
             [self.start[vertex as usize] as usize..self.start[vertex as usize + 1] as usize]
     }
 
+    /// Returns the position of a vertex, file units.
     fn position(&self, vertex: u32) -> DVec3 {
         self.surface.mesh.positions[vertex as usize]
     }
 
-    /// All corners, in the order of the file.
+    /// Returns all corners, in the order of the file.
     pub(crate) fn corners(&self) -> Vec<Corner> {
         let mut inner = vec![true; self.surface.mesh.positions.len()];
         for (from, to) in self.surface.boundary() {
@@ -96,6 +97,7 @@ impl<'s, 'm> Fans<'s, 'm> {
             .collect()
     }
 
+    /// Returns the corner at an inner vertex, if there is one.
     fn corner(&self, vertex: u32) -> Option<Corner> {
         let around = self.around(vertex);
         let mut facets: Vec<(DVec3, DVec3)> = Vec::with_capacity(3);
@@ -133,11 +135,11 @@ impl<'s, 'm> Fans<'s, 'm> {
         })
     }
 
-    /// Ends of the valleys (hollow creases between facets) that start at `vertex`.
+    /// Returns the ends of the valleys (hollow creases between facets) that start at `vertex`.
     fn valleys(&self, vertex: u32) -> Vec<u32> {
         let base = self.position(vertex);
-        // Each edge at the vertex with each of its triangles and that triangle's third vertex, edge
-        // by edge.
+        // Each edge at the vertex with each of its triangles and the third vertex of this triangle,
+        // sorted by edge.
         let mut spokes: Vec<(u32, u32, u32)> = Vec::new();
         for &triangle in self.around(vertex) {
             let [a, b, c] = self.surface.welded[triangle as usize];
@@ -161,8 +163,9 @@ impl<'s, 'm> Fans<'s, 'm> {
         spokes.windows(2).filter_map(valley).collect()
     }
 
-    /// The three legs of a hollow corner, the one whose outer vertex comes first in the file first;
-    /// `None` where the facets do not meet in three straight valleys.
+    /// Returns the three legs of a hollow corner, sorted by their outer vertex in the file.
+    ///
+    /// Returns `None` if the facets do not meet in three straight valleys.
     pub(crate) fn legs(&self, corner: &Corner) -> Option<[Leg; 3]> {
         let apex = self.position(corner.vertex);
         let starts: [u32; 3] = self.valleys(corner.vertex).try_into().ok()?;
@@ -176,7 +179,7 @@ impl<'s, 'm> Fans<'s, 'm> {
                     let step = self.position(next) - here;
                     step.dot(direction) > STRAIGHT_COS * step.length()
                 });
-                // Each step lengthens the leg, so the walk ends; the test guards against rounding.
+                // Each step lengthens the leg, so the walk ends. The test guards against rounding.
                 match onward.filter(|&next| apex.distance(self.position(next)) > length) {
                     Some(next) => (outer, length) = (next, apex.distance(self.position(next))),
                     None => {

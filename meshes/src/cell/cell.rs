@@ -1,64 +1,69 @@
-//! The normalised cell that rays and beams are traced through.
+//! Normalised cell through which rays and beams are traced.
 //!
-//! **Cell frame**: origin at the (first) apex; z = n, the sheet's normal towards the light; x = the
-//! projection of the first edge on the entrance plane (azimuth 0); y = n x x. Lengths are in edge
-//! lengths (a leg from the apex is 1).
+//! **Cell frame**: the origin is the (first) apex; z = n, the sheet's normal towards the light; x
+//! is the projection of the first edge on the entrance plane (azimuth 0); y = n x x. Lengths are in
+//! edge lengths (a leg from the apex is 1).
 
 use glam::{DVec2, DVec3};
 
 use crate::cell::normals::Normals;
 
-/// Where rays enter: a polygon or one lattice parallelogram of the plane z = `height`.
+/// Entrance of rays: a polygon, or one lattice parallelogram, in the plane z = `height`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entrance {
     /// Height of the entrance plane above the apex, edge lengths.
     pub height: f64,
     /// Corners of the entrance polygon in the cell frame, counter-clockwise seen from the light,
-    /// edge lengths; simple, not necessarily convex. For a periodic cell this is the lattice
+    /// edge lengths.
+    ///
+    /// The polygon is simple, but not necessarily convex. For a periodic cell it is the lattice
     /// parallelogram.
     pub polygon: Vec<DVec2>,
-    /// Lattice vectors of a periodic cell, edge lengths, right-handed (a x b > 0); `None` where
-    /// rays end at the rim.
+    /// Lattice vectors of a periodic cell, edge lengths, right-handed (a x b > 0); `None` if rays
+    /// end at the rim.
     pub lattice: Option<[DVec2; 2]>,
 }
 
-/// A checked, normalised corner-cube cell.
+/// Corner-cube cell, checked and normalised.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Mirror facets as triangles in the cell frame, counter-clockwise seen from the light; a front
-    /// face is not among them. For a periodic cell: one period, facets may overhang the
-    /// parallelogram.
+    /// Mirror facets as triangles in the cell frame, counter-clockwise seen from the light.
+    ///
+    /// A front face is not among them. For a periodic cell they are one period, and may overhang
+    /// the parallelogram.
     pub facets: Vec<[DVec3; 3]>,
-    /// Normals of the curved faces that the facets stand for, where they were asked for; else
+    /// Normals of the curved faces that the facets stand for, if they were asked for; `None` if
     /// facets are planes.
     pub normals: Option<Normals>,
-    /// Whether light goes through each facet, where that was asked for; else empty, and all are
-    /// mirrors.
+    /// For each facet, true if light goes through it; empty if all facets are mirrors.
     pub glass: Vec<bool>,
-    /// Where rays enter.
+    /// Entrance of the rays.
     pub entrance: Entrance,
     /// Refractive index of a closed prism whose front face was taken off, as the file gives it.
     pub refractive_index: Option<f64>,
-    /// Its Abbe number V_d, as the file gives it.
+    /// Abbe number V_d of the prism, as the file gives it.
     pub abbe_number: Option<f64>,
-    /// Whether the mesh was closed: it then has a front face of its own, in the entrance plane.
+    /// True if the mesh was closed: it then has a front face of its own, in the entrance plane.
     pub closed: bool,
-    /// Length of one edge in file units: what 1 stands for.
+    /// Length of one edge in file units: the unit of the cell frame.
     pub edge_length: f64,
-    /// First edge (azimuth 0) in the file's frame, unit length; for the table's provenance.
+    /// Direction of the first edge (azimuth 0) in the file's frame, unit length; for the table's
+    /// provenance.
     pub azimuth_zero: DVec3,
     /// Name of the design.
     pub design: String,
     /// Hash of the mesh file, lower-case hex.
     pub mesh_hash: String,
-    /// What was repaired or assumed, for the user.
+    /// Repairs and assumptions, for the user.
     pub warnings: Vec<String>,
 }
 
 impl Cell {
-    /// The file's refractive index at a vacuum wavelength: where the file gives an Abbe number by
-    /// the two terms of Cauchy that KHR_materials_dispersion prescribes, its index being that of
-    /// the d line, 587.6 nm; else the same at all.
+    /// Returns the file's refractive index at a vacuum wavelength in nm.
+    ///
+    /// If the file gives an Abbe number, the index follows from the two terms of Cauchy that
+    /// KHR_materials_dispersion prescribes; the index in the file is that of the d line, 587.6 nm.
+    /// Without an Abbe number or a wavelength the file's index is returned.
     pub fn refractive_index_at(&self, wavelength_nm: Option<f64>) -> Option<f64> {
         let at_d = self.refractive_index?;
         let (Some(abbe), Some(nm)) = (self.abbe_number, wavelength_nm) else {

@@ -1,4 +1,4 @@
-//! Faults of a mesh that no cell can have: each its own [`Fault`].
+//! Faults of a mesh that no cell may have: each its own [`Fault`].
 
 use std::collections::HashMap;
 
@@ -6,18 +6,22 @@ use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::Mesh;
 
-/// Smallest and largest extent that is accepted, file units: squares of lengths stay far from
-/// under- and overflow.
+/// Smallest and largest extent that is accepted, file units.
+///
+/// Squares of lengths then stay far from underflow and overflow.
 pub(crate) const EXTENT: (f64, f64) = (1e-60, 1e60);
-/// A triangle is degenerate where its height is below this part of its longest edge: its normal has
-/// then lost all but four digits, and a mirror without a normal reflects nowhere.
+/// Ratio of height to longest edge below which a triangle is degenerate.
+///
+/// Its normal has then lost all but four digits, and without a normal a mirror has no direction of
+/// reflection.
 pub(crate) const THIN: f64 = 1e-12;
 
-/// Checks that there are triangles, that vertices are finite and indices in range, and that squares
-/// do not overflow.
+/// Checks that there are triangles, that vertices are finite, that indices are in range, and that
+/// squares do not overflow.
 ///
 /// # Errors
-/// [`Fault::Empty`], [`Fault::IndexOutOfRange`], [`Fault::NotFinite`], [`Fault::Extent`].
+/// Returns [`Fault::Empty`] without triangles, [`Fault::IndexOutOfRange`] or [`Fault::NotFinite`]
+/// for a wrong index or vertex, and [`Fault::Extent`] for an extent outside of [`EXTENT`].
 pub(crate) fn vertices(mesh: &Mesh) -> Result<(), Fault> {
     if mesh.triangles.is_empty() {
         return Err(Fault::Empty);
@@ -45,7 +49,7 @@ pub(crate) fn vertices(mesh: &Mesh) -> Result<(), Fault> {
     let extent = used
         .map(|p| (p - base).abs().max_element())
         .fold(0.0, f64::max);
-    // All vertices in one point: the first face says it better.
+    // If all vertices are in one point, the fault of the first face explains it better.
     if extent != 0.0 && !(EXTENT.0..=EXTENT.1).contains(&extent) {
         return Err(Fault::Extent {
             extent,
@@ -59,12 +63,12 @@ pub(crate) fn vertices(mesh: &Mesh) -> Result<(), Fault> {
 /// Checks triangles and edges: degenerate, duplicate or coincident faces, edges of more than two
 /// faces, winding.
 ///
-/// A surface wound consistently passes, whichever side it faces.
+/// A surface that is wound consistently passes, whichever side it faces.
 ///
 /// # Errors
-/// [`Fault::DegenerateFace`], [`Fault::DuplicateFace`], [`Fault::CoincidentFace`],
-/// [`Fault::NonManifoldEdge`], [`Fault::MixedWinding`], [`Fault::OneSided`]; the first in the order
-/// of the file, by kind in this order.
+/// Returns the first fault in the order of the file. Kinds are tried in this order:
+/// [`Fault::DegenerateFace`], [`Fault::DuplicateFace`] or [`Fault::CoincidentFace`],
+/// [`Fault::NonManifoldEdge`], [`Fault::MixedWinding`] or [`Fault::OneSided`].
 pub(crate) fn surface(surface: &Surface<'_>) -> Result<(), Fault> {
     degenerate(surface)?;
     duplicate(surface)?;
@@ -72,6 +76,7 @@ pub(crate) fn surface(surface: &Surface<'_>) -> Result<(), Fault> {
     winding(surface)
 }
 
+/// Checks that no triangle is degenerate.
 fn degenerate(surface: &Surface<'_>) -> Result<(), Fault> {
     for (triangle, &[i, j, k]) in surface.welded.iter().enumerate() {
         let [a, b, c] = surface.mesh.corners(triangle);
@@ -92,13 +97,14 @@ fn degenerate(surface: &Surface<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Checks that no two triangles have the same three vertices.
 fn duplicate(surface: &Surface<'_>) -> Result<(), Fault> {
     let mut seen: HashMap<[u32; 3], (usize, bool)> = HashMap::with_capacity(surface.welded.len());
     for (triangle, &[i, j, k]) in surface.welded.iter().enumerate() {
         let mut sorted = [i, j, k];
         sorted.sort_unstable();
-        // Three distinct numbers run upwards in one or in two of their cyclic steps: that tells the
-        // two sides apart.
+        // Three distinct numbers ascend in one or in two of their cyclic steps. This tells the two
+        // sides apart.
         let even = [(i, j), (j, k), (k, i)]
             .iter()
             .filter(|(a, b)| a < b)
@@ -119,8 +125,10 @@ fn duplicate(surface: &Surface<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Closed bodies may touch along an edge (two prisms with a front face each): two faces each, wound
-/// against each other.
+/// Checks that no edge belongs to more than two faces.
+///
+/// Closed bodies may touch along an edge (two prisms with a front face each). The edge then has two
+/// faces of each body, wound against each other.
 fn non_manifold(surface: &Surface<'_>) -> Result<(), Fault> {
     let closed = surface.meetings().all(|sides| sides.len() > 1);
     for sides in surface.meetings() {
@@ -142,8 +150,10 @@ fn non_manifold(surface: &Surface<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Spreads the winding of each part's first triangle over the part; the smaller party is the
-/// flipped one.
+/// Checks that neighbouring triangles are wound alike.
+///
+/// The winding of each part's first triangle is spread over the part. If some triangles disagree,
+/// the smaller group counts as flipped.
 fn winding(surface: &Surface<'_>) -> Result<(), Fault> {
     let agree = surface
         .meetings()

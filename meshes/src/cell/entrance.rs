@@ -1,4 +1,4 @@
-//! Where rays enter: the rim of a cell, or one parallelogram of its lattice.
+//! Entrance of rays: the rim of a cell, or one parallelogram of its lattice.
 
 use glam::{DVec2, DVec3};
 
@@ -8,20 +8,21 @@ use crate::cell::rim;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
-/// A rim is planar, and no vertex above it, to this part of the cell's extent (f32 files round to
-/// 6e-8 of it).
+/// Part of the cell's extent to which a rim must be planar and no vertex above it; f32 files round
+/// to 6e-8.
 pub(crate) const PLANAR: f64 = 1e-6;
-/// Facets may cover more than their lattice cell by this part of it: lattice vectors typed with few
-/// digits.
+/// Part of the lattice cell by which facets may cover more than it, for lattice vectors typed with
+/// few digits.
 const OVERFULL: f64 = 1e-3;
 
-/// One lattice parallelogram at the height of the highest vertex, around the middle of the facets.
+/// Returns one lattice parallelogram at the height of the highest vertex, around the middle of the
+/// facets.
 ///
-/// `lattice` is in file units and frame, `facets` in the cell frame. A warning tells of cubes that
-/// leave gaps.
+/// `lattice` is in file units and frame, `facets` in the cell frame. If cubes leave gaps, a warning
+/// says so.
 ///
 /// # Errors
-/// [`Fault::LatticeOverfull`].
+/// Returns [`Fault::LatticeOverfull`] if the facets cover more than one lattice cell.
 pub(crate) fn periodic(
     frame: &Frame,
     lattice: [DVec3; 2],
@@ -41,7 +42,7 @@ pub(crate) fn periodic(
         covered += area;
         moment += (p + q + r) / 3.0 * area;
     }
-    // A closed surface covers nothing but rounding.
+    // The area of a closed surface is only rounding.
     let middle = if covered > 1e-9 * a.perp_dot(b) {
         moment / covered
     } else {
@@ -52,7 +53,7 @@ pub(crate) fn periodic(
     if covered > 1.0 + OVERFULL {
         return Err(Fault::LatticeOverfull { covered });
     }
-    // Of an element that is no sheet of cubes the rest may well be open.
+    // An element that is no sheet of cubes may well be open beside its facets.
     if frame.has_apex && (covered - 1.0).abs() > PLANAR {
         warnings.push(format!(
             "the facets cover {covered:.6} of the lattice cell: the rest is open"
@@ -71,14 +72,14 @@ pub(crate) fn periodic(
     })
 }
 
-/// The polygon of a planar rim.
+/// Returns the polygon of a planar rim.
 ///
-/// `points` are the mesh's vertices in the cell frame, `rounding` that of the file's coordinates,
-/// edge lengths.
+/// `points` are the mesh's vertices in the cell frame. `rounding` is that of the file's
+/// coordinates, edge lengths.
 ///
 /// # Errors
-/// More than one rim, or one that is not planar, crosses itself or is not the highest part of the
-/// cell.
+/// Fails if there is more than one rim, or if the rim is not planar, crosses itself, or is not the
+/// highest part of the cell.
 pub(crate) fn rim(
     surface: &Surface<'_>,
     points: &[DVec3],

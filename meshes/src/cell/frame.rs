@@ -1,4 +1,4 @@
-//! The cell frame in the frame of the file.
+//! Position of the cell frame in the frame of the file.
 
 use glam::DVec3;
 
@@ -7,33 +7,34 @@ use crate::cell::options::CellOptions;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
-/// A lattice may lean this much against the surface, rad: vectors typed with few digits do.
+/// Greatest angle between lattice and surface, rad, for vectors typed with few digits.
 const LATTICE_TILT: f64 = 0.02;
 
 /// Origin, axes and unit of a cell, in the file's frame (positions relative to the mesh's origin).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {
-    /// The origin: the first apex.
+    /// Origin of the cell frame: the first apex, or the lowest vertex if there is none.
     pub apex: DVec3,
-    /// x, y and z of the cell frame, unit vectors.
+    /// Axes x, y and z of the cell frame, unit vectors.
     pub axes: [DVec3; 3],
-    /// The unit: length of an edge, file units.
+    /// Unit of the cell frame: length of an edge, file units.
     pub edge_length: f64,
     /// Direction of the first edge, unit length.
     pub azimuth_zero: DVec3,
-    /// Whether there is an apex: the cell is of corner cubes.
+    /// True if there is an apex: the cell is made of corner cubes.
     pub has_apex: bool,
 }
 
 impl Frame {
-    /// A vector of the file in the cell frame, edge lengths.
+    /// Returns a vector of the file in the cell frame, edge lengths.
     pub(crate) fn direction(&self, v: DVec3) -> DVec3 {
         let [x, y, z] = self.axes.map(|axis| axis.dot(v / self.edge_length));
         DVec3::new(x, y, z)
     }
 
-    /// A position of the mesh in the cell frame, edge lengths: the apex is subtracted first, so
-    /// that digits stay.
+    /// Returns a position of the mesh in the cell frame, edge lengths.
+    ///
+    /// The apex is subtracted first, so that digits stay.
     pub(crate) fn point(&self, p: DVec3) -> DVec3 {
         self.direction(p - self.apex)
     }
@@ -41,8 +42,8 @@ impl Frame {
     /// Finds the apex, the normal and the first edge of an open surface that faces the light.
     ///
     /// # Errors
-    /// [`Fault::NoApex`] where neither the surface nor the options give them, and what is wrong
-    /// with the lattice or the options.
+    /// Returns [`Fault::NoApex`] if neither the surface nor the options give an edge length and an
+    /// azimuth zero. Returns the fault of the lattice or of the options if one of them is wrong.
     pub(crate) fn of(
         surface: &Surface<'_>,
         lattice: Option<[DVec3; 2]>,
@@ -70,7 +71,8 @@ impl Frame {
             .azimuth_zero
             .or(mesh.azimuth_zero)
             .or(legs.map(|legs| legs[0].along))
-            // Of what is no corner cube, and says its unit.
+            // A cell that is no corner cube, but states its edge length, takes the first lattice
+            // vector.
             .or(lattice.map(|[a, _]| a))
             .ok_or(Fault::NoApex)?;
         let origin = match &apex {
@@ -83,7 +85,8 @@ impl Frame {
             z: azimuth_zero.z,
         };
         let azimuth_zero = azimuth_zero.try_normalize().ok_or_else(no_direction)?;
-        // Projected twice: once leaves 1e-16 over the length of what it leaves.
+        // The vector is projected twice, because one projection of a nearly normal vector leaves an
+        // error of 1e-16 over the remaining length.
         let flat = azimuth_zero - normal * normal.dot(azimuth_zero);
         let x = flat
             .try_normalize()
@@ -101,7 +104,7 @@ impl Frame {
     }
 }
 
-/// First vertex of the lowest ones along `normal`: the origin of a cell without an apex.
+/// Returns the first of the lowest vertices along `normal`: the origin of a cell without an apex.
 fn lowest(surface: &Surface<'_>, normal: DVec3) -> u32 {
     let mut vertices: Vec<u32> = surface.welded.iter().flatten().copied().collect();
     vertices.sort_unstable();
@@ -112,7 +115,8 @@ fn lowest(surface: &Surface<'_>, normal: DVec3) -> u32 {
         .unwrap_or_default()
 }
 
-/// Unit normal of the sheet towards the light: of the lattice, else of the rim.
+/// Returns the unit normal of the sheet towards the light: that of the lattice, otherwise that of
+/// the rim.
 fn normal(surface: &Surface<'_>, lattice: Option<[DVec3; 2]>) -> Result<DVec3, Fault> {
     let facing = surface.vector_area();
     let Some([a, b]) = lattice else {
@@ -128,8 +132,8 @@ fn normal(surface: &Surface<'_>, lattice: Option<[DVec3; 2]>) -> Result<DVec3, F
     if !(a.is_finite() && b.is_finite() && sine > 1e-6) {
         return Err(Fault::LatticeDegenerate);
     }
-    // A closed surface faces nowhere: light comes from where the lattice's vectors turn
-    // counter-clockwise.
+    // A closed surface has no side that it faces. Light then comes from the side from which the
+    // lattice vectors turn counter-clockwise.
     let closed = facing.length() <= 1e-9 * cross.length();
     let facing = if closed { DVec3::ZERO } else { facing };
     let normal = cross.normalize() * if cross.dot(facing) < 0.0 { -1.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! From a mesh in file units to a cell in its own frame.
+//! Normalisation: from a mesh in file units to a cell in its own frame.
 
 use std::path::Path;
 
@@ -17,32 +17,33 @@ use crate::files::load::load;
 use crate::mesh::error::{Error, Fault};
 use crate::mesh::mesh::Mesh;
 
-/// Least number of digits: rounding past this part of an edge is an error, past a hundredth of it a
-/// warning.
+/// Greatest rounding of coordinates, edge lengths; a hundredth of it gives a warning.
 const DIGITS: f64 = 1e-6;
 
-/// Loads a mesh file and normalises it: [`load`], then [`normalise`].
+/// Loads a mesh file with [`load`] and normalises it with [`normalise`].
 ///
 /// # Errors
-/// Those of the two.
+/// Returns the errors of [`load`] and of [`normalise`].
 pub fn load_cell(path: &Path, options: &CellOptions) -> Result<Cell, Error> {
     normalise(&load(path)?, path, options)
 }
 
 /// Checks a mesh and brings it into the cell frame, with edge length 1.
 ///
-/// Nothing is snapped or straightened: facets are the file's vertices less the apex, over the edge
-/// length, turned into the frame. Accuracy: the rounding of the file's coordinates (2e-16 of the
-/// largest, file units) over the edge length, and 4e-16 of the cell's extent.
+/// Nothing is snapped or straightened: facets are the file's vertices minus the apex, divided by
+/// the edge length, and turned into the frame. Accuracy: the rounding of the file's coordinates
+/// (2e-16 of the largest, file units) over the edge length, and 4e-16 of the cell's extent.
 ///
 /// `path` appears in messages only.
 ///
 /// # Errors
-/// Any [`Fault`] of the mesh's faces, its rim, its lattice or the options.
+/// Returns an [`Error`] with the [`Fault`] if the mesh's faces, its rim, its lattice or the options
+/// are wrong.
 pub fn normalise(mesh: &Mesh, path: &Path, options: &CellOptions) -> Result<Cell, Error> {
     cell(mesh, options).map_err(|fault| Error::new(path, fault))
 }
 
+/// Checks a mesh, turns it to the light and places it in the cell frame.
 fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Fault> {
     if let Some(edge_length) = options.edge_length.filter(|e| !(e.is_finite() && *e > 0.0)) {
         return Err(Fault::EdgeLength { edge_length });
@@ -69,7 +70,7 @@ fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Fault> {
     }
 }
 
-/// Whether the surface has no boundary; it must then be one body.
+/// Returns whether the surface has no boundary; it must then be one body.
 fn is_closed(surface: &Surface<'_>) -> Result<bool, Fault> {
     let (part, parts) = surface.parts();
     let mut open = vec![false; parts];
@@ -94,13 +95,13 @@ fn is_closed(surface: &Surface<'_>) -> Result<bool, Fault> {
     Ok(true)
 }
 
-/// A closed prism without its front face, facing the light.
+/// Returns a closed prism without its front face, facing the light.
 fn opened(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mesh, Fault> {
     if prism::volume(surface) < 0.0 {
         warnings.push("the closed mesh is wound inward: all faces were turned outward".to_owned());
         let outward = prism::flipped(surface.mesh);
         let surface = Surface::new(&outward);
-        // Facets of a prism face outward, its corners are peaks there.
+        // The facets of a prism face outward, so its corners are peaks there.
         let corner = Fans::new(&surface)
             .corners()
             .into_iter()
@@ -114,11 +115,12 @@ fn opened(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Mesh, Fau
     prism::open(surface, corner.as_ref())
 }
 
-/// A hollow surface turned over, where it has peaks and no hollow corner; `None` where it already
-/// faces the light.
+/// Turns a hollow surface over if it has peaks and no hollow corner.
+///
+/// Returns `None` if it already faces the light.
 ///
 /// # Errors
-/// [`Fault::MixedWinding`] where one part has hollow corners and another one only peaks.
+/// Returns [`Fault::MixedWinding`] if one part has hollow corners and another part has only peaks.
 fn facing_light(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Option<Mesh>, Fault> {
     let fans = Fans::new(surface);
     let corners = fans.corners();
@@ -162,6 +164,7 @@ fn facing_light(surface: &Surface<'_>, warnings: &mut Vec<String>) -> Result<Opt
     Ok(None)
 }
 
+/// Places an open surface that faces the light in the cell frame.
 fn placed(
     surface: &Surface<'_>,
     closed: bool,
@@ -173,7 +176,7 @@ fn placed(
     let frame = Frame::of(surface, lattice, options)?;
     if let Some(edge_length) = options.edge_length {
         let extent = extent(&mesh.positions);
-        // A cell of a millionth of an edge, or of a million edges, is a wrong unit.
+        // A cell of a millionth of an edge, or of a million edges, is in a wrong unit.
         if !(1e-6..=1e6).contains(&(extent / edge_length)) {
             return Err(Fault::EdgeLengthScale {
                 edge_length,
@@ -193,7 +196,8 @@ fn placed(
     }
     if rounding > DIGITS / 100.0 {
         warnings.push(format!(
-            "the cell is so far off that its coordinates are rounded to {rounding:.0e} edges"
+            "the mesh lies so far from the origin that its coordinates are rounded to \
+            {rounding:.0e} edge lengths; move it to the origin"
         ));
     }
     let points: Vec<DVec3> = mesh.positions.iter().map(|&p| frame.point(p)).collect();
@@ -233,7 +237,7 @@ fn placed(
     })
 }
 
-/// The greatest side of the box around the points.
+/// Returns the greatest side of the box around the points.
 fn extent(points: &[DVec3]) -> f64 {
     let least = points.iter().copied().reduce(DVec3::min);
     let most = points.iter().copied().reduce(DVec3::max);

@@ -1,9 +1,9 @@
 //! Normals at the corners of facets that stand for a curved face.
 //!
 //! A file may give each corner of a face a normal of its own (OBJ `vn`, glTF `NORMAL`): that of the
-//! curved face which the flat facets approximate. They shape nothing unless asked for
-//! ([`crate::CellOptions::file_normals`]): programs write them for flat faces too, often averaged
-//! over an edge.
+//! curved face which the flat facets approximate. They have no effect unless the user asks for them
+//! ([`crate::CellOptions::file_normals`]), because programs write them for flat faces too, often
+//! averaged over an edge.
 
 use glam::DVec3;
 
@@ -11,25 +11,29 @@ use crate::cell::frame::Frame;
 use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 
-/// Normals closer than this are the same, rad: files with four digits, as some programs write them,
-/// round each coordinate by 5e-5, and two vectors so by up to 1.8e-4.
+/// Angle within which normals count as equal, rad.
+///
+/// Files with four digits, as some programs write them, round each coordinate by 5e-5, and turn two
+/// vectors against each other by up to 1.8e-4.
 const SAME: f64 = 2e-4;
 
 /// Normals at the corners of facets, unit length, within 90 degrees of the facet's front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Normals {
-    /// The vectors, cell frame.
+    /// Unit vectors, cell frame.
     pub vectors: Vec<DVec3>,
-    /// For each facet, which of them are at its corners.
+    /// For each facet, the indices of the vectors at its corners.
     pub corners: Vec<[u32; 3]>,
 }
 
-/// The normals that the file of `surface` gives, in `frame`. Facets without any are planes; which
-/// side all of them point to does not matter, for a reflection does not know it.
+/// Returns the normals that the file of `surface` gives, in `frame`.
+///
+/// Facets without normals are planes. All normals may point to the front or all to the back,
+/// because a reflection does not depend on their sign.
 ///
 /// # Errors
-/// There are none, a facet has some but not all, or one that is no direction, or not all are on one
-/// side.
+/// Fails if there are no normals, if a facet has them at some corners only, if one is out of range
+/// or has no direction, or if they are not all on one side.
 pub(crate) fn of_file(
     surface: &Surface<'_>,
     frame: &Frame,
@@ -39,13 +43,14 @@ pub(crate) fn of_file(
     if mesh.corner_normals.is_empty() {
         return Err(Fault::NoNormals);
     }
-    // Scaled first: squares of a file's numbers might overflow.
+    // Scale first, because squares of a file's numbers might overflow.
     let unit = |n: DVec3| frame.direction(n / n.abs().max_element()).try_normalize();
     let given: Vec<Option<DVec3>> = mesh.normals.iter().map(|&n| unit(n)).collect();
     let mut vectors: Vec<DVec3> = given.iter().map(|n| n.unwrap_or(DVec3::Z)).collect();
     let mut corners = Vec::with_capacity(mesh.triangles.len());
     let mut planes = Vec::new();
-    // The first facet's side and number, and whether any normal is not its facet's own.
+    // Side and number of the first facet with normals, and whether any normal differs from its
+    // facet's own.
     let mut first: Option<(bool, u32)> = None;
     let mut curved = false;
     for (triangle, numbers) in mesh.corner_normals.iter().enumerate() {
@@ -106,8 +111,8 @@ pub(crate) fn of_file(
     Ok(Normals { vectors, corners })
 }
 
-/// What is said where the file has normals that nobody asked for and that differ from its facets'
-/// own.
+/// Returns a warning if the file has normals that differ from its facets' own and were not asked
+/// for.
 pub(crate) fn left_out(surface: &Surface<'_>) -> Option<String> {
     let mesh = surface.mesh;
     let sine = |triangle: usize, number: std::num::NonZeroU32| {
@@ -127,8 +132,7 @@ pub(crate) fn left_out(surface: &Surface<'_>) -> Option<String> {
     (largest > SAME).then(|| {
         format!(
             "the file has normals up to {:.2} degrees off its facets, which are taken as planes; \
-            if they stand for a curved face, \
-             give --normals file",
+            if they stand for a curved face, give --normals file",
             largest.min(1.0).asin().to_degrees()
         )
     })

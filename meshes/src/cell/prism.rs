@@ -1,4 +1,4 @@
-//! Closed prisms: taking the front face off, so that the mirror facets alone are left, facing the
+//! Closed prisms: removal of the front face, so that only the mirror facets are left, facing the
 //! light.
 
 use glam::DVec3;
@@ -8,15 +8,16 @@ use crate::cell::surface::{Surface, root};
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::Mesh;
 
-/// Triangles of a front face are flat to this part of the mesh's extent.
+/// Part of the mesh's extent to which the triangles of a front face are flat.
 const FLAT: f64 = 1e-6;
-/// A front face looks away from the apex within this angle's cosine (53 deg): more than any useful
-/// cant, less than the 54.7 deg of a block's other faces.
+/// Cosine of the greatest angle (53 deg) between a front face and the direction away from the apex.
+///
+/// It is more than any useful cant, and less than the 54.7 deg of the other faces of a block.
 const OPPOSITE_COS: f64 = 0.6;
-/// Neighbouring triangles are looked at as one face below this angle, rad.
+/// Angle below which neighbouring triangles belong to one face, rad.
 const SMOOTH: f64 = 1e-4;
 
-/// Volume that a closed surface encloses, file units cubed: positive where it is wound outward.
+/// Returns the volume of a closed surface, file units cubed; positive if it is wound outward.
 pub(crate) fn volume(surface: &Surface<'_>) -> f64 {
     let base = surface.mesh.positions[surface.welded[0][0] as usize];
     let sixth = |triangle| {
@@ -26,7 +27,7 @@ pub(crate) fn volume(surface: &Surface<'_>) -> f64 {
     (0..surface.welded.len()).map(sixth).sum()
 }
 
-/// The mesh with every triangle wound the other way.
+/// Returns the mesh with every triangle wound the other way.
 pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();
     mesh.triangles
@@ -38,8 +39,9 @@ pub(crate) fn flipped(mesh: &Mesh) -> Mesh {
     mesh
 }
 
-/// For each triangle the first one of its flat face: triangles that meet along a side without a
-/// bend are of one face.
+/// Returns the first triangle of the flat face of each triangle.
+///
+/// Triangles that meet along a side without a bend belong to one face.
 fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..surface.welded.len() as u32).collect();
     for sides in surface.meetings() {
@@ -62,14 +64,14 @@ fn flat_faces(surface: &Surface<'_>) -> Vec<u32> {
         .collect()
 }
 
-/// The mirror facets of a closed, outward-wound prism, turned to face the light inside it.
+/// Returns the mirror facets of a closed, outward-wound prism, turned to face the light inside it.
 ///
 /// The front face is the largest flat face that has the whole prism behind it and looks away from
-/// the apex `corner` (where there is none: the largest of all), with whatever else lies in its
-/// plane.
+/// the apex `corner`. Without a corner it is the largest face with the whole prism behind it. Other
+/// faces in its plane belong to it.
 ///
 /// # Errors
-/// [`Fault::NoFrontFace`].
+/// Returns [`Fault::NoFrontFace`] if there is no such face.
 pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mesh, Fault> {
     let mesh = surface.mesh;
     let face_of = flat_faces(surface);
@@ -96,7 +98,7 @@ pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mes
     let slack = FLAT * extent + 8.0 * surface.rounding;
     let front = faces.into_iter().find(|&face| {
         let normal = area[face as usize].normalize_or_zero();
-        // The corner's axis points out of the prism, away from the light.
+        // The axis of the corner points out of the prism, away from the light.
         let opposite = corner.is_none_or(|corner| normal.dot(corner.axis) < -OPPOSITE_COS);
         let on = mesh.corners(face as usize)[0];
         let height = |v: u32| normal.dot(mesh.positions[v as usize] - on);
@@ -109,7 +111,8 @@ pub(crate) fn open(surface: &Surface<'_>, corner: Option<&Corner>) -> Result<Mes
         opposite && used.iter().all(|&v| height(v) <= slack) && flat()
     });
     let front = front.ok_or(Fault::NoFrontFace)?;
-    // Every triangle in that plane: prisms that touch along an edge of it have a front face each.
+    // Take every triangle in this plane, because prisms that touch along an edge of it have a front
+    // face each.
     let (normal, on) = (
         area[front as usize].normalize_or_zero(),
         mesh.corners(front as usize)[0],

@@ -1,4 +1,4 @@
-//! The rim of an open surface: the one loop of its boundary.
+//! Rim of an open surface: the only loop of its boundary.
 
 use std::collections::HashMap;
 
@@ -8,13 +8,14 @@ use crate::cell::surface::Surface;
 use crate::mesh::error::Fault;
 use crate::mesh::polygon;
 
-/// Most corners of a rim that are tested for crossing each other: the test is quadratic.
+/// Most corners of a rim that is tested for crossing itself, because the test is quadratic.
 const MAX_TESTED_CORNERS: usize = 4096;
 
-/// The rim's welded vertices in order, the surface on their left seen from the light.
+/// Returns the rim's welded vertices in order, with the surface on their left seen from the light.
 ///
 /// # Errors
-/// [`Fault::SeveralRims`] for holes or parts, [`Fault::RimCrossed`] where parts touch in a vertex.
+/// Returns [`Fault::SeveralRims`] if there are holes or several parts, and [`Fault::RimCrossed`] if
+/// parts touch in a vertex.
 pub(crate) fn vertices(surface: &Surface<'_>) -> Result<Vec<u32>, Fault> {
     let boundary = surface.boundary();
     let mut next: HashMap<u32, u32> = HashMap::with_capacity(boundary.len());
@@ -43,6 +44,7 @@ pub(crate) fn vertices(surface: &Surface<'_>) -> Result<Vec<u32>, Fault> {
     Ok(rims.into_iter().next().unwrap_or_default())
 }
 
+/// Removes the loop that begins at `start` from `next`, and returns its vertices.
 fn walk(next: &mut HashMap<u32, u32>, start: u32) -> Vec<u32> {
     let mut path = vec![start];
     let mut here = start;
@@ -56,14 +58,14 @@ fn walk(next: &mut HashMap<u32, u32>, start: u32) -> Vec<u32> {
     path
 }
 
-/// Entrance height and polygon of a rim whose vertices, `points` in the cell frame, are numbered
-/// `vertices`.
+/// Returns entrance height and polygon of a rim.
 ///
-/// The height is that of the highest rim vertex. Corners on a straight line (to 1e-12 edge lengths)
-/// are left out.
+/// `points` are the rim's vertices in the cell frame, and `vertices` their numbers. The height is
+/// that of the highest rim vertex. Corners on a straight line (to 1e-12 edge lengths) are left out.
 ///
 /// # Errors
-/// [`Fault::RimNotPlanar`] past `tolerance` (edge lengths), [`Fault::RimCrossed`].
+/// Returns [`Fault::RimNotPlanar`] if a vertex is more than `tolerance` (edge lengths) off the
+/// plane, and [`Fault::RimCrossed`] if the rim crosses or touches itself.
 pub(crate) fn polygon(
     points: &[DVec3],
     vertices: &[u32],

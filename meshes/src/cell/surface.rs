@@ -1,36 +1,36 @@
-//! The triangles as a surface: which vertices are one point, which triangles meet at an edge, what
-//! is connected.
+//! Triangles as a surface: welded vertices, edges with the triangles that meet there, and connected
+//! parts.
 
 use glam::DVec3;
 
 use crate::cell::weld;
 use crate::mesh::mesh::Mesh;
 
-/// One triangle at one of its edges.
+/// Triangle at one of its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Side {
     /// Smaller welded vertex of the edge.
     pub low: u32,
     /// Larger welded vertex of the edge.
     pub high: u32,
-    /// The triangle.
+    /// Index of the triangle.
     pub triangle: u32,
-    /// Whether the triangle runs from `low` to `high`.
+    /// True if the triangle runs from `low` to `high`.
     pub ascending: bool,
 }
 
-/// A mesh with its welded topology. Positions and triangles are the mesh's own.
+/// Mesh with its welded topology. Positions and triangles are the mesh's own.
 #[derive(Debug)]
 pub(crate) struct Surface<'a> {
-    /// The mesh.
+    /// Mesh of the surface.
     pub mesh: &'a Mesh,
     /// Vertex indices after welding, per triangle.
     pub welded: Vec<[u32; 3]>,
-    /// All sides of all triangles, sorted by edge and then by triangle.
+    /// Sides of all triangles, sorted by edge and then by triangle.
     pub sides: Vec<Side>,
-    /// Where each edge starts in `sides`, and at the end its length.
+    /// Start of each edge in `sides`; the last entry is the length of `sides`.
     pub edges: Vec<u32>,
-    /// Unit normals of the triangles, by their winding; zero for a degenerate one.
+    /// Unit normals of the triangles, by their winding; zero for a degenerate triangle.
     pub normals: Vec<DVec3>,
     /// Bound on the rounding of a distance between two vertices, file units.
     pub rounding: f64,
@@ -40,8 +40,8 @@ impl<'a> Surface<'a> {
     /// Welds the vertices of `mesh` and sorts its edges.
     ///
     /// # Panics
-    /// If an index is out of range or a position is not finite: [`crate::cell::check::vertices`]
-    /// comes first.
+    /// Panics if an index is out of range or a position is not finite. Call
+    /// [`crate::cell::check::vertices`] first.
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
         let same = weld::weld(mesh, weld::tolerance(mesh));
         let welded: Vec<[u32; 3]> = mesh
@@ -90,14 +90,14 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The sides that meet at each edge, edge by edge.
+    /// Returns the sides that meet at each edge, edge by edge.
     pub(crate) fn meetings(&self) -> impl Iterator<Item = &[Side]> {
         self.edges
             .windows(2)
             .map(|range| &self.sides[range[0] as usize..range[1] as usize])
     }
 
-    /// Edges that one triangle alone has, as (from, to) along that triangle.
+    /// Returns the edges that belong to one triangle only, as (from, to) along this triangle.
     pub(crate) fn boundary(&self) -> Vec<(u32, u32)> {
         self.meetings()
             .filter_map(|sides| match sides {
@@ -108,11 +108,11 @@ impl<'a> Surface<'a> {
             .collect()
     }
 
-    /// Vector area of the surface, file units squared: the sum of the triangles' normals times
-    /// their areas. It is normal to a planar rim and points to the light.
+    /// Returns the vector area of the surface, file units squared: the sum of the triangles'
+    /// normals times their areas.
     ///
-    /// It depends on the boundary alone, and is summed there: over 9600 triangles instead, rounding
-    /// reached 6e-14.
+    /// It is normal to a planar rim and points to the light. It depends on the boundary alone and
+    /// is summed there: a sum over 9600 triangles had a rounding error of 6e-14.
     pub(crate) fn vector_area(&self) -> DVec3 {
         let boundary = self.boundary();
         let at = |vertex: u32| self.mesh.positions[vertex as usize];
@@ -125,8 +125,9 @@ impl<'a> Surface<'a> {
             .sum()
     }
 
-    /// Connected part of each triangle (through edges shared by two triangles), and the number of
-    /// parts.
+    /// Returns the connected part of each triangle, and the number of parts.
+    ///
+    /// Triangles are connected through edges that they share.
     pub(crate) fn parts(&self) -> (Vec<u32>, usize) {
         let mut parent: Vec<u32> = (0..self.welded.len() as u32).collect();
         for sides in self.meetings() {
@@ -135,7 +136,8 @@ impl<'a> Surface<'a> {
                     root(&mut parent, pair[0].triangle),
                     root(&mut parent, pair[1].triangle),
                 );
-                // The smaller becomes the root: parts are then numbered in the order of the file.
+                // The smaller number becomes the root, so that parts are numbered in the order of
+                // the file.
                 parent[a.max(b) as usize] = a.min(b);
             }
         }
@@ -153,7 +155,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Root of a union-find tree, halving the path.
+/// Returns the root of a union-find tree, and halves the path to it.
 pub(crate) fn root(parent: &mut [u32], mut node: u32) -> u32 {
     while parent[node as usize] != node {
         let above = parent[parent[node as usize] as usize];

@@ -1,8 +1,8 @@
-//! Which vertices are the same point: exporters repeat a vertex for every face that has its own
-//! normal.
+//! Welding: finding the vertices that are one point.
 //!
-//! Welding serves topology alone. Facets keep the positions that the file gives them, so that a
-//! dihedral error of 1e-9 is not rounded away by it.
+//! Exporters repeat a vertex for every face that has its own normal. Welding serves topology only.
+//! Facets keep the positions of the file, so that welding does not round away a dihedral error of
+//! 1e-9.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -11,22 +11,24 @@ use glam::DVec3;
 
 use crate::mesh::mesh::Mesh;
 
-/// Two vertices closer than this part of the median triangle's longest edge are one (besides the
-/// rounding of their coordinates). f32 files place the two sides of a shared edge to 1e-7 of it.
+/// Part of the median triangle's longest edge within which two vertices are one, besides the
+/// rounding of their coordinates.
+///
+/// f32 files place the two sides of a shared edge to 1e-7 of it.
 pub(crate) const TOLERANCE: f64 = 2e-7;
 
-/// The first of the vertices that each vertex coincides with; vertices that no triangle uses are
-/// their own.
+/// Returns the first of the vertices with which each vertex coincides.
 ///
-/// A vertex joins the first representative within `tolerance` (file units); representatives do not
-/// move, so that a chain of close vertices does not collapse. Expected time linear in the number of
-/// vertices.
+/// A vertex that no triangle uses is returned itself. A vertex joins the first representative
+/// within `tolerance` (file units). Representatives do not move, so a chain of close vertices does
+/// not collapse. The expected time is linear in the number of vertices.
 pub(crate) fn weld(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
     let mut used = vec![false; mesh.positions.len()];
     for &vertex in mesh.triangles.iter().flatten() {
         used[vertex as usize] = true;
     }
-    // Twice as many cells to look into as vertices, and at most some 500 representatives in one.
+    // This gives about twice as many cells to look into as vertices, and at most some 500
+    // representatives in one cell.
     let cell = (tolerance * 8.0).max(f64::MIN_POSITIVE);
     let key = |p: DVec3| (p / cell).floor().to_array().map(|x| x as i64);
     let mut first_in: HashMap<[i64; 3], u32> = HashMap::with_capacity(mesh.positions.len());
@@ -64,8 +66,9 @@ pub(crate) fn weld(mesh: &Mesh, tolerance: f64) -> Vec<u32> {
     same
 }
 
-/// Distance within which two vertices of `mesh` are one point, file units: [`TOLERANCE`] of the
-/// median triangle and the rounding of the coordinates themselves.
+/// Returns the distance within which two vertices of `mesh` are one point, file units.
+///
+/// It is [`TOLERANCE`] of the median triangle plus the rounding of the coordinates.
 pub(crate) fn tolerance(mesh: &Mesh) -> f64 {
     let mut longest: Vec<f64> = (0..mesh.triangles.len())
         .map(|triangle| {
@@ -81,8 +84,9 @@ pub(crate) fn tolerance(mesh: &Mesh) -> f64 {
     TOLERANCE * *median + rounding(mesh)
 }
 
-/// Bound on the rounding of a distance between two positions of `mesh`, file units: half a unit in
-/// the last place of the largest coordinate, for two vertices in three axes.
+/// Returns a bound on the rounding of a distance between two positions of `mesh`, file units.
+///
+/// It is half a unit in the last place of the largest coordinate, for two vertices in three axes.
 pub(crate) fn rounding(mesh: &Mesh) -> f64 {
     let largest = mesh
         .positions
@@ -96,7 +100,7 @@ pub(crate) fn rounding(mesh: &Mesh) -> f64 {
 mod tests {
     use super::*;
 
-    /// Chains, cell borders and exact copies: against the quadratic definition.
+    /// Compares chains, cell borders and exact copies with the quadratic definition.
     #[test]
     fn agrees_with_the_quadratic_definition() {
         let mut cases = 0;

@@ -1,4 +1,4 @@
-//! A glass bead on a mirror: a sphere whose lower half is silvered, in a hexagonal lattice.
+//! Glass bead on a mirror: a sphere whose lower half is silvered, in a hexagonal lattice.
 
 use std::collections::HashMap;
 use std::num::NonZeroU32;
@@ -10,30 +10,32 @@ use crate::files::write;
 use crate::mesh::error::Fault;
 use crate::mesh::mesh::{Mesh, sha256};
 
-/// One bead of a sheet, the light towards +z: an octahedron whose faces are cut into facets and
-/// brought onto the sphere. Facets above the equator are of the material `glass`, those below are
-/// mirrors; corners have the sphere's normals.
+/// One bead of a sheet, the light towards +z.
+///
+/// It is an octahedron whose faces are cut into facets and brought onto the sphere. Facets above
+/// the equator have the material `glass`, facets below are mirrors. Corners have the sphere's
+/// normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bead {
     /// Distance from bead to bead, file units.
     pub pitch: f64,
     /// Diameter of a bead, pitches; from 1e-3 to 1, where beads touch.
     pub diameter: f64,
-    /// Facets along each edge of the octahedron; from 1 to 1000.
+    /// Number of facets along each edge of the octahedron; from 1 to 1000.
     pub segments: u32,
 }
 
 impl Bead {
     /// Name on the command line and in files.
     pub const NAME: &'static str = "bead";
-    /// One line for a list.
+    /// Description in one line, for a list.
     pub const DESCRIPTION: &'static str = "a glass bead, its lower half a mirror, periodic: trace \
     it with --glass-index and --normals file";
 
-    /// The mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
+    /// Returns the mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
     ///
     /// # Errors
-    /// [`Fault::DesignOption`].
+    /// Returns [`Fault::DesignOption`] if a number is out of its range.
     pub fn mesh(&self) -> Result<Mesh, Fault> {
         inside("edge length", self.pitch, 1e-30, 1e30)?;
         inside("diameter", self.diameter, 1e-3, 1.0)?;
@@ -47,7 +49,7 @@ impl Bead {
         };
         let radius = self.diameter * self.pitch / 2.0;
         let n = self.segments as i32;
-        // Points of the octahedron |i| + |j| + |k| = n, which faces share.
+        // Points of the octahedron |i| + |j| + |k| = n, shared by its faces.
         let mut vertices = HashMap::new();
         let mut vertex = |steps: [i32; 3], mesh: &mut Mesh| {
             *vertices.entry(steps).or_insert_with(|| {
@@ -61,7 +63,7 @@ impl Bead {
             let [x, y, z] = [1, 2, 4].map(|bit| if octant & bit == 0 { 1 } else { -1 });
             let mut facet = |corners: [[i32; 3]; 3]| {
                 let [a, b, c] = corners.map(|[i, j, k]| vertex([x * i, y * j, z * k], &mut mesh));
-                // A reflection turns the winding round.
+                // A reflection reverses the winding.
                 let corners = if x * y * z > 0 { [a, b, c] } else { [a, c, b] };
                 mesh.triangles.push(corners);
                 mesh.glass.push(z > 0);

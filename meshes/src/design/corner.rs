@@ -1,21 +1,21 @@
-//! One cube corner up to its planar rim: sharp, with rounded edges, or with a flat in place of its
-//! apex.
+//! One cube corner up to its planar rim: sharp, with rounded edges, or with a flat facet in place
+//! of its apex.
 
 use glam::{DMat3, DVec3};
 
-/// The facets, and what the next cube or the land around joins.
+/// Facets of a cube corner, and the rim that joins the next cube or the land around.
 pub(crate) struct Corner {
-    /// Vertices.
+    /// Positions of the vertices, file units.
     pub positions: Vec<DVec3>,
     /// Facets, counter-clockwise seen from the light.
     pub triangles: Vec<[u32; 3]>,
-    /// The rim's vertices at the ends of edges 1, 2 and 3, counter-clockwise in all: one where the
-    /// edge is sharp, an arc where it is rounded.
+    /// Vertices of the rim at the ends of edges 1, 2 and 3, counter-clockwise: one if the edge is
+    /// sharp, an arc if it is rounded.
     pub rim: [Vec<u32>; 3],
 }
 
 impl Corner {
-    /// The facets between three edges.
+    /// Makes the facets between three edges.
     pub(super) fn sharp([a, b, c]: [DVec3; 3]) -> Self {
         Corner {
             positions: vec![DVec3::ZERO, a, b, c],
@@ -24,7 +24,7 @@ impl Corner {
         }
     }
 
-    /// The same with the part `part` of each edge cut off by a flat facet.
+    /// Makes a corner of which a flat facet cuts off the part `part` of each edge.
     pub(super) fn blunt(legs: [DVec3; 3], part: f64) -> Self {
         let mut positions = legs.map(|leg| leg * part).to_vec();
         positions.extend(legs);
@@ -43,20 +43,20 @@ impl Corner {
         }
     }
 
-    /// The same with each edge filled by a cylinder of the radius `radius` in `strips` planar
-    /// strips of equal angle, and the apex by the sphere that touches all three facets, in strips^2
-    /// triangles.
+    /// Makes a corner with rounded edges and a rounded apex.
     ///
-    /// Strips and triangles have their corners on the cylinders and the sphere. These touch the
-    /// facets at the radius's distance from the other two: what is left of a facet is its part
-    /// farther than that from both its edges (right angles).
+    /// Each edge is filled by a cylinder of the radius `radius` in `strips` planar strips of equal
+    /// angle. The apex is filled by the sphere that touches all three facets, in strips^2
+    /// triangles. Strips and triangles have their corners on the cylinders and the sphere, which
+    /// touch each facet at a distance `radius` from the other two. What is left of a facet is the
+    /// part that is farther than this from both its edges (for right angles).
     pub(super) fn rounded(legs: [DVec3; 3], radius: f64, strips: u32) -> Self {
         let next = |k: usize| (k + 1) % 3;
         let normals = [0, 1, 2].map(|k| legs[k].cross(legs[next(k)]).normalize());
         let rows = DMat3::from_cols(normals[0], normals[1], normals[2]).transpose();
         let centre = rows.inverse() * DVec3::splat(radius);
-        // From the middle of the sphere to its patch; `at` are three parts of `strips`, one for
-        // each facet.
+        // Direction from the middle of the sphere to its patch; `at` are three parts of `strips`,
+        // one for each facet.
         let outward = |at: [u32; 3]| match [0, 1, 2].map(|k| at[k] == 0) {
             [true, false, false] => between(normals[1], normals[2], at[2], strips),
             [false, true, false] => between(normals[2], normals[0], at[0], strips),
@@ -87,7 +87,7 @@ impl Corner {
                 }
             }
         }
-        // Edge k lies between the facets k - 1 and k; its strips run from the sphere to the rim.
+        // Edge k lies between the facets k - 1 and k. Its strips run from the sphere to the rim.
         let rim_normal = (legs[1] - legs[0]).cross(legs[2] - legs[0]);
         let arc = |edge: usize| {
             (0..=strips).map(move |step| {
@@ -126,12 +126,12 @@ impl Corner {
     }
 }
 
-/// `part` of `whole` of a right angle, rad.
+/// Returns `part` of `whole` of a right angle, rad.
 fn quarter(part: u32, whole: u32) -> f64 {
     std::f64::consts::FRAC_PI_2 * f64::from(part) / f64::from(whole)
 }
 
-/// The unit vector that lies `part` of `whole` of the angle from `from` to `to`.
+/// Returns the unit vector at `part` of `whole` of the angle from `from` to `to`.
 fn between(from: DVec3, to: DVec3, part: u32, whole: u32) -> DVec3 {
     if part == whole {
         return to;

@@ -1,9 +1,9 @@
 //! Parametric cells.
 //!
-//! All have their first apex at the origin and the cube's axes along x, y, z (where no dihedral
-//! error bends them), the light towards +x +y +z, and the vertices in the order apex, then the ends
-//! of its three edges. With the edge length of 3 that is the default, every coordinate of the ideal
-//! cells is an integer: exact in text and in f32.
+//! All have their first apex at the origin, the cube's axes along x, y, z (unless a dihedral error
+//! bends them), and the light towards +x +y +z. The vertices are in the order apex, then the ends
+//! of its three edges. With the default edge length of 3, every coordinate of the ideal cells is an
+//! integer: exact in text and in f32.
 
 use glam::{DMat3, DVec3};
 
@@ -19,14 +19,15 @@ use crate::mesh::mesh::{Mesh, sha256};
 /// Kinds of corner-cube cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// One cube corner, triangular aperture through the ends of its edges.
+    /// One cube corner with a triangular aperture through the ends of its edges.
     Triangular,
-    /// A cube corner and its copy turned by 180 degrees about the normal: a rhombic aperture that
+    /// Cube corner and its copy turned by 180 degrees about the normal: a rhombic aperture that
     /// tiles the plane.
     TriangularPair,
-    /// Three square facets, hexagonal outline, rim not planar: one period of a lattice.
+    /// Three square facets with a hexagonal outline and a rim that is not planar: one period of a
+    /// lattice.
     FullCube,
-    /// A pair of cube corners tilted against the sheet's normal, cut by the sheet's plane.
+    /// Pair of cube corners tilted against the sheet's normal, cut by the sheet's plane.
     Canted,
 }
 
@@ -39,7 +40,7 @@ impl Shape {
         Self::Canted,
     ];
 
-    /// Name on the command line and in files.
+    /// Returns the name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Triangular => "triangular",
@@ -49,7 +50,7 @@ impl Shape {
         }
     }
 
-    /// One line for a list.
+    /// Returns a description in one line, for a list.
     pub fn description(self) -> &'static str {
         match self {
             Self::Triangular => "one cube corner with a triangular aperture",
@@ -66,10 +67,10 @@ impl Shape {
         }
     }
 
-    /// The shape of that name.
+    /// Returns the shape of this name.
     ///
     /// # Errors
-    /// [`Fault::UnknownDesign`], which names them all.
+    /// Returns [`Fault::UnknownDesign`], which names all designs, if there is no such shape.
     pub fn from_name(name: &str) -> Result<Self, Fault> {
         Self::ALL
             .into_iter()
@@ -81,7 +82,7 @@ impl Shape {
     }
 }
 
-/// Names and descriptions of all designs, elements that are no corner cubes last.
+/// Returns names and descriptions of all designs; elements that are no corner cubes come last.
 pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     let cubes = Shape::ALL.map(|shape| (shape.name(), shape.description()));
     cubes.into_iter().chain([
@@ -90,11 +91,12 @@ pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     ])
 }
 
-/// A parametric cell: a shape and its deviations from the ideal.
+/// Parametric cell: a shape and its deviations from the ideal.
 ///
 /// ```
 /// use meshes::design::{Design, Shape};
-/// let mesh = Design { dihedral_error_rad: [1e-4, 0.0, 0.0], ..Design::new(Shape::TriangularPair) }.mesh()?;
+/// let ideal = Design::new(Shape::TriangularPair);
+/// let mesh = Design { dihedral_error_rad: [1e-4, 0.0, 0.0], ..ideal }.mesh()?;
 /// assert_eq!(mesh.triangles.len(), 6);
 /// # Ok::<(), meshes::Fault>(())
 /// ```
@@ -105,38 +107,52 @@ pub struct Design {
     /// Length of the longest edge from the apex before truncation, file units; 3 by default.
     pub edge_length: f64,
     /// Errors of the dihedral angles at edges 1, 2 and 3 (between the two facets that share the
-    /// edge), rad; positive is wider than 90 degrees. At most 0.1 either way.
+    /// edge), rad.
+    ///
+    /// Positive errors make angles wider than 90 degrees. From -0.1 to 0.1.
     pub dihedral_error_rad: [f64; 3],
-    /// How much lower the top is than the ideal one, as a part of its height above the apex; from 0
-    /// to below 1, and below 0.5 for the full cube, whose three top corners are cut off flat and
-    /// closed by mirrors. The others keep their shape and become smaller, which only the recorded
-    /// edge length tells.
+    /// Height by which the top is lower than the ideal one, as a part of the ideal height above the
+    /// apex.
+    ///
+    /// From 0 to 0.99, and to 0.49 for the full cube. The three top corners of the full cube are
+    /// cut off flat and closed by mirrors. The other shapes stay similar and become smaller, which
+    /// only the recorded edge length tells.
     pub truncation: f64,
-    /// [`Shape::Canted`]: angle of the sheet's normal against the cube's axis, rad, towards edge 1 where positive;
-    /// between -0.602 (-34.5 degrees) and 0.907 (52 degrees); 0.15 by default. Others: 0.
+    /// Angle of the sheet's normal against the cube's axis for [`Shape::Canted`], rad; positive
+    /// towards edge 1.
+    ///
+    /// From -0.602 (-34.5 degrees) to 0.907 (52 degrees); 0.15 by default. It is 0 for all other
+    /// shapes.
     pub cant_rad: f64,
-    /// How far the middle of each face bulges towards the light, edge lengths; at most 0.05 either
-    /// way, 0 for planes. Not for the full cube.
+    /// Height by which the middle of each face bulges towards the light, edge lengths; 0 for
+    /// planes.
+    ///
+    /// From -0.05 to 0.05. Not for the full cube.
     pub sag: f64,
-    /// Facets along each edge of a face, whose number is the square of this; from 1 to 1000.
+    /// Number of facets along each edge of a face, which has the square of it in all; from 1 to
+    /// 1000.
     pub segments: u32,
     /// Radius of the cylinders that fill the three edges from the apex, and of the sphere that
-    /// fills the apex, file units; up to a fifth of the shortest edge. 0, a sharp edge, for
+    /// fills the apex, file units.
+    ///
+    /// At most a fifth of the shortest edge. 0 is a sharp edge, and the only value for
     /// [`Shape::FullCube`].
     pub edge_radius: f64,
-    /// Planar strips that a cylinder is made of, 1 to 24; the sphere is made of their square of
+    /// Number of planar strips of a cylinder, 1 to 24; the sphere has the square of it in
     /// triangles.
     pub strips: u32,
-    /// Part of each edge from the apex that a flat facet cuts off; from 0 to 0.5. 0 with rounded
-    /// edges and for [`Shape::FullCube`].
+    /// Part of each edge from the apex that a flat facet cuts off; from 0 to 0.5.
+    ///
+    /// It is 0 with rounded edges and for [`Shape::FullCube`].
     pub apex_flat: f64,
-    /// Width of the land between neighbouring cubes, file units, up to ten edge lengths: a flat
-    /// mirror in the plane of the rim, between full cubes nothing.
+    /// Width of the land between neighbouring cubes, file units, up to ten edge lengths.
+    ///
+    /// The land is a flat mirror in the plane of the rim; between full cubes it is open.
     pub gap: f64,
 }
 
 impl Design {
-    /// The ideal cell of that shape.
+    /// Returns the ideal cell of this shape.
     pub fn new(shape: Shape) -> Self {
         let cant_rad = if shape == Shape::Canted { 0.15 } else { 0.0 };
         Self {
@@ -154,12 +170,14 @@ impl Design {
         }
     }
 
-    /// The cell as a mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
+    /// Returns the cell as a mesh; its hash is that of the OBJ file that [`write::obj`] makes of
+    /// it.
     ///
     /// Accuracy: dihedral errors to 2e-16 rad, heights and lengths to 4e-16 of the edge length.
     ///
     /// # Errors
-    /// [`Fault::DesignOption`] and [`Fault::DesignOptionUnused`].
+    /// Returns [`Fault::DesignOption`] if a number is out of its range, and
+    /// [`Fault::DesignOptionUnused`] if an option does not fit the shape or another option.
     pub fn mesh(&self) -> Result<Mesh, Fault> {
         self.check()?;
         let legs = legs(self.dihedral_error_rad).map(|leg| leg * self.edge_length);
@@ -179,7 +197,7 @@ impl Design {
         Ok(mesh)
     }
 
-    /// The cell of one or two cube corners between the edges `legs` before truncation.
+    /// Makes the cell of one or two cube corners between the edges `legs` before truncation.
     fn of_corners(&self, legs: [DVec3; 3]) -> Result<Mesh, Fault> {
         let legs = legs.map(|leg| leg * (1.0 - self.truncation));
         let shortest = legs
@@ -201,6 +219,7 @@ impl Design {
         })
     }
 
+    /// Checks that all numbers are in their ranges and that all options fit the shape.
     fn check(&self) -> Result<(), Fault> {
         inside("edge length", self.edge_length, 1e-30, 1e30)?;
         for error in self.dihedral_error_rad {
@@ -235,8 +254,8 @@ impl Design {
             _ => return unused("a sag together with an edge radius, a flat apex or a gap"),
         }
         if self.shape == Shape::Canted {
-            // Beyond, the sheet's normal comes near a facet (at -35.26 degrees) or an edge (at
-            // 54.74).
+            // Beyond these angles the sheet's normal comes near a facet (at -35.26 degrees) or an
+            // edge (at 54.74 degrees).
             return inside("cant in degrees", self.cant_rad.to_degrees(), -34.5, 52.0);
         }
         if self.cant_rad != 0.0 {
@@ -245,7 +264,8 @@ impl Design {
         Ok(())
     }
 
-    /// Legs cut off by the plane whose normal is canted, the longest of them an edge length long.
+    /// Returns the legs cut off by the plane whose normal is canted; the longest of them is one
+    /// edge length.
     fn canted(&self, legs: [DVec3; 3]) -> [DVec3; 3] {
         let axis = rim_normal(legs).normalize();
         let towards = (legs[0] - axis * axis.dot(legs[0])).normalize();
@@ -256,12 +276,11 @@ impl Design {
     }
 }
 
-/// Unit edges from the apex for the given dihedral errors: those nearest to x, y, z (symmetric
-/// square root).
+/// Returns the unit edges from the apex for the given dihedral errors: those nearest to x, y, z.
 ///
 /// Spherical trigonometry gives the angle between two edges from the three dihedral angles A = 90
-/// deg + error: cos a = (cos A + cos B cos C) / (sin B sin C). That is the Gram matrix G of the
-/// edges; they are G^(1/2).
+/// deg + error: cos a = (cos A + cos B cos C) / (sin B sin C). These cosines are the Gram matrix G
+/// of the edges, and the edges are G^(1/2), the symmetric square root.
 fn legs(error: [f64; 3]) -> [DVec3; 3] {
     let [a, b, c] = error;
     let between =
@@ -273,8 +292,8 @@ fn legs(error: [f64; 3]) -> [DVec3; 3] {
         DVec3::new(g12, 0.0, g23),
         DVec3::new(g31, g23, 0.0),
     );
-    // G^(1/2) = I + S with S = (E - S S) / 2, iterated on the excess E alone so that 1e-9 keeps its
-    // digits.
+    // G^(1/2) = I + S with S = (E - S S) / 2. The iteration is on the excess E alone, so that 1e-9
+    // keeps its digits.
     let mut root = excess * 0.5;
     for _ in 0..60 {
         root = (excess - root * root) * 0.5;
@@ -286,13 +305,14 @@ fn legs(error: [f64; 3]) -> [DVec3; 3] {
     ]
 }
 
-/// A normal of the plane through the ends of three edges, away from the apex. Not of unit length,
-/// which would turn integers into roots.
+/// Returns a normal of the plane through the ends of three edges, away from the apex.
+///
+/// It is not of unit length, because normalising would turn integers into roots.
 fn rim_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// `cut`: part of each upper edge that is cut off at the top corners.
+/// Makes the full cube; `cut` is the part of each upper edge that is cut off at the top corners.
 fn full_cube([a, b, c]: [DVec3; 3], cut: f64, gap: f64) -> Mesh {
     let wider = |period: DVec3| match gap {
         0.0 => period,
@@ -324,7 +344,7 @@ fn full_cube([a, b, c]: [DVec3; 3], cut: f64, gap: f64) -> Mesh {
         positions.extend([u + v * keep, v + u * keep]);
         triangles.extend([[0, first, next], [0, next, next + 1], [0, next + 1, second]]);
     }
-    // The flat top over a + b: the third of its corners lies on the edge towards a + b - c, in a
+    // The third corner of the flat top over a + b lies on the edge towards a + b - c, in a
     // neighbouring cell.
     let next = positions.len() as u32;
     positions.push(a + b - c * cut);

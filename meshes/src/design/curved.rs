@@ -1,9 +1,10 @@
-//! Curved faces: each cut into many facets, with the normals of the curved face at their corners.
+//! Curved faces: each is cut into many facets, with the normals of the curved face at their
+//! corners.
 //!
-//! A face bulges towards the light by 27 sag b0 b1 b2, b its barycentric coordinates: the sag in
-//! its middle, nothing along its edges, so that faces still meet, rims stay planar and cells still
-//! tile. Its slope is nothing at the corners and greatest on the edges: on an ideal cube 6.75 sag /
-//! edge length beside a leg, 9.5 at the rim.
+//! A face bulges towards the light by 27 sag b0 b1 b2, where b are its barycentric coordinates.
+//! This is the sag in its middle and 0 along its edges, so that faces still meet, rims stay planar
+//! and cells still tile. Its slope is 0 at the corners and greatest on the edges: on an ideal cube
+//! 6.75 sag / edge length beside a leg, 9.5 at the rim.
 
 use std::collections::HashMap;
 use std::num::NonZeroU32;
@@ -12,9 +13,11 @@ use glam::DVec3;
 
 use crate::mesh::mesh::Mesh;
 
-/// `mesh`, each triangle of which is a face: cut into `segments` x `segments` facets that bulge by
-/// `sag` (file units), with normals where that is not 0. Corners keep their numbers; neighbours
-/// share the points of an edge.
+/// Cuts each triangle of `mesh`, which is one face, into `segments` x `segments` facets that bulge
+/// by `sag` (file units).
+///
+/// Facets have normals unless `sag` is 0. Corners keep their numbers; neighbours share the points
+/// of an edge.
 pub(super) fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
     let mut fine = Mesh {
         triangles: Vec::new(),
@@ -33,7 +36,7 @@ pub(super) fn faces(mesh: &Mesh, sag: f64, segments: u32) -> Mesh {
     fine
 }
 
-/// A triangle to be cut.
+/// Triangle to be cut.
 struct Face {
     vertices: [u32; 3],
     corners: [DVec3; 3],
@@ -42,11 +45,12 @@ struct Face {
 }
 
 impl Face {
-    /// Appends the facets, and what they need of points and normals, to `fine`. `edges`: the first
-    /// of the points between two corners, in the order of their numbers.
+    /// Appends the facets, and the points and normals that they need, to `fine`.
+    ///
+    /// `edges` holds the first of the points between two corners, in the order of their numbers.
     fn cut(&self, edges: &mut HashMap<[u32; 2], u32>, fine: &mut Mesh) {
         let n = self.segments;
-        // Rows of steps (i, j) along the sides from corner 0 to 1 and to 2: j from 0, in each i
+        // Rows of steps (i, j) along the sides from corner 0 to corners 1 and 2: j from 0, and i
         // from 0 to n - j.
         let place = |i: u32, j: u32| (j * (2 * n + 3 - j) / 2 + i) as usize;
         let mut points = Vec::with_capacity(place(0, n) + 1);
@@ -72,7 +76,8 @@ impl Face {
         }
     }
 
-    /// Number of the vertex at barycentric coordinates `steps` / segments.
+    /// Returns the number of the vertex at barycentric coordinates `steps` / segments, and adds it
+    /// if needed.
     fn point(&self, steps: [u32; 3], edges: &mut HashMap<[u32; 2], u32>, fine: &mut Mesh) -> u32 {
         let n = self.segments;
         if let Some(corner) = steps.iter().position(|&step| step == n) {
@@ -102,6 +107,7 @@ impl Face {
         first + steps[high] - 1
     }
 
+    /// Returns the position on the curved face, file units.
     fn position(&self, steps: [u32; 3]) -> DVec3 {
         let [a, b, c] = self.corners;
         let [u, v, w] = steps.map(|step| f64::from(step) / f64::from(self.segments));
@@ -109,7 +115,7 @@ impl Face {
         a * u + b * v + c * w + normal * (27.0 * self.sag * u * v * w)
     }
 
-    /// Unit normal of the curved face.
+    /// Returns the unit normal of the curved face.
     fn normal(&self, steps: [u32; 3]) -> DVec3 {
         let [a, b, c] = self.corners;
         let [u, v, w] = steps.map(|step| f64::from(step) / f64::from(self.segments));

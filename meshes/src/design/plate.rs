@@ -1,4 +1,4 @@
-//! A micro-mirror array plate: two crossed layers of parallel slit mirrors, upright on the plate.
+//! Micro-mirror array plate: two crossed layers of parallel slit mirrors, upright on the plate.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::mesh::mesh::{Mesh, sha256};
 
 /// One period of the plate, the light towards +z: mirrors across x above, mirrors across y below.
 ///
-/// A mirror reflects on both sides and has a thickness; its upper edge is a mirror too, facing the
+/// A mirror reflects on both sides and has a thickness. Its upper edge is a mirror too, facing the
 /// light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate {
@@ -24,14 +24,14 @@ pub struct Plate {
 impl Plate {
     /// Name on the command line and in files.
     pub const NAME: &'static str = "plate";
-    /// One line for a list.
+    /// Description in one line, for a list.
     pub const DESCRIPTION: &'static str =
         "two crossed layers of slit mirrors, periodic: trace it with --element plate";
 
-    /// The mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
+    /// Returns the mesh; its hash is that of the OBJ file that [`write::obj`] makes of it.
     ///
     /// # Errors
-    /// [`Fault::DesignOption`].
+    /// Returns [`Fault::DesignOption`] if a number is out of its range.
     pub fn mesh(&self) -> Result<Mesh, Fault> {
         inside("edge length", self.pitch, 1e-30, 1e30)?;
         inside("depth", self.depth, 1e-3, 1e3)?;
@@ -44,13 +44,13 @@ impl Plate {
             design: Self::NAME.to_owned(),
             ..Mesh::default()
         };
-        // Across x first: the lattice's first vector, which is azimuth 0, is the normal of the
-        // upper mirrors.
+        // The layer across x is first, because the lattice's first vector, which is azimuth 0, is
+        // the normal of the upper mirrors.
         let layers = [(DVec3::X, DVec3::Y, depth), (DVec3::Y, DVec3::NEG_X, 0.0)];
         for (across, along, bottom) in layers {
             let first = mesh.positions.len() as u32;
             for height in [bottom, bottom + depth] {
-                // Counter-clockwise seen from the light.
+                // Corners are counter-clockwise seen from the light.
                 for (x, y) in [(-side, -half), (side, -half), (side, half), (-side, half)] {
                     mesh.positions
                         .push(across * x + along * y + DVec3::Z * height);

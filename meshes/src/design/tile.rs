@@ -5,12 +5,14 @@ use glam::DVec3;
 use crate::design::corner::Corner;
 use crate::mesh::mesh::Mesh;
 
-/// Vertices nearer than this part of the edge length are one.
+/// Part of the edge length within which vertices are one.
 const SAME: f64 = 1e-9;
 
 impl Corner {
-    /// The corner with a flat land of the width `width` around its triangular aperture, whose
-    /// corners are `ends`; and the corners of the triangle that the land ends at.
+    /// Returns the corner with a flat land of the width `width` around its triangular aperture, and
+    /// the corners of the outer triangle of the land.
+    ///
+    /// `ends` are the corners of the aperture.
     pub(super) fn with_land(self, ends: [DVec3; 3], width: f64) -> (Self, [DVec3; 3]) {
         if width == 0.0 {
             return (self, ends);
@@ -38,7 +40,7 @@ impl Corner {
         (corner, outer)
     }
 
-    /// The corner alone.
+    /// Returns the corner alone as a mesh.
     pub(super) fn mesh(self) -> Mesh {
         Mesh {
             positions: self.positions,
@@ -47,10 +49,12 @@ impl Corner {
         }
     }
 
-    /// The corner and its copy, turned by 180 degrees about `normal` (any length) through the
-    /// middle of the side that the two share, from `a` to `b`.
+    /// Returns the corner and its copy.
+    ///
+    /// The copy is turned by 180 degrees about `normal` (any length) through the middle of the side
+    /// that the two share, from `a` to `b`.
     pub(super) fn pair(self, [a, b, _]: [DVec3; 3], normal: DVec3) -> Mesh {
-        // Not of unit length, which would turn integers into roots.
+        // The normal is not of unit length, because normalising would turn integers into roots.
         let turned = |p: DVec3| normal * (2.0 * normal.dot(p) / normal.length_squared()) - p;
         let (middle, turned_middle) = ((a + b) * 0.5, turned((a + b) * 0.5));
         let same = SAME * a.length();
@@ -78,8 +82,11 @@ impl Corner {
     }
 }
 
-/// A triangle with an outer edge on which an outer vertex lies, and the two that it falls into
-/// there: cubes whose arcs differ share a part of the side between them.
+/// Finds a triangle with an outer edge on which an outer vertex lies, and returns the two triangles
+/// that the vertex divides it into.
+///
+/// Such edges occur if the arcs of two cubes differ: they then share only a part of the side
+/// between them.
 fn touched(mesh: &Mesh, same: f64) -> Option<(usize, [[u32; 3]; 2])> {
     let edges = |t: &[u32; 3]| [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]];
     let inner: std::collections::HashSet<[u32; 2]> = mesh

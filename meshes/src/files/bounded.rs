@@ -1,4 +1,4 @@
-//! A file of a bounded size.
+//! Reading of a file of a bounded size.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,8 +9,9 @@ use crate::mesh::error::{Counted, Fault};
 /// Largest file or buffer that is read, bytes.
 pub(crate) const MAX_BYTES: u64 = 1 << 29;
 
-/// Reads a file of at most `limit` bytes; the size is checked before and while reading (it may be a
-/// pipe).
+/// Reads a file of at most `limit` bytes.
+///
+/// The size is checked before and while reading, because the file may be a pipe.
 pub(crate) fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
     let file = File::open(path).map_err(Fault::Unreadable)?;
     let metadata = file.metadata().map_err(Fault::Unreadable)?;

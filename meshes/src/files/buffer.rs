@@ -1,4 +1,4 @@
-//! Bytes of glTF buffers and accessors, each length checked before it is used.
+//! Bytes of glTF buffers and accessors; each length is checked before it is used.
 
 use std::path::{Component, Path};
 
@@ -11,9 +11,10 @@ use crate::mesh::error::{Counted, Fault};
 /// Contents of the buffers of a glTF document, in its order.
 #[derive(Debug)]
 pub(crate) struct Buffers {
-    /// One entry per buffer.
+    /// Bytes of each buffer.
     pub contents: Vec<Vec<u8>>,
-    /// Which of them came from files of their own, and so are not part of the document's bytes.
+    /// For each buffer, true if it came from a file of its own and so is not part of the document's
+    /// bytes.
     pub external: Vec<bool>,
 }
 
@@ -21,8 +22,10 @@ impl Buffers {
     /// Resolves all buffers: the binary chunk, base64 data URIs, and files in or below `folder`.
     ///
     /// # Errors
-    /// [`Fault::BufferUri`] (other schemes, paths that leave the folder, bad base64),
-    /// [`Fault::BufferUnreadable`], [`Fault::BufferShort`], [`Fault::TooLarge`].
+    /// Returns [`Fault::BufferUri`] for another scheme, a path that leaves the folder, or bad
+    /// base64, [`Fault::BufferUnreadable`] for a file that cannot be read, [`Fault::BufferShort`]
+    /// for a buffer that is shorter than declared, and [`Fault::TooLarge`] for more bytes than the
+    /// limit.
     pub(crate) fn resolve(
         document: &gltf::Document,
         binary: Option<&[u8]>,
@@ -68,10 +71,11 @@ impl Buffers {
         Ok(buffers)
     }
 
-    /// Elements of an accessor as little-endian bytes, `width` bytes each.
+    /// Returns the elements of an accessor as little-endian bytes, each as long as its type.
     ///
     /// # Errors
-    /// The reason why it cannot be read: sparse, no view, out of its buffer.
+    /// Returns the reason, in words, if the accessor is sparse, has no view, or runs out of its
+    /// buffer.
     fn elements<'b>(
         &'b self,
         accessor: &gltf::Accessor<'_>,
@@ -105,10 +109,10 @@ impl Buffers {
         Ok((0..count).map(move |element| &content[element * stride..element * stride + width]))
     }
 
-    /// Positions of an accessor: vectors of three f32.
+    /// Returns the positions of an accessor: vectors of three f32.
     ///
     /// # Errors
-    /// The reason why it cannot be read.
+    /// Returns the reason, in words, if the type is another or the elements cannot be read.
     pub(crate) fn positions(
         &self,
         accessor: &gltf::Accessor<'_>,
@@ -125,10 +129,10 @@ impl Buffers {
             .collect())
     }
 
-    /// Indices of an accessor: unsigned integers of 8, 16 or 32 bits.
+    /// Returns the indices of an accessor: unsigned integers of 8, 16 or 32 bits.
     ///
     /// # Errors
-    /// The reason why it cannot be read.
+    /// Returns the reason, in words, if the type is another or the elements cannot be read.
     pub(crate) fn indices(&self, accessor: &gltf::Accessor<'_>) -> Result<Vec<u32>, &'static str> {
         let unsigned = matches!(
             accessor.data_type(),
@@ -147,7 +151,7 @@ impl Buffers {
     }
 }
 
-/// Bytes behind a URI and whether they came from a file of their own.
+/// Returns the bytes behind a URI and whether they came from a file of their own.
 fn resolve_uri(buffer: usize, uri: &str, folder: Option<&Path>) -> Result<(Vec<u8>, bool), Fault> {
     let shown = || uri.chars().take(60).collect::<String>();
     let wrong = |reason| Fault::BufferUri {
@@ -160,7 +164,7 @@ fn resolve_uri(buffer: usize, uri: &str, folder: Option<&Path>) -> Result<(Vec<u
         if !media.ends_with(";base64") {
             return Err(wrong("it is not base64"));
         }
-        // Writers differ in whether they pad.
+        // Some writers pad base64, others do not.
         let engine = base64::engine::GeneralPurpose::new(
             &base64::alphabet::STANDARD,
             base64::engine::GeneralPurposeConfig::new()
@@ -197,7 +201,7 @@ fn resolve_uri(buffer: usize, uri: &str, folder: Option<&Path>) -> Result<(Vec<u
     }
 }
 
-/// A URI with its `%XX` escapes decoded; `None` where they are not hex or not UTF-8.
+/// Decodes the `%XX` escapes of a URI; `None` if they are not hex or not UTF-8.
 fn percent_decoded(uri: &str) -> Option<String> {
     let mut bytes = uri.bytes();
     let mut decoded = Vec::with_capacity(uri.len());

@@ -1,20 +1,26 @@
-//! The binary glTF container: a header, a JSON chunk and, where there is one, a binary chunk.
+//! Binary glTF container: a header, a JSON chunk and, in some files, a binary chunk.
 
 use crate::mesh::error::Fault;
 
+/// First bytes of a GLB file.
 const MAGIC: &[u8; 4] = b"glTF";
+/// Kind of the JSON chunk.
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
+/// Kind of the binary chunk.
 const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
 
-/// Whether the bytes start as a binary glTF file.
+/// Returns whether the bytes begin as a binary glTF file.
 pub(crate) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// JSON and binary chunk of a GLB file. Every length is checked against the bytes that are there.
+/// Returns the JSON chunk and the binary chunk of a GLB file.
+///
+/// Every length is checked against the bytes that are there.
 ///
 /// # Errors
-/// [`Fault::GlbContainer`].
+/// Returns [`Fault::GlbContainer`] if the bytes are cut short, or are not version 2 with a first
+/// chunk of JSON.
 pub(crate) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     let wrong = |reason| Fault::GlbContainer { reason };
     if !is_binary(bytes) {
@@ -39,10 +45,10 @@ pub(crate) fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     Ok((json, (kind == BIN).then_some(binary)))
 }
 
-/// A GLB file of a JSON text and a binary chunk, both padded to four bytes.
+/// Makes a GLB file of a JSON text and a binary chunk, both padded to four bytes.
 ///
 /// # Panics
-/// If the file would be longer than its 32-bit length can say; meshes within
+/// Panics if the file would be longer than its 32-bit length can say; meshes within
 /// [`crate::mesh::mesh::MAX_ELEMENTS`] are not.
 pub(crate) fn file(json: &str, binary: &[u8]) -> Vec<u8> {
     let padded = |length: usize| length.div_ceil(4) * 4;
@@ -67,6 +73,7 @@ pub(crate) fn file(json: &str, binary: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// Reads a little-endian u32.
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
     bytes
         .get(at..at.checked_add(4)?)?
@@ -75,7 +82,7 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
         .map(u32::from_le_bytes)
 }
 
-/// Kind and content of the chunk at `at`, and where the next one starts.
+/// Returns kind and content of the chunk at `at`, and the offset of the next chunk.
 fn chunk(bytes: &[u8], at: usize) -> Option<(u32, &[u8], usize)> {
     let length = word(bytes, at)? as usize;
     let kind = word(bytes, at + 4)?;

@@ -1,9 +1,9 @@
-//! glTF 2.0, as JSON with its buffers or as GLB.
+//! Reading of glTF 2.0, as JSON with its buffers or as GLB.
 //!
-//! The `gltf` crate parses and validates the document; node transforms are accumulated here in f64
-//! (its own product is f32), quaternions renormalised, and the winding turned over where a
-//! transform mirrors. Positions are kept relative to the origin of the first node that has a mesh:
-//! exact local vertices under a node translation of 10^6 stay exact.
+//! The `gltf` crate parses and validates the document. Node transforms are accumulated here in f64
+//! (the product of the crate is f32), quaternions are renormalised, and the winding is reversed if
+//! a transform mirrors. Positions are kept relative to the origin of the first node that has a
+//! mesh: exact local vertices stay exact under a node translation of 10^6.
 
 use std::num::NonZeroU32;
 use std::path::Path;
@@ -19,23 +19,23 @@ use crate::files::glb;
 use crate::mesh::error::{Counted, Fault};
 use crate::mesh::mesh::{GLASS, MAX_ELEMENTS, Mesh, sha256};
 
-/// A node's frame in the scene.
+/// Frame of a node in the scene.
 #[derive(Clone, Copy)]
 struct Placement {
     linear: DMat3,
     translation: DVec3,
 }
 
-/// Parses the bytes of a .gltf or .glb file; `folder` is where buffers in files of their own are
-/// looked for.
+/// Parses the bytes of a .gltf or .glb file.
 ///
-/// Only the default scene is read (the first one, where none is named), all its mesh nodes merged
-/// in depth-first order. Skins, morph targets and materials other than `KHR_materials_ior` and
-/// `KHR_materials_dispersion` do not shape a mirror and are ignored.
+/// `folder` is the folder of buffers in files of their own. Only the default scene is read (the
+/// first scene if none is default); all its mesh nodes are merged in depth-first order. Skins,
+/// morph targets, and materials other than `KHR_materials_ior` and `KHR_materials_dispersion` do
+/// not shape a mirror and are ignored.
 ///
 /// # Errors
-/// Malformed containers, documents, buffers and accessors, cycles and scenes without triangles: see
-/// [`Fault`].
+/// Returns a [`Fault`] if a container, document, buffer or accessor is malformed, if the nodes form
+/// a cycle, or if the scene has no triangles.
 pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     let (json, binary) = if glb::is_binary(bytes) {
         glb::chunks(bytes)?
@@ -67,9 +67,10 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
     Ok(mesh)
 }
 
-/// Refuses JSON that would take far more memory than its bytes do: an object of two may become a
-/// node of hundreds, a number of one a value of 32. Long texts (buffers as data URIs) take what
-/// they are.
+/// Refuses JSON that would take far more memory than its bytes do.
+///
+/// An object of two bytes may become a node of hundreds, and a number of one byte a value of 32.
+/// Long texts (buffers as data URIs) take only their own length.
 fn light(json: &[u8]) -> Result<(), Fault> {
     let (mut objects, mut outside) = (0, 0);
     let (mut in_text, mut escaped) = (false, false);
@@ -94,8 +95,10 @@ fn light(json: &[u8]) -> Result<(), Fault> {
     }
 }
 
-/// The document, validated by the `gltf` crate. Its validation looks positions up before it checks
-/// their index, and panics on a wrong one: so that is checked first.
+/// Parses the document and validates it with the `gltf` crate.
+///
+/// The crate looks positions up before it checks their index, and panics if the index is wrong. So
+/// the indices are checked first.
 fn validated(json: &[u8]) -> Result<Document, Fault> {
     let root = Gltf::from_slice_without_validation(json)
         .map_err(Fault::Gltf)?
@@ -134,7 +137,7 @@ fn merge_scene(document: &Document, buffers: &Buffers, mesh: &mut Mesh) -> Resul
     };
     let mut visited = vec![false; document.nodes().len()];
     let mut origin = None;
-    // A stack of our own: a hostile scene may be deeper than the thread's.
+    // The stack is explicit, because a hostile scene may be deeper than the thread's stack.
     let mut open: Vec<(Node<'_>, Placement)> = scene.nodes().map(|node| (node, root)).collect();
     open.reverse();
     while let Some((node, parent)) = open.pop() {
@@ -154,7 +157,7 @@ fn merge_scene(document: &Document, buffers: &Buffers, mesh: &mut Mesh) -> Resul
     Ok(())
 }
 
-/// The frame of a node under its parent's.
+/// Returns the frame of a node under that of its parent.
 fn placed(node: &Node<'_>, parent: Placement) -> Result<Placement, Fault> {
     let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let (linear, translation) = match node.transform() {
@@ -169,8 +172,8 @@ fn placed(node: &Node<'_>, parent: Placement) -> Result<Placement, Fault> {
             rotation,
             scale,
         } => {
-            // f32 leaves a quaternion 1e-7 off unit length: a scale and shear that nobody asked
-            // for.
+            // f32 leaves a quaternion 1e-7 off unit length, which would be an unwanted scale and
+            // shear.
             let rotation = DQuat::from_array(rotation.map(f64::from)).normalize();
             (
                 DMat3::from_quat(rotation) * DMat3::from_diagonal(wide(scale)),
@@ -187,7 +190,8 @@ fn placed(node: &Node<'_>, parent: Placement) -> Result<Placement, Fault> {
         .to_cols_array()
         .iter()
         .fold(0.0, |m: f64, x| m.max(x.abs()));
-    // An underflowing determinant is caught too: the comparison is relative to the largest entry.
+    // The comparison is relative to the largest entry, so it also catches a determinant that
+    // underflows.
     let flattened = (here.linear * (1.0 / size)).determinant().abs() < 1e-18;
     if !(here.linear.is_finite() && here.translation.is_finite()) || size == 0.0 || flattened {
         return Err(Fault::NodeTransform { node: node.index() });
@@ -268,7 +272,7 @@ fn append(
                 .iter()
                 .map(|p| here.linear * DVec3::from_array(p.map(f64::from)) + offset),
         );
-        // The decimal digits that were typed: 1.49 rather than the f32 next to it.
+        // Keep the decimal digits that were typed: 1.49, not the f32 next to it.
         let typed = |index: f32| index.to_string().parse().unwrap_or(f64::from(index));
         mesh.refractive_index = mesh
             .refractive_index
@@ -278,15 +282,16 @@ fn append(
             .extension_value("KHR_materials_dispersion")
             .and_then(|extension| extension.get("dispersion"))
             .and_then(Value::as_f64);
-        // 0 stands for none.
+        // The value 0 stands for no dispersion.
         let abbe = dispersion.filter(|d| *d > 0.0).map(|d| 20.0 / d);
         mesh.abbe_number = mesh.abbe_number.or(abbe);
     }
     Ok(())
 }
 
-/// The normals of a primitive's vertices in the scene; `None` where it has none that are plain
-/// floats, as many as vertices.
+/// Returns the normals of a primitive's vertices in the scene.
+///
+/// Returns `None` unless they are plain floats, one for each vertex.
 fn normals(
     primitive: &::gltf::Primitive<'_>,
     here: Placement,
@@ -295,7 +300,7 @@ fn normals(
     let vertices = primitive.get(&::gltf::Semantic::Positions)?.count();
     let accessor = primitive.get(&::gltf::Semantic::Normals)?;
     let normals = buffers.positions(&accessor).ok()?;
-    // A plane's normal goes with the inverse transpose.
+    // The normal of a plane transforms with the inverse transpose.
     let turn = here.linear.inverse().transpose();
     let turned = |n: &[f32; 3]| turn * DVec3::from_array(n.map(f64::from));
     (normals.len() == vertices).then(|| normals.iter().map(turned).collect())
@@ -312,10 +317,10 @@ fn within(what: Counted, have: usize, more: usize) -> Result<(), Fault> {
     }
 }
 
-/// Triangles of a primitive, wound as glTF 2.0 says.
+/// Returns the triangles of a primitive, wound as glTF 2.0 says.
 ///
 /// # Errors
-/// The mode's name, where it draws no triangles.
+/// Returns the name of the mode, if it draws no triangles.
 fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, &'static str> {
     Ok(match mode {
         Mode::Triangles => indices.as_chunks::<3>().0.to_vec(),
@@ -342,8 +347,10 @@ fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, &'static str>
     })
 }
 
-/// Reads `lattice`, `design`, `edge_length` and `azimuth_zero` from the extras of the document, its
-/// asset or its scene, first found.
+/// Reads `lattice`, `design`, `edge_length` and `azimuth_zero` from extras.
+///
+/// The extras of the document, of its asset and of its scene are read in this order; the first
+/// value counts.
 fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
     let root = document.as_json();
     let scene = document
@@ -395,7 +402,7 @@ fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A list of `N` numbers.
+/// Returns a list of `N` numbers, or `None` if the value is something else.
 fn numbers<const N: usize>(list: &Value) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> = list.as_array()?.iter().map(Value::as_f64).collect();
     numbers?.try_into().ok()

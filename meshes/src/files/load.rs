@@ -1,4 +1,4 @@
-//! A mesh from a file, by its extension.
+//! Loading of a mesh from a file, by its extension.
 
 use std::path::Path;
 
@@ -10,8 +10,8 @@ use crate::mesh::mesh::Mesh;
 /// Reads an OBJ, glTF or GLB file, by its extension.
 ///
 /// # Errors
-/// The file is missing, has another extension, is larger than 512 MiB or 2^23 vertices or
-/// triangles, or is malformed.
+/// Fails if the file is missing, has another extension, is larger than 512 MiB, has more than 2^23
+/// vertices or triangles, or is malformed.
 pub fn load(path: &Path) -> Result<Mesh, Error> {
     let extension = path
         .extension()

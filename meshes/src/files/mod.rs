@@ -1,7 +1,7 @@
 //! Files of meshes: OBJ, glTF and GLB, read and written.
 //!
-//! A path or bytes enter and a mesh leaves, with sizes bounded before memory is asked for; or a
-//! mesh enters and bytes leave. It touches the mesh room.
+//! A path or bytes enter and a mesh leaves, with sizes bounded before memory is allocated; or a
+//! mesh enters and bytes leave. The room touches the mesh room.
 
 pub(crate) mod bounded;
 pub(crate) mod buffer;

@@ -1,10 +1,10 @@
-//! Wavefront OBJ through `tobj`, in f64.
+//! Reading of Wavefront OBJ through `tobj`, in f64.
 //!
 //! `tobj` numbers vertices by their first use and forgets the file's order, cannot continue lines,
-//! and fans every polygon. So it is given only the `v` and `f` lines, continued lines joined, after
-//! one polygon that names all vertices in order; polygons are cut into triangles in
-//! `crate::mesh::polygon`. Normals are read here: `tobj` would refuse files for those that nobody
-//! asks for.
+//! and fans every polygon. So it gets only the `v` and `f` lines, with continued lines joined,
+//! after one polygon that names all vertices in order. Polygons are cut into triangles in
+//! `crate::mesh::polygon`. Normals are read here, because `tobj` would refuse files for faulty
+//! normals even if nobody asks for normals.
 
 use std::borrow::Cow;
 use std::num::NonZeroU32;
@@ -18,8 +18,8 @@ use crate::mesh::polygon;
 /// Parses an OBJ file.
 ///
 /// # Errors
-/// A line that is not OBJ, an index out of range, a face of fewer than three corners, or a polygon
-/// that is not flat or crosses itself.
+/// Fails if a line is not OBJ, an index is out of range, a face has fewer than three corners, a
+/// polygon is not flat or crosses itself, or a vertex is not finite.
 pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = Mesh {
@@ -39,7 +39,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(Fault::NotFinite { vertex: vertex + 1 });
     }
-    // No arities: all faces are triangles, which makes the naming polygon one too.
+    // Without arities all faces are triangles, and the naming polygon is one too.
     let arities = if model.face_arities.is_empty() {
         vec![3; faces + 1]
     } else {
@@ -50,9 +50,11 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, Fault> {
     Ok(mesh)
 }
 
-/// Reads the normals, and gives the number of that at each corner of each face, faces after each
-/// other; nothing where there are none. Those that are no three numbers are not finite, numbers of
-/// none are the greatest of all.
+/// Reads the normals into `vectors`, and returns the normal's number at each corner of each face.
+///
+/// Faces follow one another; the list is empty if the file has no normals. A normal that is not
+/// three numbers becomes a vector that is not finite. A number that names no normal becomes the
+/// greatest number.
 fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
     let mut numbers = Vec::new();
     if !text.lines().any(|line| keyword(line) == "vn") {
@@ -68,7 +70,7 @@ fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
             "f" => numbers.extend(content.split_whitespace().skip(1).map(|corner| {
                 let word = corner.split('/').nth(2).filter(|word| !word.is_empty())?;
                 let number = match word.parse::<i64>() {
-                    // Negative ones count back from the last above.
+                    // A negative index counts back from the last normal above.
                     Ok(index) if index < 0 => index + vectors.len() as i64 + 1,
                     Ok(index) => index,
                     Err(_) => 0,
@@ -82,7 +84,7 @@ fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
     numbers
 }
 
-/// Counts vertices and faces, and reads the comments that concern us.
+/// Counts vertices and faces, and reads the comments that describe the cell.
 fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
     let (mut vertices, mut faces) = (0, 0);
     let mut glass = false;
@@ -121,7 +123,7 @@ fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
     }
 }
 
-/// What `tobj` is given: a polygon that names all vertices, and the vertex and face lines.
+/// Returns the text for `tobj`: a polygon that names all vertices, and the vertex and face lines.
 fn geometry(text: &str, vertices: usize) -> String {
     let mut source = String::with_capacity(text.len() + 9 * vertices);
     source.push('f');
@@ -141,8 +143,9 @@ fn geometry(text: &str, vertices: usize) -> String {
     source
 }
 
-/// A vertex line up to its third number: a fourth is a rational weight or the first of a colour,
-/// and neither moves a polygon's corner.
+/// Returns a vertex line up to its third number.
+///
+/// A fourth number is a rational weight or the first of a colour; neither moves a polygon's corner.
 fn coordinates(content: &str) -> String {
     content
         .split_whitespace()
@@ -151,20 +154,21 @@ fn coordinates(content: &str) -> String {
         .join(" ")
 }
 
-/// First word of a line; empty for an empty line.
+/// Returns the first word of a line; empty for an empty line.
 fn keyword(content: &str) -> &str {
     content.split_whitespace().next().unwrap_or_default()
 }
 
-/// The one model of a source without groups and materials.
+/// Returns the only model of a source without groups and materials.
 fn read(mut source: impl std::io::BufRead) -> Result<Option<tobj::Mesh>, tobj::LoadError> {
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
     let (models, _) = tobj::load_obj_buf(&mut source, &tobj::LoadOptions::default(), no_materials)?;
     Ok(models.into_iter().next().map(|model| model.mesh))
 }
 
-/// Cuts the polygons, past the one that names all vertices, into the mesh's triangles. `normals`:
-/// at their corners, if any.
+/// Cuts the polygons, after the one that names all vertices, into the mesh's triangles.
+///
+/// `normals` are the numbers of the normals at their corners, if there are any.
 fn triangulate(
     mesh: &mut Mesh,
     indices: &[u32],
@@ -205,13 +209,14 @@ fn triangulate(
     Ok(())
 }
 
-/// Lines with their number from 1; a line that ends in a backslash goes on in the next.
+/// Returns the lines with their number from 1; a line that ends in a backslash is joined to the
+/// next.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
     std::iter::from_fn(move || {
         let (number, first) = lines.next()?;
         let mut content = Cow::Borrowed(first.trim());
-        // Not so in comments: they may end in the path of a folder.
+        // Comments are not continued, because they may end in the path of a folder.
         while content.ends_with('\\') && !content.starts_with('#') {
             let content = content.to_mut();
             content.pop();
@@ -226,7 +231,9 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 }
 
 /// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L` and `# azimuth_zero
-/// x,y,z`; other comments say nothing to us.
+/// x,y,z`.
+///
+/// Other comments are ignored.
 fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
     let content = content.trim_start_matches('#').trim();
     let (key, value) = content
@@ -262,7 +269,7 @@ fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
     Ok(())
 }
 
-/// `N` finite numbers, between commas or blanks.
+/// Reads `N` finite numbers, separated by commas or blanks.
 fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let words = text.split([',', ' ', '\t']).filter(|word| !word.is_empty());
     let number = |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite());
@@ -270,7 +277,7 @@ fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     numbers?.try_into().ok()
 }
 
-/// Finds the line that made `tobj` refuse: it reports none.
+/// Finds the line that `tobj` refused, because `tobj` does not report it.
 fn locate(reason: tobj::LoadError, text: &str, vertices: usize) -> Fault {
     let mut before = 0;
     for (line, content) in logical_lines(text) {
@@ -300,8 +307,9 @@ fn locate(reason: tobj::LoadError, text: &str, vertices: usize) -> Fault {
     Fault::Obj(reason)
 }
 
-/// First index of a face line that is out of range; negative ones count back from the `before`
-/// vertices above it.
+/// Returns the first index of a face line that is out of range.
+///
+/// Negative indices count back from the `before` vertices above the line.
 fn wrong_index(content: &str, before: i64, vertices: usize) -> Option<i64> {
     let indices = content
         .split_whitespace()

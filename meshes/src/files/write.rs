@@ -1,4 +1,4 @@
-//! Writing meshes: OBJ in full f64 digits, GLB in f32.
+//! Writing of meshes: OBJ in full f64 digits, GLB in f32.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use crate::files::glb;
 use crate::mesh::error::{Error, Fault};
 use crate::mesh::mesh::{GLASS, Mesh};
 
-/// A number in the fewest digits that read back as the same f64.
+/// Writes a number in the fewest digits that read back as the same f64.
 fn digits(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 {
@@ -24,6 +24,7 @@ fn digits(value: f64) -> String {
     }
 }
 
+/// Writes the coordinates of vectors with a separator.
 fn joined(vectors: &[DVec3], separator: &str) -> String {
     let words: Vec<String> = vectors
         .iter()
@@ -33,9 +34,11 @@ fn joined(vectors: &[DVec3], separator: &str) -> String {
     words.join(separator)
 }
 
-/// The mesh as OBJ text: `# design`, `# lattice`, `# edge_length` and `# azimuth_zero` comments
-/// where the mesh has them, then `v` and `f` lines, `vn` lines where it has normals and `usemtl`
-/// lines where some faces are of glass. Every coordinate reads back as the same f64.
+/// Returns the mesh as OBJ text.
+///
+/// It has `# design`, `# lattice`, `# edge_length` and `# azimuth_zero` comments if the mesh has
+/// these, then `v` and `f` lines, `vn` lines if it has normals, and `usemtl` lines if some faces
+/// are of glass. Every coordinate reads back as the same f64.
 pub fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
@@ -87,8 +90,9 @@ pub fn obj(mesh: &Mesh) -> String {
     text
 }
 
-/// The mesh with a vertex for each normal at it, and those normals; the mesh itself and none where
-/// not every corner has one.
+/// Returns the mesh with one vertex for each normal at it, and these normals.
+///
+/// If not every corner has a normal, it returns the mesh itself and no normals.
 fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     let corners = mesh.triangles.iter().zip(&mesh.corner_normals);
     let given = corners.flat_map(|(vertices, numbers)| vertices.iter().copied().zip(*numbers));
@@ -123,10 +127,12 @@ fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     (Cow::Owned(split), normals)
 }
 
-/// The mesh as a GLB file: one primitive, f32 positions, u32 indices, `extras` of the document for
-/// design, lattice, edge length and azimuth zero (f64), and `KHR_materials_ior` where there is a
-/// refractive index. Normals are written where every corner has one, each vertex as often as it has
-/// others.
+/// Returns the mesh as a GLB file.
+///
+/// It has one primitive, f32 positions, u32 indices, `extras` of the document for design, lattice,
+/// edge length and azimuth zero (f64), and `KHR_materials_ior` if there is a refractive index.
+/// Normals are written if every corner has one; a vertex with several normals is written several
+/// times.
 ///
 /// f32 keeps 6e-8 of a coordinate: dihedral errors below 1e-7 rad need OBJ.
 pub fn glb(mesh: &Mesh) -> Vec<u8> {
@@ -176,14 +182,20 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
         "buffers": [{ "byteLength": binary.len() }],
         "bufferViews": [
             { "buffer": 0, "byteOffset": 0, "byteLength": split, "target": 34962 },
-            { "buffer": 0, "byteOffset": split, "byteLength": triangles_end - split, "target": 34963 },
+            {
+                "buffer": 0, "byteOffset": split, "byteLength": triangles_end - split,
+                "target": 34963,
+            },
         ],
         "accessors": [
             {
                 "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": positions.len(),
                 "min": bound(f32::min), "max": bound(f32::max),
             },
-            { "bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * mesh.triangles.len() },
+            {
+                "bufferView": 1, "componentType": 5125, "type": "SCALAR",
+                "count": 3 * mesh.triangles.len(),
+            },
         ],
     });
     if !normals.is_empty() {
@@ -209,11 +221,14 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
     glb::file(&document.to_string(), &binary)
 }
 
-/// Writes the mesh to `path`, as OBJ or GLB by its extension, through a temporary file beside it:
-/// an interrupted write leaves an older file whole.
+/// Writes the mesh to `path`, as OBJ or GLB by its extension.
+///
+/// It writes a temporary file beside `path` and renames it, so that an interrupted write leaves an
+/// older file whole.
 ///
 /// # Errors
-/// [`Fault::UnknownExtension`] and [`Fault::Unwritable`].
+/// Returns [`Fault::UnknownExtension`] for another extension, and [`Fault::Unwritable`] if the file
+/// cannot be written.
 pub fn save(mesh: &Mesh, path: &Path) -> Result<(), Error> {
     let extension = path
         .extension()
@@ -227,7 +242,7 @@ pub fn save(mesh: &Mesh, path: &Path) -> Result<(), Error> {
     let temporary = path.with_extension(format!("{extension}.{}.partial", std::process::id()));
     let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
     written.map_err(|error| {
-        // Nothing is left behind; that this may fail too changes nothing about the first error.
+        // Remove the temporary file. If this fails too, the first error is still the one to report.
         let _ = fs::remove_file(&temporary);
         Error::new(path, Fault::Unwritable(error))
     })

@@ -1,19 +1,21 @@
-//! What can be wrong with a mesh, where it is, and what to do about it.
+//! Faults of meshes: what is wrong, where it is, and what to do about it.
 //!
-//! Vertices and faces are numbered from 1, in the order of the file: OBJ `v` and `f` lines; for
-//! glTF, vertices and triangles counted through the scene's nodes in depth-first order.
+//! Vertices and faces are numbered from 1, in the order of the file. In OBJ these are the `v` and
+//! `f` lines. In glTF, vertices and triangles are counted through the nodes of the scene in
+//! depth-first order.
 
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// A fault and the file that it is in.
+/// Fault together with its file.
 #[derive(Debug, Error)]
 #[error("{}: {fault}", file.display())]
 pub struct Error {
-    /// The mesh file.
+    /// Path of the mesh file.
     pub file: PathBuf,
-    /// What is wrong with it. Boxed: results are passed through every function of the crate.
+    /// Fault of the file or of the mesh. It is boxed, because results pass through every function
+    /// of the crate.
     #[source]
     pub fault: Box<Fault>,
 }
@@ -28,7 +30,7 @@ impl Error {
     }
 }
 
-/// Which of the two numbers of a size limit was exceeded.
+/// Quantity that exceeded its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counted {
     /// Bytes of a file or of a buffer.
@@ -43,7 +45,7 @@ pub enum Counted {
     Objects,
     /// Bytes of a glTF document's JSON.
     Json,
-    /// Bytes of that outside of its texts.
+    /// Bytes of a glTF document's JSON outside of its texts.
     JsonValues,
     /// Corners of one polygon.
     Corners,
@@ -64,7 +66,7 @@ impl std::fmt::Display for Counted {
     }
 }
 
-/// What is wrong with a mesh file, a mesh or the options given for it.
+/// Fault of a mesh file, of a mesh, or of the options given for it.
 #[derive(Debug, Error)]
 #[allow(
     missing_docs,
@@ -222,8 +224,7 @@ pub enum Fault {
     CoincidentFace { face: u32, first: u32 },
     #[error(
         "the edge between vertices {a} and {b} joins {faces} faces (face {face} is one); leave \
-        two, deleting \
-         faces that lie on others"
+        two, deleting faces that lie on others"
     )]
     NonManifoldEdge {
         a: usize,
@@ -249,8 +250,7 @@ pub enum Fault {
     // ---- materials
     #[error(
         "has no face of the material \"glass\" (OBJ usemtl, glTF material name) for \
-        --glass-index; name it so where light goes \
-         through, or leave out --glass-index"
+        --glass-index; name it so where light goes through, or leave out --glass-index"
     )]
     NoGlass,
     #[error(
@@ -275,34 +275,30 @@ pub enum Fault {
     NormalNoDirection { face: u32 },
     #[error(
         "face {face} has a normal {degrees:.1} degrees off its front, on the other side than \
-        those of face {known}; compute the normals \
-         again from the faces"
+        those of face {known}; compute the normals again from the faces"
     )]
     NormalBehind { face: u32, degrees: f64, known: u32 },
 
     // ---- the cell
     #[error(
         "no apex was found (no inner vertex where three perpendicular facets meet, seen from the \
-        light): the cell \
-         cannot be normalised; merge the facets' vertices, or give --edge-length and --azimuth-zero"
+        light): the cell cannot be normalised; merge the facets' vertices, or give --edge-length \
+        and --azimuth-zero"
     )]
     NoApex,
     #[error(
         "lies {distance:.1e} edge lengths from the origin, where f64 rounds to {left:.1e} of an \
-        edge; move it \
-         to the origin"
+        edge; move it to the origin"
     )]
     DigitsLost { distance: f64, left: f64 },
     #[error(
         "the rim is not planar (vertex {vertex} is {height:.3e} edge lengths off its plane); \
-        flatten it or give \
-         --lattice"
+        flatten it or give --lattice"
     )]
     RimNotPlanar { vertex: usize, height: f64 },
     #[error(
         "has {loops} boundary loops (a second one at vertex {vertex}); close the holes, join the \
-        cells or \
-         give --lattice"
+        cells or give --lattice"
     )]
     SeveralRims { loops: usize, vertex: usize },
     #[error(
@@ -312,8 +308,7 @@ pub enum Fault {
     RimCrossed { vertex: usize },
     #[error(
         "vertex {vertex} stands {height:.3e} edge lengths above the rim; lower it, or raise the \
-        rim \
-         to the highest vertex"
+        rim to the highest vertex"
     )]
     AboveRim { vertex: usize, height: f64 },
     #[error(

@@ -1,28 +1,29 @@
-//! Cutting a flat polygon, convex or not, into triangles.
+//! Cutting of a flat polygon, convex or not, into triangles.
 
 use glam::{DVec2, DVec3};
 
 use crate::mesh::error::{Counted, Fault};
 
-/// Most corners of a polygon that is not a fan: ear clipping costs their square.
+/// Most corners of a polygon that is not a fan, because ear clipping costs their square.
 pub(crate) const MAX_CORNERS: usize = 1024;
-/// How far a corner may be off the polygon's plane, in units of the polygon's extent. Files with
-/// six digits round corners by 1e-6; past 1e-4 the choice of the diagonals changes what the mirror
-/// does.
+/// Greatest distance of a corner from the polygon's plane, in units of the polygon's extent.
+///
+/// Files with six digits round corners by 1e-6. Beyond 1e-4 the choice of the diagonals changes how
+/// the mirror reflects.
 pub(crate) const FLAT: f64 = 1e-4;
 
-/// Appends the triangles of the polygon `corners`, wound as it is, to `triangles`. `face` is its
-/// number in messages.
+/// Appends the triangles of the polygon `corners`, wound as it is, to `triangles`.
 ///
-/// Triangles are passed on as they are, degenerate or not. A fan from the first corner is used
-/// where it is valid (all convex polygons), else ears are clipped.
+/// `face` is the number of the polygon in messages. Triangles are passed on as they are, degenerate
+/// or not. A fan from the first corner is used where it is valid (for all convex polygons);
+/// otherwise ears are clipped.
 ///
 /// # Errors
-/// The polygon is not flat to [`FLAT`], crosses itself, or is no fan and has more than
-/// [`MAX_CORNERS`] corners.
+/// Fails if the polygon is not flat to [`FLAT`], if it crosses itself, or if it is no fan and has
+/// more than [`MAX_CORNERS`] corners.
 ///
 /// # Panics
-/// If an index is out of range of `positions`.
+/// Panics if an index is out of range of `positions`.
 pub(crate) fn cut(
     positions: &[DVec3],
     corners: &[u32],
@@ -68,9 +69,10 @@ pub(crate) fn cut(
         flat.iter_mut().for_each(|p| p.y = -p.y);
     }
     let thin = 1e-12 * extent * extent;
-    let fans = (1..corners.len() - 1).all(|i| (flat[i] - flat[0]).perp_dot(flat[i + 1] - flat[0]) > thin)
-        // A fan of positive triangles that turns once: the angles at the first corner stay below a
-        // full turn.
+    let fans = (1..corners.len() - 1)
+        .all(|i| (flat[i] - flat[0]).perp_dot(flat[i + 1] - flat[0]) > thin)
+        // A fan of positive triangles turns only once if the angles at the first corner stay below
+        // a full turn.
         && (flat[1] - flat[0]).perp_dot(flat[corners.len() - 1] - flat[0]) > thin;
     if fans {
         triangles.extend((1..corners.len() - 1).map(|i| [corners[0], corners[i], corners[i + 1]]));
@@ -87,8 +89,9 @@ pub(crate) fn cut(
     clip_ears(&flat, corners, thin, triangles).ok_or(Fault::PolygonCrossed { face })
 }
 
-/// Ear clipping of a simple polygon, counter-clockwise in `flat`; `None` where no ear is left, or
-/// the ears do not add up to the polygon: it crosses itself.
+/// Clips the ears of a simple polygon, counter-clockwise in `flat`.
+///
+/// Returns `None` if the polygon crosses itself or no ear is left.
 fn clip_ears(
     flat: &[DVec2],
     corners: &[u32],
@@ -117,20 +120,22 @@ fn clip_ears(
     Some(())
 }
 
-/// Whether a point lies in a counter-clockwise triangle or on its edges.
+/// Returns whether a point lies in a counter-clockwise triangle or on its edges.
 fn inside(p: DVec2, [a, b, c]: [DVec2; 3]) -> bool {
     (b - a).perp_dot(p - a) >= 0.0
         && (c - b).perp_dot(p - b) >= 0.0
         && (a - c).perp_dot(p - c) >= 0.0
 }
 
-/// Whether two edges of a closed polygon that are not neighbours cross or touch; quadratic in its
-/// corners.
+/// Returns whether two edges of a closed polygon that are not neighbours cross or touch.
+///
+/// The time is quadratic in the number of corners.
 pub(crate) fn crosses(flat: &[DVec2]) -> bool {
     first_crossing(flat).is_some()
 }
 
-/// First edge of a closed polygon that crosses or touches a later one which is not its neighbour.
+/// Returns the first edge of a closed polygon that crosses or touches a later edge which is not its
+/// neighbour.
 pub(crate) fn first_crossing(flat: &[DVec2]) -> Option<usize> {
     let n = flat.len();
     let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a);
@@ -150,9 +155,10 @@ pub(crate) fn first_crossing(flat: &[DVec2]) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// Random star-shaped polygons, mostly concave, somewhere in space: n - 2 triangles, all wound
-    /// as the polygon, their areas adding up to its area (so they neither overlap nor leave gaps).
-    /// Areas are of order 1, rounding below 1e-13.
+    /// Cuts random star-shaped polygons, mostly concave, somewhere in space.
+    ///
+    /// Each must give n - 2 triangles, all wound as the polygon, whose areas add up to its area, so
+    /// that they neither overlap nor leave gaps. Areas are of order 1, rounding is below 1e-13.
     #[test]
     fn concave_polygons_are_covered_once() {
         let mut state = 7_u64;

@@ -1,11 +1,13 @@
-//! Damaged files: whatever their bytes, an answer and no panic.
+//! Damaged files: any bytes give an answer and no panic.
 
 use std::path::{Path, PathBuf};
 
 use meshes::{CellOptions, Mesh, gltf, normalise, obj};
 
-/// Damaged copies of each file. The first run found a panic in the validation of the `gltf` crate;
-/// one of 20,000 copies of each (two million files) found none.
+/// Number of damaged copies of each file.
+///
+/// The first run found a panic in the validation of the `gltf` crate. A run with 20,000 copies of
+/// each (two million files) found none.
 const DAMAGES: usize = 150;
 
 fn files() -> Vec<PathBuf> {
@@ -54,7 +56,7 @@ fn damaged_files_get_an_answer() {
             for _ in 0..1 + below(4) {
                 let at = below(bytes.len());
                 match below(8) {
-                    // Half of the damage is to numbers: it gets furthest.
+                    // Half of the damage is to numbers, because such files get furthest.
                     4.. => {
                         if let Some(digit) = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit())
                         {

@@ -1,4 +1,4 @@
-//! The designs: against their closed forms, and against the files that the repository carries.
+//! Designs, compared with their closed forms and with the files in the repository.
 
 use std::path::Path;
 
@@ -22,8 +22,8 @@ fn area(cell: &Cell) -> f64 {
         .sum()
 }
 
-/// Dihedral angle less 90 degrees between two facets, from their unit normals: cos(90 + e) = -sin e
-/// of the outer angle.
+/// Dihedral angle minus 90 degrees between two facets, from their unit normals: cos(90 + e) = -sin
+/// e of the outer angle.
 fn error_between(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
     let normal = |t: [DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize();
     // Inside normals at 90 deg + e enclose 90 deg - e.
@@ -36,7 +36,7 @@ const ROUNDING: f64 = 4e-15;
 #[test]
 fn ideal_cells_have_their_closed_forms() {
     let root = 3_f64.sqrt();
-    // Height of the entrance, its area, facets: model of a cube corner with unit edges.
+    // Height of the entrance, its area, and facets, for the model of a cube corner with unit edges.
     let expected = [
         (Shape::Triangular, 1.0 / root, root / 2.0, 3),
         (Shape::TriangularPair, 1.0 / root, root, 6),
@@ -58,8 +58,8 @@ fn ideal_cells_have_their_closed_forms() {
             assert_eq!(cell.design, shape.name());
             assert!(cell.azimuth_zero.distance(DVec3::X) < ROUNDING);
             for facet in &cell.facets {
-                // Counter-clockwise seen from the light: normals point up, each at 54.7 degrees
-                // from the sheet's.
+                // Facets are counter-clockwise seen from the light: normals point up, each at 54.7
+                // degrees from the sheet's normal.
                 let normal = (facet[1] - facet[0]).cross(facet[2] - facet[0]).normalize();
                 assert!((normal.z - 1.0 / root).abs() < ROUNDING);
             }
@@ -81,8 +81,8 @@ fn the_full_cube_tiles_by_its_lattice() {
             && (b.length() - 2_f64.sqrt()).abs() < ROUNDING
     );
     assert!((a.perp_dot(b) - 3_f64.sqrt()).abs() < ROUNDING);
-    // Every outer edge of the hexagon is an outer edge of a neighbour, at the same heights, run the
-    // other way.
+    // Every outer edge of the hexagon is an outer edge of a neighbour, at the same heights, in the
+    // opposite direction.
     let outer: Vec<[DVec3; 2]> = cell.facets.iter().map(|f| [f[1], f[2]]).collect();
     let mut matched = 0;
     for [p, q] in &outer {
@@ -98,7 +98,7 @@ fn the_full_cube_tiles_by_its_lattice() {
     assert_eq!((outer.len(), matched), (6, 6));
 }
 
-/// The angle between facets is found to 1e-15: asin and two normals, near 0.
+/// Tolerance: the angle between facets is found to 1e-15, from asin and two normals, near 0.
 #[test]
 fn dihedral_errors_arrive_in_the_cell() {
     let mut cases = 0;
@@ -123,7 +123,7 @@ fn dihedral_errors_arrive_in_the_cell() {
                 });
                 let step = if shape == Shape::FullCube { 2 } else { 1 };
                 let facet = |k: usize| cell.facets[k % 3 * step];
-                // Facets 1-2, 2-3 and 3-1 of the edges; edge 1 is shared by the facets 3-1 and 1-2.
+                // Facets 1-2, 2-3 and 3-1 of the edges. Edge 1 is shared by the facets 3-1 and 1-2.
                 for (edge, planted) in dihedral_error_rad.into_iter().enumerate() {
                     let found = error_between(facet(edge + 2), facet(edge));
                     assert!((found - planted).abs() < 2e-15, "{shape:?} {found:e}");
@@ -186,11 +186,11 @@ fn truncation_lowers_the_top_and_keeps_the_edge_length() {
     assert_eq!(cases, 12);
 }
 
-/// The files of the `designs` folder are what the code writes, and the folder's README has their
-/// hashes.
+/// The files of the `designs` folder are what the code writes, and the README of the folder has
+/// their hashes.
 ///
-/// To make them anew after a wanted change: `UPDATE_DESIGNS=1 cargo test -p meshes --test all
-/// designs`, and copy the hashes that the test then prints.
+/// To make them anew after an intended change, run `UPDATE_DESIGNS=1 cargo test -p meshes --test
+/// all designs` and copy the hashes that the test then prints.
 #[test]
 fn the_design_files_are_what_the_code_writes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");
@@ -222,7 +222,7 @@ fn the_design_files_are_what_the_code_writes() {
             if !readme.contains(&row) {
                 missing.push(row);
             }
-            // Integers: f32 holds them as exactly as f64.
+            // f32 holds integers as exactly as f64.
             assert_eq!(found.facets, cell(Design::new(shape)).facets, "{name}");
             cases += 1;
         }
@@ -235,8 +235,8 @@ fn the_design_files_are_what_the_code_writes() {
     assert_eq!(cases, 6);
 }
 
-/// Worn cells and those with land pass the same door as files do, in OBJ and in GLB: one planar
-/// rim, no warning, the edge length and the first edge of the sharp cell.
+/// Worn cells and cells with land, read from OBJ and GLB like any file: one planar rim, no warning,
+/// and the edge length and the first edge of the sharp cell.
 #[test]
 fn worn_cells_and_land_are_cells() {
     let mut cases = 0;
@@ -275,7 +275,7 @@ fn worn_cells_and_land_are_cells() {
                 };
                 let arcs = if edge_radius > 0.0 { 3 * strips } else { 0 };
                 let land = if gap > 0.0 { 6 + arcs } else { 0 };
-                // Where the arcs of a pair differ, a side is split at their ends.
+                // If the arcs of a pair differ, a side is split at their ends.
                 let expected = cubes * (facets + land) as usize;
                 assert!((expected..=expected + 4).contains(&mesh.triangles.len()));
                 let folder = tempfile::tempdir().expect("a temporary folder");

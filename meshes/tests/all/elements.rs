@@ -15,13 +15,13 @@ fn cell(mesh: &Mesh, glass: bool) -> Result<Cell, meshes::Error> {
     normalise(mesh, Path::new("element"), &options)
 }
 
-/// Twice the area, along the normal.
+/// Twice the area, as a vector along the normal.
 fn doubled([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Mirrors of both layers and sides, upper edges facing the light; coordinates to an ulp of the
-/// plate's height.
+/// Mirrors of both layers and sides, with upper edges that face the light; coordinates to an ulp of
+/// the plate's height.
 #[test]
 fn a_plate_has_its_dimensions() {
     let plate = Plate {
@@ -43,7 +43,7 @@ fn a_plate_has_its_dimensions() {
             by_axis[axis] += area[axis].abs();
         }
     }
-    // Two sides of 1 x 3 in each layer; two upper edges of 1 x 0.02.
+    // Each layer has two sides of 1 x 3, and there are two upper edges of 1 x 0.02.
     let expected = [6.0, 6.0, 0.04];
     assert!(
         (0..3).all(|k| (by_axis[k] - expected[k]).abs() < 1e-13),
@@ -59,8 +59,8 @@ fn a_plate_has_its_dimensions() {
     }
 }
 
-/// Vertices on the sphere, facets outward and closed, glass above the equator; the inscribed
-/// surface lacks some (pi / 2n)^2 of the sphere's.
+/// Vertices on the sphere, facets outward and closed, glass above the equator. The inscribed
+/// surface is smaller than the sphere's by about (pi / 2n)^2.
 #[test]
 fn a_bead_is_a_sphere() {
     let mut cases = 0;
@@ -110,7 +110,7 @@ fn a_bead_is_a_sphere() {
     assert_eq!(cases, 3);
 }
 
-/// The material's name decides, in either format, and only where it is asked for.
+/// Glass by the name of the material, in either format, and only if it is asked for.
 #[test]
 fn glass_is_told_by_its_name() {
     let two = "usemtl glass\nf 1 2 3\nusemtl paint\nf 1 3 4\nf 1 4 2\n";
@@ -123,15 +123,18 @@ fn glass_is_told_by_its_name() {
     let said = cell(&plain, true).expect_err("no glass").to_string();
     assert!(said.contains("no face of the material \"glass\""), "{said}");
 
-    // One triangle twice, the second primitive of glass.
+    // One triangle twice; the second primitive is of glass.
     let corners = "AAAAAAAAAAAAAAAAAABAQAAAAAAAAAAAAAAAAAAAQEAAAAAA";
     let json = format!(
-        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}},{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+        "nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}},
+        {{"attributes":{{"POSITION":0}},"material":0}}]}}],
         "materials":[{{"name":"glass"}}],
         "buffers":[{{"byteLength":36,"uri":"data:application/octet-stream;base64,{corners}"}}],
         "bufferViews":[{{"buffer":0,"byteLength":36}}],
-        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3,"min":[0,0,0],"max":[3,3,0]}}]}}"#
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3,
+        "min":[0,0,0],"max":[3,3,0]}}]}}"#
     );
     match gltf::parse(json.as_bytes(), None) {
         Ok(mesh) => assert_eq!(mesh.glass, [false, true]),

@@ -1,5 +1,5 @@
-//! Files that users might hand over: the bad ones with the message that each must get, the good
-//! ones with their cell.
+//! Files that users might hand over: bad ones with the message that each must get, good ones with
+//! their cell.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -107,7 +107,7 @@ fn a_missing_file_and_bad_options_are_told() {
     }
 }
 
-/// The facets of two cells, as sets, vertex sets compared: file order and triangulation starts do
+/// Comparison of the facets of two cells as sets of vertex sets; file order and first corners do
 /// not matter.
 fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
     let near = |f: &[DVec3; 3], g: &[DVec3; 3]| {
@@ -127,9 +127,9 @@ fn every_good_file_is_its_cell() {
         design(Shape::TriangularPair),
         design(Shape::FullCube),
     );
-    // File, cell, edge length, warnings, closed. Exact f32 or decimal coordinates: rounding alone,
-    // 4e-15 (a few operations on numbers up to 2). The second node of the pair has an f32
-    // quaternion with three equal entries, exact once renormalised.
+    // Columns: file, cell, edge length, warnings, closed. Coordinates are exact f32 or decimal, so
+    // only rounding is left, 4e-15 (a few operations on numbers up to 2). The second node of the
+    // pair has an f32 quaternion with three equal entries, exact once renormalised.
     let cases: [(&str, &Cell, f64, usize, bool); 21] = [
         ("quads.obj", &full, 3.0, 0, false),
         ("negative_indices.obj", &single, 3.0, 0, false),
@@ -207,7 +207,7 @@ fn every_good_file_is_its_cell() {
     );
 }
 
-/// A changed buffer must change the hash, though the document stays the same.
+/// A changed buffer must change the hash, even if the document stays unchanged.
 #[test]
 fn the_hash_covers_external_buffers() {
     let copy = tempfile::tempdir().expect("a temporary folder");
@@ -227,8 +227,8 @@ fn the_hash_covers_external_buffers() {
     assert_ne!(before, hash());
 }
 
-/// An Abbe number (KHR_materials_dispersion holds 20 / V_d) makes the index one of the wavelength:
-/// the file's own at the d line, apart by (n - 1)/V_d between the F and C lines.
+/// Index by wavelength with an Abbe number (KHR_materials_dispersion holds 20 / V_d): the file's
+/// own index at the d line, and a difference of (n - 1)/V_d between the F and C lines.
 #[test]
 fn dispersion_of_a_file() {
     let plain = std::fs::read_to_string(folder("good/prism_with_index.gltf")).expect("reads");
@@ -240,7 +240,7 @@ fn dispersion_of_a_file() {
     std::fs::write(&file, document.to_string()).expect("writes");
     let cell = load_cell(&file, &CellOptions::default()).expect("a prism");
     let at = |nm| cell.refractive_index_at(Some(nm)).expect("an index");
-    // The extension's constants have four and six digits.
+    // The constants of the extension have four and six digits.
     assert!((at(587.56) - 1.49).abs() < 1e-6);
     assert!((at(486.13) - at(656.27) - 0.49 / 57.0).abs() < 1e-6);
     assert_eq!(cell.refractive_index_at(None), Some(1.49));

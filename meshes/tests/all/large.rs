@@ -11,10 +11,10 @@ fn cell(mesh: &Mesh, options: &CellOptions) -> Result<Cell, Error> {
     normalise(mesh, Path::new("mesh"), options)
 }
 
-/// `across` x `across` pairs side by side, every pair with vertices of its own.
+/// Sheet of `across` x `across` pairs side by side, each with vertices of its own.
 fn patch(across: u32) -> Mesh {
     let pair = Design::new(Shape::TriangularPair).mesh().expect("a design");
-    // The rhombus has the corners 1, 6, 2, 3 (by number): its sides are the lattice.
+    // The rhombus has the corners 1, 6, 2, 3 (by number). Its sides are the lattice.
     let [a, b] = [
         pair.positions[5] - pair.positions[1],
         pair.positions[3] - pair.positions[1],
@@ -49,17 +49,17 @@ fn a_patch_of_two_thousand_cubes_normalises() {
     );
     assert_eq!(cell.facets.len(), 6 * 1024);
     assert!((cell.edge_length - 3.0).abs() < 1e-14);
-    // Four corners: the points along the sides are left out; the area of a pair is sqrt 3.
+    // Only four corners are left, without the points along the sides. The area of a pair is sqrt 3.
     let p = &cell.entrance.polygon;
     assert_eq!(p.len(), 4);
     let area: f64 = (0..4).map(|i| p[i].perp_dot(p[(i + 1) % 4]) / 2.0).sum();
-    // Coordinates to 91 edge lengths, rounded to 1e-14, over a rim of 181.
+    // Coordinates go to 91 edge lengths, rounded to 1e-14, over a rim of 181.
     assert!((area - 1024.0 * 3_f64.sqrt()).abs() < 4e-12, "{area}");
     assert!(cell.warnings.is_empty());
 }
 
-/// Every triangle cut into `parts` x `parts`, with vertices of its own; `bend` moves a point of the
-/// surface.
+/// Every triangle is cut into `parts` x `parts`, with vertices of its own; `bend` moves a point of
+/// the surface.
 fn refined(mesh: &Mesh, parts: u32, bend: impl Fn(DVec3) -> DVec3) -> Mesh {
     let mut fine = Mesh {
         positions: Vec::new(),
@@ -73,8 +73,8 @@ fn refined(mesh: &Mesh, parts: u32, bend: impl Fn(DVec3) -> DVec3) -> Mesh {
                 f64::from(i) / f64::from(parts),
                 f64::from(j) / f64::from(parts),
             );
-            // Weighted sums are the same from both sides of an edge only to rounding: welding must
-            // bridge that.
+            // Weighted sums from the two sides of an edge differ by rounding, which welding must
+            // bridge.
             bend(a * (1.0 - u - v) + b * u + c * v)
         };
         for j in 0..parts {
@@ -112,7 +112,7 @@ fn finely_triangulated_facets_keep_their_apex() {
             fine.triangles.len(),
             start.elapsed().as_secs_f64() * 1e3
         );
-        // The first leg in the file is the first facet's: the same frame.
+        // The first leg in the file is that of the first facet, so the frames are equal.
         assert!((found.edge_length - 3.0).abs() < 1e-14);
         assert!(
             (found.entrance.height - coarse.entrance.height).abs() < 1e-14,
@@ -133,14 +133,14 @@ fn finely_triangulated_facets_keep_their_apex() {
     assert_eq!(cases, 3);
 }
 
-/// Facets bulged by a hundredth of an edge, the edges left straight: the apex and the edges are
-/// still there.
+/// Facets that bulge by a hundredth of an edge, with straight edges: the apex and the edges are
+/// still found.
 #[test]
 fn slightly_curved_facets_keep_their_apex() {
     let mesh = Design::new(Shape::Triangular).mesh().expect("a design");
     let bulge = |p: DVec3| {
         let [x, y, z] = p.to_array().map(|c| c.max(0.0));
-        // Zero on the edges and on the rim, so that both stay where they are.
+        // The bulge is zero on the edges and on the rim, so that both stay in place.
         let rise = 0.01 * (1.0 - (x + y + z) / 3.0).max(0.0);
         p + DVec3::new(y * z, z * x, x * y) * rise
     };
@@ -151,7 +151,7 @@ fn slightly_curved_facets_keep_their_apex() {
     assert_eq!(found.facets.len(), 3 * 3600);
 }
 
-/// A bowl has no apex: refused, unless the user says what an edge and azimuth zero are.
+/// A bowl has no apex. It is refused, unless the user gives an edge length and an azimuth zero.
 #[test]
 fn a_cell_without_an_apex_needs_options() {
     let positions = vec![DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0];
@@ -160,7 +160,7 @@ fn a_cell_without_an_apex_needs_options() {
         triangles: vec![[0, 1, 2]],
         ..Mesh::default()
     };
-    // Zero on the rim, lowest in the middle, (1, 1): 0.2.
+    // The bowl is zero on the rim, and lowest in the middle, (1, 1): 0.2.
     let fine = refined(&flat, 21, |p| {
         p - DVec3::Z * (0.2 * p.x * p.y * (3.0 - p.x - p.y))
     });

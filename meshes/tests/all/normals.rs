@@ -1,5 +1,5 @@
-//! Normals of the corners of facets: from every kind of file the same, and refused where they make
-//! no sense.
+//! Normals at the corners of facets: equal from every kind of file, and refused if they make no
+//! sense.
 
 use std::path::Path;
 
@@ -50,8 +50,8 @@ fn assert_alike(one: &Cell, other: &Cell, tolerance: f64, name: &str) {
     }
 }
 
-/// Text gives every digit back; f32 keeps 6e-8 of a coordinate of up to 3 units, three axes, over
-/// edges of 3 units, and as much of the apex and the axes.
+/// Rounding in each format. Text gives every digit back. f32 keeps 6e-8 of a coordinate of up to 3
+/// units, in three axes, over edges of 3 units, and as much of the apex and the axes.
 #[test]
 fn every_file_gives_the_same_normals() {
     let mut cases = 0;
@@ -70,7 +70,7 @@ fn every_file_gives_the_same_normals() {
         );
         let read = gltf::parse(&write::glb(&mesh), None).expect("its own file");
         assert_alike(&plain, &cell(&read, &NORMALS).expect("a cell"), 1e-6, "glb");
-        // Texture coordinates between, indices from the end, lengths other than 1.
+        // Texture coordinates between, indices from the end, and lengths other than 1.
         let (v, n) = (
             mesh.positions.len() as i64 + 1,
             mesh.normals.len() as i64 + 1,
@@ -103,13 +103,13 @@ fn every_file_gives_the_same_normals() {
             0.0_f64.next_up(),
             "negative",
         );
-        // Turned over: the light reaches the same faces.
+        // The mesh is turned over: the light reaches the same faces.
         let mut over = mesh.clone();
         over.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         over.corner_normals.iter_mut().for_each(|t| t.swap(1, 2));
         let turned = cell(&over, &NORMALS).expect("a cell");
         assert_alike(&plain, &turned, 0.0_f64.next_up(), "wound clockwise");
-        // So do normals that all point away.
+        // Normals that all point away give the same result.
         let mut away = mesh.clone();
         away.normals.iter_mut().for_each(|n| *n = -*n);
         assert_alike(
@@ -123,9 +123,10 @@ fn every_file_gives_the_same_normals() {
     assert_eq!(cases, 15);
 }
 
-/// A node that mirrors and stretches: positions by the map, normals by its inverse transpose. The
-/// design stretched by the same map has normals of its own facets that the carried ones stay close
-/// to: within the half facet that they turn by.
+/// A node that mirrors and stretches: positions follow the map, normals its inverse transpose.
+///
+/// The design, stretched by the same map, has facets with normals of their own. The carried normals
+/// stay within the half facet by which these turn.
 #[test]
 fn nodes_turn_normals() {
     let mesh = curved(Shape::Triangular);
@@ -155,7 +156,8 @@ fn nodes_turn_normals() {
         for (facet, numbers) in cell.facets.iter().zip(&normals.corners) {
             let own = (facet[1] - facet[0]).cross(facet[2] - facet[0]).normalize();
             for &number in numbers {
-                // The steepest change along a face, 27 sag sqrt 2 / edge over one facet of a sixth.
+                // The steepest change along a face is 27 sag sqrt 2 / edge, over one facet of a
+                // sixth.
                 let off = normals.vectors[number as usize].angle_between(own);
                 assert!(
                     off < 27.0 * 0.01 * 2_f64.sqrt() * 2.0 / 6.0,
@@ -174,12 +176,12 @@ fn normals_that_make_no_sense_are_refused() {
     let with = |change: &dyn Fn(&mut Mesh)| {
         let mut mesh = good.clone();
         change(&mut mesh);
-        // Without the option none of it matters.
+        // Without the option, normals have no effect.
         cell(&mesh, &CellOptions::default()).expect("planes");
         cell(&mesh, &NORMALS).expect_err("refused").to_string()
     };
     let number = std::num::NonZeroU32::new;
-    // The normal in the middle of the first face: corner 1 of its 15th facet among others.
+    // Corner 1 of the 15th facet, among others, has the normal in the middle of the first face.
     let middle = good.corner_normals[14][1].expect("a normal").get() as usize - 1;
     type Change<'a> = &'a dyn Fn(&mut Mesh);
     let cases: [(&str, Change<'_>); 8] = [
@@ -217,7 +219,7 @@ fn normals_that_make_no_sense_are_refused() {
         tried += 1;
     }
     assert_eq!(tried, 8);
-    // The same out of a file.
+    // A file with the same fault.
     let text = write::obj(&good);
     let last = text
         .lines()
@@ -238,13 +240,13 @@ fn normals_that_make_no_sense_are_refused() {
 fn what_is_said_of_normals() {
     let mesh = curved(Shape::TriangularPair);
     let said = |mesh: &Mesh, options: &CellOptions| cell(mesh, options).expect("a cell").warnings;
-    // Not asked for.
+    // Normals that were not asked for.
     let warnings = said(&mesh, &CellOptions::default());
     assert!(
         warnings.len() == 1 && warnings[0].contains("give --normals file"),
         "{warnings:?}"
     );
-    // A facet without any.
+    // A facet without normals.
     let mut partly = mesh.clone();
     partly.corner_normals[7] = [None; 3];
     let warnings = said(&partly, &NORMALS);
@@ -254,7 +256,7 @@ fn what_is_said_of_normals() {
             && warnings[0].contains("face 8"),
         "{warnings:?}"
     );
-    // The facets' own.
+    // Normals equal to those of the facets.
     let mut flat = mesh.clone();
     flat.normals.clear();
     for triangle in 0..flat.triangles.len() {
@@ -268,7 +270,7 @@ fn what_is_said_of_normals() {
         "{warnings:?}"
     );
     assert_eq!(said(&flat, &CellOptions::default()), [""; 0]);
-    // Four digits, as some programs write them, of facets that are planes.
+    // Normals of four digits, as some programs write them, for facets that are planes.
     let mut rounded = Design {
         segments: 3,
         ..Design::new(Shape::TriangularPair)
@@ -285,7 +287,7 @@ fn what_is_said_of_normals() {
     assert!(said(&rounded, &NORMALS)[0].contains("changes nothing"));
 }
 
-/// Closed prisms have their normals outward, and their front face taken off.
+/// Closed prisms have outward normals, and their front face is taken off.
 #[test]
 fn prisms_keep_the_normals_of_their_facets() {
     let hollow = curved(Shape::Triangular);
@@ -294,7 +296,7 @@ fn prisms_keep_the_normals_of_their_facets() {
     solid.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     solid.corner_normals.iter_mut().for_each(|t| t.swap(1, 2));
     solid.normals.iter_mut().for_each(|n| *n = -*n);
-    // The front: a fan from corner 1 over the points of the rim, in the order around it.
+    // The front is a fan from corner 1 over the points of the rim, in the order around it.
     let plane = |v: u32| hollow.positions[v as usize].element_sum() > 3.0 - 1e-9;
     let mut rim: Vec<u32> = (1..hollow.positions.len() as u32)
         .filter(|&v| plane(v))

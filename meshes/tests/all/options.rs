@@ -1,4 +1,4 @@
-//! What the user says about a cell counts more than what the file says.
+//! Options of the user take precedence over the file.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh, normalise};
 
-/// A few operations on numbers up to 2.
+/// Rounding of a few operations on numbers up to 2.
 const ROUNDING: f64 = 4e-15;
 
 fn mesh(shape: Shape) -> Mesh {
@@ -24,9 +24,9 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
         let mesh = mesh(shape);
         let plain = cell(&mesh, CellOptions::default());
         for degrees in [-170.0_f64, -60.0, 0.0, 15.0, 90.0, 120.0] {
-            // A direction in the file that lies at this azimuth of the plain cell, and out of the
-            // sheet's plane too: the file's frame of the plain cell, from the first edge and the
-            // facets' common frame.
+            // A direction in the file that lies at this azimuth of the plain cell, and also out of
+            // the sheet's plane. The frame of the plain cell in the file follows from its first
+            // edge and the facets in both frames.
             let n = plain_normal(&mesh, &plain);
             let x = (plain.azimuth_zero - n * n.dot(plain.azimuth_zero)).normalize();
             let direction = DQuat::from_axis_angle(n, degrees.to_radians()) * x * 7.0 + n * 3.0;
@@ -57,8 +57,8 @@ fn azimuth_zero_turns_the_cell_about_its_normal() {
     assert_eq!(cases, 24);
 }
 
-/// The sheet's normal in the file: two vertices of the first facet, in both frames, and the
-/// rotation between them.
+/// Sheet's normal in the file, from two vertices of the first facet in both frames and the rotation
+/// between them.
 fn plain_normal(mesh: &Mesh, cell: &Cell) -> DVec3 {
     let [_, p, q] = mesh.corners(0).map(|p| p / cell.edge_length);
     let [_, u, v] = cell.facets[0];
@@ -122,7 +122,8 @@ fn any_basis_of_the_lattice_is_right_handed_and_covers_one_cell() {
     assert_eq!(cases, 6);
 }
 
-/// Half of the cells of a sheet: the lattice twice as long one way. Allowed, and told.
+/// Half of the cells of a sheet: the lattice is twice as long one way, which is allowed, with a
+/// warning.
 #[test]
 fn gaps_between_cells_are_told() {
     let mesh = mesh(Shape::FullCube);

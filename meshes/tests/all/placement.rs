@@ -1,4 +1,4 @@
-//! A cell does not depend on where, how large and in which order its mesh lies in the file.
+//! A cell does not depend on position, size and order of its mesh in the file.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ fn cell(mesh: &Mesh) -> Cell {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The mesh with its vertices and triangles in another order, and other first corners.
+/// Mesh with its vertices and triangles in another order, and with other first corners.
 fn shuffled(mesh: &Mesh, seed: u64) -> Mesh {
     let mut state = seed | 1;
     let mut below = |n: usize| {
@@ -95,10 +95,10 @@ fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {
 ///
 /// Tolerance: the test's own placement and the file round each coordinate to half a unit in the
 /// last place, 1.1e-16 of the distance from the origin r (edge lengths), in 3 axes: 1.9e-16 r for a
-/// vertex. A corner less the apex: twice that. The frame turns by the errors of its two directions,
-/// each at most 3 vertices' error over a lever of 0.7, seen at corners up to 2 away: at most 17
-/// times a vertex's error. Together under 20 * 1.9e-16 r = 3.8e-15 r, plus 1e-14 for the arithmetic
-/// on numbers of order 1 (some forty operations).
+/// vertex. A corner minus the apex has twice that error. The frame turns by the errors of its two
+/// directions. Each is at most the error of 3 vertices over a lever of 0.7, seen at corners up to 2
+/// away: at most 17 times the error of a vertex. Together this is under 20 * 1.9e-16 r = 3.8e-15 r,
+/// plus 1e-14 for the arithmetic on numbers of order 1 (some forty operations).
 #[test]
 fn a_cell_does_not_depend_on_its_placement() {
     let mut runner = TestRunner::new_with_rng(
@@ -145,7 +145,7 @@ fn a_cell_does_not_depend_on_its_placement() {
                     scale,
                     offset,
                 );
-                // Through the text, too: it must carry every digit.
+                // The mesh also goes through the text, which must carry every digit.
                 let read = obj::parse(write::obj(&moved).as_bytes()).expect("our own text");
                 prop_assert_eq!(&read.positions, &moved.positions);
                 let away = moved
@@ -179,8 +179,8 @@ fn a_cell_does_not_depend_on_its_placement() {
     assert_eq!(cases.get(), 400);
 }
 
-/// The ideal single cells look the same from each of their edges, so whichever comes first: the
-/// same facets. In the pair the shared edge turns with the choice, by a third of a turn.
+/// The ideal single cells look the same from each of their edges, so any first edge gives the same
+/// facets. In the pair the shared edge turns with the choice, by a third of a turn.
 #[test]
 fn the_order_of_the_file_turns_an_ideal_cell_by_its_symmetry() {
     let mut cases = 0;
@@ -210,7 +210,7 @@ fn the_order_of_the_file_turns_an_ideal_cell_by_its_symmetry() {
 }
 
 /// Two cubes that an f32 translation leaves 3e-8 of an edge apart are one cell, and nothing is
-/// pulled together: the second cube's facets are still exactly the first's, turned.
+/// pulled together: the facets of the second cube are still exactly those of the first, turned.
 #[test]
 fn welding_moves_no_vertex() {
     let design = Design {
@@ -234,8 +234,8 @@ fn welding_moves_no_vertex() {
     let mut cases = 0;
     for (facet, expected) in found.facets.iter().zip(&joined.facets) {
         for side in 0..3 {
-            // Edge vectors: the rim's tilt of up to 1e-7 turns both cubes alike, so lengths are
-            // compared.
+            // Compare lengths of edge vectors, because the rim's tilt of up to 1e-7 turns both
+            // cubes alike.
             let length = |f: &[DVec3; 3]| f[side].distance(f[(side + 1) % 3]);
             assert!((length(facet) - length(expected)).abs() < 1e-15);
             cases += 1;
@@ -244,7 +244,7 @@ fn welding_moves_no_vertex() {
     assert_eq!(cases, 18);
 }
 
-/// What the files hold, read back.
+/// Contents of the design files, read back.
 #[test]
 fn files_read_back_what_was_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -294,8 +294,8 @@ fn files_read_back_what_was_written() {
                 if extension == "obj" {
                     assert_eq!(read.hash, mesh.hash);
                 }
-                // The frame doubles an f32 corner's error, at most three corners' over a lever of
-                // 0.7 (see above): 17.
+                // The frame doubles the error of an f32 corner; at most the errors of three corners
+                // over a lever of 0.7 (see above): 17.
                 let found = distance(&cell(&read), &cell(&mesh));
                 assert!(found <= 17.0 * tolerance, "{shape:?} {extension} {found:e}");
                 cases += 1;

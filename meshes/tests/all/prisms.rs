@@ -12,8 +12,8 @@ fn cell(mesh: &Mesh) -> Cell {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The hollow cell wound outward, closed by a fan from the middle of its rim, or by two triangles
-/// or one.
+/// Hollow cell wound outward, closed by a fan from the middle of its rim, by two triangles, or by
+/// one.
 fn closed(hollow: &Mesh, rim: &[u32], fan: bool) -> Mesh {
     let mut mesh = hollow.clone();
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -64,7 +64,8 @@ fn a_prism_is_its_hollow_cell_with_a_front_face() {
                         "{:?}",
                         found.warnings
                     );
-                    // The same numbers in the same order: nothing is rounded on the way.
+                    // The same numbers are used in the same order, so nothing is rounded on the
+                    // way.
                     assert_eq!(found.facets, expected.facets, "{shape:?} {cant_rad}");
                     assert_eq!(found.entrance, expected.entrance);
                     cases += 1;

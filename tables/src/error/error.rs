@@ -1,4 +1,4 @@
-//! What can go wrong with a table, and what to do about it.
+//! Errors of reading, writing, merging and looking up tables.
 
 use std::io;
 use std::path::PathBuf;
@@ -8,273 +8,263 @@ use crate::error::no_direction::NoDirection;
 use crate::error::output::OutputError;
 use crate::table::invalid::Invalid;
 
-/// Why a table could not be read, written, merged or looked up.
+/// Reason why a table could not be read, written, merged or looked up.
 ///
 /// Each message is one sentence that names the file, the place in it and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file cannot be opened or read.
+    /// File that cannot be opened or read.
     #[error("{}: cannot be read ({source}); check the name and the permissions", file.display())]
     Open {
-        /// The table asked for.
+        /// Path of the table.
         file: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         source: io::Error,
     },
-    /// The path names a folder, a pipe or a device.
+    /// Path of a folder, a pipe or a device.
     #[error("{}: is not a regular file; name a table such as table.h5", file.display())]
     NotAFile {
-        /// The path asked for.
+        /// Path that was asked for.
         file: PathBuf,
     },
-    /// The file does not start with the HDF5 signature.
+    /// File that does not start with the HDF5 signature.
     #[error(
         "{}: is not an HDF5 file ({bytes} bytes, without the HDF5 signature); name a table \
-        written by `bake \
-         trace`",
+        written by `bake trace`",
         file.display()
     )]
     NotHdf5 {
-        /// The file asked for.
+        /// Path of the file.
         file: PathBuf,
-        /// Its length.
+        /// Length of the file, bytes.
         bytes: u64,
     },
-    /// The file is larger than any table.
+    /// File that is larger than any table.
     #[error(
         "{}: is {bytes} bytes, above the limit of {limit}; bake fewer directions or bins",
         file.display()
     )]
     FileSize {
-        /// The file asked for.
+        /// Path of the file.
         file: PathBuf,
-        /// Its length.
+        /// Length of the file, bytes.
         bytes: u64,
-        /// The greatest length that is read.
+        /// Greatest length that is read, bytes.
         limit: u64,
     },
-    /// The bytes are not those that were written.
+    /// File whose bytes are not those that were written.
     #[error(
         "{}: is damaged (its bytes have SHA-256 {computed}, its seal says {stored}); copy it \
-        again or bake \
-         it again",
+        again or bake it again",
         file.display()
     )]
     Damaged {
-        /// The file asked for.
+        /// Path of the file.
         file: PathBuf,
         /// Hash in the seal, lower-case hex.
         stored: String,
         /// Hash of the bytes, lower-case hex.
         computed: String,
     },
-    /// A structure that the HDF5 library would walk without end.
+    /// Structure that the HDF5 library would walk without end.
     #[error(
         "{}: is damaged (the HDF5 global heap at byte {offset} does not add up); copy it again or \
-        bake it \
-         again",
+        bake it again",
         file.display()
     )]
     Heap {
-        /// The file asked for.
+        /// Path of the file.
         file: PathBuf,
-        /// Where the heap starts.
+        /// Offset of the heap in the file, bytes.
         offset: usize,
     },
-    /// The HDF5 library refuses an object: cut short, a checksum that fails, an unreadable
-    /// structure.
+    /// Object that the HDF5 library refuses: cut short, a wrong checksum, an unreadable structure.
     #[error(
         "{}: {place} cannot be read or written ({source}); the file is cut short or damaged, copy \
-        it again \
-         or bake it again",
+        it again or bake it again",
         file.display()
     )]
     Hdf5 {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Dataset, attribute or `file`.
+        /// Dataset or attribute with its name, or `file`.
         place: String,
-        /// What the library says.
+        /// Message of the library.
         source: hdf5::Error,
     },
-    /// An HDF5 file of something else.
+    /// HDF5 file that is not a ray-shift table.
     #[error(
         "{}: attribute format is {found:?}, not {expected:?}; name a table written by `bake trace`",
         file.display()
     )]
     Format {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The name in the file.
+        /// Name of the format in the file.
         found: String,
-        /// The name of this format.
+        /// Name of the format of tables.
         expected: &'static str,
     },
-    /// A version that this program does not know.
+    /// Version that this program does not know.
     #[error(
         "{}: is of format version {found}, this program reads 1 to {newest}; update the program \
-        or bake the \
-         table again",
+        or bake the table again",
         file.display()
     )]
     Version {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Version in the file.
         found: u64,
         /// Newest version that is read.
         newest: u64,
     },
-    /// An attribute is not there.
+    /// Attribute that is missing.
     #[error("{}: attribute {attribute} is missing; bake the table again", file.display())]
     MissingAttribute {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the attribute.
         attribute: String,
     },
-    /// An attribute has another type or shape.
+    /// Attribute of another type or shape.
     #[error(
         "{}: attribute {attribute} is {found}, expected {expected}; bake the table again",
         file.display()
     )]
     AttributeType {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the attribute.
         attribute: String,
-        /// What a table holds there.
+        /// Content that a table has there.
         expected: &'static str,
-        /// What the file holds there.
+        /// Content that the file has there.
         found: String,
     },
-    /// A dataset is not there, or is a link that leaves the file.
+    /// Dataset that is missing, or is a link that leaves the file.
     #[error("{}: dataset {dataset} is missing; bake the table again", file.display())]
     MissingDataset {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the dataset.
         dataset: String,
     },
-    /// A dataset has another element type.
+    /// Dataset of another element type.
     #[error(
         "{}: dataset {dataset} holds {found}, expected {expected}; bake the table again",
         file.display()
     )]
     DatasetType {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the dataset.
         dataset: String,
-        /// What a table holds there.
+        /// Element type that a table has there.
         expected: String,
-        /// What the file holds there.
+        /// Element type that the file has there.
         found: String,
     },
-    /// A dataset has another shape.
+    /// Dataset of another shape.
     #[error(
         "{}: dataset {dataset} has shape {found:?}, expected {expected}; bake the table again",
         file.display()
     )]
     Shape {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the dataset.
         dataset: String,
-        /// The shape that the axes ask for.
+        /// Shape that follows from the axes.
         expected: String,
-        /// The shape in the file.
+        /// Shape in the file.
         found: Vec<usize>,
     },
-    /// A dataset claims more elements than any table holds.
+    /// Dataset that claims more elements than any table holds.
     #[error(
         "{}: dataset {dataset} claims {bytes} bytes, above the limit of {limit}; bake fewer \
-        directions or \
-         bins",
+        directions or bins",
         file.display()
     )]
     DatasetSize {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the dataset.
         dataset: String,
-        /// Bytes claimed.
+        /// Number of bytes that the dataset claims.
         bytes: u128,
-        /// The greatest number that is read.
+        /// Greatest number of bytes that is read.
         limit: u64,
     },
-    /// The file claims far more than it holds.
+    /// File that claims far more content than its length allows.
     #[error(
         "{}: claims {claimed} bytes of content in a file of {bytes}, as a decompression bomb \
-        does; if you trust it, \
-         store it uncompressed with `h5repack -f NONE`",
+        does; if you trust it, store it uncompressed with `h5repack -f NONE`",
         file.display()
     )]
     Inflated {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Bytes of all arrays so far.
         claimed: u64,
-        /// Length of the file.
+        /// Length of the file, bytes.
         bytes: u64,
     },
-    /// The process that reads tables did not come back with one.
+    /// Reading process that did not return a table.
     #[error(
         "{}: cannot be read: the process that reads it with the HDF5 library {what}; the file is \
-        damaged or was made to \
-         do harm, copy it again or bake it again",
+        damaged or was made to do harm, copy it again or bake it again",
         file.display()
     )]
     Apart {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What became of the process.
+        /// Fate of the process, in words that follow "the process".
         what: String,
     },
-    /// What the process that reads tables says: a sentence like the others here.
+    /// Message of the process that reads tables, a sentence like the others here.
     #[error("{0}")]
     Told(String),
-    /// A dataset is stored in a way that a table never is (outside the file, an unknown filter, an
-    /// inflated chunk).
+    /// Dataset that is stored in a way that a table never is: outside the file, through an unknown
+    /// filter, or in an inflated chunk.
     #[error(
         "{}: dataset {dataset} is stored {found}; copy the table with h5repack or bake it again",
         file.display()
     )]
     Storage {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the dataset.
         dataset: String,
-        /// How it is stored.
+        /// Kind of storage, in words that follow "is stored".
         found: &'static str,
     },
-    /// A scale does not agree with the axes that the attributes describe.
+    /// Scale that does not agree with the axes that the attributes describe.
     #[error(
         "{}: dataset {dataset} is {found} at index {index}, expected {expected}; bake the table \
         again",
         file.display()
     )]
     Scale {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the scale.
         dataset: String,
         /// Index of the first value that differs.
         index: usize,
-        /// The value that belongs there.
+        /// Value that belongs there.
         expected: String,
-        /// The value in the file.
+        /// Value in the file.
         found: String,
     },
-    /// A derived dataset does not follow from the counts.
+    /// Derived dataset that does not follow from the counts.
     #[error(
-        "{}: dataset {dataset} is {stored} at flat index {index}, the counts give {computed}; \
-        bake the table \
-         again",
+        "{}: dataset {dataset} is {stored} at flat index {index}, but the counts give {computed}; \
+        bake the table again",
         file.display()
     )]
     Derived {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Name of the dataset.
         dataset: &'static str,
@@ -285,48 +275,45 @@ pub enum Error {
         /// Value that follows from the counts.
         computed: f64,
     },
-    /// The numbers break a rule that every table obeys.
+    /// Numbers that break a rule of tables.
     #[error("{}: {source}; bake the table again", file.display())]
     Invalid {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The rule and the place.
+        /// Rule and place.
         source: Invalid,
     },
-    /// The content is not what was written.
+    /// Content that differs from its hash.
     #[error(
-        "{}: the content has hash {computed}, attribute content_hash says {stored}; it was \
-        changed after the \
-         bake, copy it again or bake it again",
+        "{}: the content has hash {computed}, but attribute content_hash says {stored}; it was \
+        changed after the bake, copy it again or bake it again",
         file.display()
     )]
     ContentHash {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Hash in the file, lower-case hex.
         stored: String,
         /// Hash of the content, lower-case hex.
         computed: String,
     },
-    /// The table cannot be put in its place.
+    /// Output that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// Tables that cannot be merged.
     #[error(transparent)]
     Merge(#[from] Mismatch),
-    /// A direction that the table neither holds nor brackets.
+    /// Direction outside of the table.
     #[error(transparent)]
     NoDirection(#[from] NoDirection),
-    /// Light that deviates so far, by the distance and the corner size asked for, that no table
-    /// means it.
+    /// Light that deviates farther than any table means, at this distance and corner size.
     #[error(
-        "at this distance and corner size light goes {edges:.1e} edge lengths astray, above 1e6: \
-        check the distance, and c_mm \
-         of the result"
+        "at this distance and corner size light would be off by {edges:.1e} edge lengths, above \
+        the limit of 1e6; check the distance, and c_mm of the result"
     )]
     Astray {
-        /// How far along an axis, edge lengths; infinite where the distance or the corner size is
-        /// no number to divide.
+        /// Greatest component of the move, edge lengths; infinite if distance and corner size give
+        /// no finite number.
         edges: f64,
     },
 }

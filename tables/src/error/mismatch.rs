@@ -1,14 +1,14 @@
-//! Why tables cannot be merged. Indices are positions in the list given.
+//! Reasons why tables cannot be merged. Indices are positions in the given list, from 0.
 
 use crate::table::shards::Shards;
 
-/// Why tables cannot be merged.
+/// Reason why tables cannot be merged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Mismatch {
-    /// Nothing to merge.
+    /// Empty list of tables.
     #[error("no table to merge; name at least one")]
     Empty,
-    /// A field that says what was baked is not the same.
+    /// Field of the provenance or the axes that differs between tables.
     #[error(
         "{field} of table {index} is {found}, that of the first is {expected}; merge tables of \
         one design and method only"
@@ -16,62 +16,59 @@ pub enum Mismatch {
     Field {
         /// Name of the field, as in the file.
         field: &'static str,
-        /// Which table.
+        /// Index of the table.
         index: usize,
         /// Value in the first table.
         expected: String,
-        /// Value in this one.
+        /// Value in this table.
         found: String,
     },
-    /// Both tables hold the same rays.
+    /// Rays that two tables both hold.
     #[error(
         "tables {first} and {second} both hold {what} at direction {direction:?}, which would be \
-        counted twice; leave \
-         one of them out, or bake it with another --seed"
+        counted twice; leave one of them out, or bake it with another --seed"
     )]
     Overlap {
-        /// One table.
+        /// Index of one table.
         first: usize,
-        /// The other.
+        /// Index of the other table.
         second: usize,
-        /// What both hold: rays of a seed, a shard, the exact distribution.
+        /// Rays that both hold: of a seed, of a shard, or the exact distribution.
         what: String,
-        /// Index along incidence and azimuth of the merged table.
+        /// Indices of incidence and azimuth in the merged table.
         direction: (usize, usize),
     },
-    /// The ranges of seeds do not follow one another.
+    /// Ranges of seeds that do not follow one another.
     #[error(
-        "table {index} has seed {found}, expected {expected}, the one after the seeds of the \
-        other tables; bake it \
-         with --seed {expected}"
+        "table {index} has seed {found}, but the next seed after those of the other tables is \
+        {expected}; bake it with --seed {expected}"
     )]
     Seed {
-        /// Which table.
+        /// Index of the table.
         index: usize,
-        /// The seed that would continue the range.
+        /// Seed that continues the range.
         expected: u64,
-        /// The seed of the table.
+        /// Seed of the table.
         found: u64,
     },
-    /// The directions of the tables together are no grid.
+    /// Direction that is missing from the grid of all incidences and azimuths.
     #[error(
         "no table holds incidence {incidence_deg} deg, azimuth {azimuth_deg} deg of seed {seed}, \
-        which the directions \
-         of the others ask for; bake it too"
+        but the merged table needs it; bake this direction too"
     )]
     Gap {
         /// Incidence, degrees.
         incidence_deg: f64,
         /// Azimuth, degrees.
         azimuth_deg: f64,
-        /// First seed of the tables that lack it.
+        /// First seed of the tables that lack the direction.
         seed: u64,
     },
     /// Directions of one seed that hold different samples.
     #[error(
         "the tables of seed {seed} hold {found} at incidence {incidence_deg} deg, azimuth \
-        {azimuth_deg} deg, and \
-         {expected} at the first direction; merge the shards of every direction alike"
+        {azimuth_deg} deg, but {expected} at the first direction; give the same shards for every \
+        direction"
     )]
     Uneven {
         /// The seed.
@@ -82,21 +79,21 @@ pub enum Mismatch {
         azimuth_deg: f64,
         /// Shards at the first direction.
         expected: String,
-        /// Shards there.
+        /// Shards at this direction.
         found: String,
     },
-    /// Some shards of one seed, and rays of another.
+    /// Rays of a further seed while shards of one seed are missing.
     #[error(
-        "shards {missing} of {} of seed {seed} are missing; merge all of one seed before rays of \
-        another are added",
+        "shards {missing} of {} of seed {seed} are missing; merge all shards of this seed before \
+        you add another seed",
         shards.of
     )]
     Incomplete {
         /// The seed.
         seed: u64,
-        /// What there is.
+        /// Shards that the tables hold.
         shards: Shards,
-        /// Numbers of those that are not there.
+        /// Numbers of the missing shards.
         missing: String,
     },
 }

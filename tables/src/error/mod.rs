@@ -1,8 +1,7 @@
-//! Why something failed with a table: typed, one sentence each, with the file, the place in it and
-//! the remedy.
+//! Errors of tables: typed, one sentence each, with the file, the place in it and the remedy.
 //!
-//! What other rooms met enters; an [`error::Error`] leaves that says who can fix it. It touches the
-//! rules of a table, which are one kind of fault, and otherwise holds only types.
+//! A fault that another room met enters. An [`error::Error`] leaves that says who can fix it. The
+//! room touches the rules of a table, which are one kind of fault, and otherwise holds only types.
 
 pub(crate) mod error;
 pub(crate) mod mismatch;

@@ -1,26 +1,25 @@
-//! Why a direction cannot be looked up.
+//! Reasons why a direction cannot be looked up.
 
-/// A direction that the table neither holds nor brackets.
+/// Reason why a direction cannot be looked up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoDirection {
-    /// The angle is outside of what the table covers.
+    /// Direction outside of the angles of the table.
     #[error(
         "the table does not cover incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; the \
-        nearest direction in \
-         it is incidence {nearest_incidence_deg} deg, azimuth {nearest_azimuth_deg} deg: use that \
-         or bake the direction"
+        nearest direction in it is incidence {nearest_incidence_deg} deg, azimuth \
+        {nearest_azimuth_deg} deg: use that or bake the direction"
     )]
     Outside {
         /// Incidence asked for, degrees.
         incidence_deg: f64,
-        /// Azimuth asked for, degrees; NaN where a mean table was asked.
+        /// Azimuth asked for, degrees; NaN if the table is a mean over azimuths.
         azimuth_deg: f64,
         /// Incidence of the nearest direction, degrees.
         nearest_incidence_deg: f64,
         /// Azimuth of the nearest direction, degrees.
         nearest_azimuth_deg: f64,
     },
-    /// No azimuth was given, and the table is not a mean over azimuths.
+    /// Missing azimuth, where the table is not a mean over azimuths.
     #[error(
         "the table holds single azimuths ({first_deg} to {last_deg} deg); give azimuth_deg, or \
         bake with --azimuth mean"
@@ -31,7 +30,7 @@ pub enum NoDirection {
         /// Last azimuth of the table, degrees.
         last_deg: f64,
     },
-    /// An angle is NaN or infinite.
+    /// Angle that is NaN or infinite.
     #[error(
         "incidence {incidence_deg} deg, azimuth {azimuth_deg} deg is no direction; give finite \
         angles"

@@ -1,10 +1,11 @@
-//! Reading in a process of its own.
+//! Reading of tables in a process of their own.
 //!
-//! The HDF5 library is C that takes a file at its word: one made to do harm can crash it or keep it
-//! busy without end, whatever is checked before, for a stranger can compute every checksum and
-//! seal. So a program lets its own executable, started again, open the file under limits of memory
-//! and time ([`serve`]); what comes back is the content as it is hashed, which is read without the
-//! library. A crash over there is an error here.
+//! The HDF5 library is written in C and trusts a file. A file that was made to do harm can crash it
+//! or keep it busy without end, whatever is checked before: a stranger can compute every checksum
+//! and seal. So a program starts its own executable again to open the file, under limits of memory
+//! and time ([`serve`]). The second process sends back the content in the form in which it is
+//! hashed, which is read without the library. If the second process crashes, the first one returns
+//! an error.
 
 use std::ffi::OsStr;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -17,22 +18,24 @@ use crate::file::here::here;
 use crate::file::{ledger, limits, received};
 use crate::table::table::Table;
 
-/// First argument of a process that only reads.
+/// First argument of a process that only reads a table.
 const MARK: &str = "--read-table-apart";
 
-/// First byte of the answer: a table, or a refusal in words.
+/// First byte of an answer that is a table.
 const TABLE: u8 = b'T';
+/// First byte of an answer that is a refusal in words.
 const REFUSAL: u8 = b'R';
 
-/// Longest refusal that is listened to, bytes.
+/// Longest refusal that is read, bytes.
 const MOST_WORDS: u64 = 1 << 16;
 
+/// Set once [`serve`] has been called in the main process.
 static SERVED: AtomicBool = AtomicBool::new(false);
 
-/// To be called first in `main`: where this process was started to read a table, it does so and
-/// ends; else [`crate::read()`] starts such processes from now on.
+/// Serves as the reading process, or makes [`crate::read()`] start such processes from now on.
 ///
-/// Without this call tables are read in the process itself, under the same checks.
+/// Call it first in `main`. If this process was started to read a table, the call reads it and ends
+/// the process. Without this call tables are read in the process itself, under the same checks.
 pub fn serve() {
     let mut arguments = std::env::args_os().skip(1);
     if arguments.next().as_deref() == Some(OsStr::new(MARK)) {
@@ -43,7 +46,7 @@ pub fn serve() {
     SERVED.store(true, Ordering::Relaxed);
 }
 
-/// What the reading process does.
+/// Reads a table and writes it, or the refusal, to standard output.
 fn answer(path: &Path) -> io::Result<()> {
     let table = here(path);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
@@ -63,17 +66,19 @@ fn answer(path: &Path) -> io::Result<()> {
     out.flush()
 }
 
-/// Reads a table in a process of its own; nothing where [`serve`] was not called.
+/// Reads a table in a process of its own; `None` if [`serve`] was not called.
 pub(crate) fn read(path: &Path) -> Option<Result<Table, Error>> {
     SERVED.load(Ordering::Relaxed).then(|| ask(path))
 }
 
+/// Starts a reading process, reads its answer and waits for its end.
 fn ask(path: &Path) -> Result<Table, Error> {
     let failed = |what: String| Error::Apart {
         file: path.to_owned(),
         what,
     };
-    // The link leads to this very program, also where another was installed in its place since.
+    // The link leads to this very program, even if another one has since been installed in its
+    // place.
     let mut child = Command::new("/proc/self/exe")
         .arg(MARK)
         .arg(path)
@@ -91,12 +96,14 @@ fn ask(path: &Path) -> Result<Table, Error> {
         .map_err(|error| failed(format!("is lost ({error})")))?;
     match answer {
         Some(Ok(answer)) if status.success() => answer,
-        Some(Err(error)) if status.success() => Err(failed(format!("answers nonsense ({error})"))),
+        Some(Err(error)) if status.success() => {
+            Err(failed(format!("sent an answer that is no table ({error})")))
+        }
         _ => Err(failed(end(status))),
     }
 }
 
-/// The table, or why there is none.
+/// Reads the answer of a reading process: a table, or its refusal.
 fn listen(mut from: BufReader<impl Read>) -> io::Result<Result<Table, Error>> {
     let mut kind = [0];
     from.read_exact(&mut kind)?;
@@ -109,7 +116,7 @@ fn listen(mut from: BufReader<impl Read>) -> io::Result<Result<Table, Error>> {
     Ok(Err(Error::Told(words)))
 }
 
-/// The end of a process in words.
+/// Returns the end of a process in words.
 fn end(status: ExitStatus) -> String {
     use std::os::unix::process::ExitStatusExt;
     match status.signal() {

@@ -1,10 +1,9 @@
-//! The content hash: what a table says, whatever the file, the threads or the shards that it came
-//! from.
+//! Content hash: a hash of what a table says, whatever the file, the threads or the shards.
 //!
-//! SHA-256 over items in a fixed order; an item is its name in UTF-8, a zero byte, the length of
-//! its value in bytes as a little-endian u64, and the value, little-endian (`FORMAT.md` lists the
-//! items). Derived datasets are left out: they follow from the counts and are checked against them
-//! on reading.
+//! It is SHA-256 over items in a fixed order. An item is its name in UTF-8, a zero byte, the length
+//! of its value in bytes as a little-endian u64, and the value, little-endian (`FORMAT.md` lists
+//! the items). Derived datasets are left out: they follow from the counts and are checked against
+//! them on reading.
 
 use sha2::{Digest, Sha256};
 
@@ -15,22 +14,22 @@ use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
 use crate::table::table::Table;
 
-/// Version-independent tag that starts the hashed content.
+/// Tag that starts the hashed content, whatever the version.
 const TAG: &str = "retroreflective ray-shift table";
 
 impl Table {
-    /// SHA-256 of the content, 64 lower-case hex digits.
+    /// Returns the SHA-256 of the content, 64 lower-case hex digits.
     ///
-    /// Covers axes, counts and fates by randomisation (or, without counts, histogram, eta and fate
-    /// fractions), the polygons of an exact table and the whole provenance. Two tables of equal
-    /// hash are equal.
+    /// It covers axes, counts and fates by randomisation (or, without counts, histogram, eta and
+    /// fate fractions), the polygons of an exact table, the deviations, and the whole provenance.
+    /// Two tables of equal hash are equal.
     pub fn content_hash(&self) -> String {
         let mut hash = Sha256::new();
         self.content(&mut |bytes| hash.update(bytes));
         hex(hash.finalize().as_ref())
     }
 
-    /// Gives the items to `sink`, piece by piece.
+    /// Gives the items of the content to `sink`, piece by piece.
     pub(crate) fn content(&self, sink: &mut dyn FnMut(&[u8])) {
         let mut items = Items(sink);
         items.text("format", TAG);
@@ -59,25 +58,29 @@ impl Table {
     }
 }
 
-/// Lower-case hex digits of bytes.
+/// Returns bytes as lower-case hex digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Writer of items, which gives their bytes to a function.
 struct Items<'a>(&'a mut dyn FnMut(&[u8]));
 
 impl Items<'_> {
+    /// Writes the name and the length of an item.
     fn head(&mut self, name: &str, bytes: usize) {
         self.0(name.as_bytes());
         self.0(&[0]);
         self.0(&(bytes as u64).to_le_bytes());
     }
 
+    /// Writes a text.
     fn text(&mut self, name: &str, value: &str) {
         self.head(name, value.len());
         self.0(value.as_bytes());
     }
 
+    /// Writes an array of 8-byte numbers.
     fn words(&mut self, name: &str, values: impl ExactSizeIterator<Item = [u8; 8]>) {
         self.head(name, 8 * values.len());
         let mut buffer = Vec::with_capacity(1 << 16);
@@ -91,11 +94,15 @@ impl Items<'_> {
         self.0(&buffer);
     }
 
+    /// Writes an array of integers.
     fn integers(&mut self, name: &str, values: impl ExactSizeIterator<Item = u64>) {
         self.words(name, values.map(u64::to_le_bytes));
     }
 
-    /// The only NaN of a table is the azimuth of a mean; its payload bits differ between machines.
+    /// Writes an array of numbers.
+    ///
+    /// The only NaN of a table is the azimuth of a mean. It is written with fixed payload bits,
+    /// because they differ between machines.
     fn floats(&mut self, name: &str, values: impl ExactSizeIterator<Item = f64>) {
         self.words(
             name,
@@ -109,6 +116,7 @@ impl Items<'_> {
         );
     }
 
+    /// Writes the polygons of an exact table.
     fn exact(&mut self, exact: &Exact) {
         let flat = FlatPaths::new(exact);
         self.floats("entrance_area", [exact.entrance_area].into_iter());
@@ -123,6 +131,7 @@ impl Items<'_> {
         self.floats("polygon_vertex", flat.vertex.iter().copied());
     }
 
+    /// Writes the rays by shift and deviation.
     fn deviations(&mut self, found: &Deviations) {
         let flat = FlatEntries::new(found);
         let grid = [found.grid.cells, found.grid.bins].map(|n| n as u64);
@@ -133,6 +142,7 @@ impl Items<'_> {
         self.integers("entry_rays", flat.rays.iter().copied());
     }
 
+    /// Writes the provenance.
     fn provenance(&mut self, provenance: &Provenance) {
         let Provenance {
             generator,
@@ -178,7 +188,7 @@ impl Items<'_> {
         self.floats("tolerance", [*tolerance].into_iter());
         let lattice: &[f64] = lattice.as_ref().map_or(&[], |rows| rows.as_flattened());
         self.floats("lattice", lattice.iter().copied());
-        // No item where absent, so that older tables keep their hash.
+        // An absent value gives no item, so that older tables keep their hash.
         if let Some(wavelength_nm) = wavelength_nm {
             self.floats("wavelength_nm", [*wavelength_nm].into_iter());
         }

@@ -1,17 +1,20 @@
-//! A guard before the HDF5 library: the structure of its global heaps.
+//! Guard before the HDF5 library: the structure of its global heaps.
 //!
-//! Texts of variable length live in global heaps, the one structure of a version 1 table without a
-//! checksum of its own; the library walks a heap with a wrong object size without end. So every
+//! Texts of variable length live in global heaps, the only structure of a version 1 table that has
+//! no checksum of its own. The library walks a heap with a wrong object size without end. So every
 //! heap is walked here first.
 //!
-//! On disk: `GCOL`, version 1, three zero bytes, u64 length of the heap; then objects: u16 index,
-//! u16 references, four reserved bytes, u64 size, and for an index above 0 the data, padded to 8
-//! bytes; index 0 is the free rest of the heap, whose size includes its head.
+//! On disk a heap is `GCOL`, version 1, three zero bytes and the length of the heap as u64. Then
+//! come objects: u16 index, u16 references, four reserved bytes, u64 size. If the index is above 0,
+//! the data follow, padded to 8 bytes. Index 0 is the free rest of the heap, whose size includes
+//! its head.
 
+/// First bytes of a heap.
 const START: &[u8; 8] = b"GCOL\x01\0\0\0";
+/// Length of the head of a heap, and of an object, bytes.
 const HEAD: usize = 16;
 
-/// Offset of the first heap that cannot be walked to its end.
+/// Returns the offset of the first heap that cannot be walked to its end, bytes.
 pub(crate) fn first_broken(bytes: &[u8]) -> Option<usize> {
     let mut from = 0;
     while let Some(offset) = bytes[from..]
@@ -27,11 +30,11 @@ pub(crate) fn first_broken(bytes: &[u8]) -> Option<usize> {
     None
 }
 
-/// `Some` where the objects fill the heap.
+/// Walks a heap; returns `Some` if its objects fill it.
 fn walk(heap: &[u8]) -> Option<()> {
     let length = word(heap, START.len())?;
     let mut rest = heap.get(HEAD..length)?;
-    // Less than a head is left over where no free object fits.
+    // If no free object fits, less than a head is left over.
     while rest.len() >= HEAD {
         let index = u16::from_le_bytes([rest[0], rest[1]]);
         let size = word(rest, 8)?;
@@ -44,6 +47,7 @@ fn walk(heap: &[u8]) -> Option<()> {
     Some(())
 }
 
+/// Reads a little-endian u64.
 fn word(bytes: &[u8], at: usize) -> Option<usize> {
     let word = bytes.get(at..at + 8)?.try_into().ok()?;
     usize::try_from(u64::from_le_bytes(word)).ok()
@@ -53,7 +57,7 @@ fn word(bytes: &[u8], at: usize) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// One object of 5 bytes, then free space: 16 + (16 + 8) + 24.
+    /// Returns a heap of one object of 5 bytes, then free space: 16 + (16 + 8) + 24.
     fn heap() -> Vec<u8> {
         let mut bytes = START.to_vec();
         bytes.extend(64_u64.to_le_bytes());
@@ -74,8 +78,8 @@ mod tests {
         assert_eq!(first_broken(&file), None);
         assert_eq!(first_broken(&file[..163]), Some(100), "cut short");
         let mut tried = 0;
-        // The length of the heap, the size of the object (beyond its padding) and that of the free
-        // space.
+        // Wrong values of the length of the heap, of the size of the object (beyond its padding)
+        // and of the size of the free space.
         for (at, wrong) in [
             (108, 0),
             (108, 65),

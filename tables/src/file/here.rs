@@ -1,4 +1,4 @@
-//! A table from its file, in this very process.
+//! Reading of a table from its file, in this very process.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -9,13 +9,17 @@ use crate::file::seal::Seal;
 use crate::file::{heap, layout, ledger, seal};
 use crate::table::table::Table;
 
-/// Longest file that is read: the largest table that fits the memory limit, incompressible.
+/// Longest file that is read, bytes: the largest table within the memory limit, incompressible.
 const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
 
 /// First bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Reads a table in this very process.
+///
+/// # Errors
+/// Returns an [`Error`] if the file is no table, is damaged, breaks a rule, or has another content
+/// hash than it states.
 pub(crate) fn here(path: &Path) -> Result<Table, Error> {
     guard(path)?;
     ledger::confine();
@@ -37,7 +41,7 @@ pub(crate) fn here(path: &Path) -> Result<Table, Error> {
     Ok(table)
 }
 
-/// What can be told without the HDF5 library, which is not made for damaged files.
+/// Checks all that can be checked without the HDF5 library, which is not made for damaged files.
 fn guard(path: &Path) -> Result<(), Error> {
     let failed = |source| Error::Open {
         file: path.to_owned(),

@@ -1,5 +1,6 @@
-//! The round trip between a table and an HDF5 file: `names` holds every HDF5 name, `store` writes,
-//! `load` reads and believes nothing.
+//! Round trip between a table and an HDF5 file.
+//!
+//! `names` holds every HDF5 name, `store` writes, and `load` reads without trust in the file.
 
 mod deviations;
 mod load;

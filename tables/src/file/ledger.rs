@@ -1,8 +1,8 @@
-//! What a file may cost: bytes of memory and seconds of the processor.
+//! Limits of what a file may cost: bytes of memory and seconds of the processor.
 //!
-//! Deflate packs zeros a thousandfold, so a small file may hold a large table, or claim one. Up to
-//! [`FREE`] bytes every claim is met; above, the file must be a [`PACKED`]th of it, which tables of
-//! a thousand rays a direction are.
+//! Deflate packs zeros a thousandfold, so a small file may hold a large table, or claim to. A file
+//! may claim up to [`FREE`] bytes of content. Above that, the content may be at most [`PACKED`]
+//! times as long as the file; tables of a thousand rays a direction are within this.
 
 use std::cell::Cell;
 use std::path::Path;
@@ -12,20 +12,20 @@ use std::time::Instant;
 use crate::error::error::Error;
 use crate::file::limits;
 
-/// Bytes of content that any file may claim.
+/// Number of bytes of content that any file may claim.
 const FREE: u64 = 128 << 20;
 
-/// Bytes of content above that, per byte of the file.
+/// Greatest ratio of claimed content to the length of the file, above [`FREE`].
 const PACKED: u64 = 256;
 
-/// What the arrays of a file have claimed so far.
+/// Sum of what the arrays of a file have claimed so far.
 pub(crate) struct Ledger {
     file_bytes: u64,
     claimed: Cell<u64>,
 }
 
 impl Ledger {
-    /// Of a file of that length.
+    /// Starts the ledger of a file of this length, bytes.
     pub(crate) fn new(file_bytes: u64) -> Ledger {
         Ledger {
             file_bytes,
@@ -33,10 +33,10 @@ impl Ledger {
         }
     }
 
-    /// Enters an array before memory is asked for.
+    /// Adds an array to the claims, before memory is allocated for it.
     ///
     /// # Errors
-    /// [`Error::Inflated`].
+    /// Returns [`Error::Inflated`] if the claims exceed what a file of this length may hold.
     pub(crate) fn enter(&self, file: &Path, bytes: u64) -> Result<(), Error> {
         let claimed = self.claimed.get().saturating_add(bytes);
         self.claimed.set(claimed);
@@ -52,7 +52,7 @@ impl Ledger {
     }
 }
 
-/// When the process became one that only reads a table.
+/// Time at which the process became one that only reads a table.
 static CONFINED: OnceLock<Instant> = OnceLock::new();
 
 /// Makes this a process that only reads a table, and may be stopped.
@@ -60,17 +60,20 @@ pub(crate) fn reader() {
     let _ = CONFINED.set(Instant::now());
 }
 
-/// Limits what the HDF5 library may take in a process that only reads a table; nothing elsewhere.
+/// Limits what the HDF5 library may take in a process that only reads a table; does nothing
+/// elsewhere.
 pub(crate) fn confine() {
     grant(0);
 }
 
-/// The limits for `claimed` bytes of content: half as much again for what follows from the counts,
-/// and 192 MiB for the program and one chunk; a second, and one more for every 32 MiB. The library
-/// inflates 200 MiB in a second.
+/// Sets the limits for `claimed` bytes of content.
+///
+/// Memory: the content, half as much again for what follows from the counts, and 192 MiB for the
+/// program and one chunk. Time: at least a second beyond the time that has passed, and one more
+/// second for every 32 MiB. The library inflates 200 MiB in a second.
 fn grant(claimed: u64) {
     let Some(start) = CONFINED.get() else { return };
-    // More time has passed than the processor has spent here.
+    // The processor has spent less time here than the clock shows.
     let seconds = start.elapsed().as_secs() + 2 + (claimed >> 25);
     limits::set((192 << 20) + claimed + claimed / 2, seconds);
 }

@@ -1,12 +1,13 @@
-//! Limits that a process sets itself.
+//! Limits that a process sets on itself.
 
 use rustix::process::{Resource, Rlimit, Signal, getrlimit, setrlimit};
 
-/// Signal of a process that has used up its time (SIGXCPU).
+/// Signal that ends a process that has used up its time (SIGXCPU).
 pub(crate) const OUT_OF_TIME: i32 = Signal::XCPU.as_raw();
 
-/// Limits this process to so many bytes of address space and seconds of the processor, since its
-/// start; it leaves no core file. A system that refuses goes on without.
+/// Limits this process to `bytes` of address space and `seconds` of the processor since its start.
+///
+/// It will leave no core file. If the system refuses, the process goes on without limits.
 pub(crate) fn set(bytes: u64, seconds: u64) {
     for (resource, wanted) in [
         (Resource::As, bytes),

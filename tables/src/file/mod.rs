@@ -1,8 +1,8 @@
-//! The HDF5 file of a table, and every output that is whole or not at all.
+//! HDF5 files of tables, and outputs that appear whole or not at all.
 //!
 //! A path enters and a checked table leaves, or a table enters and bytes leave. This room alone
 //! names HDF5. Strangers' files are opened in a process of their own ([`apart`]) under limits of
-//! memory and time. It touches the table, the options and the errors.
+//! memory and time. The room touches the table, the options and the errors.
 
 pub mod apart;
 pub(crate) mod content;

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all: their places are checked before the work, they are
+//! Outputs that appear whole or not at all: their places are checked before the work, and they are
 //! written after it.
 
 use std::fs::{self, File};
@@ -9,8 +9,9 @@ use tempfile::NamedTempFile;
 
 use crate::error::output::OutputError;
 
-/// A file to come. Until [`Output::commit`] nothing of it is on the disk, so that no interruption
-/// leaves a rest.
+/// Output file whose place is reserved.
+///
+/// Nothing of it is on the disk until [`Output::commit`], so an interruption leaves nothing behind.
 #[derive(Debug)]
 #[must_use]
 pub struct Output {
@@ -18,11 +19,14 @@ pub struct Output {
 }
 
 impl Output {
-    /// Makes sure that a file can be written there. A symbolic link stays and the file that it
-    /// names is replaced.
+    /// Checks that a file can be written at `path`, and reserves the place.
+    ///
+    /// A symbolic link stays, and the file that it names is replaced.
     ///
     /// # Errors
-    /// [`OutputError::NotAFile`], [`OutputError::Protected`], [`OutputError::Folder`].
+    /// Returns [`OutputError::NotAFile`] if the path names a folder, a pipe or a device,
+    /// [`OutputError::Protected`] if the file there is write-protected, and [`OutputError::Folder`]
+    /// if its folder takes no file.
     pub fn reserve(path: &Path) -> Result<Output, OutputError> {
         let file = || path.to_owned();
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -37,7 +41,7 @@ impl Output {
         if target.file_name().is_none() {
             return Err(OutputError::NotAFile { file: file() });
         }
-        // The only proof that a folder takes a file is a file, which is removed again at once.
+        // Only a trial can show that a folder takes a file. The trial file is removed at once.
         match temporary(&target) {
             Ok(_) => Ok(Output { target }),
             Err(source) => Err(OutputError::Folder {
@@ -47,7 +51,7 @@ impl Output {
         }
     }
 
-    /// Where the file will be.
+    /// Returns the path of the file to be written.
     pub fn path(&self) -> &Path {
         &self.target
     }
@@ -55,7 +59,8 @@ impl Output {
     /// Writes a temporary file beside the place, to the disk, and puts it there in one step.
     ///
     /// # Errors
-    /// [`OutputError::Write`].
+    /// Returns [`OutputError::Write`] if writing or replacing fails; the old file is then
+    /// unchanged.
     pub fn commit(self, bytes: &[u8]) -> Result<(), OutputError> {
         let put = || {
             let mut file = temporary(&self.target)?;
@@ -68,7 +73,7 @@ impl Output {
             file: self.target.clone(),
             source,
         })?;
-        // The rename itself must survive a power cut; a folder that cannot be opened is no reason
+        // The rename itself must survive a power cut. A folder that cannot be opened is no reason
         // to fail now.
         if let Ok(folder) = File::open(folder_of(&self.target)) {
             let _ = folder.sync_all();
@@ -77,7 +82,7 @@ impl Output {
     }
 }
 
-/// The outputs of one command: none of them is one of its inputs, no two are the same file.
+/// Outputs of one command: none is one of its inputs, and no two are the same file.
 #[derive(Debug)]
 pub struct Outputs {
     inputs: Vec<PathBuf>,
@@ -85,7 +90,7 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Of a command that reads `inputs`.
+    /// Starts the list of outputs of a command that reads `inputs`.
     pub fn beside<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Outputs {
         Outputs {
             inputs: inputs.into_iter().filter_map(place).collect(),
@@ -93,10 +98,11 @@ impl Outputs {
         }
     }
 
-    /// Reserves one of them.
+    /// Reserves one of the outputs.
     ///
     /// # Errors
-    /// [`OutputError::Input`], [`OutputError::Twice`], and those of [`Output::reserve`].
+    /// Returns [`OutputError::Input`] if the command reads the file, [`OutputError::Twice`] if
+    /// another output has the place, and the errors of [`Output::reserve`].
     pub fn reserve(&mut self, path: &Path) -> Result<Output, OutputError> {
         let file = path.to_owned();
         if let Some(place) = place(path) {
@@ -112,7 +118,7 @@ impl Outputs {
     }
 }
 
-/// The one absolute name of a file that is there, or that could be there.
+/// Returns the one absolute name of a file that exists or could exist.
 fn place(path: &Path) -> Option<PathBuf> {
     fs::canonicalize(path).ok().or_else(|| {
         let folder = fs::canonicalize(folder_of(path)).ok()?;
@@ -120,8 +126,9 @@ fn place(path: &Path) -> Option<PathBuf> {
     })
 }
 
-/// An empty file beside `target`, with the permissions of what it replaces or of any new file (the
-/// umask applies).
+/// Makes an empty file beside `target`.
+///
+/// It has the permissions of the file that it replaces, or of any new file (the umask applies).
 fn temporary(target: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".airr-").suffix(".partial");
@@ -135,6 +142,7 @@ fn temporary(target: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder_of(target))
 }
 
+/// Returns the folder of a path.
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if parent != Path::new("") => parent,

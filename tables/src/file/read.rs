@@ -1,4 +1,4 @@
-//! A table from its file, checked to the last bit before it is used.
+//! Reading of a table from its file, checked to the last bit before it is used.
 
 use std::path::Path;
 
@@ -8,19 +8,20 @@ use crate::file::seal::Seal;
 use crate::file::{apart, seal};
 use crate::table::table::Table;
 
-/// Reads a table and checks everything: signature, seal, format, version, types, shapes, sizes
-/// before allocation, finite values, the rules of `crate::table::check`, counts against what is
-/// derived from them, and the content hash.
+/// Reads a table and checks everything in it.
 ///
-/// The result follows from the counts where there are any, so that two readers hold the same bits.
-/// Links that leave the file, unknown filters and inflated chunks are refused.
+/// It checks signature, seal, format, version, types, shapes, sizes before allocation, finite
+/// values, the rules of `crate::table::check`, counts against what is derived from them, and the
+/// content hash. Links that leave the file, unknown filters and inflated chunks are refused. If
+/// there are counts, all other numbers are computed from them, so that two readers hold the same
+/// bits.
 ///
 /// In a program that calls [`crate::file::apart::serve`] first, the HDF5 library opens the file in
-/// a process of its own, and a crash of the library is an error here.
+/// a process of its own, and a crash of the library becomes an error here.
 ///
 /// # Errors
-/// A variant of [`Error`] for each of these, naming the file, the dataset or attribute and the
-/// remedy.
+/// Returns an [`Error`] if a check fails. Each check has a variant, which names the file, the
+/// dataset or attribute, and the remedy.
 ///
 /// ```
 /// let error = tables::read(std::path::Path::new("Cargo.toml")).unwrap_err();
@@ -30,12 +31,13 @@ pub fn read(path: &Path) -> Result<Table, Error> {
     apart::read(path).unwrap_or_else(|| here(path))
 }
 
-/// Whether the file still ends with the seal that [`crate::write()`] puts there. A program that
-/// opens the table for writing takes it off; what the table holds is then vouched for by its
-/// content hash alone.
+/// Returns whether the file still ends with the seal that [`crate::write()`] puts there.
+///
+/// A program that opens the table for writing removes the seal. Then only the content hash vouches
+/// for the content.
 ///
 /// # Errors
-/// [`Error::Open`].
+/// Returns [`Error::Open`] if the file cannot be read.
 pub fn is_sealed(path: &Path) -> Result<bool, Error> {
     let bytes = std::fs::read(path).map_err(|source| Error::Open {
         file: path.to_owned(),

@@ -1,8 +1,8 @@
-//! A table from its content: the items of the content hash, in their order, as another process
-//! sends them.
+//! Making of a table from its content, the items of the content hash, as another process sends
+//! them.
 //!
-//! Nothing is believed: lengths are compared with one another and limited, and the table obeys the
-//! rules of [`crate::table::check`] at the end.
+//! Nothing is trusted: lengths are compared with one another and limited, and the table must obey
+//! the rules of [`crate::table::check`] at the end.
 
 use std::io::{self, BufRead, Read};
 
@@ -22,19 +22,20 @@ use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
 use crate::table::table::Table;
 
-/// Longest name of an item.
+/// Longest name of an item, bytes.
 const MOST_NAME: u64 = 64;
 
-/// The items of a stream.
+/// Reader of the items of a stream.
 struct Items<R> {
     from: R,
-    /// Name of the item that comes next; empty at the end.
+    /// Name of the next item; empty at the end.
     name: String,
-    /// Its bytes.
+    /// Length of the next item, bytes.
     length: u64,
 }
 
 impl<R: BufRead> Items<R> {
+    /// Reads the head of the first item.
     fn new(from: R) -> io::Result<Items<R>> {
         let mut items = Items {
             from,
@@ -65,6 +66,7 @@ impl<R: BufRead> Items<R> {
         Ok(())
     }
 
+    /// Reads the value of the next item, which must have this name.
     fn bytes(&mut self, name: &str) -> io::Result<Vec<u8>> {
         self.expect(name)?;
         let mut bytes = Vec::new();
@@ -76,6 +78,7 @@ impl<R: BufRead> Items<R> {
         Ok(bytes)
     }
 
+    /// Checks the name of the next item.
     fn expect(&self, name: &str) -> io::Result<()> {
         if self.name == name {
             Ok(())
@@ -84,10 +87,12 @@ impl<R: BufRead> Items<R> {
         }
     }
 
+    /// Reads a text.
     fn text(&mut self, name: &str) -> io::Result<String> {
         String::from_utf8(self.bytes(name)?).map_err(|_| wrong("a text that is none"))
     }
 
+    /// Reads an array of 8-byte numbers.
     fn words<T>(&mut self, name: &str, value: fn([u8; 8]) -> T) -> io::Result<Vec<T>> {
         self.expect(name)?;
         let mut values = Vec::new();
@@ -107,24 +112,29 @@ impl<R: BufRead> Items<R> {
         Ok(values)
     }
 
+    /// Reads an array of numbers.
     fn floats(&mut self, name: &str) -> io::Result<Vec<f64>> {
         self.words(name, f64::from_le_bytes)
     }
 
+    /// Reads an array of integers.
     fn integers(&mut self, name: &str) -> io::Result<Vec<u64>> {
         self.words(name, u64::from_le_bytes)
     }
 
+    /// Reads `N` numbers.
     fn some<const N: usize>(&mut self, name: &str) -> io::Result<[f64; N]> {
         self.floats(name)?
             .try_into()
             .map_err(|_| wrong("too few numbers or too many"))
     }
 
+    /// Reads one number.
     fn float(&mut self, name: &str) -> io::Result<f64> {
         self.some(name).map(|[value]| value)
     }
 
+    /// Reads one integer.
     fn integer(&mut self, name: &str) -> io::Result<u64> {
         match self.integers(name)?[..] {
             [value] => Ok(value),
@@ -133,10 +143,10 @@ impl<R: BufRead> Items<R> {
     }
 }
 
-/// The table that the stream holds.
+/// Reads the table that the stream holds.
 ///
 /// # Errors
-/// The stream ends early, or holds something else.
+/// Returns an error if the stream ends early or holds something else than a table.
 pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
     let mut items = Items::new(from)?;
     items.text("format")?;
@@ -186,6 +196,7 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
     Ok(table)
 }
 
+/// Gives an array its shape.
 fn shaped<T, D: Dimension>(
     shape: impl ndarray::IntoDimension<Dim = D>,
     values: Vec<T>,
@@ -194,6 +205,7 @@ fn shaped<T, D: Dimension>(
         .map_err(|error: ShapeError| wrong(&error.to_string()))
 }
 
+/// Reads the polygons, if they come next.
 fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Option<Exact>> {
     if items.name != "entrance_area" {
         return Ok(None);
@@ -233,6 +245,7 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
     }))
 }
 
+/// Reads the rays by shift and deviation, if they come next.
 fn deviations(
     items: &mut Items<impl BufRead>,
     directions: usize,
@@ -261,6 +274,7 @@ fn deviations(
     Ok(Some(Deviations { grid, entries }))
 }
 
+/// Reads the provenance.
 fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
     Ok(Provenance {
         generator: items.text("generator")?,
@@ -323,6 +337,7 @@ fn provenance(items: &mut Items<impl BufRead>) -> io::Result<Provenance> {
     })
 }
 
+/// Makes the error of a stream that is no table.
 fn wrong(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what)
 }

@@ -1,8 +1,9 @@
-//! The one fence around unsafe code: what the HDF5 library offers and its Rust crate does not.
+//! Calls to the HDF5 library that its Rust crate does not offer; all unsafe code of the crate is
+//! here.
 //!
-//! Dimension scales (the H5DS calls of libhdf5_hl) and the image of a file that lives in memory.
-//! Every call runs inside `hdf5::sync::sync`, because the library is not safe for several threads,
-//! on handles that the borrowed objects keep open for its duration.
+//! They are dimension scales (the H5DS calls of libhdf5_hl) and the image of a file that lives in
+//! memory. Every call runs inside `hdf5::sync::sync`, because the library is not safe for several
+//! threads. The borrowed objects keep their handles open for the duration of the call.
 
 #![allow(unsafe_code, reason = "calls into the C library")]
 
@@ -12,13 +13,13 @@ use hdf5::sync::sync;
 use hdf5_sys::h5f::H5Fget_file_image;
 use hdf5_sys::h5i::hid_t;
 
-// The hl library is linked by hdf5-metno-sys (feature `hl`), which declares none of its functions.
+// hdf5-metno-sys (feature `hl`) links the hl library but declares none of its functions.
 unsafe extern "C" {
     fn H5DSset_scale(scale: hid_t, name: *const c_char) -> c_int;
     fn H5DSattach_scale(dataset: hid_t, scale: hid_t, dimension: c_uint) -> c_int;
 }
 
-/// Makes a dataset a dimension scale of that name.
+/// Makes a dataset a dimension scale of this name.
 pub(crate) fn set_scale(scale: &hdf5::Dataset, name: &CStr) -> Result<(), hdf5::Error> {
     // SAFETY: the handle is open and the name ends in a zero byte; both outlive the call.
     let status = sync(|| unsafe { H5DSset_scale(scale.id(), name.as_ptr()) });
@@ -36,7 +37,7 @@ pub(crate) fn attach_scale(
     succeeded(status)
 }
 
-/// The bytes of a flushed file, as they would be on disk.
+/// Returns the bytes of a flushed file, as they would be on disk.
 pub(crate) fn image(file: &hdf5::File) -> Result<Vec<u8>, hdf5::Error> {
     sync(|| {
         // SAFETY: a null buffer asks for the length.
@@ -55,6 +56,7 @@ pub(crate) fn image(file: &hdf5::File) -> Result<Vec<u8>, hdf5::Error> {
     })
 }
 
+/// Turns the status of a call into a result.
 fn succeeded(status: c_int) -> Result<(), hdf5::Error> {
     if status < 0 {
         Err(last_error())
@@ -63,6 +65,7 @@ fn succeeded(status: c_int) -> Result<(), hdf5::Error> {
     }
 }
 
+/// Returns the last error of the library.
 fn last_error() -> hdf5::Error {
     hdf5::Error::query().unwrap_or_else(|error| error)
 }

@@ -1,35 +1,36 @@
-//! The seal: a SHA-256 of the whole file behind its end, found wrong when any bit of it has
+//! Seal: a SHA-256 of the whole file behind its end, which is wrong if any bit of the file has
 //! changed.
 //!
 //! HDF5 readers stop at the end that the superblock states and never see the seal. A program that
-//! opens the file for writing cuts it off; such a file is read on the strength of its content hash
-//! alone.
+//! opens the file for writing cuts it off. Then only the content hash vouches for the file.
 //!
-//! On disk, behind the HDF5 part: `AIRRSEAL` (8 bytes), then the 32 bytes of SHA-256 of everything
-//! before the seal.
+//! On disk, behind the HDF5 part, stand `AIRRSEAL` (8 bytes) and the 32 bytes of SHA-256 of
+//! everything before the seal.
 
 use sha2::{Digest, Sha256};
 
 use crate::file::content::hex;
 
+/// First bytes of a seal.
 const MARK: &[u8; 8] = b"AIRRSEAL";
+/// Length of a seal, bytes.
 const LENGTH: usize = MARK.len() + 32;
 
-/// Wrong bits of 64 with which a mark is still one.
+/// Greatest number of wrong bits, of 64, with which a mark is still recognised.
 const MOST_WRONG: u32 = 8;
 
-/// What a seal says about a file.
+/// Verdict of a seal on a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Seal {
-    /// The bytes are those that were written.
+    /// Seal of unchanged bytes.
     Intact,
-    /// There is no seal: the file was changed by another program, or never had one.
+    /// No seal: another program changed the file, or it never had one.
     Absent,
-    /// The bytes are not those that were written.
+    /// Seal of other bytes: the file is damaged.
     Broken {
         /// SHA-256 in the seal, lower-case hex.
         stored: String,
-        /// SHA-256 of the bytes before it, lower-case hex.
+        /// SHA-256 of the bytes before the seal, lower-case hex.
         computed: String,
     },
 }
@@ -46,8 +47,8 @@ pub(crate) fn check(bytes: &[u8]) -> Seal {
     let Some((before, seal)) = bytes.split_last_chunk::<LENGTH>() else {
         return Seal::Absent;
     };
-    // A mark with a few wrong bits is a damaged one: chance gives 8 bytes so alike to one file in
-    // 2^30.
+    // A mark with a few wrong bits counts as a damaged one. By chance, 8 bytes are this similar in
+    // one file of 2^30.
     let wrong: u32 = seal
         .iter()
         .zip(MARK)

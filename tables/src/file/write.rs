@@ -1,4 +1,4 @@
-//! A table to its file.
+//! Writing of a table to its file.
 //!
 //! The HDF5 image is made in memory, so that the library never meets a full disk.
 
@@ -10,26 +10,27 @@ use crate::file::{layout, scales, seal};
 use crate::table::check;
 use crate::table::table::Table;
 
-/// Writes a table: its place is checked, then [`commit`].
+/// Checks the place of the output, then writes a table as [`commit`] does.
 ///
 /// # Errors
-/// [`Error::Output`], and those of [`commit`]; what was there before is unchanged then.
+/// Returns [`Error::Output`] if the file cannot be written, and the errors of [`commit`]. An old
+/// file is unchanged then.
 pub fn write(table: &Table, path: &Path) -> Result<(), Error> {
     commit(table, Output::reserve(path)?)
 }
 
-/// Writes a table to the place that was reserved for it; the same table always gives the same
-/// bytes.
+/// Writes a table to the place that was reserved for it; equal tables give equal bytes.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the table breaks a rule, [`Error::Output`] where the disk is full or
-/// the file cannot be replaced. What was there before is unchanged then.
+/// Returns [`Error::Invalid`] if the table breaks a rule, [`Error::Output`] if the disk is full or
+/// the file cannot be replaced, and [`Error::Hdf5`] if the HDF5 library fails. An old file is
+/// unchanged then.
 pub fn commit(table: &Table, output: Output) -> Result<(), Error> {
     let bytes = image(table, output.path())?;
     Ok(output.commit(&bytes)?)
 }
 
-/// The bytes of a table's file; `name` is for messages.
+/// Returns the bytes of a table's file; `name` is for messages.
 pub(crate) fn image(table: &Table, name: &Path) -> Result<Vec<u8>, Error> {
     check::check(table).map_err(|source| Error::Invalid {
         file: name.to_owned(),

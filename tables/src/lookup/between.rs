@@ -1,58 +1,61 @@
-//! Paths between the directions of a table: the polygons of an exact table, interpolated.
+//! Interpolation of the polygons of an exact table between its directions.
 //!
-//! What is interpolated are the lines that the edges of a polygon lie on. With tau = tan(incidence
-//! inside) (cos azimuth, sin azimuth) the corners of a planar facet, however unfolded, cast a
-//! shadow on the entrance plane that is linear in tau, and so is the line through two of them, up
-//! to a factor; for an ideal cube it keeps its slope. Between corners there is no such law: they
-//! come and go as lines pass each other. So an edge that a direction lacks, because others lie
-//! before it, is taken from the directions that have it, and a path that ends on the way ends where
-//! its lines leave nothing.
+//! The lines on which the edges of a polygon lie are interpolated. Let tau = tan(incidence inside)
+//! (cos azimuth, sin azimuth). The shadow of a planar facet's corner on the entrance plane is
+//! linear in tau, however often the facet is unfolded. The line through two such shadows is linear
+//! in tau too, up to a factor; for an ideal cube it keeps its slope. The corners of a polygon obey
+//! no such law: they come and go as lines pass each other. If a direction lacks an edge, because
+//! other lines lie before it, the line comes from the directions that have it. A path that ends
+//! between two directions ends where its lines leave no area.
 //!
-//! Lines, maps and weights go by moving least squares: the value of the affine function of tau that
-//! fits them best in the directions around, by weights of the inverse fourth power of the distance.
-//! It is what the table says in its own directions, and the truth wherever that is affine;
-//! elsewhere the error is of second order in the spacing.
+//! Lines, maps and weights are interpolated by moving least squares. The result is the value of the
+//! affine function of tau that fits the directions around best, with the inverse fourth power of
+//! the distance as weight. It equals the table in the table's own directions, and the truth
+//! wherever the truth is affine. Elsewhere the error is of second order in the spacing.
 //!
-//! Polygons are taken relative to the fixed point of their map, which leaves no offset: so cubes
-//! that lie elsewhere, as the images of symmetry and of a lattice do, are the same cube. The result
-//! is put where the steepest direction has it.
+//! Polygons are taken relative to the fixed point of their map, so that the map has no offset.
+//! Cubes that lie elsewhere, as the images of symmetry and of a lattice do, then become the same
+//! cube. The result is placed where the steepest direction has it.
 
 use crate::table::exact::Path;
 use crate::table::polygon::{self, area};
 
-/// A direction of the table near the one that is asked for.
+/// Direction of the table near the direction that is asked for.
 pub(crate) struct Node {
     /// tan(incidence inside the sheet) (cos azimuth, sin azimuth).
     pub tau: [f64; 2],
-    /// Azimuth, radians: of the frame that the paths are in.
+    /// Azimuth of the frame of `paths`, radians.
     pub azimuth_rad: f64,
-    /// Its paths, incidence frame.
+    /// Paths of the direction, in its incidence frame.
     pub paths: Vec<Path>,
-    /// Its share in a mixture of the corners of the cell; 0 for those beyond.
+    /// Share in a bilinear mixture of the four directions around; 0 for directions further away.
     pub share: f64,
 }
 
-/// Slope of lines against each other, as the distance of unit normals, up to which they may be one
-/// line that turned.
+/// Greatest distance of the unit normals of two lines that may be one line that turned.
 const SAME_SLOPE: f64 = 0.3;
 
-/// Edges shorter than this, edge lengths, have no direction to speak of.
+/// Shortest edge that has a usable direction, edge lengths.
 const SHORT: f64 = 1e-6;
 
-/// Areas below this are rounding, square edge lengths.
+/// Smallest area that is more than rounding, square edge lengths.
 const NO_AREA: f64 = 1e-12;
 
-/// No line moves by more edge lengths for each unit of tau: light in a cube goes down and up its
-/// height of 0.6 twice.
+/// Greatest move of a line for each unit of tau, edge lengths.
+///
+/// Light in a cube passes its height of 0.6 down and up, twice.
 const FASTEST: f64 = 4.0;
 
-/// A path that a direction lacks, although its lines would leave it that part of its area there,
-/// ends by a jump, as at the limit of total reflection.
+/// Part of a path's area from which on its absence in a direction is a jump.
+///
+/// The lines of the path are continued to the direction that lacks it. If they leave more than this
+/// part there, the path ends by a jump, as at the limit of total reflection.
 const JUMP: f64 = 0.25;
 
-/// The paths at `tau` in the frame of `azimuth_rad`, from the nodes around it in a sheet of
-/// refractive index `index`; `None` where the nodes' paths do not tell: polygons that are not
-/// convex, maps that cannot be inverted.
+/// Returns the paths at `tau` in the frame of `azimuth_rad`, interpolated between `nodes`.
+///
+/// `index` is the refractive index of the sheet. Returns `None` if the paths of the nodes cannot be
+/// interpolated: a polygon is not convex, a map cannot be inverted, or the lines do not close.
 pub(crate) fn paths(
     nodes: &[Node],
     tau: [f64; 2],
@@ -88,7 +91,8 @@ pub(crate) fn paths(
         let present = 1.0 - absent.map(|(_, node)| node.share).sum::<f64>();
         let places: Vec<[f64; 2]> = members.iter().map(|(node, _)| node.tau).collect();
         let weights = weights(&places, tau);
-        // From the first on, so that what all have is what comes out, to the last digit.
+        // The mean is taken relative to the first member: a value that all members share comes out
+        // unchanged, to the last digit.
         let seed = members[0].1;
         let mean = |value: &dyn Fn(&Shape) -> f64| -> f64 {
             let beyond = members.iter().map(|(_, shape)| value(shape) - value(seed));
@@ -102,7 +106,8 @@ pub(crate) fn paths(
         let [uu, uv, vu, vv] =
             [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[r, c]| mean(&|s| s.matrix[r][c]));
         let matrix = turned_map([[uu, uv], [vu, vv]], -azimuth_rad);
-        // Where the seed lies, so that pieces of one cube still meet and those of others do not.
+        // The polygon is placed where the seed lies: pieces of one cube then still meet, and pieces
+        // of different cubes do not.
         let [x, y] = turned(seed.fixed, -azimuth_rad);
         let placed = |&p: &[f64; 2]| {
             let [u, v] = turned(p, -azimuth_rad);
@@ -123,29 +128,29 @@ pub(crate) fn paths(
     Some(paths)
 }
 
-/// Straight back outside, as its parts along the sheet and up, and 1 / cos(incidence inside).
+/// Returns the direction straight back outside, as its parts along the sheet and up, and 1 /
+/// cos(incidence inside).
 fn back(tau: [f64; 2], index: f64) -> (f64, f64, f64) {
     let steep = (1.0 + dot(tau, tau)).sqrt();
     let along = index * dot(tau, tau).sqrt() / steep;
     (-along, (1.0 - along * along).max(0.0).sqrt(), steep)
 }
 
-/// From the tangents outside by which a path is off ([`Path::deviation`], incidence frame) to what
-/// is affine in tau.
+/// Converts a deviation ([`Path::deviation`], incidence frame) to numbers that are affine in tau.
 fn astray(deviation: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
     if deviation == [0.0; 2] {
         return deviation;
     }
     let (along, up, steep) = back(tau, index);
-    // Straight back + tangents across it, as `bake` took them apart; Snell keeps what is along the
-    // sheet times the index.
+    // `bake` defines the deviation as straight back plus tangents across it. Snell's law keeps the
+    // part along the sheet times the index.
     let [across, v] = deviation;
     let length = (1.0 + across * across + v * v).sqrt();
     let left = [along + across * up, v].map(|x| x / (length * index));
     [steep * left[0] - along * steep / index, steep * left[1]]
 }
 
-/// The inverse of [`astray`].
+/// Converts numbers that are affine in tau to a deviation; the inverse of [`astray`].
 fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
     if astray == [0.0; 2] {
         return astray;
@@ -157,48 +162,54 @@ fn deviation(astray: [f64; 2], tau: [f64; 2], index: f64) -> [f64; 2] {
     [(x * up - z * along) / straight, y / straight]
 }
 
+/// Turns a vector counter-clockwise by `angle`, radians.
 fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// R M transpose(R): columns are turned, then rows.
+/// Turns a linear map, R M transpose(R): first its columns, then its rows.
 fn turned_map([[a, b], [c, d]]: [[f64; 2]; 2], angle: f64) -> [[f64; 2]; 2] {
     let ([a, c], [b, d]) = (turned([a, c], angle), turned([b, d], angle));
     [turned([a, b], angle), turned([c, d], angle)]
 }
 
+/// Returns the scalar product.
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// Returns the distance of two points.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The half-plane normal . p <= offset.
+/// Half-plane normal . p <= offset.
 #[derive(Debug, Clone, Copy)]
 struct Line {
     normal: [f64; 2],
     offset: f64,
 }
 
-/// A path in the frame of azimuth 0, relative to the fixed point of its map.
+/// Path in the frame of azimuth 0, relative to the fixed point of its map.
 struct Shape {
     corners: Vec<[f64; 2]>,
     lines: Vec<Line>,
     area: f64,
-    /// The fixed point, relative to what the table's polygons are.
+    /// Fixed point of the map in the frame of azimuth 0, with the origin of the table's polygons.
     fixed: [f64; 2],
     matrix: [[f64; 2]; 2],
     weight: f64,
-    /// What the path's linear map inside, plus 1, makes of (tau, -1), along the sheet: affine in
-    /// tau, 0 for an ideal cube.
+    /// Deviation in a form that is affine in tau; 0 for an ideal cube.
+    ///
+    /// It is the part along the sheet of (M + 1) (tau, -1), where M is the linear map of the path
+    /// inside.
     astray: [f64; 2],
 }
 
 impl Shape {
-    /// `None` where the polygon is not convex or the map has no fixed point.
+    /// Makes the shape of a path, or `None` if the polygon is not convex or the map has no fixed
+    /// point.
     fn new(path: &Path, node: &Node, index: f64) -> Option<Shape> {
         let azimuth_rad = node.azimuth_rad;
         let ([[a, b], [c, d]], [u, v]) = (path.matrix, path.offset);
@@ -240,13 +251,13 @@ impl Shape {
         })
     }
 
-    /// How far the polygon reaches along `normal`.
+    /// Returns the greatest reach of the polygon along `normal`.
     fn reach(&self, normal: [f64; 2]) -> f64 {
         let along = self.corners.iter().map(|&p| dot(normal, p));
         along.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The greatest difference of two polygons' reach along their normals.
+    /// Returns the greatest difference of the reaches of two polygons along all their normals.
     fn unlike(&self, other: &Shape) -> f64 {
         let normals = self
             .lines
@@ -258,7 +269,7 @@ impl Shape {
     }
 }
 
-/// The pairs of `costs` from the cheapest on, each row and each column once.
+/// Picks pairs from `costs`, the cheapest first, with each row and each column at most once.
 fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut pairs: Vec<(usize, usize)> = Vec::new();
@@ -270,9 +281,12 @@ fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// The paths that are one, (node, path) by (node, path). Each begins at a corner of the cell, at
-/// the steepest one that has it, and goes on from there to the next nodes: at normal incidence
-/// cubes of all orientations look alike, and a wide turn makes one look like the other.
+/// Groups the paths of all nodes into families of (node, path): one family is one path of the
+/// sheet.
+///
+/// A family begins at one of the four directions around, at the steepest that has the path. It goes
+/// on from there to the next nodes. The steepest is first because cubes of all orientations look
+/// alike at normal incidence, and after a wide turn one cube looks like another.
 fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
     let steepness = |index: usize| dot(nodes[index].tau, nodes[index].tau);
     let (mut order, mut rest): (Vec<usize>, Vec<usize>) =
@@ -290,7 +304,7 @@ fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
     for index in order {
         let mut costs = Vec::new();
         for (which, family) in families.iter().enumerate() {
-            // The nearest member that is half as steep: those that are flatter do not tell.
+            // A member that is less than half as steep is too flat to compare with.
             let tells = |&&(node, _): &&(usize, usize)| 4.0 * steepness(node) >= steepness(index);
             let apart = |node: usize| distance(nodes[index].tau, nodes[node].tau);
             let nearest = family
@@ -319,13 +333,13 @@ fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
     families
 }
 
-/// One line by the directions that have it.
+/// Line as the directions that have it show it: tau and the line there.
 type Course = Vec<([f64; 2], Line)>;
 
-/// The lines of a family.
+/// Finds the lines of a family.
 fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
     let mut courses: Vec<Course> = Vec::new();
-    // Which members have the line as an edge.
+    // For each line, the members that have it as an edge.
     let mut holders: Vec<Vec<usize>> = Vec::new();
     for (member, (node, shape)) in members.iter().enumerate() {
         let mut costs = Vec::new();
@@ -356,8 +370,10 @@ fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
     courses
 }
 
-/// Where a member is without the line, the line lies beyond its polygon: if the others would lead
-/// it through, it is held to where it touches.
+/// Keeps a line clear of the polygons of the members that lack it.
+///
+/// In such a member the line lies beyond the polygon. If the other members' lines would lead it
+/// through the polygon, a line is added that touches the polygon.
 fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize]) {
     let without = (0..members.len()).filter(|member| !holders.contains(member));
     let touching: Course = without
@@ -377,7 +393,7 @@ fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize
     course.extend(touching);
 }
 
-/// A line between the directions that have it; its normal need not be of unit length.
+/// Interpolates a line at `tau`; its normal need not be of unit length.
 fn line_at(course: &Course, tau: [f64; 2]) -> Line {
     let places: Vec<[f64; 2]> = course.iter().map(|(place, _)| *place).collect();
     let (mut normal, mut offset) = ([0.0; 2], 0.0);
@@ -388,7 +404,8 @@ fn line_at(course: &Course, tau: [f64; 2]) -> Line {
     Line { normal, offset }
 }
 
-/// What the lines leave at `tau`; empty where it is nothing, `None` where they do not close.
+/// Returns the polygon that the lines leave at `tau`: empty if they leave nothing, `None` if they
+/// do not close.
 fn outline(courses: &[Course], tau: [f64; 2]) -> Option<Vec<[f64; 2]>> {
     let far = 1e3;
     let mut polygon = vec![[-far, -far], [far, -far], [far, far], [-far, far]];
@@ -399,15 +416,17 @@ fn outline(courses: &[Course], tau: [f64; 2]) -> Option<Vec<[f64; 2]>> {
     closed.then_some(polygon)
 }
 
-/// The part of a convex polygon in a half-plane.
+/// Returns the part of a convex polygon in a half-plane.
 fn clipped(polygon: &[[f64; 2]], line: Line) -> Vec<[f64; 2]> {
     let beyond = |p: [f64; 2]| dot(line.normal, p) - line.offset;
     let on = |p: [f64; 2], q: [f64; 2], part: f64| [0, 1].map(|k| p[k] + part * (q[k] - p[k]));
     polygon::clip(polygon, beyond, on)
 }
 
-/// The shares of values at `places` in the value at `tau`: of the best affine function by weights 1
-/// / distance^4. Across places in one line the function does not change.
+/// Returns the shares of values at `places` in the interpolated value at `tau`.
+///
+/// They belong to the best affine function by the weights 1 / distance^4. If the places lie on one
+/// line, the function does not change across it.
 fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
     let nearest = places
         .iter()
@@ -436,13 +455,13 @@ fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
             }
         }
     }
-    // Slopes that nothing determines are 0. Close to a direction the weights of the others are
-    // small, and the slopes still theirs.
+    // The ridge makes slopes 0 that nothing determines. It is small, because close to a direction
+    // the weights of the others are small, and they alone determine the slopes.
     let ridge = 1e-12 * normal[0][0];
     normal[1][1] += ridge;
     normal[2][2] += ridge;
     let [[a, b, c], [_, d, e], [_, _, f]] = normal;
-    // The first column of the inverse, by cofactors.
+    // First column of the inverse, by cofactors.
     let column = [d * f - e * e, c * e - b * f, b * e - c * d];
     let determinant = a * column[0] + b * column[1] + c * column[2];
     let value = |(weight, basis): &(f64, [f64; 3])| {
@@ -456,8 +475,8 @@ fn weights(places: &[[f64; 2]], tau: [f64; 2]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// The aperture of an ideal cube of edge 1, its centroid in the origin, first corner at azimuth
-    /// 0.
+    /// Returns the aperture of an ideal cube of edge 1, its centroid in the origin, its first
+    /// corner at azimuth 0.
     fn triangle() -> Vec<[f64; 2]> {
         let radius = (2.0_f64 / 3.0).sqrt();
         let corner = |k: u32| turned([radius, 0.0], f64::from(k) * 120_f64.to_radians());
@@ -469,7 +488,9 @@ mod tests {
         turned([tangent, 0.0], azimuth_deg.to_radians())
     }
 
-    /// The closed form: what enters at p in T leaves at 2 q - p in T, q the apex seen along the
+    /// Returns the path of a cube by its closed form, or `None` if nothing returns.
+    ///
+    /// Light that enters at p in T leaves at 2 q - p in T, where q is the apex seen along the
     /// light.
     fn path(tau: [f64; 2], turn: f64) -> Option<Path> {
         let q = tau.map(|x| -x / 3_f64.sqrt());
@@ -477,7 +498,7 @@ mod tests {
         let mut polygon = corners.clone();
         for (k, a) in corners.iter().enumerate() {
             let b = corners[(k + 1) % 3];
-            // The triangle turned about q: normals change their sign.
+            // Edge of the triangle turned about q by half a turn: the normal changes its sign.
             let normal = [a[1] - b[1], b[0] - a[0]];
             let offset = 2.0 * dot(normal, q) - dot(normal, *a);
             polygon = clipped(&polygon, Line { normal, offset });
@@ -491,7 +512,7 @@ mod tests {
         })
     }
 
-    /// Directions all around in steps of `step_deg`, each in its own frame.
+    /// Returns directions all around in steps of `step_deg`, each in its own frame.
     fn nodes(incidences: &[f64], step_deg: f64, cubes: &[f64]) -> Vec<Node> {
         let azimuths: Vec<f64> = (0..(360.0 / step_deg) as u32)
             .map(|k| f64::from(k) * step_deg)
@@ -522,7 +543,7 @@ mod tests {
         around.collect()
     }
 
-    /// Known retroreflected fractions of the hollow cube, incidence and azimuth in degrees.
+    /// Known retroreflected shares of the hollow cube, with incidence and azimuth in degrees.
     const KNOWN: [(f64, f64, f64); 12] = [
         (10.0, 0.0, 0.62521),
         (20.0, 0.0, 0.49003),
@@ -538,7 +559,9 @@ mod tests {
         (45.0, 90.0, 0.0),
     ];
 
-    /// Hexagons lose corners at 19.47 deg and paths end at 35.26 deg: neither is a direction of the
+    /// Checks an ideal cube between few directions.
+    ///
+    /// Hexagons lose corners at 19.47 deg and paths end at 35.26 deg. Neither incidence is in the
     /// table.
     #[test]
     fn an_ideal_cube_is_exact_between_few_directions() {
@@ -556,7 +579,7 @@ mod tests {
             );
             cases += 1;
         }
-        // Below 19.47 deg the fraction is (2/3)(1 - 2 tan^2); lines lose 1e-10 of their slopes.
+        // Below 19.47 deg the share is (2/3)(1 - 2 tan^2); the ridge costs 1e-10 of the slopes.
         for step in 0..200 {
             let (incidence, azimuth) = (f64::from(step) * 0.0973, f64::from(step) * 1.9);
             let paths = paths(&nodes, tau(incidence, azimuth), azimuth.to_radians(), 1.0).unwrap();
@@ -573,7 +596,8 @@ mod tests {
         assert_eq!(cases, 212);
     }
 
-    /// Cubes of both orientations look alike at normal incidence, and are not mixed up.
+    /// Checks that two cubes stay two: cubes of both orientations look alike at normal incidence,
+    /// and the families must not mix them.
     #[test]
     fn a_pair_stays_two_cubes() {
         let half_turn = std::f64::consts::PI;
@@ -581,7 +605,7 @@ mod tests {
         for step in 0..300 {
             let azimuth = f64::from(step) * 7.3;
             let tau = tau(f64::from(step % 60) * 0.5, azimuth);
-            // The two azimuths around and their next ones.
+            // Keep the two azimuths around and the next ones beyond them.
             let mut nodes = nodes(&[0.0, 15.0, 28.0], 30.0, &[0.0, half_turn]);
             let away = |node: &Node| {
                 let away = (node.azimuth_rad.to_degrees() - azimuth).rem_euclid(360.0);
@@ -623,13 +647,13 @@ mod tests {
         assert!((paths[0].weight - 11.0 / 12.0).abs() < 1e-9);
     }
 
-    /// A path's light is off by a rotation: the same at every direction, seen from each through the
-    /// front face.
+    /// Checks deviations between directions: the light of a path is off by one rotation at every
+    /// direction, seen through the front face.
     #[test]
     fn deviations_are_exact_between_directions() {
         let (index, axis) = (1.49, [3e-3, -2e-3, 5e-3]);
-        // (M + 1) d for M = -(1 + axis x), a rotation by the angles of `axis` to first order: any
-        // linear map would do.
+        // (M + 1) d for M = -(1 + axis x), a rotation by the angles of `axis` to first order. Any
+        // other linear map would do.
         let off = |tau: [f64; 2]| {
             let [x, y, z] = [tau[0], tau[1], -1.0];
             [axis[2] * y - axis[1] * z, axis[0] * z - axis[2] * x]
@@ -648,7 +672,7 @@ mod tests {
             let (at, azimuth_rad) = (tau(incidence, azimuth), azimuth.to_radians());
             let paths = paths(&nodes, at, azimuth_rad, index).unwrap();
             let truth = seen(at, azimuth_rad);
-            // Angles of 1e-2 in doubles, through a dozen operations.
+            // The angles are about 1e-2, in doubles, through a dozen operations.
             assert!(distance(paths[0].deviation, truth) < 1e-12, "{step}");
             let again = deviation(astray(truth, at, index), at, index);
             assert!(distance(again, truth) < 1e-12, "{step}");

@@ -1,10 +1,10 @@
-//! One direction of a table: exactly, or interpolated between those around it.
+//! One direction of a table: its own, or interpolated between the directions around.
 //!
-//! The paths of an exact table are interpolated as polygons (`between`), and eta is theirs. Bins
-//! are a mixture: eta x histogram, bilinear in the two angles (model: across a cutoff the
-//! conditional histogram jumps, eta x histogram does not), each of the neighbouring distributions
-//! in its own incidence frame. The error of either is that of the table's spacing, which the
-//! standard error does not include.
+//! The paths of an exact table are interpolated as polygons (`between`), and eta follows from them.
+//! Bins are a mixture: eta x histogram, bilinear in the two angles, each neighbouring distribution
+//! in its own incidence frame. (Across a cutoff the conditional histogram jumps; eta x histogram
+//! does not.) The error of either depends on the spacing of the table, and the standard error does
+//! not include it.
 
 use ndarray::Array2;
 
@@ -18,53 +18,57 @@ use crate::table::polygon::area;
 use crate::table::symmetry;
 use crate::table::table::Table;
 
-/// Angles closer than this are the same direction, degrees.
+/// Greatest difference of two angles that count as equal, degrees.
 pub(crate) const SAME_DEG: f64 = 1e-9;
 
-/// What the sheet does with rays of one direction.
+/// Behaviour of the sheet for rays of one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
-    /// Angle of incidence, degrees.
+    /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; NaN for the mean over all azimuths.
     pub azimuth_deg: f64,
-    /// Retroreflected fraction, `out_of_range` included; 0 is a legal answer.
+    /// Retroreflected share, `out_of_range` included; 0 is a legal answer.
     pub eta: f64,
-    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`; of an interpolated
-    /// direction the mixture of its neighbours, even where `paths` say more.
+    /// Probability per launched ray of each bin, eta x histogram, `[v, u]`.
+    ///
+    /// For an interpolated direction it is the mixture of its neighbours, even where `paths` are
+    /// more accurate.
     pub probability: Array2<f64>,
-    /// The histogram covers u, v in [-range, range], edge lengths.
+    /// Half width of the histogram, edge lengths: it covers u and v in [-range, range].
     pub range: f64,
-    /// Standard error of `eta` from the numbers of rays; the error of the interpolation is not in
-    /// it.
+    /// Standard error of `eta` from the numbers of rays, without the error of the interpolation.
     pub standard_error: f64,
-    /// Whether the table holds the direction only by interpolation.
+    /// True if the direction was interpolated, false if it is one of the table's own.
     pub interpolated: bool,
-    /// The paths behind the distribution, where the table is exact: its own, or interpolated.
+    /// Paths behind the distribution of an exact table, its own or interpolated; `None` without
+    /// polygons.
     pub paths: Option<Vec<Path>>,
-    /// Where the light goes, where a table of rays says so: its own, or mixed as `probability`.
+    /// Light by shift and deviation, where a table of rays has it: its own, or mixed as
+    /// `probability` is.
     pub exits: Option<Exits>,
 }
 
-/// An azimuth that the table knows: one of its own, or what the symmetry makes of it.
+/// Azimuth that the table knows: one of its own, or an image of one by symmetry.
 #[derive(Debug, Clone, Copy)]
 struct Image {
-    /// In [0, 360).
+    /// Azimuth, degrees, in [0, 360).
     azimuth_deg: f64,
-    /// Index in the axis.
+    /// Index of the azimuth in the axis of the table.
     place: usize,
-    /// Whether v is turned over.
+    /// True if v changes its sign.
     mirrored: bool,
 }
 
 impl Image {
-    /// The only azimuth of a mean.
+    /// Only azimuth of a table of the mean over azimuths.
     const MEAN: Image = Image {
         azimuth_deg: f64::NAN,
         place: 0,
         mirrored: false,
     };
 
+    /// Returns a histogram as this image shows it.
     fn seen(&self, probability: Array2<f64>) -> Array2<f64> {
         if self.mirrored {
             symmetry::mirrored(probability)
@@ -73,6 +77,7 @@ impl Image {
         }
     }
 
+    /// Returns paths as this image shows them.
     fn seen_paths(&self, paths: &[Path]) -> Vec<Path> {
         if self.mirrored {
             symmetry::mirrored_paths(paths)
@@ -83,25 +88,29 @@ impl Image {
 }
 
 impl Table {
-    /// The direction of that incidence and azimuth, degrees: the table's own within 1e-9 deg, else
-    /// interpolated between its neighbours.
+    /// Returns the direction with this incidence and azimuth, degrees.
+    ///
+    /// It is the table's own direction within 1e-9 deg, otherwise interpolated between its
+    /// neighbours.
     ///
     /// Azimuths are periodic in 360 deg, and those of a symmetric table ([`crate::Symmetry`]) stand
-    /// for their images too. Between the last and the first azimuth, and between images, there is
-    /// interpolation only where that gap is no wider than the widest one of the table's own
-    /// azimuths, that is, where the table goes all around. A table of the mean over azimuths
-    /// answers every azimuth, or none, with the mean.
+    /// for their images too. A gap between the last and the first azimuth, or between images, is
+    /// interpolated only if it is no wider than the widest gap between the table's own azimuths,
+    /// that is, if the table goes all around. A table of the mean over azimuths answers with the
+    /// mean, whatever the azimuth, and without one.
     ///
     /// # Errors
-    /// [`Error::NoDirection`] outside of what the table brackets, naming the nearest direction that
-    /// it holds; where the azimuth is left out and the table is not a mean; where an angle is not
-    /// finite.
+    /// Returns [`Error::NoDirection`] if the direction lies outside of the angles of the table (the
+    /// error names the nearest direction that it holds), if `azimuth_deg` is `None` and the table
+    /// is not a mean, or if an angle is not finite.
     ///
     /// ```
     /// # use ndarray::{Array4, Array5};
     /// # use tables::options::{Back, Losses, Method, Sampler, StatedOptions};
     /// # use tables::{Axes, Fate, Provenance, Table};
-    /// # let axes = Axes { incidence_deg: vec![0.0, 10.0], azimuth_deg: vec![0.0], bins: 2, range: 2.0 };
+    /// # let axes = Axes {
+    /// #     incidence_deg: vec![0.0, 10.0], azimuth_deg: vec![0.0], bins: 2, range: 2.0,
+    /// # };
     /// # let counts = Array5::from_shape_fn((2, 1, 1, 2, 2), |(i, ..)| if i == 0 { 2 } else { 1 });
     /// # let mut fates = Array4::zeros((2, 1, 1, Fate::ALL.len()));
     /// # for i in 0..2 {
@@ -109,16 +118,17 @@ impl Table {
     /// #     fates[[i, 0, 0, Fate::Missed as usize]] = [2, 6][i];
     /// # }
     /// # let provenance = Provenance {
-    /// #     generator: String::new(), design: String::new(), mesh_hash: String::new(), edge_length: 1.0,
-    /// #     edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0], refractive_index: 1.0,
-    /// #     back: Back::Mirror.into(), losses: Losses::None.into(), reflectance: 1.0,
-    /// #     method: Method::Rays.into(), sampler: Some(Sampler::Random.into()), seed: 1,
-    /// #     angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None, wavelength_nm: None,
-    /// #     metal_index: None, shards: None, symmetry: tables::Symmetry::NONE,
-    /// #     direction_tolerance: None, options: StatedOptions::none(),
+    /// #     generator: String::new(), design: String::new(), mesh_hash: String::new(),
+    /// #     edge_length: 1.0, edge_length_unit: "mm".into(), azimuth_zero: [1.0, 0.0, 0.0],
+    /// #     refractive_index: 1.0, back: Back::Mirror.into(), losses: Losses::None.into(),
+    /// #     reflectance: 1.0, method: Method::Rays.into(), sampler: Some(Sampler::Random.into()),
+    /// #     seed: 1, angular_tolerance_deg: 0.5, tolerance: 0.0, lattice: None,
+    /// #     wavelength_nm: None, metal_index: None, shards: None,
+    /// #     symmetry: tables::Symmetry::NONE, direction_tolerance: None,
+    /// #     options: StatedOptions::none(),
     /// # };
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
-    /// // eta is 0.8 at 0 deg and 0.4 at 10 deg
+    /// // eta is 0.8 at 0 deg and 0.4 at 10 deg.
     /// let direction = table.direction(5.0, Some(0.0))?;
     /// assert!(direction.interpolated && (direction.eta - 0.6).abs() < 1e-15);
     /// let error = table.direction(11.0, Some(0.0)).unwrap_err().to_string();
@@ -164,7 +174,7 @@ impl Table {
         }
     }
 
-    /// The azimuths in [0, 360) that the table knows, ascending: its own ones and their images.
+    /// Returns the azimuths in [0, 360) that the table knows, ascending: its own and their images.
     fn images(&self) -> Vec<Image> {
         if self.axes.is_mean() {
             return vec![Image::MEAN];
@@ -181,7 +191,7 @@ impl Table {
                 symmetry.images(azimuth).map(image)
             })
             .collect();
-        // Of equal azimuths the first one stays, which is seen in no mirror if one of them is.
+        // Of equal azimuths the first stays. It is not mirrored if one of them is not.
         images.sort_by(|a, b| {
             let order = a.azimuth_deg.total_cmp(&b.azimuth_deg);
             order
@@ -192,13 +202,15 @@ impl Table {
         images
     }
 
-    /// The widest gap between neighbours of the azimuth axis, degrees: wider ones are not
-    /// interpolated across.
+    /// Returns the widest gap between neighbours of the azimuth axis, degrees.
+    ///
+    /// Wider gaps between images are not interpolated.
     fn widest_gap_deg(&self) -> f64 {
         let gaps = self.axes.azimuth_deg.windows(2);
         gaps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
     }
 
+    /// Makes the error for a direction outside of the table, with the nearest direction.
     fn outside(&self, incidence_deg: f64, azimuth_deg: f64) -> NoDirection {
         let nearest = |values: &[f64], distance: &dyn Fn(f64) -> f64| {
             values
@@ -227,26 +239,26 @@ impl Table {
     }
 }
 
-/// Two places of an axis and the share of the second; twice the same place where the axis holds the
-/// value.
+/// Two places of an axis and the share of the second; one place twice if the axis holds the value.
 type Bracket = (usize, usize, f64);
 
-/// The share of a place, 0 beyond the bracket.
+/// Returns the share of a place in a bracket; 0 beyond the bracket.
 fn share((first, second, share): Bracket, place: usize) -> f64 {
     let (a, b) = (place == first, place == second);
     f64::from(u8::from(a)) * (1.0 - share) + f64::from(u8::from(b)) * share
 }
 
-/// The directions of a table around one that is asked for.
+/// Directions of a table around the direction that is asked for.
 struct Cell<'a> {
     table: &'a Table,
     images: Vec<Image>,
     along: Bracket,
-    /// Among `images`.
+    /// Bracket of the azimuth, as indices of `images`.
     across: Bracket,
 }
 
 impl Cell<'_> {
+    /// Mixes the bins of the corners and interpolates the paths.
     fn direction(&self, incidence_deg: f64, azimuth_deg: f64) -> Direction {
         let table = self.table;
         let mut eta = 0.0;
@@ -283,7 +295,7 @@ impl Cell<'_> {
         }
     }
 
-    /// The exit directions, mixed.
+    /// Mixes the light by shift and deviation of the corners.
     fn exits(&self) -> Option<Exits> {
         let found = self.table.deviations.as_ref()?;
         let mut mixed: Vec<(u64, f64)> = Vec::new();
@@ -299,8 +311,8 @@ impl Cell<'_> {
                 mixed.push((place, share * entry.rays as f64 / launched));
             }
         }
-        // The corners' entries ascend: sorted runs, which are merged in their order, so that sums
-        // are too.
+        // The entries of each corner ascend. The sort is stable, so equal places are added in the
+        // order of the corners.
         mixed.sort_by_key(|(place, _)| *place);
         mixed.dedup_by(|next, kept| {
             let same = next.0 == kept.0;
@@ -313,7 +325,7 @@ impl Cell<'_> {
         })
     }
 
-    /// The table's directions around, as indices of the incidence and the image, with their shares.
+    /// Returns the corners with a share above 0: index of the incidence, index of the image, share.
     fn corners(&self) -> impl Iterator<Item = (usize, usize, f64)> + use<> {
         let ends = |(first, second, t): Bracket| [(first, 1.0 - t), (second, t)];
         let across = ends(self.across);
@@ -322,13 +334,14 @@ impl Cell<'_> {
         all.filter(|&(_, _, share)| share > 0.0)
     }
 
+    /// Returns the paths of a direction of the table, in the frame of image `k`.
     fn paths(&self, exact: &Exact, i: usize, k: usize) -> Option<Vec<Path>> {
         let image = &self.images[k];
         let held = i * self.table.axes.azimuth_deg.len() + image.place;
         exact.paths.get(held).map(|paths| image.seen_paths(paths))
     }
 
-    /// By the corners of the cell and the directions next to them.
+    /// Interpolates the paths from the corners of the cell and the directions next to them.
     fn paths_between(
         &self,
         exact: &Exact,
@@ -361,7 +374,8 @@ impl Cell<'_> {
         between::paths(&nodes, tau(incidence_deg, azimuth_rad), azimuth_rad, index)
     }
 
-    /// The images at the cell's corners, and their next ones where no wide gap lies between.
+    /// Returns the images at the cell's corners, and the images next to them unless a wide gap lies
+    /// between.
     fn azimuths_around(&self) -> Vec<usize> {
         let count = self.images.len();
         let widest = self.table.widest_gap_deg() + SAME_DEG;
@@ -379,8 +393,7 @@ impl Cell<'_> {
     }
 }
 
-/// The places of an ascending axis around `x` and the share of the second, if `x` is in it or
-/// between two of its values.
+/// Returns the places of an ascending axis around `x`, or `None` if `x` lies outside of the axis.
 fn between(axis: &[f64], x: f64) -> Option<Bracket> {
     if let Some(held) = axis.iter().position(|&held| (held - x).abs() <= SAME_DEG) {
         return Some((held, held, 0.0));
@@ -394,8 +407,8 @@ fn between(axis: &[f64], x: f64) -> Option<Bracket> {
     ))
 }
 
-/// The places of the images around an azimuth and the share of the second, where they are no
-/// further apart than `widest_deg`.
+/// Returns the places of the images around an azimuth, or `None` if their gap is wider than
+/// `widest_deg`.
 fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<Bracket> {
     let held = |image: &Image| turn(image.azimuth_deg - x).abs() <= SAME_DEG;
     if let Some(held) = images.iter().position(held) {
@@ -410,7 +423,7 @@ fn around(images: &[Image], widest_deg: f64, x: f64) -> Option<Bracket> {
     (gap > 0.0 && gap <= widest_deg + SAME_DEG).then(|| (before, next, from(x) / gap))
 }
 
-/// The angle in (-180, 180] that differs by whole turns, degrees.
+/// Returns the angle in (-180, 180] that differs from `angle` by whole turns, degrees.
 fn turn(angle: f64) -> f64 {
     let angle = angle.rem_euclid(360.0);
     if angle > 180.0 { angle - 360.0 } else { angle }

@@ -1,5 +1,4 @@
-//! Deviations as a part of the shift: what light is off by at one distance and one size of the
-//! cells.
+//! Deviations as a part of the shift, for one distance and one size of the cells.
 
 use ndarray::Array2;
 
@@ -8,27 +7,31 @@ use crate::lookup::direction::Direction;
 use crate::table::deviation::Exits;
 use crate::table::exact::Path;
 
-/// Bins along each axis at most: above, they are pooled. 32 MB.
+/// Most bins along each axis, 32 MB in all; bins are pooled beyond it.
 const MOST_BINS: usize = 2048;
 
-/// Empty bins at each end: light is shared out to the neighbours of its bin.
+/// Number of empty bins at each end, because light is shared out to the neighbours of its bin.
 const MARGIN: usize = 2;
 
-/// Edge lengths that light may be off: 10 m away by half a radian with corners of 5 um. More is a
-/// slip in a file.
+/// Greatest distance by which light may be off, edge lengths.
+///
+/// It is 10 m with half a radian and corners of 5 um. A greater value is a slip in a file.
 const FARTHEST: f64 = 1e6;
 
 impl Direction {
-    /// The direction whose light, straight back, is shifted by `per_tangent` (u, v; edge lengths)
-    /// times its deviation besides its own shift.
+    /// Returns the direction with its deviations made part of the shifts.
     ///
-    /// Polygons are moved. Bins are moved onto a wider histogram and shared out among the four
-    /// around their place, which takes (2 pi kappa width)^2/12 from an OTF at kappa per edge
-    /// length, half of what the bins themselves take; beyond about a thousand bins from the middle
-    /// the width is that of the pooled ones, a thousandth of the farthest shift.
+    /// The light of each ray is shifted by `per_tangent` (u, v; edge lengths) times its deviation,
+    /// besides its own shift. It then leaves straight back.
+    ///
+    /// Polygons are moved. Bins are moved onto a wider histogram, and each is shared out among the
+    /// four bins around its place. At kappa per edge length this takes (2 pi kappa width)^2/12 from
+    /// an OTF, half of what the bins themselves take. Beyond about a thousand bins from the middle,
+    /// bins are pooled and the width is that of the pooled bins, a thousandth of the farthest
+    /// shift.
     ///
     /// # Errors
-    /// [`Error::Astray`] where light would be off by more than a million edge lengths.
+    /// Returns [`Error::Astray`] if light would be off by more than a million edge lengths.
     pub fn moved(self, per_tangent: [f64; 2]) -> Result<Direction, Error> {
         let edges = self.farthest_move(per_tangent);
         if edges > FARTHEST {
@@ -57,17 +60,20 @@ impl Direction {
         })
     }
 
-    /// The direction as it is seen from the distance `r_mm` with the corner size `c_mm`: what light
-    /// deviates by there is part of its shift. `cosine` is that of the outside incidence.
+    /// Returns the direction as it is seen from the distance `r_mm` with the corner size `c_mm`.
+    ///
+    /// The deviation at that distance becomes part of the shift. `cosine` is that of the incidence
+    /// outside.
     ///
     /// # Errors
-    /// [`Error::Astray`], of a distance or corner size beyond reason.
+    /// Returns [`Error::Astray`] if distance and corner size put light off by more than a million
+    /// edge lengths.
     pub fn seen_from(self, r_mm: f64, c_mm: f64, cosine: f64) -> Result<Direction, Error> {
         self.moved([r_mm / (c_mm * cosine), r_mm / c_mm])
     }
 
-    /// The largest component of what any light is moved by, edge lengths; infinite where
-    /// `per_tangent` is not finite.
+    /// Returns the largest component of all moves, edge lengths; infinite if `per_tangent` is not
+    /// finite.
     fn farthest_move(&self, per_tangent: [f64; 2]) -> f64 {
         if !per_tangent.iter().all(|by| by.is_finite()) {
             return f64::INFINITY;
@@ -85,8 +91,9 @@ impl Direction {
     }
 }
 
-/// The histogram of shifts with deviations in it, and its range; `per_tangent` in edge lengths, (u,
-/// v), which moves light by at most `farthest` along an axis.
+/// Returns the histogram of shifts with the deviations in it, and its range.
+///
+/// `per_tangent` (u, v) is in edge lengths and moves light by at most `farthest` along an axis.
 fn bins(
     direction: &Direction,
     exits: &Exits,
@@ -135,7 +142,7 @@ mod tests {
     use super::*;
     use crate::table::deviation::Grid;
 
-    /// Two bins with three spots between them.
+    /// Returns a direction with two bins and three spots between them.
     fn two_bins() -> Direction {
         let grid = Grid {
             cells: 2,
@@ -169,17 +176,18 @@ mod tests {
         2.0 * direction.range / direction.probability.ncols() as f64
     }
 
-    /// Sum over the bins of what they hold times a function of their place (u, v).
+    /// Returns the sum over the bins of their content times a function of their place (u, v).
     fn moment(direction: &Direction, of: impl Fn(f64, f64) -> f64) -> f64 {
         let centre = |k: usize| (k as f64 + 0.5) * width(direction) - direction.range;
         let cells = direction.probability.indexed_iter();
         cells.map(|((v, u), p)| p * of(centre(u), centre(v))).sum()
     }
 
-    /// Masses and their mean places by hand.
+    /// Compares masses and their mean places with those calculated by hand.
     #[test]
     fn bins_go_where_their_light_goes() {
-        // Bins of 2 mrad: the second spot is moved by 2.5 along u, the third by -5 along v.
+        // The bins of deviation are 2 mrad wide: the second spot is moved by 2.5 along u, the third
+        // by -5 along v.
         let moved = two_bins().moved([1250.0, 2500.0]).unwrap();
         assert!(moved.exits.is_none() && moved.paths.is_none());
         assert!((width(&moved) - 1.0).abs() < 1e-15);
@@ -187,7 +195,8 @@ mod tests {
             0.5,
             0.1 * -0.5 + 0.2 * 2.0 + 0.2 * 0.5,
             0.3 * -1.5 + 0.2 * -3.5,
-            // The spot between two bins is spread over them: 1/4 more than its place squared.
+            // The spot between two bins is spread over them, which adds 1/4 to the square of its
+            // place.
             0.1 * 0.25 + 0.2 * (4.0 + 0.25) + 0.2 * 0.25,
         ];
         let found = [
@@ -201,8 +210,8 @@ mod tests {
         }
     }
 
-    /// Moved so far that bins are pooled, light is still all there, about the place that it had; up
-    /// to what is refused.
+    /// Checks that no light is lost when it is moved so far that bins are pooled, and that its mean
+    /// place stays right, up to the greatest distance that is allowed.
     #[test]
     fn pooled_bins_lose_nothing() {
         let (mut cases, mut widest) = (0, 0.0_f64);
@@ -223,7 +232,7 @@ mod tests {
                     moment(&moved, |u, _| u),
                     moment(&moved, |_, v| v),
                 ];
-                // Masses are rounded, and places of up to `by`.
+                // Masses are rounded, and so are places of up to `by`.
                 let allowed = [1e-15, 1e-14 * by, 1e-14 * by];
                 for k in 0..3 {
                     let (found, expected) = (found[k], expected[k]);
@@ -244,7 +253,7 @@ mod tests {
             let error = two_bins().moved([0.0, by]).unwrap_err().to_string();
             assert!(error.contains("c_mm"), "{error}");
         }
-        // Light that does not deviate is not moved, however small the corners.
+        // Light without deviation is not moved, however small the corners.
         let straight = Direction {
             exits: None,
             ..two_bins()

@@ -1,4 +1,4 @@
-//! Tables of some directions, over the directions of all.
+//! Tables of some directions, put on the axes of all directions.
 
 use ndarray::{Array2, Array3, Array4, Array5, s};
 
@@ -10,7 +10,8 @@ use crate::table::fate::Fate;
 use crate::table::provenance::Provenance;
 use crate::table::table::Table;
 
-/// The axes that hold every incidence and every azimuth of the tables, which share bins and range.
+/// Returns the axes that hold every incidence and every azimuth of the tables, which share bins and
+/// range.
 pub(crate) fn union(tables: &[Table]) -> Axes {
     let merged = |angles: &dyn Fn(&Axes) -> &[f64]| {
         let mut all: Vec<f64> = tables
@@ -29,12 +30,12 @@ pub(crate) fn union(tables: &[Table]) -> Axes {
     }
 }
 
-/// The NaN azimuth of a mean is itself.
+/// Returns whether two angles are equal; the NaN azimuth of a mean equals itself.
 fn same(a: f64, b: f64) -> bool {
     a == b || (a.is_nan() && b.is_nan())
 }
 
-/// Where `table` holds that direction of `axes`.
+/// Returns the indices at which `table` holds this direction of `axes`, or `None` if it does not.
 pub(crate) fn place(table: &Table, axes: &Axes, (i, j): (usize, usize)) -> Option<(usize, usize)> {
     let find = |own: &[f64], angle: f64| own.iter().position(|&x| same(x, angle));
     Some((
@@ -43,13 +44,13 @@ pub(crate) fn place(table: &Table, axes: &Axes, (i, j): (usize, usize)) -> Optio
     ))
 }
 
-/// The directions of `axes`, row-major.
+/// Returns the directions of `axes`, row-major.
 fn all(axes: &Axes) -> impl Iterator<Item = (usize, usize)> + use<> {
     let (incidences, azimuths) = axes.shape();
     (0..incidences).flat_map(move |i| (0..azimuths).map(move |j| (i, j)))
 }
 
-/// The table over `axes`, without rays where it holds no direction.
+/// Returns the table on the axes `axes`, without rays in the directions that it does not hold.
 pub(crate) fn spread(table: &Table, axes: &Axes) -> Table {
     let (Some(counts), Some(fates), false) =
         (&table.counts, &table.fate_counts, table.axes == *axes)
@@ -81,7 +82,11 @@ pub(crate) fn spread(table: &Table, axes: &Axes) -> Table {
     }
 }
 
-/// Exact tables of different directions as one.
+/// Joins exact tables of different directions.
+///
+/// # Errors
+/// Returns a [`Mismatch`] if entrance areas differ, or if a direction is held by no table or by
+/// two.
 pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
     let ((n, m), b) = (axes.shape(), axes.bins);
     let mut joined = Table {
@@ -95,7 +100,7 @@ pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
         exact: None,
         deviations: None,
         provenance: Provenance {
-            // Nobody looked into the gaps between the tables.
+            // Nobody has checked the interpolation in the gaps between the tables.
             direction_tolerance: None,
             ..tables[0].provenance.clone()
         },

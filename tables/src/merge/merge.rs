@@ -1,16 +1,16 @@
 //! Adding the rays and the directions of tables.
 //!
 //! A table of seed `s` with `R` randomisations stands for the seeds `s .. s + R`, one for each
-//! randomisation. So tables of one cell are put together in three ways, all of them at once if need
-//! be:
-//! - **shards** of one bake, equal shares of its samples ([`Shards`]): counts are added place by
-//!   place;
-//! - **directions**: those of a bake of all of them, because samples depend on the angles, not on
-//!   their place in a list;
-//! - **more rays**: ranges of seeds that follow one another are put side by side along the
-//!   randomisation axis, which is the bake of the first seed with all the randomisations.
+//! randomisation. Tables of one cell are merged in three ways, all of them at once if necessary:
 //!
-//! All are sums of integers, so that the order and the grouping of the merges do not change a bit.
+//! - **Shards** of one bake are equal shares of its samples ([`Shards`]). Counts are added place by
+//!   place.
+//! - **Directions** are put side by side. Samples depend on the angles, not on their place in a
+//!   list, so the result is a bake of all directions.
+//! - **Seeds** that follow one another are put side by side along the randomisation axis. The
+//!   result is a bake of the first seed with all the randomisations.
+//!
+//! All are sums of integers, so the order and the grouping of the merges do not change a bit.
 
 use std::collections::BTreeSet;
 
@@ -26,15 +26,15 @@ use crate::table::provenance::level;
 use crate::table::shards::Shards;
 use crate::table::table::Table;
 
-/// Puts tables of one cell together; the order of the list does not matter. The shards of a bake,
-/// or tables of its directions, give the table of the whole bake, bit for bit.
+/// Merges tables of one cell; the order of the list does not matter.
 ///
-/// Exact tables have no rays to add; only their directions are joined.
+/// The shards of a bake, or tables of its directions, give the table of the whole bake, bit for
+/// bit. Exact tables have no rays to add; only their directions are joined.
 ///
 /// ```
 /// # use std::path::Path;
 /// let table = tables::read(Path::new("tests/kept/version_1_rays.h5"))?;
-/// // A bake of as many rays from the seeds after those of the first: 16 randomisations take 16 seeds.
+/// // A bake of as many rays with the next seeds: 16 randomisations take 16 seeds.
 /// let mut more = table.clone();
 /// more.provenance.seed += 16;
 /// let both = tables::merge(&[table.clone(), more])?;
@@ -45,8 +45,9 @@ use crate::table::table::Table;
 /// ```
 ///
 /// # Errors
-/// [`Error::Merge`] with the field that differs, the overlap, the direction, seed or shard that is
-/// missing.
+/// Returns [`Error::Merge`] if the list is empty, if the tables differ in a field that says what
+/// was baked, if two of them hold the same rays, or if a direction, a seed or a shard is missing.
+/// The error names the field, the tables or the missing part.
 pub fn merge(tables: &[Table]) -> Result<Table, Error> {
     let first = tables.first().ok_or(Mismatch::Empty)?;
     for (index, table) in tables.iter().enumerate() {
@@ -63,7 +64,7 @@ pub fn merge(tables: &[Table]) -> Result<Table, Error> {
     Ok(merged)
 }
 
-/// The whole of tables that say the same of what was baked.
+/// Merges tables that agree in all that says what was baked.
 fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
     let first = &tables[0];
     if tables.len() == 1 {
@@ -86,7 +87,7 @@ fn put_together(tables: &[Table]) -> Result<Table, Mismatch> {
     side_by_side(tables, &ranges)
 }
 
-/// Compares everything that says what was baked; seed, shards and directions may differ.
+/// Compares all fields that say what was baked; seed, shards and directions may differ.
 fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     macro_rules! compare {
         ($($name:literal = |$table:ident| $value:expr),* $(,)?) => {
@@ -151,11 +152,11 @@ fn same(first: &Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     Ok(())
 }
 
-/// The sum of all tables that start at `seed`, over `axes`.
+/// Returns the sum of all tables that start at `seed`, on the axes `axes`.
 fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismatch> {
     let mut sum: Option<Table> = None;
-    // What each direction holds: nothing yet, or shards (`None`: the whole bake) and the table that
-    // brought them.
+    // Contents of each direction: the tables that brought rays, each with its shards (`None`: a
+    // whole bake).
     let (incidences, azimuths) = axes.shape();
     let mut held: Vec<Vec<(usize, Option<&Shards>)>> = vec![Vec::new(); incidences * azimuths];
     for (index, table) in tables.iter().enumerate() {
@@ -213,7 +214,7 @@ fn of_one_seed(tables: &[Table], axes: &Axes, seed: u64) -> Result<Table, Mismat
     Ok(rebuilt(sum))
 }
 
-/// The shards that every direction holds in sum.
+/// Returns the shards that every direction holds in sum; `None` for the whole bake.
 fn together(
     held: &[Vec<(usize, Option<&Shards>)>],
     axes: &Axes,
@@ -256,7 +257,7 @@ fn together(
     Ok(expected)
 }
 
-/// A randomisation of which both tables hold rays, each at its own place of one direction.
+/// Returns a randomisation of which both tables hold rays, each at its own place of one direction.
 fn shared_randomisation(a: (&Table, (usize, usize)), b: (&Table, (usize, usize))) -> Option<u64> {
     let rays = |(table, (i, j)): (&Table, (usize, usize)), r: usize| -> u64 {
         let fates = table.fate_counts.as_ref();
@@ -268,6 +269,7 @@ fn shared_randomisation(a: (&Table, (usize, usize)), b: (&Table, (usize, usize))
         .map(|r| r as u64)
 }
 
+/// Adds the counts of a table to a sum on the same axes.
 fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     let (expected, found) = (randomisations(sum), randomisations(table));
     if expected != found {
@@ -290,6 +292,7 @@ fn add(sum: &mut Table, table: &Table, index: usize) -> Result<(), Mismatch> {
     Ok(())
 }
 
+/// Adds the rays by shift and deviation, direction by direction.
 fn more_deviations(a: &Deviations, b: &Deviations) -> Deviations {
     let pairs = a.entries.iter().zip(&b.entries);
     Deviations {
@@ -298,7 +301,7 @@ fn more_deviations(a: &Deviations, b: &Deviations) -> Deviations {
     }
 }
 
-/// Whole tables of seeds that follow one another, along the randomisation axis.
+/// Puts whole tables of seeds that follow one another side by side along the randomisation axis.
 fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
     let mut expected = ranges[0].provenance.seed;
     for table in ranges {
@@ -350,11 +353,12 @@ fn side_by_side(tables: &[Table], ranges: &[Table]) -> Result<Table, Mismatch> {
     })
 }
 
+/// Returns the number of randomisations of a table.
 fn randomisations(table: &Table) -> usize {
     table.counts.as_ref().map_or(0, |counts| counts.shape()[2])
 }
 
-/// The table that follows from the counts, which were changed.
+/// Returns the table that follows from the counts, after the counts have changed.
 fn rebuilt(table: Table) -> Table {
     match (table.counts, table.fate_counts) {
         (Some(counts), Some(fates)) => Table {

@@ -1,18 +1,18 @@
-//! Whether a bake of rays records where the light goes.
+//! Option of a bake of rays: recording the directions in which light leaves.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// What `--deviations` asks for.
+/// Value of `--deviations`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Record {
-    /// A histogram of exit directions where the cell is not ideal, as wide as the cell and the
-    /// angular tolerance ask for.
+    /// Histogram of exit directions if the cell is not ideal; its range follows from the cell and
+    /// the angular tolerance.
     #[default]
     Auto,
-    /// None.
+    /// No histogram of exit directions.
     Off,
-    /// One of this range, mrad, whatever the cell.
+    /// Histogram with this range, mrad, whatever the cell.
     Within(f64),
 }
 

@@ -1,11 +1,10 @@
-//! The options of a bake, as types: what a table's provenance is made of, and what `bake trace` is
-//! asked for.
+//! Options of a bake as types, for the provenance of tables and for `bake trace`.
 //!
-//! The words of a table or of a command line enter; types leave. [`Word`] and [`StatedOptions`] are
-//! the words of a table: what this version knows as a type, and what a later version wrote as it
-//! stands, so that a table that is written again keeps its bytes. No other crate reads or makes
-//! these words. With the feature `cli` the types are values and options of a command line (clap).
-//! This room touches no other.
+//! The words of a table or of a command line enter; types leave. [`Word`] and [`StatedOptions`]
+//! hold the words of a table. A word that this version knows becomes a type. A word of a later
+//! version is kept as it is, so that a table that is written again keeps its bytes. No other crate
+//! reads or makes these words. With the feature `cli` the types are values and options of a command
+//! line (clap). This room touches no other.
 
 mod deviations;
 mod roughness;

@@ -1,51 +1,50 @@
-//! How rough facets are, in numbers; `bake` says what that does to light.
+//! Roughness of facets in numbers; `bake` computes its effect on light.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// How slopes are distributed.
+/// Distribution of the slopes of rough facets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slopes {
-    /// As a Gaussian.
+    /// Gaussian distribution.
     Beckmann,
-    /// With long tails (Trowbridge and Reitz).
+    /// Distribution with long tails (Trowbridge and Reitz).
     Ggx,
 }
 
-/// How rough facets are.
+/// Roughness of facets: the distribution of slopes and its width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roughness {
     slopes: Slopes,
     alpha: f64,
 }
 
-/// A roughness that is none.
+/// Error of a roughness that is out of range or cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "give ALPHA or ggx:ALPHA, such as 0.001, with ALPHA above 0 and at most 1 (sqrt 2 times the \
-    rms slope); leave it out \
-     where facets are smooth"
+    rms slope); leave it out where facets are smooth"
 )]
 pub struct NoRoughness;
 
 impl Roughness {
-    /// Slopes of the roughness `alpha`, above 0 and at most 1.
+    /// Makes a roughness of these slopes; `alpha` must be above 0 and at most 1.
     ///
     /// # Errors
-    /// [`NoRoughness`].
+    /// Returns [`NoRoughness`] if `alpha` is out of this range.
     pub fn new(slopes: Slopes, alpha: f64) -> Result<Self, NoRoughness> {
         let fits = alpha > 0.0 && alpha <= 1.0;
         fits.then_some(Roughness { slopes, alpha })
             .ok_or(NoRoughness)
     }
 
-    /// How slopes are distributed.
+    /// Returns the distribution of the slopes.
     #[inline]
     pub fn slopes(&self) -> Slopes {
         self.slopes
     }
 
-    /// The width of the slopes: sqrt 2 times their rms of Beckmann's.
+    /// Returns the width of the slopes: for Beckmann, sqrt 2 times their rms.
     #[inline]
     pub fn alpha(&self) -> f64 {
         self.alpha

@@ -1,5 +1,4 @@
-//! Options that a scene names only where it has what they are for. Each costs nothing where it is
-//! left out.
+//! Options that only some scenes need; each costs nothing where it is left out.
 
 use std::fmt;
 
@@ -7,11 +6,11 @@ use crate::options::deviations::Record;
 use crate::options::roughness::Roughness;
 use crate::options::values::{Element, NormalsFrom};
 
-/// The options. As text, as a table has them, those that are not at their default.
+/// Options that only some scenes need. As text, as in a table, those that are not at their default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct SceneOptions {
-    /// Which normals facets reflect about
+    /// Normals about which facets reflect
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = NormalsFrom::Facets))]
     pub normals: NormalsFrom,
     /// Roughness of the facets, whose normals are drawn at each reflection: alpha of Beckmann's
@@ -21,16 +20,16 @@ pub struct SceneOptions {
         arg(long, value_name = "ALPHA", allow_negative_numbers = true)
     )]
     pub roughness: Option<Roughness>,
-    /// Records where the light of rays goes, jointly with its shift: auto where the cell is not
-    /// ideal, off, or bins over plus and minus so many mrad
+    /// Records the direction in which each ray leaves, together with its shift: auto (only if the
+    /// cell is not ideal), off, or bins from -MRAD to +MRAD
     #[cfg_attr(feature = "cli", arg(long, value_name = "MRAD", default_value_t = Record::Auto))]
     pub deviations: Record,
-    /// What the mesh is to do with light
+    /// Optical element that the mesh is
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Element::Retroreflector))]
     pub element: Element,
     /// Refractive index of bodies of glass: light goes through faces of the material named glass,
-    /// wound outward, and every other face is a mirror on both sides. Retroreflected is then what
-    /// leaves straight back within --angular-tolerance
+    /// wound outward, and every other face is a mirror on both sides. Light that leaves straight
+    /// back within --angular-tolerance then counts as retroreflected
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "M", allow_negative_numbers = true)

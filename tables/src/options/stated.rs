@@ -1,4 +1,4 @@
-//! The options that a table states.
+//! Options that a table states.
 
 use std::fmt;
 
@@ -7,17 +7,17 @@ use crate::options::scene::{DEVIATIONS, ELEMENT, GLASS_INDEX, NORMALS, ROUGHNESS
 use crate::options::values::{Element, NormalsFrom};
 use crate::options::word::{Named, Word};
 
-/// The options that a table states: the text, which is kept as it is, and what this version
-/// understands of it.
+/// Options that a table states: the text, which is kept as it is, and the options that this version
+/// knows.
 #[derive(Debug, Clone)]
 pub struct StatedOptions {
     text: String,
     understood: SceneOptions,
-    /// All of the text is understood.
+    /// True if this version knows all of the text.
     whole: bool,
 }
 
-/// The text says all.
+/// Two records are equal if their texts are equal.
 impl PartialEq for StatedOptions {
     fn eq(&self, other: &Self) -> bool {
         self.text == other.text
@@ -25,34 +25,36 @@ impl PartialEq for StatedOptions {
 }
 
 impl StatedOptions {
-    /// No options: all are at their default.
+    /// Returns the record of no options: all are at their default.
     pub fn none() -> StatedOptions {
         SceneOptions::default().into()
     }
 
-    /// The text, as it stands in the file; empty where all options are at their default.
+    /// Returns the text as it stands in the file; empty if all options are at their default.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The options; `None` where a later version wrote some that this one does not know.
+    /// Returns the options, or `None` if a later version wrote some that this version does not
+    /// know.
     pub fn known(&self) -> Option<SceneOptions> {
         self.whole.then_some(self.understood)
     }
 
-    /// What the mesh does with light, as far as this version knows.
+    /// Returns the optical element, as far as this version knows it.
     pub fn element(&self) -> Element {
         self.understood.element
     }
 
-    /// Whether light went through bodies of glass, whatever their index.
+    /// Returns whether light went through bodies of glass, whatever their index.
     pub fn has_glass(&self) -> bool {
         let mut words = self.text.split_whitespace();
         words.any(|word| word == GLASS_INDEX) || self.understood.glass_index.is_some()
     }
 
-    /// The text without the options that say how light is recorded, not where it goes: those that
-    /// make a cell.
+    /// Returns the text of the options that make a cell.
+    ///
+    /// Options are left out that say how light is recorded, not where it goes.
     pub fn of_the_cell(&self) -> String {
         let mut left_out = false;
         let kept = self.text.split_whitespace().filter(|word| {
@@ -108,7 +110,8 @@ impl From<&str> for StatedOptions {
     }
 }
 
-/// Sets the option `name`, which is one of ours; `None` where the value is none of this version.
+/// Sets the option `name`, one of the five known names; `None` if this version does not know the
+/// value.
 fn take(options: &mut SceneOptions, name: &str, value: &str) -> Option<()> {
     match name {
         NORMALS => options.normals = word::<NormalsFrom>(value)?,
@@ -120,6 +123,7 @@ fn take(options: &mut SceneOptions, name: &str, value: &str) -> Option<()> {
     Some(())
 }
 
+/// Reads a named value; `None` if this version does not know it.
 fn word<T: Named>(text: &str) -> Option<T> {
     Word::read(text.to_owned()).known()
 }
@@ -194,7 +198,7 @@ mod tests {
             assert_eq!(read.text(), text);
             assert_eq!((read.element(), read.has_glass()), (element, glass));
         }
-        // Written otherwise than by `bake`, and kept all the same.
+        // The text is not as `bake` writes it, and is kept nevertheless.
         let read = StatedOptions::from("--element=plate  --normals facets");
         let plate = SceneOptions {
             element: Element::Plate,

@@ -1,15 +1,15 @@
-//! The values of options that have a name each.
+//! Values of options, each with a name.
 
 use crate::options::word::Named;
 
-/// How the distribution of shifts is found.
+/// Method that finds the distribution of shifts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Method {
-    /// The exact method where the cell allows it, else rays. A table names the one that it was.
+    /// Exact method if the cell allows it, otherwise rays; a table names the method that was used.
     #[cfg_attr(
         feature = "cli",
-        value(help = "The exact method where the cell allows it, else rays")
+        value(help = "The exact method if the cell allows it, otherwise rays")
     )]
     Auto,
     /// Sampled rays.
@@ -18,7 +18,7 @@ pub enum Method {
     Exact,
 }
 
-/// How the points of a stream of samples are spread.
+/// Sampler: the way in which the points of a stream of samples are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Sampler {
@@ -28,46 +28,46 @@ pub enum Sampler {
     Sobol,
 }
 
-/// What facets are backed with.
+/// Material behind the facets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Back {
-    /// A mirror: reflects at every angle.
+    /// Mirror, which reflects at every angle.
     Mirror,
-    /// Nothing: reflects where reflection is total.
+    /// Nothing: facets reflect only where reflection is total.
     Tir,
 }
 
-/// What surfaces take from the light.
+/// Losses of light at surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Losses {
-    /// Nothing: mirrors reflect all, the front face lets all through.
+    /// No losses: mirrors reflect all light, the front face lets all light through.
     None,
-    /// What Fresnel's equations say of the front face and of each facet, for unpolarised light.
+    /// Losses by Fresnel's equations at the front face and at each facet, for unpolarised light.
     Fresnel,
 }
 
-/// Kinds of element, by the image that they make.
+/// Optical elements, by the image that they make.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Element {
-    /// Sends light back: the image is where the object is
+    /// Sheet that sends light back: the image is where the object is
     #[default]
     Retroreflector,
-    /// Lets light through, as a micro-mirror array plate: the image is the object's mirror image
+    /// Micro-mirror array plate that lets light through: the image is the object's mirror image
     /// behind the plate
     Plate,
 }
 
-/// Whose normals facets reflect about.
+/// Source of the normals about which facets reflect.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum NormalsFrom {
-    /// Their own: facets are planes.
+    /// Normals of the facets themselves: facets are planes.
     #[default]
     Facets,
-    /// Those of the mesh file, interpolated between a facet's corners: facets stand for a curved
+    /// Normals of the mesh file, interpolated between a facet's corners: facets stand for a curved
     /// face.
     File,
 }
@@ -76,7 +76,7 @@ macro_rules! named {
     ($($type:ident { $($value:ident = $name:literal),* })*) => {
         $(
             impl $type {
-                /// The name in options and in tables.
+                /// Returns the name in options and in tables.
                 pub const fn name(self) -> &'static str {
                     match self {
                         $($type::$value => $name,)*
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use clap::ValueEnum;
 
-    /// The command line and the file have one name for a value.
+    /// Checks that a value has one name on the command line and in the file.
     #[test]
     fn names_are_those_of_the_command_line() {
         fn same<T: Named + ValueEnum>() -> usize {

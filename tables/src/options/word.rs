@@ -1,33 +1,33 @@
-//! One word of a table.
+//! Word of a table.
 
 use std::fmt;
 
 /// Values that have a name each, one for the command line and for tables.
 pub trait Named: Copy + 'static {
-    /// All of them.
+    /// All values of the type.
     const ALL: &'static [Self];
 
-    /// The name of this one.
+    /// Returns the name of this value.
     fn name(self) -> &'static str;
 }
 
-/// A word of a table.
+/// Word of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Word<T> {
-    /// A value that this version knows.
+    /// Value that this version knows.
     Known(T),
-    /// A word of a later version, kept as it is.
+    /// Word of a later version, kept as it is.
     Other(String),
 }
 
 impl<T: Named> Word<T> {
-    /// Reads a word.
+    /// Reads a word of a table.
     pub(crate) fn read(text: String) -> Word<T> {
         let known = T::ALL.iter().find(|value| value.name() == text);
         known.map_or(Word::Other(text), |value| Word::Known(*value))
     }
 
-    /// The word, as it stands in the file.
+    /// Returns the word as it stands in the file.
     pub fn text(&self) -> &str {
         match self {
             Word::Known(value) => value.name(),
@@ -35,7 +35,7 @@ impl<T: Named> Word<T> {
         }
     }
 
-    /// The value, where this version knows it.
+    /// Returns the value, or `None` if this version does not know the word.
     pub fn known(&self) -> Option<T> {
         match self {
             Word::Known(value) => Some(*value),
@@ -43,7 +43,7 @@ impl<T: Named> Word<T> {
         }
     }
 
-    /// Whether it is this value.
+    /// Returns whether the word is this value.
     pub fn is(&self, value: T) -> bool
     where
         T: PartialEq,

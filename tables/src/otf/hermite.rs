@@ -14,7 +14,7 @@ impl<T> Samples<T>
 where
     T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
 {
-    /// At least two values, as many slopes (per unit of the abscissa).
+    /// Makes a table of at least two values and as many slopes (per unit of the abscissa).
     pub fn new(step: f64, values: Vec<T>, slopes: Vec<T>) -> Self {
         assert!(
             values.len() >= 2 && values.len() == slopes.len(),
@@ -27,13 +27,14 @@ where
         }
     }
 
-    /// The last abscissa that is tabulated.
+    /// Returns the last abscissa that is tabulated.
     pub fn end(&self) -> f64 {
         self.step * (self.values.len() - 1) as f64
     }
 
-    /// Value and slope at `x` >= 0; the last interval is extended beyond the end. Error of the
-    /// value at most step^4 / 384 x the greatest fourth derivative.
+    /// Returns value and slope at `x` >= 0; beyond the end the last interval is extended.
+    ///
+    /// The error of the value is at most step^4 / 384 x the greatest fourth derivative.
     pub fn at(&self, x: f64) -> (T, T) {
         let i = ((x / self.step) as usize).min(self.values.len() - 2);
         let t = x / self.step - i as f64;

@@ -1,38 +1,40 @@
-//! The Fourier transform of a polygon of the entrance plane along a line.
+//! Fourier transform of a polygon of the entrance plane along a line.
 //!
-//! Model: a uniform polygon of area A, edges e_j and their midpoints m_j, counter-clockwise, has
-//! the transform `Phi(k) = i/(A |k|^2) sum_j (k_x e_jy - k_y e_jx) sinc(k.e_j/2) exp(-i k.m_j)`,
-//! which cancels near k = 0. There the moments of the polygon along the line take over; about the
-//! centroid, so that a polygon far from the origin keeps its digits.
+//! A uniform polygon of area A, edges e_j and their midpoints m_j, counter-clockwise, has the
+//! transform `Phi(k) = i/(A |k|^2) sum_j (k_x e_jy - k_y e_jx) sinc(k.e_j/2) exp(-i k.m_j)`. Its
+//! terms cancel near k = 0. There a series in the moments of the polygon along the line replaces
+//! it. Both are taken about the centroid, so that a polygon far from the origin keeps its digits.
 
 use num_complex::Complex64;
 
 use crate::table::polygon::{area, centroid};
 
-/// `extent * kappa` up to which the moments are used. At 1.5 the closed form has lost less than one
-/// digit and the term that the series leaves out, 1.5^24/24!, is 3e-20.
+/// Greatest `extent * kappa` at which the moments are used.
+///
+/// At 1.5 the closed form has lost less than one digit. The term that the series leaves out,
+/// 1.5^24/24!, is 3e-20.
 const SERIES: f64 = 1.5;
 
-/// Terms of the series.
+/// Number of terms of the series.
 const TERMS: usize = 24;
 
-/// The Fourier transform of a uniform polygon at the wave vectors `kappa * g` of one line.
+/// Fourier transform of a uniform polygon at the wave vectors `kappa * g` of one line.
 ///
-/// `g` may be 0 or nearly so: the polygon then looks like a point.
+/// `g` may be 0 or nearly 0: the polygon then looks like a point.
 #[derive(Debug, Clone)]
 pub(crate) struct PolygonWave {
-    /// g . centroid.
+    /// Centroid along the line, g . centroid.
     centre: f64,
     /// Largest |g . (corner - centroid)|.
     extent: f64,
-    /// Mean of (g . (p - centroid) / extent)^n over the polygon.
+    /// Moments along the line: means of (g . (p - centroid) / extent)^n over the polygon.
     moments: [f64; TERMS],
-    /// Per edge: (g x e)/(A |g|^2), g.e/2, g.(midpoint - centroid).
+    /// For each edge: (g x e)/(A |g|^2), g.e/2, g.(midpoint - centroid).
     edges: Vec<[f64; 3]>,
 }
 
 impl PolygonWave {
-    /// Prepares a polygon, counter-clockwise, of positive area; `None` where the area is not.
+    /// Prepares a counter-clockwise polygon, or returns `None` if its area is not positive.
     pub(crate) fn new(corners: &[[f64; 2]], g: [f64; 2]) -> Option<PolygonWave> {
         let area = area(corners);
         if area.is_nan() || area <= 0.0 {
@@ -64,8 +66,8 @@ impl PolygonWave {
                 0.5 * (t - s),
                 0.5 * (t + s),
             ]);
-            // The triangle (centroid, p, q): mean of s^n is 2 n!/(n+2)! times the sum over a + b =
-            // n of s^a t^b.
+            // In the triangle (centroid, p, q) the mean of s^n is 2 n!/(n+2)! times the sum over a
+            // + b = n of s^a t^b.
             let share = 0.5 * (p[0] * q[1] - p[1] * q[0]) / area;
             let (s, t) = (s / extent, t / extent);
             let (mut power, mut complete) = (1.0, 1.0);
@@ -83,8 +85,9 @@ impl PolygonWave {
         })
     }
 
-    /// Mean of `exp(-i kappa g.p)` over the polygon, and its derivative by kappa. Accuracy: 1e-14
-    /// of 1, and of the extent.
+    /// Returns the mean of `exp(-i kappa g.p)` over the polygon, and its derivative by kappa.
+    ///
+    /// The value is accurate to 1e-14, the derivative to 1e-14 of the extent.
     pub(crate) fn at(&self, kappa: f64) -> (Complex64, Complex64) {
         let (value, slope) = if self.extent * kappa.abs() <= SERIES {
             self.series(kappa)
@@ -98,6 +101,7 @@ impl PolygonWave {
         )
     }
 
+    /// Returns value and derivative about the centroid by the series of moments.
     fn series(&self, kappa: f64) -> (Complex64, Complex64) {
         let step = Complex64::new(0.0, -self.extent * kappa);
         let (mut value, mut slope) = (Complex64::ONE, Complex64::ZERO);
@@ -111,6 +115,7 @@ impl PolygonWave {
         (value, slope * Complex64::new(0.0, -self.extent))
     }
 
+    /// Returns value and derivative about the centroid by the closed form.
     fn closed(&self, kappa: f64) -> (Complex64, Complex64) {
         let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
         for &[across, half, middle] in &self.edges {
@@ -125,7 +130,7 @@ impl PolygonWave {
     }
 }
 
-/// sin x / x and its derivative; the series below 0.5 leaves out x^16/17! < 1e-19.
+/// Returns sin x / x and its derivative; the series below 0.5 leaves out x^16/17! < 1e-19.
 pub(crate) fn sinc(x: f64) -> (f64, f64) {
     let square = x * x;
     if square < 0.25 {
@@ -173,9 +178,10 @@ pub(crate) mod tests {
             .collect()
     }
 
-    /// The mean of exp(-i k.p) by quadrature over the fan of triangles: 40 x 40 nodes are exact to
-    /// rounding for
-    /// |k| x size < 30 (the error of n nodes falls like (phase/4n)^2n).
+    /// Returns the mean of exp(-i k.p) by quadrature over the fan of triangles.
+    ///
+    /// 40 x 40 nodes are exact to rounding for |k| x size < 30: the error of n nodes falls like
+    /// (phase/4n)^2n.
     pub(crate) fn quadrature(corners: &[[f64; 2]], k: [f64; 2]) -> Complex64 {
         let nodes = gauss(40);
         let origin = corners[0];
@@ -212,7 +218,8 @@ pub(crate) mod tests {
                 let line = PolygonWave::new(&corners, g).unwrap();
                 for kappa in [0.0, 1e-9, 1e-3, 0.5, 1.0, 1.49, 1.51, 3.0, 10.0, -2.0] {
                     let expected = quadrature(&corners, [kappa * g[0], kappa * g[1]]);
-                    // The sliver of width w keeps eps / w of the closed form: 1e-16 / 1e-5.
+                    // For a sliver of width w the closed form loses digits: its error is eps / w,
+                    // here 1e-16 / 1e-5.
                     let sliver = area(&corners) < 1e-3;
                     let tolerance = if sliver { 1e-10 } else { 3e-14 };
                     let (value, _) = line.at(kappa);
@@ -268,7 +275,7 @@ pub(crate) mod tests {
         for x in [0.499_999_f64, 0.5, 0.500_001, -0.499_999] {
             let (value, slope) = sinc(x);
             assert!((value - x.sin() / x).abs() < 3e-16);
-            // (cos x - sinc x)/x cancels to 0.16 at 0.5: a few units of 1e-16 / 0.5
+            // (cos x - sinc x)/x cancels to 0.16 at 0.5: a few units of 1e-16 / 0.5.
             assert!((slope - (x.cos() - x.sin() / x) / x).abs() < 1e-15, "{x}");
         }
         assert_eq!(sinc(0.0), (1.0, 0.0));

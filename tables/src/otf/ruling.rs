@@ -1,4 +1,4 @@
-//! Where the OTF along one line is tabulated: how finely, and about which shift.
+//! Spacing and origin of the tabulated OTF along one line.
 
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -9,32 +9,36 @@ use crate::table::exact::Path;
 
 /// Spacing in kappa = c f (dimensionless) where shifts are near.
 ///
-/// With shifts up to [`NEAR`] the fourth derivative is below (2 pi 2.83)^4 and the interpolation
-/// error below 1e5 x step^4 / 384 = 1.6e-5; for the cells of model facts (reach 1.42) it is 1e-6.
+/// With shifts up to [`NEAR`] the fourth derivative is below (2 pi 2.83)^4, and the interpolation
+/// error is below 1e5 x step^4 / 384 = 1.6e-5. For cells whose shifts reach 1.42 edge lengths it is
+/// 1e-6.
 pub(crate) const STEP: f64 = 1.0 / 64.0;
 
-/// End in kappa.
+/// Greatest tabulated kappa.
 const END: f64 = 16.0;
 
-/// Edge lengths that light is shifted by at most in cubes: 2 sqrt 2.
+/// Greatest shift in cubes, edge lengths: 2 sqrt 2.
 const NEAR: f64 = 2.83;
 
-/// The spacing is divided by this at most: shifts that lie 360 edge lengths apart still have the
-/// error above.
+/// Greatest divisor of the spacing.
+///
+/// Shifts that lie 360 edge lengths apart still have the error of [`STEP`].
 const FINEST: f64 = 64.0;
 
-/// The shifts along a line as they are tabulated: farther ones about their middle, as finely as
-/// their distance from it asks for. Near ones are tabulated as they are.
+/// Origin and spacing for tabulating the OTF of the shifts along a line.
+///
+/// Near shifts are tabulated as they are. Farther shifts are tabulated about their middle, with a
+/// spacing that their distance from it needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ruling {
     /// Shift that is left out of the samples, edge lengths along the line.
     pub middle: f64,
-    /// By how much the spacing is finer than [`STEP`], a whole number.
+    /// Whole number by which the spacing of [`STEP`] is divided.
     pub finer: f64,
 }
 
 impl Ruling {
-    /// For the shifts of polygons; `along` is the line, foreshortened.
+    /// Finds the ruling for the shifts of polygons; `along` is the line, foreshortened.
     pub(crate) fn of_paths(paths: &[Path], along: [f64; 2]) -> Ruling {
         let corners = paths
             .iter()
@@ -42,7 +46,7 @@ impl Ruling {
         Ruling::new(corners.map(|[u, v]| along[0] * u + along[1] * v))
     }
 
-    /// For the bins that hold light.
+    /// Finds the ruling for the bins that hold light.
     pub(crate) fn of_bins(direction: &Direction, along: [f64; 2]) -> Ruling {
         let width = 2.0 * direction.range / direction.probability.ncols() as f64;
         let centre = |i: usize| (i as f64 + 0.5) * width - direction.range;
@@ -55,10 +59,11 @@ impl Ruling {
         Ruling::new(held)
     }
 
+    /// Finds the ruling for some shifts along the line.
     fn new(shifts: impl Iterator<Item = f64>) -> Ruling {
         let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = shifts.fold(ends, |(low, high), x| (low.min(x), high.max(x)));
-        // Of no shifts there is no farthest.
+        // Without shifts, `high` and `-low` are minus infinity, which counts as near.
         if high.max(-low) <= NEAR {
             return Ruling {
                 middle: 0.0,
@@ -72,18 +77,18 @@ impl Ruling {
         }
     }
 
-    /// Spacing of the samples in kappa.
+    /// Returns the spacing of the samples in kappa.
     pub(crate) fn step(&self) -> f64 {
         STEP / self.finer
     }
 
-    /// Where the samples are, kappa.
+    /// Returns the kappa of the samples.
     pub(crate) fn kappa(&self) -> impl Iterator<Item = f64> + use<> {
         let (step, count) = (self.step(), (END / STEP * self.finer) as usize);
         (0..=count).map(move |i| i as f64 * step)
     }
 
-    /// The OTF of the direction, without the phase of the middle.
+    /// Returns the OTF of the direction, without the phase of the middle.
     pub(crate) fn samples(&self, direction: &Direction, along: [f64; 2]) -> Samples<Complex64> {
         let kappa: Vec<f64> = self.kappa().collect();
         let (mut values, mut slopes) = direction.otf_and_slope_along(along, &kappa);

@@ -1,8 +1,9 @@
-//! Ray shift in the aerial image: a table's direction seen along an edge normal.
+//! Ray shift in the mid-air image: a direction of a table seen along an edge normal.
 //!
-//! Light of cubes that are not exact leaves in directions of its own, and meets the image plane off
-//! by R times its deviation besides the shift: an angle, which grows with the distance and not with
-//! the corner size. Polygons have one each; of a table of rays the bins do (`spots`).
+//! Light of cubes that are not exact has deviations. It meets the image plane off by R times its
+//! deviation besides the shift. A deviation is an angle: its effect grows with the distance and not
+//! with the corner size. Each polygon has one deviation; in a table of rays the bins have them
+//! (`spots`).
 
 use std::f64::consts::TAU;
 
@@ -15,19 +16,20 @@ use crate::otf::spots;
 use crate::table::exact::Path;
 use crate::table::polygon::area;
 
-/// Paths whose deviations differ by less than this share one, rad: 0.1 nm at a distance of 1 m.
+/// Deviations that differ by less than this count as equal, rad: 0.1 nm at a distance of 1 m.
 const SAME_DEVIATION: f64 = 1e-10;
 
-/// The shift's OTF along one line: S(c f) for an edge normal in the aerial image.
+/// OTF of the shift along one line: S(c f) for an edge normal in the mid-air image.
 #[derive(Debug, Clone)]
 pub struct ShiftLine {
     spots: Vec<LineSpot>,
 }
 
 impl ShiftLine {
-    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal);
-    /// `incidence_rad` the outside incidence, which foreshortens the tangential shift. `None` where
-    /// nothing is retroreflected.
+    /// Prepares the line of an edge normal, or returns `None` if nothing is retroreflected.
+    ///
+    /// `normal` is the unit edge normal in the mid-air image, (tangential, sagittal).
+    /// `incidence_rad` is the incidence outside, which foreshortens the tangential shift.
     pub fn new(direction: &Direction, incidence_rad: f64, normal: [f64; 2]) -> Option<ShiftLine> {
         if direction.eta <= 0.0 {
             return None;
@@ -60,7 +62,7 @@ impl ShiftLine {
         };
         let spots = match (&direction.exits, groups.len()) {
             (Some(exits), _) => spots::spots(direction, exits, normal, along),
-            // Bins, which know no directions.
+            // A table of bins without deviations.
             (None, 0) => {
                 let ruling = Ruling::of_bins(direction, along);
                 vec![LineSpot {
@@ -75,9 +77,11 @@ impl ShiftLine {
         Some(ShiftLine { spots })
     }
 
-    /// OTF and its derivative by `c` (mm) at a frequency in 1/mm, at the distance `r_mm`. Beyond c
-    /// f = 16 it is 0: lobes and cameras are dark there for cells up to 1 mm and frequencies up to
-    /// 16 /mm. Good to 1.6e-5 (`ruling`).
+    /// Returns the OTF and its derivative by `c` (mm) at a frequency in 1/mm, at the distance
+    /// `r_mm`.
+    ///
+    /// Both are 0 beyond c f = 16: lobes and cameras pass nothing there for cells up to 1 mm and
+    /// frequencies up to 16 /mm. The OTF is accurate to 1.6e-5 (`ruling`).
     pub fn otf(&self, c: f64, r_mm: f64, frequency: f64) -> (Complex64, Complex64) {
         let kappa = c * frequency;
         let (mut value, mut by_c) = (Complex64::ZERO, Complex64::ZERO);
@@ -101,7 +105,7 @@ impl ShiftLine {
     }
 }
 
-/// The paths of each deviation.
+/// Groups the paths by their deviation.
 fn by_deviation(paths: &[Path]) -> Vec<Vec<Path>> {
     let mut groups: Vec<Vec<Path>> = Vec::new();
     for path in paths {
@@ -124,7 +128,7 @@ mod tests {
     use super::*;
     use ndarray::Array2;
 
-    /// A direction at 20 degrees of which these paths return.
+    /// Returns a direction at 20 degrees in which these paths return.
     fn of(paths: Vec<Path>) -> Direction {
         Direction {
             incidence_deg: 20.0,
@@ -139,9 +143,10 @@ mod tests {
         }
     }
 
-    /// Three triangles, two of which leave alike. Spots in turn, and deviations made part of the
-    /// shift at one distance and corner size, are two ways to the same OTF; its derivative against
-    /// differences.
+    /// Compares two ways to the OTF of three triangles, two of which leave in one direction: spots
+    /// in turn, and deviations made part of the shift at one distance and corner size.
+    ///
+    /// The derivative is compared with differences.
     #[test]
     fn deviations_are_shifts_that_grow_with_the_distance() {
         let path = |x: f64, weight: f64, deviation: [f64; 2]| Path {
@@ -167,7 +172,7 @@ mod tests {
                 for f in [0.0, 0.2, 0.9, 2.3] {
                     let (value, by_c) = line.otf(c, r, f);
                     let expected = moved.otf_along(along, &[c * f])[0];
-                    // The interpolation's own error.
+                    // Error of the interpolation.
                     assert!((value - expected).norm() < 1.5e-5, "{value} {expected}");
                     let step = 1e-5;
                     let slope =
@@ -182,8 +187,8 @@ mod tests {
         assert_eq!(cases, 16);
     }
 
-    /// Light that is shifted by up to 30 edge lengths, together or apart, has the OTF of its
-    /// polygons; bins theirs.
+    /// Compares far shifts of up to 30 edge lengths, together or apart, with the OTF of the
+    /// polygons or of the bins.
     #[test]
     fn far_shifts_are_as_good_as_near_ones() {
         let path = |offset: [f64; 2]| Path {
@@ -217,9 +222,10 @@ mod tests {
                     let (value, by_c) = line.otf(c, 300.0, f);
                     let (expected, slope) = direction.otf_and_slope_along(along, &[c * f]);
                     worst = worst.max((value - expected[0]).norm());
-                    // Slopes are up to 2 pi 32. That of a cubic errs by (2 pi 2.83)^4 x step^3 x
-                    // sqrt 3/216, 3.1e-3, times 12 where light 64 apart has a twelfth of the step;
-                    // that of the phase by 2 pi 32 x 1.6e-5.
+                    // Slopes are up to 2 pi 32. The slope of a cubic errs by (2 pi 2.83)^4 x step^3
+                    // x sqrt 3/216, 3.1e-3. Light 64 edge lengths apart has a twelfth of the step,
+                    // which makes it 12 times as much. The slope of the phase errs by 2 pi 32 x
+                    // 1.6e-5.
                     let off = (by_c - slope[0] * f).norm();
                     assert!(off <= 0.041 * f, "{normal:?} {f}: {by_c} {slope:?}");
                     cases += 1;

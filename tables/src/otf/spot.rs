@@ -1,4 +1,4 @@
-//! Light of one direction that leaves in one direction, along one line.
+//! Light of one direction of a table that leaves in one direction, along one line.
 
 use num_complex::Complex64;
 
@@ -9,10 +9,10 @@ use crate::otf::hermite::Samples;
 pub(crate) struct LineSpot {
     /// Factor of the samples.
     pub share: f64,
-    /// Tangent of its deviation along the edge normal.
+    /// Tangent of the deviation along the edge normal.
     pub deviation: f64,
-    /// Shift along the edge normal, edge lengths, that the samples leave out.
+    /// Shift along the edge normal that the samples leave out, edge lengths.
     pub middle: f64,
-    /// OTF by c f.
+    /// OTF as a function of c f.
     pub samples: Samples<Complex64>,
 }

@@ -1,13 +1,13 @@
-//! The exit directions of a table of rays along a line: spots, or a row of them that stands for a
-//! lobe.
+//! Exit directions of a table of rays along a line: spots, or a row of spots in place of a lobe.
 //!
-//! The bins of shift that go with a spot are put along the line first, onto a fine grid, and one
-//! FFT gives their OTF: with as many as [`MOST_SPOTS`] spots the transform of all bins in two
-//! dimensions would take a second a photograph.
+//! The bins of shift that belong to a spot are first projected on the line, onto a fine grid; one
+//! FFT then gives their OTF. A transform of all bins in two dimensions, for as many as
+//! [`MOST_SPOTS`] spots, would take a second for each photograph.
 //!
-//! Rays of one cell of shifts have its histogram whatever their deviation: exact where cells are
-//! bins, as they are of planar facets. A deviation is known to a bin, w wide, so that at the
-//! frequency f and the distance R a lobe's OTF lacks a factor of sinc(f R w), 1 - 1.6 (f R w)^2.
+//! All rays of one cell of shifts are given the histogram of the cell, whatever their deviation.
+//! This is exact where each cell is one bin, as for planar facets. A deviation is known only to a
+//! bin of width w. So at the frequency f and the distance R the OTF of a lobe lacks a factor of
+//! sinc(f R w), 1 - 1.6 (f R w)^2.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -23,33 +23,36 @@ use crate::otf::ruling::{Ruling, STEP};
 use crate::otf::spot::LineSpot;
 use crate::table::deviation::Exits;
 
-/// Directions that each have a spot of their own; more are a row of evenly spaced ones.
+/// Most exit directions that have a spot each; more become a row of evenly spaced spots.
 const MOST_SPOTS: usize = 96;
 
-/// Spots of such a row: a lobe as wide as it turns by 2 pi f R w/192 from one to the next, w its
-/// width, of which Lagrange's cubic loses the fourth power times 3/128: 2e-5 where f R w is 5.
+/// Number of spots in such a row.
+///
+/// For a lobe of width w the phase turns by 2 pi f R w/192 from one spot to the next. Lagrange's
+/// cubic loses the fourth power of it times 3/128: 2e-5 where f R w is 5.
 const MOST_IN_A_ROW: usize = 192;
 
-/// Points of the grid of shifts along the line, where shifts are near; as many times more as the
-/// spacing in kappa is finer.
+/// Number of points of the grid along the line where shifts are near.
 ///
-/// It covers 1/step edge lengths: at the tabulated kappa, multiples of the step, a shift beyond is
-/// the same as one within. A shift is put on four points by Lagrange's cubic, which errs by (TAU
-/// kappa spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at the end.
+/// The number is multiplied where the spacing in kappa is finer. The grid covers 1/step edge
+/// lengths. The tabulated kappa are multiples of the step, so a shift beyond the grid is equivalent
+/// to one on it. A shift is put on four points by Lagrange's cubic, whose error is (TAU kappa
+/// spacing)^4 x 3/128: 1e-7 up to kappa = 4, 4e-5 at the end.
 const POINTS: usize = 1 << 15;
 
-/// Plans are made once for all photographs.
+/// Plans of the FFT, made once for all photographs.
 static PLANNER: LazyLock<Mutex<RealFftPlanner<f64>>> =
     LazyLock::new(|| Mutex::new(RealFftPlanner::new()));
 
-/// The transform of `length` real numbers.
+/// Returns the plan for the transform of `length` real numbers.
 fn plan(length: usize) -> Arc<dyn RealToComplex<f64>> {
     let mut planner = PLANNER.lock().unwrap_or_else(PoisonError::into_inner);
     planner.plan_fft_forward(length)
 }
 
-/// A place along a line as four places of an even grid of this spacing: the first of them, and
-/// their weights.
+/// Spreads a place along a line over four places of an even grid of this spacing.
+///
+/// Returns the first of them and the four weights.
 fn on_grid(x: f64, spacing: f64) -> (i64, [f64; 4]) {
     let at = x / spacing;
     let t = at - at.floor();
@@ -62,8 +65,8 @@ fn on_grid(x: f64, spacing: f64) -> (i64, [f64; 4]) {
     (at.floor() as i64 - 1, weights)
 }
 
-/// The spots of a direction. `normal` is the edge normal, `along` the same foreshortened for
-/// shifts.
+/// Returns the spots of a direction; `normal` is the edge normal, and `along` is the normal
+/// foreshortened for shifts.
 pub(crate) fn spots(
     direction: &Direction,
     exits: &Exits,
@@ -123,7 +126,7 @@ pub(crate) fn spots(
     found.iter().map(spot).collect()
 }
 
-/// What a bin's box does to the OTF at the tabulated kappa, with its slope.
+/// Returns the OTF of a bin's box at the tabulated kappa, with its slope.
 fn boxes(ruling: &Ruling, width: f64, along: [f64; 2]) -> Vec<(f64, f64)> {
     let at = |kappa: f64| {
         let [(u, by_u), (v, by_v)] = along.map(|along| {
@@ -136,26 +139,26 @@ fn boxes(ruling: &Ruling, width: f64, along: [f64; 2]) -> Vec<(f64, f64)> {
     ruling.kappa().map(at).collect()
 }
 
-/// A point of the grid of shifts: its part of a cell's light, and that times the shift.
+/// Point of the grid of shifts: its part of a cell's light, and this part times the shift.
 struct Point {
     index: usize,
     weight: f64,
     moment: f64,
 }
 
-/// The shifts of a direction, cut along a line.
+/// Shifts of a direction, projected on a line.
 struct Cut<'a> {
     direction: &'a Direction,
-    /// Bins along a side of a cell.
+    /// Number of bins along a side of a cell.
     pool: usize,
     width: f64,
     along: [f64; 2],
-    /// Shift that the points are counted from.
+    /// Shift from which the points are counted, edge lengths.
     middle: f64,
 }
 
 impl Cut<'_> {
-    /// The bins of a cell on a grid of so many points along the line.
+    /// Projects the bins of a cell on a grid of `count` points along the line.
     fn cell(&self, [v, u]: [usize; 2], count: usize) -> Vec<Point> {
         let bins = &self.direction.probability;
         let inside = || {
@@ -163,7 +166,7 @@ impl Cut<'_> {
             rows.flat_map(|v| (u * self.pool..(u + 1) * self.pool).map(move |u| (v, u)))
         };
         let power: f64 = inside().map(|at| bins[at]).sum();
-        // The same however many points: as many times more of them cover as many times more.
+        // The spacing does not depend on `count`: more points cover a longer line.
         let spacing = 1.0 / (STEP * POINTS as f64);
         let centre = |i: usize| (i as f64 + 0.5) * self.width - self.direction.range;
         let mut points = Vec::new();
@@ -185,13 +188,13 @@ impl Cut<'_> {
 
 /// Light that leaves in one direction.
 struct Spot {
-    /// Tangent of its deviation along the normal.
+    /// Tangent of the deviation along the normal.
     deviation: f64,
-    /// What it has of every cell of shifts, per launched ray.
+    /// Cells of shifts, each with its light in this direction per launched ray.
     light: Vec<([usize; 2], f64)>,
 }
 
-/// The spots along a normal, or the row that stands for them.
+/// Returns the spots along a normal, or the row of spots in their place.
 fn along_normal(exits: &Exits, normal: [f64; 2]) -> Vec<Spot> {
     let grid = &exits.grid;
     let mut bins: Vec<[usize; 2]> = Vec::new();
@@ -255,7 +258,7 @@ mod tests {
     use crate::table::deviation::Grid;
     use ndarray::Array2;
 
-    /// The bins of one of 4 x 4 cells: where, and how probable.
+    /// Returns the bins of one of 4 x 4 cells: their places and probabilities.
     fn cell(bins: &Array2<f64>, [v, u]: [usize; 2]) -> impl Iterator<Item = ([usize; 2], f64)> {
         let inside = move |(bv, bu): (usize, usize)| [bv / 4, bu / 4] == [v, u];
         bins.indexed_iter()
@@ -263,7 +266,8 @@ mod tests {
             .map(|((v, u), &p)| ([v, u], p))
     }
 
-    /// Light of made-up shares at every third place of a grid, its bins of shift pooled by 4.
+    /// Returns light of made-up shares at every third place of a grid, its bins of shift pooled by
+    /// 4.
     fn direction(bins: usize, range: f64) -> Direction {
         let grid = Grid {
             cells: 4,
@@ -304,13 +308,14 @@ mod tests {
         }
     }
 
-    /// The OTF as a plain sum over bins of shift and of deviation, and its derivative by c from
-    /// differences.
+    /// Compares spots and rows with the plain sum over bins of shift and of deviation.
+    ///
+    /// The derivative by c is compared with differences.
     #[test]
     fn spots_and_rows_are_the_plain_sum() {
         let incidence = 20_f64.to_radians();
         let (mut cases, mut worst) = (0, [0.0_f64; 2]);
-        // Shifts beyond those of cubes are about a middle and on a finer step.
+        // Shifts beyond those of cubes are tabulated about a middle and with a finer step.
         for (kind, bins, range) in [(0, 5, 2.0), (1, 21, 2.0), (0, 5, 8.0)] {
             let mut direction = direction(bins, range);
             if range > 2.0 {
@@ -358,7 +363,7 @@ mod tests {
                         let step = 1e-5;
                         let ahead = line.otf(c + step, r, f).0;
                         let slope = (ahead - line.otf(c - step, r, f).0) / (2.0 * step);
-                        // As of polygons: by the third power of the reach.
+                        // The error grows with the third power of the reach, as for polygons.
                         let allowed = 1e-5 * (0.5 * range).powi(3);
                         assert!((by_c - slope).norm() < allowed, "{by_c} {slope}");
                         cases += 1;
@@ -370,9 +375,10 @@ mod tests {
             "{cases} values, spots within {:.1e}, rows within {:.1e}",
             worst[0], worst[1]
         );
-        // Of tabulated kappa 1.5e-5, of the grid 1e-7.
+        // The tabulated kappa allow 1.5e-5, the grid 1e-7.
         assert!(worst[0] < 1.6e-5, "{worst:?}");
-        // A row's phase turns by 2 pi 2.3 x 400 x 4e-3/21 = 1.1 from spot to spot: 1.1^4 x 3/128.
+        // The phase turns by 2 pi 2.3 x 400 x 4e-3/21 = 1.1 from spot to spot of a row: 1.1^4 x
+        // 3/128.
         assert!(worst[1] < 3.5e-2, "{worst:?}");
         assert_eq!(cases, 48);
     }

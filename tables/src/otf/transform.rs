@@ -1,15 +1,15 @@
-//! The Fourier transform of a ray-shift distribution along a line: the optical transfer function of
-//! the ray shift.
+//! Fourier transform of a ray-shift distribution along a line: the optical transfer function of the
+//! ray shift.
 //!
-//! With `w` the vector that turns a shift r = (u, v) in edge lengths into a position x = w.r on the
-//! line, `S(kappa) = E[exp(-2 pi i kappa w.r)]` over the retroreflected rays, kappa in cycles per
-//! unit of x. For the image plane of the model, w = c (cos(theta) cos(alpha), sin(alpha)) with c in
-//! mm makes x mm and kappa cycles per mm; then dS/dc = (kappa / c) dS/dkappa.
+//! `w` is the vector that turns a shift r = (u, v) in edge lengths into a position x = w.r on the
+//! line. `S(kappa) = E[exp(-2 pi i kappa w.r)]` over the retroreflected rays, with kappa in cycles
+//! per unit of x. For the image plane of the model, w = c (cos(theta) cos(alpha), sin(alpha)) with
+//! c in mm makes x mm and kappa cycles per mm. Then dS/dc = (kappa / c) dS/dkappa.
 //!
-//! Two ways: from the bins, each a uniform box (exact for the histogram, which itself blurs by one
-//! bin); or, where the direction carries its polygons, from their closed form, which has no bins at
-//! all. A path maps its polygon p by `M p + o`, so its transform is `exp(-i k.o) Phi(transpose(M)
-//! k)`: a map that collapses the polygon to a segment or a point needs no case of its own.
+//! There are two ways. From the bins, each is a uniform box: this is exact for the histogram, which
+//! itself blurs by one bin. If the direction has polygons, their closed form needs no bins. A path
+//! maps its polygon p by `M p + o`, so its transform is `exp(-i k.o) Phi(transpose(M) k)`. A map
+//! that collapses the polygon to a segment or a point is no special case.
 
 use std::f64::consts::TAU;
 
@@ -22,11 +22,12 @@ use crate::table::exact::Path;
 use crate::table::polygon::area;
 
 impl Direction {
-    /// S at each frequency: from the polygons where there are any, else from the bins. S(0) = 1.
+    /// Returns S at each frequency, from the polygons if there are any, otherwise from the bins;
+    /// S(0) = 1.
     ///
-    /// Where nothing returns (eta 0) there is no distribution: all values are 0. Polygons hold also
-    /// the shifts outside of the histogram's range, bins do not. Values are good to 1e-13; 16384
-    /// bins take about 10 us a frequency.
+    /// If nothing returns (eta 0), all values are 0. Polygons include the shifts outside of the
+    /// histogram's range; bins do not. Values are accurate to 1e-13. For 16384 bins a frequency
+    /// takes about 10 us.
     ///
     /// ```
     /// # use ndarray::Array2;
@@ -34,8 +35,8 @@ impl Direction {
     /// # let mut probability = Array2::zeros((4, 4));
     /// # probability[[1, 3]] = 0.5;
     /// # let direction = Direction {
-    /// #     incidence_deg: 0.0, azimuth_deg: 0.0, eta: 0.5, probability, range: 2.0, standard_error: 0.0,
-    /// #     interpolated: false, paths: None, exits: None,
+    /// #     incidence_deg: 0.0, azimuth_deg: 0.0, eta: 0.5, probability, range: 2.0,
+    /// #     standard_error: 0.0, interpolated: false, paths: None, exits: None,
     /// # };
     /// // One bin of width 1 about u = 1.5: a box, shifted.
     /// let otf = direction.otf_along([1.0, 0.0], &[0.0, 0.25]);
@@ -49,8 +50,9 @@ impl Direction {
         }
     }
 
-    /// S and dS/dkappa at each frequency; otherwise as [`Direction::otf_along`], at twice the time
-    /// from bins.
+    /// Returns S and dS/dkappa at each frequency.
+    ///
+    /// S is that of [`Direction::otf_along`]; from bins it takes twice the time.
     pub fn otf_and_slope_along(
         &self,
         w: [f64; 2],
@@ -62,7 +64,7 @@ impl Direction {
         }
     }
 
-    /// S and dS/dkappa from the bins, even where the direction carries polygons.
+    /// Returns S and dS/dkappa from the bins, even if the direction has polygons.
     pub fn otf_of_bins_along(
         &self,
         w: [f64; 2],
@@ -71,6 +73,7 @@ impl Direction {
         self.of_bins::<true>(w, kappa)
     }
 
+    /// Returns S, and dS/dkappa if `SLOPE` is set, from the bins.
     fn of_bins<const SLOPE: bool>(
         &self,
         w: [f64; 2],
@@ -121,7 +124,7 @@ impl Direction {
     }
 }
 
-/// S and dS/dkappa from polygons.
+/// Returns S and dS/dkappa from polygons.
 fn of_paths(paths: &[Path], w: [f64; 2], kappa: &[f64]) -> (Vec<Complex64>, Vec<Complex64>) {
     let mut total = 0.0;
     let mut lines = Vec::with_capacity(paths.len());
@@ -212,7 +215,7 @@ mod tests {
                         }
                     }
                 }
-                // Phases reach 2 pi 3 x 2.8 = 53, each rounded to 53 x 1e-16; 16 nodes are exact
+                // Phases reach 2 pi 3 x 2.8 = 53, each rounded to 53 x 1e-16. 16 nodes are exact
                 // over one bin.
                 assert!(
                     (value - expected).norm() < 5e-14,
@@ -268,7 +271,7 @@ mod tests {
                         expected +=
                             quadrature(&path.polygon, inside) * Complex64::cis(-offset) * share;
                     }
-                    // As for bins: phases to 2 pi 3 x 3, rounded.
+                    // Phases reach 2 pi 3 x 3 and are rounded, as for bins.
                     assert!(
                         (value - expected).norm() < 1e-13,
                         "{w:?} {kappa}: {value} {expected}"
@@ -297,8 +300,8 @@ mod tests {
                 let [a, b, c, d] = [f(1.0), f(-1.0), f(2.0), f(-2.0)];
                 for i in 0..KAPPA.len() {
                     let expected = ((a[i] - b[i]) * 8.0 - (c[i] - d[i])) / (12.0 * h);
-                    // Fourth order: (2 pi 3)^5 h^4 / 30 = 8e-12; rounding of values 5e-14 / h =
-                    // 5e-10.
+                    // Fourth-order differences err by (2 pi 3)^5 h^4 / 30 = 8e-12, rounding of
+                    // values by 5e-14 / h = 5e-10.
                     assert!(
                         (slopes[i] - expected).norm() < 1e-9,
                         "{w:?} {}: {} {expected}",
@@ -341,7 +344,7 @@ mod tests {
             })
             .min();
         println!("16384 bins x 1000 frequencies with slope: {quickest:?}");
-        // Measured 9 to 13 ms; ten times that on a busy machine is still a sign of a lost order of
+        // Measured: 9 to 13 ms. Ten times that on a busy machine still shows a lost order of
         // magnitude.
         assert!(
             quickest.is_some_and(|time| time.as_millis() < 120),

@@ -1,20 +1,23 @@
-//! Scalar wave optics of the effective aperture, the `wave` kernel: ray shift and diffraction as
-//! one, no free parameter but c. Goes beyond the paper.
+//! Scalar wave optics of the effective aperture, the `wave` kernel.
 //!
-//! A corner cube turns the light on its effective aperture K about the foot q of its apex. Seen
-//! from the image, at the distance R, the aperture K' (K times c, the tangential axis times the
-//! cosine of the incidence) then carries the phase 2 pi |y|^2/(lambda R) about q, and the OTF is
-//! its autocorrelation at the lag s = lambda R nu:
+//! It computes ray shift and diffraction together, and c is its only free parameter. It goes beyond
+//! the paper.
+//!
+//! A corner cube turns the light on its effective aperture K by half a turn about the foot q of its
+//! apex. K' is K times c, with the tangential axis times the cosine of the incidence. Seen from the
+//! image at the distance R, K' carries the phase 2 pi |y|^2/(lambda R) about q. The OTF is its
+//! autocorrelation at the lag s = lambda R nu:
 //!
 //! `OTF(nu) = 1/|K'| int over (K' and K' + s) of cos(4 pi nu.(y - s/2)) dy`.
 //!
-//! lambda -> 0 leaves the ray shift, a small K' the autocorrelation of the aperture. Along an edge
-//! normal the integrand depends on one coordinate, so K is cut across into strips between its
-//! corners: chords whose ends are straight lines, and over those the integral is a sinc. No polygon
-//! is clipped and nothing cancels at nu = 0.
+//! For lambda -> 0 it is the OTF of the ray shift; for a small K' it is the autocorrelation of the
+//! aperture. Along an edge normal the integrand depends on one coordinate. So K is cut across the
+//! normal into strips between its corners. The ends of the chords in a strip are straight lines,
+//! and the integral over such chords is a sinc. No polygon is clipped, and nothing cancels at nu =
+//! 0.
 //!
-//! Cubes add without coherence, weighted by what they return; the pieces of one cube (one map) add
-//! coherently. A spectrum is the weighted sum over its lines.
+//! Different cubes add incoherently, weighted by what they return. The pieces of one cube (one map)
+//! add coherently. A spectrum is the weighted sum over its lines.
 
 use std::f64::consts::PI;
 
@@ -22,43 +25,41 @@ use crate::lookup::direction::Direction;
 use crate::otf::polygon_wave::sinc;
 use crate::table::exact::Path;
 
-/// Largest difference of a path's map from a point reflection, and of two maps of one cube: far
-/// above rounding (1e-12), far below any dihedral error that matters (1e-6 rad).
+/// Largest difference of a path's map from a point reflection, and of two maps of one cube.
+///
+/// It is far above rounding (1e-12) and far below any dihedral error that matters (1e-6 rad).
 const SAME_MAP: f64 = 1e-9;
 
-/// Corners closer than this, in edge lengths, bound no strip.
+/// Smallest distance of two corners that bound a strip, edge lengths.
 const SAME_CORNER: f64 = 1e-12;
 
-/// Why a direction has no waves.
+/// Reason why a direction has no waves.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoWaves {
-    /// Only a histogram.
+    /// Table that holds only a histogram.
     #[error(
         "the wave kernel needs the polygons of the aperture, which the table does not hold at \
-        incidence \
-         {incidence_deg} deg; bake that very direction with `bake trace --method exact`"
+        incidence {incidence_deg} deg; bake this direction with `bake trace --method exact`"
     )]
     NoPolygons {
         /// Incidence, degrees.
         incidence_deg: f64,
     },
-    /// Powers of paths that are interpolated.
+    /// Interpolated paths with losses.
     #[error(
-        "the wave kernel needs every path of a cube where it is, but the table, which has losses, \
-        does not hold incidence \
-         {incidence_deg} deg at this azimuth; bake that very direction"
+        "the wave kernel cannot interpolate a table that has losses, and this table does not hold \
+        incidence {incidence_deg} deg at this azimuth; bake this direction"
     )]
     LossesBetween {
         /// Incidence, degrees.
         incidence_deg: f64,
     },
-    /// Cubes that are not exact.
+    /// Cubes without exact right angles.
     #[error(
-        "the wave kernel needs corner cubes with exact right angles, but the table's at incidence \
-        {incidence_deg} deg \
-         do not turn the light about a point; bake them without dihedral errors, or name another \
-         --kernel"
+        "the wave kernel needs corner cubes with exact right angles, but those of the table \
+        deviate the light at incidence {incidence_deg} deg; bake them without dihedral errors, or \
+        name another --kernel"
     )]
     NoPointReflection {
         /// Incidence, degrees.
@@ -66,42 +67,44 @@ pub enum NoWaves {
     },
 }
 
-/// A straight line over a strip: its value at both ends.
+/// Straight line over a strip: its values at both ends.
 type Side = [f64; 2];
 
 /// Part of an aperture between two neighbouring corners, across the edge normal; edge lengths.
 #[derive(Debug, Clone)]
 struct Strip {
-    /// Width across the normal.
+    /// Width of the strip, across the normal.
     width: f64,
-    /// Chords along the normal, from the cube's q: both ends, and the square root of the power that
-    /// returns.
+    /// Chords along the normal, measured from the cube's q: both ends, and the square root of the
+    /// returned power.
     chords: Vec<(Side, Side, f64)>,
 }
 
-/// The wave OTF of one direction along one line, for a spectrum.
+/// Wave OTF of one direction along one line, for a spectrum.
 #[derive(Debug, Clone)]
 pub struct WaveLine {
-    /// Strips of every cube.
+    /// Strips of each cube.
     cubes: Vec<Vec<Strip>>,
     /// Sum of power x area over all cubes, square edge lengths.
     power: f64,
     /// Longest lag at which any cube overlaps itself, edge lengths.
     reach: f64,
-    /// -dOTF/dlag at lag 0, per edge length.
+    /// Slope -dOTF/dlag at lag 0, per edge length.
     kink: f64,
-    /// Wavelengths, mm, and shares that sum to 1.
+    /// Wavelengths, mm, and their shares, which sum to 1.
     lines: Vec<(f64, f64)>,
 }
 
 impl WaveLine {
-    /// `normal` is the unit edge normal in the aerial image, (tangential, sagittal);
-    /// `incidence_rad` the outside incidence, which foreshortens the aperture. `direction` returns
-    /// light (eta > 0). `spectrum` is the source's lines: each a wavelength, nm, and its weight,
-    /// which are normalised here.
+    /// Prepares the line of an edge normal for a direction that returns light (eta > 0).
+    ///
+    /// `normal` is the unit edge normal in the mid-air image, (tangential, sagittal).
+    /// `incidence_rad` is the incidence outside, which foreshortens the aperture. `spectrum` is the
+    /// source's lines: each a wavelength, nm, and its weight. The weights are normalised here.
     ///
     /// # Errors
-    /// [`NoWaves`] where the table holds no polygons of corner cubes for the direction.
+    /// Returns [`NoWaves`] if the direction has no polygons, if they are not those of corner cubes
+    /// with exact right angles, or if paths with losses are interpolated.
     pub fn new(
         direction: &Direction,
         incidence_rad: f64,
@@ -113,7 +116,7 @@ impl WaveLine {
             .paths
             .as_deref()
             .ok_or(NoWaves::NoPolygons { incidence_deg })?;
-        // Interpolated, the paths of one cube are put where different directions have it.
+        // Interpolation may put the paths of one cube where different directions have it.
         if direction.interpolated && paths.iter().any(|path| path.weight != paths[0].weight) {
             return Err(NoWaves::LossesBetween { incidence_deg });
         }
@@ -144,14 +147,17 @@ impl WaveLine {
             cubes,
         };
         line.power = line.overlap(0.0, 0.0)[0];
-        // The slope jumps at lag 0 itself, where pieces of one cube touch.
+        // The slope is taken next to lag 0, because it jumps at lag 0 itself where pieces of one
+        // cube touch.
         line.kink = -line.overlap(1e-9 * line.reach, 0.0)[1];
         Ok(line)
     }
 
-    /// OTF and its derivative by ln c, for `c` and the floating distance in mm, at a frequency >= 0
-    /// in 1/mm: real, 1 at
-    /// 0. Rounding only, about 1e-14; 1 us for a cube and a line of the spectrum.
+    /// Returns the OTF and its derivative by ln c at a frequency >= 0 in 1/mm.
+    ///
+    /// `c_mm` is the corner size and `r_mm` the floating distance, both in mm. The OTF is real, and
+    /// 1 at 0. The only error is rounding, about 1e-14. A cube and a line of the spectrum take 1
+    /// us.
     pub fn otf(&self, c_mm: f64, r_mm: f64, frequency: f64) -> (f64, f64) {
         let wave = 4.0 * PI * c_mm * frequency;
         let (mut value, mut slope) = (0.0, 0.0);
@@ -166,14 +172,19 @@ impl WaveLine {
         (value, slope)
     }
 
-    /// -dOTF/d|f| at zero frequency (mm): the kink that gives an edge its 1/x tails. Falls as 1/c.
+    /// Returns -dOTF/d|f| at zero frequency, mm: the kink that gives an edge its 1/x tails.
+    ///
+    /// It falls as 1/c.
     pub fn kink(&self, c_mm: f64, r_mm: f64) -> f64 {
         let mean_mm: f64 = self.lines.iter().map(|(mm, share)| mm * share).sum();
         self.kink * mean_mm * r_mm / c_mm
     }
 
-    /// Integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the normal, over
-    /// their power, with its derivatives by lag and by wave; edge lengths.
+    /// Returns the integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the
+    /// normal.
+    ///
+    /// It is divided by the power of the apertures. Its derivatives by lag and by wave follow.
+    /// Lengths are edge lengths.
     fn overlap(&self, lag: f64, wave: f64) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for strip in self.cubes.iter().flatten() {
@@ -191,9 +202,10 @@ impl WaveLine {
     }
 }
 
-/// A polygon as (along the normal, across it), from its cube's q, and the square root of its power.
+/// Polygon as (along the normal, across it), from its cube's q, and the square root of its power.
 type Chained = (Vec<[f64; 2]>, f64);
 
+/// Turns a path to the coordinates along and across the normal, foreshortened.
 fn seen(path: &Path, cosine: f64, normal: [f64; 2]) -> Chained {
     let turned = |p: &[f64; 2]| {
         let x = (p[0] - 0.5 * path.offset[0]) * cosine;
@@ -225,7 +237,7 @@ fn strips(pieces: &[Chained]) -> Vec<Strip> {
                 }
             }
             sides.sort_by(|a, b| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
-            // Whatever enters a polygon leaves it: the sides come in pairs.
+            // A line that enters a polygon also leaves it, so the sides come in pairs.
             let pairs = sides.chunks_exact(2);
             chords.extend(pairs.map(|pair| (pair[0], pair[1], *amplitude)));
         }
@@ -237,7 +249,7 @@ fn strips(pieces: &[Chained]) -> Vec<Strip> {
     cuts.windows(2).map(strip).collect()
 }
 
-/// Longest lag at which a cube overlaps itself.
+/// Returns the longest lag at which a cube overlaps itself, edge lengths.
 fn extent(cube: &[Strip]) -> f64 {
     let within = cube.iter().map(|strip| {
         let ends = strip
@@ -252,15 +264,16 @@ fn extent(cube: &[Strip]) -> f64 {
     within.fold(0.0, f64::max)
 }
 
-/// Mean over a strip of the integral of cos(wave a) from where both chords have begun to where one
-/// ends, the chord `ahead` moved by +lag/2, the other by -lag/2; with its derivatives by lag and by
-/// wave.
+/// Returns the mean over a strip of the integral of cos(wave a) over the overlap of two chords.
+///
+/// The overlap goes from where both chords have begun to where one ends. The chord `ahead` is moved
+/// by +lag/2, the other by -lag/2. The derivatives by lag and by wave follow.
 fn common(ahead: &(Side, Side, f64), behind: &(Side, Side, f64), lag: f64, wave: f64) -> [f64; 3] {
     let moved = |side: Side, by: f64| side.map(|end| end + by * lag);
-    // Beginnings and ends, each with its motion by lag.
+    // Beginnings and ends of the chords, each with its motion by lag.
     let lows = [(moved(ahead.0, 0.5), 0.5), (moved(behind.0, -0.5), -0.5)];
     let highs = [(moved(ahead.1, 0.5), 0.5), (moved(behind.1, -0.5), -0.5)];
-    // Between the crossings of these lines the same two of them bound the overlap.
+    // Between the crossings of these lines, one beginning and one end bound the overlap throughout.
     let mut cuts = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0];
     let lines = [lows[0].0, lows[1].0, highs[0].0, highs[1].0];
     let mut count = 1;
@@ -288,7 +301,7 @@ fn common(ahead: &(Side, Side, f64), behind: &(Side, Side, f64), lag: f64, wave:
             continue;
         }
         for (line, motion, sign) in [(high.0, high.1, width), (low.0, low.1, -width)] {
-            // Mean over the part of sin(wave a)/wave, the primitive, and of its derivatives.
+            // Mean over the part of the primitive, sin(wave a)/wave, and of its derivatives.
             let centre = at(&line, middle);
             let half = 0.5 * (line[1] - line[0]) * width;
             let (across, across_slope) = sinc(wave * half);

@@ -1,29 +1,31 @@
 //! Sums of a histogram times plane waves, for a block of frequencies at a time.
 //!
-//! A wave over bins is a product of one along u and one along v, so a frequency costs one
-//! multiplication a bin and no trigonometry.
+//! A wave over bins is a product of a wave along u and a wave along v. So a frequency costs one
+//! multiplication for each bin and no trigonometry.
 
 use std::f64::consts::TAU;
 
 use ndarray::Array2;
 use num_complex::Complex64;
 
-/// Frequencies that one pass over the bins serves.
+/// Number of frequencies in one pass over the bins.
 pub(crate) const LANES: usize = 16;
 
-/// Bins that one pass over the frequencies serves.
+/// Number of bins in one pass over the frequencies.
 pub(crate) const STEP: usize = 4;
 
-/// One number per frequency of a block.
+/// One number for each frequency of a block.
 pub(crate) type Lanes = [f64; LANES];
 
-/// exp(-2 pi i kappa w x) at every bin centre x for a block of frequencies, as cosines and sines.
+/// Waves exp(-2 pi i kappa w x) at every bin centre x for a block of frequencies, as cosines and
+/// sines.
 pub(crate) struct Waves {
     re: Vec<Lanes>,
     im: Vec<Lanes>,
 }
 
 impl Waves {
+    /// Makes room for the waves at this number of bins.
     pub(crate) fn new(bins: usize) -> Waves {
         Waves {
             re: vec![[0.0; LANES]; bins],
@@ -31,8 +33,9 @@ impl Waves {
         }
     }
 
-    /// By the recurrence exp(i(x + h)) = exp(ix) exp(ih), restarted every 16 bins: its error stays
-    /// below 16 x 2e-16.
+    /// Computes the waves by the recurrence exp(i(x + h)) = exp(ix) exp(ih).
+    ///
+    /// It is restarted every 16 bins, so its error stays below 16 x 2e-16.
     pub(crate) fn fill(&mut self, kappa: &[f64], w: f64, centres: &[f64], width: f64) {
         for (lane, &kappa) in kappa.iter().enumerate() {
             let step = Complex64::cis(-TAU * kappa * w * width);
@@ -49,24 +52,25 @@ impl Waves {
     }
 }
 
-/// The rows of a histogram without the zeros at their ends; shifts fill a third of the range or
-/// less.
+/// Rows of a histogram without the zeros at their ends; shifts fill a third of the range or less.
 pub(crate) struct Rows {
     rows: Vec<Row>,
 }
 
+/// One row of a histogram, without the zeros at its ends.
 struct Row {
     /// Index along v.
     v: usize,
     /// First index along u, a multiple of `STEP`.
     first: usize,
-    /// Probabilities, four at a time, zeros added at the ends.
+    /// Probabilities, four at a time, with zeros added at the ends.
     plain: Vec<[f64; STEP]>,
     /// Probabilities x u.
     by_u: Vec<[f64; STEP]>,
 }
 
 impl Rows {
+    /// Takes the rows that have light.
     pub(crate) fn new(probability: &Array2<f64>, centres: &[f64]) -> Rows {
         let mut rows = Vec::new();
         for (v, row) in probability.rows().into_iter().enumerate() {
@@ -97,8 +101,10 @@ impl Rows {
         Rows { rows }
     }
 
-    /// Sums over bins of P x wave, P u x wave and P v x wave (the last two for the slope), as real
-    /// and imaginary parts.
+    /// Returns the sums over bins of P x wave, P u x wave and P v x wave, as real and imaginary
+    /// parts.
+    ///
+    /// The last two are needed for the slope.
     pub(crate) fn sums<const SLOPE: bool>(
         &self,
         along_u: &Waves,
@@ -142,8 +148,10 @@ impl Rows {
     }
 }
 
-/// Sum of weight x wave, lane by lane; four weights a pass, which the compiler turns into vector
-/// code where one weight a pass with the sums in registers stays scalar (2 times slower).
+/// Returns the sum of weight x wave, lane by lane.
+///
+/// It takes four weights a pass, which the compiler turns into vector code. One weight a pass, with
+/// the sums in registers, stays scalar and is 2 times slower.
 fn transform(weights: &[[f64; STEP]], waves: &[Lanes]) -> Lanes {
     let mut sum = [0.0; LANES];
     for ([a, b, c, d], [wa, wb, wc, wd]) in weights.iter().zip(waves.as_chunks::<STEP>().0) {

@@ -1,9 +1,9 @@
-//! The rules that every table obeys, in memory and on disk.
+//! Rules that every table obeys, in memory and on disk.
 //!
-//! Tolerance: a fraction is rounded to 2^-53 of itself, so a sum of n fractions that should be 1 is
-//! off by at most about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM` allows
-//! 1e-9, which is also what the areas of polygons with coordinates of some edge lengths keep with
-//! room to spare.
+//! Tolerance: a fraction is rounded to 2^-53 of itself. A sum of n fractions that should be 1 is
+//! therefore off by at most about n 2^-53: 2e-12 for 128 x 128 bins, 1e-10 for 1024 x 1024. `SUM`
+//! allows 1e-9. The areas of polygons whose coordinates are some edge lengths stay within it too,
+//! with room to spare.
 
 use ndarray::{Array2, Array4, Array5, Axis, s};
 
@@ -20,11 +20,15 @@ use crate::table::table::Table;
 /// Allowed rounding of sums that should be 1 and of areas that should be eta.
 pub(crate) const SUM: f64 = 1e-9;
 
-/// More rays than this are not exact in f64.
+/// Greatest number of rays of a direction: f64 does not hold greater numbers exactly.
 pub(crate) const MOST_RAYS: u64 = 1 << 53;
 
-/// Checks every rule; `Ok` says that the table can be written, read and used without further
-/// checks.
+/// Checks all rules of a table.
+///
+/// `Ok` says that the table can be written, read and used without further checks.
+///
+/// # Errors
+/// Returns the first rule that the table breaks, with the place.
 pub fn check(table: &Table) -> Result<(), Invalid> {
     axes(&table.axes)?;
     shapes(table)?;
@@ -66,6 +70,7 @@ pub(crate) fn axes(axes: &Axes) -> Result<(), Invalid> {
     })
 }
 
+/// Checks that an axis has values, that all are allowed, and that they ascend.
 fn axis(
     axis: &'static str,
     values: &[f64],
@@ -92,6 +97,7 @@ fn axis(
     }
 }
 
+/// Checks that all arrays have the shapes that follow from the axes.
 fn shapes(table: &Table) -> Result<(), Invalid> {
     let (i, j) = table.axes.shape();
     let (b, f) = (table.axes.bins, Fate::ALL.len());
@@ -134,8 +140,9 @@ fn shapes(table: &Table) -> Result<(), Invalid> {
     }
 }
 
+/// Checks that all numbers lie in their ranges.
 fn values(table: &Table) -> Result<(), Invalid> {
-    // Sums of fractions may pass 1 by their rounding.
+    // The rounding of a sum of fractions may lift it above 1.
     let fraction = |x: f64| (0.0..=1.0 + SUM).contains(&x);
     let error = |x: f64| (0.0..=1.0).contains(&x);
     within("histogram", table.histogram.iter(), "0 to 1", fraction)?;
@@ -153,7 +160,7 @@ fn values(table: &Table) -> Result<(), Invalid> {
         error,
     )?;
     if table.counts.is_none() {
-        // The content hash covers neither.
+        // The content hash covers neither of the two.
         let none = |x: f64| x == 0.0;
         let rays: Vec<f64> = table.rays.iter().map(|&n| n as f64).collect();
         within("rays", &rays, "0 where there are no counts", none)?;
@@ -167,6 +174,7 @@ fn values(table: &Table) -> Result<(), Invalid> {
     provenance(&table.provenance)
 }
 
+/// Checks that the numbers of the provenance lie in their ranges.
 fn provenance(p: &Provenance) -> Result<(), Invalid> {
     let error = |x: f64| (0.0..=1.0).contains(&x);
     let positive = |x: f64| x.is_finite() && x > 0.0;
@@ -231,6 +239,7 @@ fn provenance(p: &Provenance) -> Result<(), Invalid> {
     within("lattice", lattice, "finite numbers", f64::is_finite)
 }
 
+/// Checks that `allow` holds for all values; `allowed` names the range in the error.
 fn within<'a>(
     array: &'static str,
     values: impl IntoIterator<Item = &'a f64>,
@@ -248,7 +257,9 @@ fn within<'a>(
     }
 }
 
-/// Checks counts against fates and rays, in u128 because hostile counts overflow u64.
+/// Checks the counts against fates and rays.
+///
+/// Sums are in u128, because the counts of a hostile file overflow u64.
 pub(crate) fn counts(
     counts: &Array5<u64>,
     fate_counts: &Array4<u64>,
@@ -291,12 +302,13 @@ pub(crate) fn counts(
     Ok(())
 }
 
+/// Checks that fates and histograms sum to 1 and that eta follows from the fates.
 fn sums(table: &Table) -> Result<(), Invalid> {
     let (incidences, azimuths) = table.axes.shape();
     let near = |a: f64, b: f64| (a - b).abs() <= SUM;
     for direction in (0..incidences).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
         let (i, j) = direction;
-        // A shard launches nothing in the directions of the others.
+        // A shard launches no rays in the directions of the other shards.
         let idle = table.counts.is_some() && table.rays[[i, j]] == 0;
         let fate = table
             .fate
@@ -331,6 +343,7 @@ fn sums(table: &Table) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Checks the rays by deviation: their grid, their order, and their sums against `counts`.
 fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
     let (incidences, azimuths) = table.axes.shape();
     let Some(counts) = &table.counts else {
@@ -397,9 +410,11 @@ fn deviations(table: &Table, found: &Deviations) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Checks the polygons of an exact table: numbers, corners, areas, and their sum against eta.
 fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     let (incidences, azimuths) = table.axes.shape();
-    // A mean over azimuths has no polygons of its own: none, or those of no direction.
+    // A mean over azimuths has no polygons of its own. Its lists are empty, or hold polygons that
+    // belong to no single direction.
     if exact.paths.len() != incidences * azimuths {
         return Err(Invalid::Shape {
             array: "exact paths",
@@ -445,7 +460,7 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
         let mut returned = 0.0;
         for (index, path) in paths.iter().enumerate() {
             let area = crate::table::polygon::area(&path.polygon);
-            // A sliver's area may round to just below 0.
+            // Rounding may give a sliver an area just below 0.
             if path.polygon.len() < 3 || area < -SUM * exact.entrance_area {
                 return Err(Invalid::Polygon {
                     direction,

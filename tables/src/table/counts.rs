@@ -1,7 +1,7 @@
-//! From counts to probabilities and their standard errors, and the distance between two tables.
+//! Probabilities and standard errors from counts, and the distance between two tables.
 //!
-//! A table carries the numbers of rays; histogram, eta and errors follow from them by the rules
-//! here and nowhere else, so that merging is adding and a reader can check what it was given.
+//! A table carries numbers of rays. Histogram, eta and errors follow from them by the rules here
+//! and nowhere else. So tables are merged by adding counts, and a reader can check a table.
 
 use ndarray::{Array2, Array3, Array4, Array5, ArrayView2, Axis};
 
@@ -11,26 +11,26 @@ use crate::table::provenance::Provenance;
 use crate::table::table::Table;
 
 impl Table {
-    /// The table that follows from numbers of rays.
+    /// Returns the table that follows from numbers of rays.
     ///
-    /// `counts` is `[incidence, azimuth, randomisation, v, u]`, `fate_counts` is
-    /// `[incidence, azimuth, randomisation, fate]` in the order of [`Fate::ALL`].
+    /// `counts` is `[incidence, azimuth, randomisation, v, u]`. `fate_counts` is `[incidence,
+    /// azimuth, randomisation, fate]` in the order of [`Fate::ALL`].
     ///
-    /// - `histogram` = counts / their sum, all 0 where nothing returned inside the histogram;
-    /// - `retroreflected` = (retroreflected + out_of_range) / rays, 0 where no ray was launched;
-    /// - `standard_error`: for the `random` sampler, and where a single randomisation has rays, the
-    ///   binomial `sqrt(eta (1 - eta) / rays)` (for a low-discrepancy sequence an upper bound in
-    ///   practice); otherwise that of the mean over the R >= 2 randomisations that have rays,
-    ///   `sqrt(R/(R-1) sum (n_r/n)^2 (eta_r - eta)^2)`, which is the sample standard deviation /
-    ///   sqrt(R) when all have the same rays.
+    /// - `histogram` = counts / their sum, all 0 where nothing returned inside the histogram.
+    /// - `retroreflected` = (retroreflected + out_of_range) / rays, 0 where no ray was launched.
+    /// - `standard_error` is the binomial `sqrt(eta (1 - eta) / rays)` for the `random` sampler,
+    ///   and where a single randomisation has rays. For a low-discrepancy sequence the binomial is
+    ///   an upper bound in practice. Otherwise `standard_error` is that of the mean over the R >= 2
+    ///   randomisations that have rays, `sqrt(R/(R-1) sum (n_r/n)^2 (eta_r - eta)^2)`. If all of
+    ///   them have equally many rays, this is the sample standard deviation / sqrt(R).
     ///
-    /// The error is 0 where eta is exactly 0 or 1; that is not certainty. With `n` random rays the
-    /// 95 % bound there is about `3 / n` (the rule of three): eta < 3/n where none returned, eta >
-    /// 1 - 3/n where all did.
+    /// The error is 0 where eta is exactly 0 or 1, but eta is not certain there. With `n` random
+    /// rays the 95 % bound is then about `3 / n` (the rule of three): eta < 3/n where none
+    /// returned, eta > 1 - 3/n where all returned.
     ///
     /// # Panics
-    /// If the shapes disagree with the axes: that is the caller's mistake, [`crate::read()`] checks
-    /// them before.
+    /// Panics if the shapes disagree with the axes. The caller must check them before;
+    /// [`crate::read()`] does.
     pub fn from_counts(
         axes: Axes,
         counts: Array5<u64>,
@@ -94,7 +94,8 @@ impl Table {
         }
     }
 
-    /// Probability per launched ray of each bin, eta x histogram, of one direction `[v, u]`.
+    /// Returns the probability per launched ray of each bin, eta x histogram, of one direction `[v,
+    /// u]`.
     pub fn probability(&self, incidence: usize, azimuth: usize) -> Array2<f64> {
         let histogram = self
             .histogram
@@ -104,7 +105,7 @@ impl Table {
     }
 }
 
-/// eta and its standard error from `[randomisation, fate]`.
+/// Returns eta and its standard error from the rays `[randomisation, fate]`.
 fn returned(fates: ArrayView2<u64>, random: bool) -> (f64, f64) {
     let returning = |row: ndarray::ArrayView1<u64>| {
         row[Fate::Retroreflected as usize] + row[Fate::OutOfRange as usize]
@@ -136,15 +137,15 @@ fn returned(fates: ArrayView2<u64>, random: bool) -> (f64, f64) {
     )
 }
 
-/// Distance of two tables per direction: the sum over bins of |eta_a histogram_a - eta_b
-/// histogram_b|, `[incidence, azimuth]`.
+/// Returns the distance of two tables for each direction, `[incidence, azimuth]`.
 ///
-/// In probability per launched ray, so that empty and nearly empty directions are well defined: 0
-/// for equal tables, at most 2; the total variation is half of it. Directions are compared by
+/// The distance is the sum over bins of |eta_a histogram_a - eta_b histogram_b|: 0 for equal
+/// tables, at most 2. The total variation is half of it. It compares probabilities per launched
+/// ray, so it is well defined for empty and nearly empty directions. Directions are compared by
 /// position.
 ///
 /// # Panics
-/// If the tables have different axes; compare `a.axes == b.axes` before.
+/// Panics if the tables have different axes. Compare `a.axes == b.axes` before.
 pub fn l1(a: &Table, b: &Table) -> Array2<f64> {
     assert_eq!(a.axes, b.axes, "tables of different axes have no distance");
     Array2::from_shape_fn(a.axes.shape(), |(i, j)| {
@@ -161,10 +162,10 @@ mod tests {
 
     #[test]
     fn standard_errors_follow_their_formulas() {
-        // retroreflected, ..., missed, out_of_range
+        // Columns: retroreflected, ..., missed, out_of_range.
         let row = |r: u64, m: u64, o: u64| [r, 0, 0, 0, 0, 0, 0, m, o, 0];
         let two = array![row(60, 30, 10), row(50, 50, 0)];
-        // eta_r = 0.7, 0.5: mean 0.6, sample sd 0.1 sqrt 2, over sqrt 2 = 0.1
+        // eta_r = 0.7 and 0.5: mean 0.6, sample standard deviation 0.1 sqrt 2, over sqrt 2 = 0.1.
         let (eta, error) = returned(two.view(), false);
         assert!(
             (eta - 0.6).abs() < 1e-15 && (error - 0.1).abs() < 1e-15,
@@ -175,7 +176,7 @@ mod tests {
             (binomial - (0.24_f64 / 200.0).sqrt()).abs() < 1e-15,
             "{binomial}"
         );
-        // a randomisation without rays (another shard's) is not a sample of eta
+        // A randomisation without rays (those of another shard) is not a sample of eta.
         let shard = array![row(60, 30, 10), row(50, 50, 0), row(0, 0, 0)];
         assert_eq!(returned(shard.view(), false), (eta, error));
         assert_eq!(returned(array![row(0, 0, 0)].view(), true), (0.0, 0.0));

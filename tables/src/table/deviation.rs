@@ -1,38 +1,42 @@
-//! Where the light of a table of rays goes: numbers of rays by the direction that they leave in,
-//! jointly with their shift.
+//! Numbers of rays by their shift and by the direction in which they leave, for tables of rays.
 //!
-//! Both come from the point of entry: in a cube with a dihedral error every sextant has shifts of
-//! its own and a spot of its own, which the two distributions apart do not tell. Nearly all pairs
-//! of a shift and a direction are empty, so that only the others are kept, in ascending order;
-//! numbers of rays are added, as all counts are.
+//! Shift and deviation are counted jointly, because both follow from the point of entry. In a cube
+//! with a dihedral error every sextant has its own shifts and its own spot; two separate
+//! distributions would not tell which belong together. Nearly all pairs of a shift and a deviation
+//! are empty. The other pairs are listed in ascending order. Tables are merged by adding their
+//! numbers of rays.
 
 use std::cmp::Ordering;
 
-/// Pools of shifts, and bins of the deviation: tangents of the angles from straight back, outside,
-/// as [`crate::Path::deviation`] has them.
+/// Grid of pools of shifts and of bins of the deviation.
+///
+/// Deviations are tangents of the angles from straight back, outside the sheet, with the two
+/// components of [`crate::Path::deviation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// Cells along each of u and v over the histogram's range; divides the number of its bins.
+    /// Number of cells along each of u and v over the range of the histogram; a divisor of the
+    /// number of its bins.
     pub cells: usize,
-    /// Bins along each of the deviation's two components. Where their number is odd, straight back
-    /// is in the middle of one.
+    /// Number of bins along each of the two components of the deviation. If it is odd, straight
+    /// back is in the middle of a bin.
     pub bins: usize,
-    /// They cover [-range, range]; the outermost also hold what lies beyond.
+    /// Half width of the bins, a tangent: they cover [-range, range]. The outermost bins also hold
+    /// the light beyond.
     pub range: f64,
 }
 
 impl Grid {
-    /// Most cells, and most bins, along an axis: places then fit 48 bits.
+    /// Most cells, and most bins, along an axis: a place then fits 48 bits.
     pub const MOST: usize = 4096;
 
-    /// The place of rays: `cell` and `bin` are (v, u) and (along v, across).
+    /// Returns the place of a ray from its cell (v, u) and its bin (along v, across).
     pub fn place(&self, cell: [usize; 2], bin: [usize; 2]) -> u64 {
         let [cells, bins] = [self.cells, self.bins].map(|n| n as u64);
         let [[v, u], [along, across]] = [cell, bin].map(|pair| pair.map(|n| n as u64));
         ((v * cells + u) * bins + along) * bins + across
     }
 
-    /// The cell (v, u) and the bin (along v, across) of a place.
+    /// Returns the cell (v, u) and the bin (along v, across) of a place.
     pub fn at(&self, place: u64) -> ([usize; 2], [usize; 2]) {
         let [cells, bins] = [self.cells, self.bins].map(|n| n as u64);
         let (cell, bin) = (place / (bins * bins), place % (bins * bins));
@@ -40,7 +44,7 @@ impl Grid {
         (pair(cell, cells), pair(bin, bins))
     }
 
-    /// Places in all.
+    /// Returns the number of places.
     pub fn places(&self) -> u64 {
         [self.cells, self.cells, self.bins, self.bins]
             .iter()
@@ -48,30 +52,30 @@ impl Grid {
             .product()
     }
 
-    /// The bin of one component of a deviation.
+    /// Returns the bin of one component of a deviation.
     pub fn bin(&self, tangent: f64) -> usize {
         let position = (tangent + self.range) / self.bin_width();
-        // A negative number becomes 0.
+        // The cast turns a negative number into 0.
         (position as usize).min(self.bins - 1)
     }
 
-    /// Width of a bin, a tangent.
+    /// Returns the width of a bin, a tangent.
     pub fn bin_width(&self) -> f64 {
         2.0 * self.range / self.bins as f64
     }
 
-    /// The deviation (across, along v) in the middle of a bin (along v, across).
+    /// Returns the deviation (across, along v) in the middle of a bin (along v, across).
     pub fn deviation(&self, [along, across]: [usize; 2]) -> [f64; 2] {
         [across, along].map(|k| (k as f64 + 0.5) * self.bin_width() - self.range)
     }
 
-    /// The place seen in a mirror that holds the plane of incidence: v is turned over.
+    /// Returns the place seen in a mirror that holds the plane of incidence: v changes its sign.
     pub fn mirrored(&self, place: u64) -> u64 {
         let ([v, u], [along, across]) = self.at(place);
         self.place([self.cells - 1 - v, u], [self.bins - 1 - along, across])
     }
 
-    /// Whether a bin is one of the outermost.
+    /// Returns whether a bin is one of the outermost.
     pub fn is_outermost(&self, bin: [usize; 2]) -> bool {
         bin.iter().any(|&k| k == 0 || k + 1 == self.bins)
     }
@@ -80,43 +84,43 @@ impl Grid {
 /// Rays at one place of a [`Grid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
-    /// As [`Grid::place`] has it.
+    /// Place that [`Grid::place`] returns.
     pub place: u64,
-    /// How many, above 0.
+    /// Number of rays, above 0.
     pub rays: u64,
 }
 
-/// The rays of all directions by shift and deviation, all randomisations together.
+/// Rays of all directions by shift and deviation, all randomisations together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deviations {
     /// Cells and bins.
     pub grid: Grid,
-    /// Of each direction, index = incidence * azimuths + azimuth, by ascending place.
+    /// Entries of each direction by ascending place; index = incidence * azimuths + azimuth.
     pub entries: Vec<Vec<Entry>>,
 }
 
-/// The light of one direction by shift and deviation.
+/// Light of one direction by shift and deviation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exits {
     /// Cells and bins.
     pub grid: Grid,
-    /// Probability per launched ray of every place that has rays, ascending.
+    /// Probability per launched ray of every place that has rays, by ascending place.
     pub probability: Vec<(u64, f64)>,
 }
 
-/// How far light goes from straight back.
+/// Angles between the returned light and straight back.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spread {
-    /// Root of the mean square, rad.
+    /// Root of the mean square of the angle, rad.
     pub rms_rad: f64,
-    /// The largest, rad.
+    /// Largest angle, rad.
     pub largest_rad: f64,
-    /// Share of the rays in the outermost bins, which may have gone beyond.
+    /// Share of the rays in the outermost bins, whose true deviation may be larger.
     pub outermost: f64,
 }
 
 impl Deviations {
-    /// None of the directions has rays yet.
+    /// Makes lists without rays for all directions.
     pub fn new(grid: Grid, directions: usize) -> Deviations {
         Deviations {
             grid,
@@ -124,7 +128,7 @@ impl Deviations {
         }
     }
 
-    /// The spread of one direction; all 0 where nothing returns.
+    /// Returns the spread of one direction; all 0 where nothing returns.
     pub fn spread(&self, direction: usize) -> Spread {
         let mut spread = Spread::default();
         let (mut squares, mut outermost, mut total) = (0.0, 0, 0);
@@ -146,7 +150,7 @@ impl Deviations {
     }
 }
 
-/// Rays of two parts together.
+/// Adds the rays of two lists, place by place.
 pub fn added(a: &[Entry], b: &[Entry]) -> Vec<Entry> {
     let mut sum = Vec::with_capacity(a.len().max(b.len()));
     let (mut a, mut b) = (a.iter().peekable(), b.iter().peekable());
@@ -169,7 +173,7 @@ pub fn added(a: &[Entry], b: &[Entry]) -> Vec<Entry> {
     }
 }
 
-/// The entries of rays at those places, which are sorted.
+/// Sorts the places of rays and counts the rays at each place.
 pub fn counted(places: &mut [u64]) -> Vec<Entry> {
     places.sort_unstable();
     let groups = places.chunk_by(|a, b| a == b);
@@ -239,7 +243,7 @@ mod tests {
         };
         let deviations = Deviations {
             grid: GRID,
-            // 4e-3 across, straight back, 8e-3 along.
+            // The light goes 4e-3 across, straight back, and 8e-3 along v.
             entries: vec![vec![at([2, 2], 2), at([2, 3], 1), at([4, 2], 1)], vec![]],
         };
         let spread = deviations.spread(0);

@@ -1,10 +1,12 @@
-//! What becomes of rays.
+//! Fates of rays.
 
-/// What became of a ray. The names and their order are those of the file.
+/// Fate of a ray. The names and their order are those of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
 pub enum Fate {
-    /// Came back by a path whose linear map is -I, shift inside the histogram.
+    /// Came back by a path whose linear map is -I, with a shift inside the histogram.
+    ///
+    /// In a plate the map is diag(-1, -1, 1). In bodies of glass the exit direction decides.
     Retroreflected,
     /// Left the cell after one reflection.
     LeftAfter1,
@@ -23,7 +25,7 @@ pub enum Fate {
     Missed,
     /// Retroreflected, but the shift lies outside the histogram.
     OutOfRange,
-    /// Was stopped after the greatest number of reflections.
+    /// Was stopped after the greatest allowed number of reflections.
     BounceLimit,
 }
 
@@ -42,7 +44,7 @@ impl Fate {
         Fate::BounceLimit,
     ];
 
-    /// The name in the file.
+    /// Returns the name in the file.
     pub const fn name(self) -> &'static str {
         match self {
             Fate::Retroreflected => "retroreflected",

@@ -1,18 +1,21 @@
-//! Ragged lists as flat arrays, the way they are stored and hashed.
+//! Ragged lists as flat arrays, for the file and the content hash.
 
 use crate::table::deviation::{Deviations, Entry};
 use crate::table::exact::{Exact, Path};
 
-/// The lists of all directions one after another, the way they are stored and hashed.
+/// Entries of all directions one after another, for the file and the content hash.
 #[derive(Debug)]
 pub(crate) struct FlatEntries {
-    /// Direction k has the entries start[k] .. start[k + 1].
+    /// Bounds of the directions: direction k has the entries start[k] .. start[k + 1].
     pub start: Vec<u64>,
+    /// Place of each entry.
     pub place: Vec<u64>,
+    /// Number of rays of each entry.
     pub rays: Vec<u64>,
 }
 
 impl FlatEntries {
+    /// Puts the entries of all directions one after another.
     pub(crate) fn new(deviations: &Deviations) -> FlatEntries {
         let mut start = vec![0];
         for entries in &deviations.entries {
@@ -26,8 +29,10 @@ impl FlatEntries {
         }
     }
 
-    /// The lists again. The first start that does not fit, where one does not; `place` and `rays`
-    /// are equally long.
+    /// Returns the entries of each direction. `place` and `rays` must be equally long.
+    ///
+    /// # Errors
+    /// Returns the index of the first value of `start` that does not fit the others.
     pub(crate) fn entries(&self) -> Result<Vec<Vec<Entry>>, usize> {
         let mut entries = Vec::new();
         let mut end = 0;
@@ -51,27 +56,27 @@ impl FlatEntries {
     }
 }
 
-/// The ragged paths of an exact table as flat arrays, the way they are stored and hashed.
+/// Paths of an exact table as flat arrays, for the file and the content hash.
 #[derive(Debug, Default)]
 pub(crate) struct FlatPaths {
     /// Direction of each path, incidence * azimuths + azimuth, ascending.
     pub direction: Vec<u64>,
-    /// Four numbers a path, row-major.
+    /// Linear parts of the shift maps, four numbers a path, row-major.
     pub matrix: Vec<f64>,
-    /// Two numbers a path.
+    /// Constant parts of the shift maps, two numbers a path.
     pub offset: Vec<f64>,
-    /// One number a path.
+    /// Weights, one number a path.
     pub weight: Vec<f64>,
-    /// Two numbers a path; none at all where every one is 0.
+    /// Deviations, two numbers a path; empty if all are 0.
     pub deviation: Vec<f64>,
-    /// Path k has the vertices start[k] .. start[k + 1].
+    /// Bounds of the polygons: path k has the vertices start[k] .. start[k + 1].
     pub start: Vec<u64>,
-    /// Two numbers a vertex.
+    /// Vertices of the polygons, two numbers a vertex.
     pub vertex: Vec<f64>,
 }
 
 impl FlatPaths {
-    /// FlatPathstens direction by direction, path by path, vertex by vertex.
+    /// Flattens the paths direction by direction, path by path, vertex by vertex.
     pub(crate) fn new(exact: &Exact) -> FlatPaths {
         let mut flat = FlatPaths {
             start: vec![0],
@@ -94,11 +99,12 @@ impl FlatPaths {
         flat
     }
 
-    /// The paths again, by direction.
+    /// Returns the paths of each direction.
+    ///
+    /// The caller must check before that each array has its number of elements for every path.
     ///
     /// # Errors
-    /// The first entry that does not fit the others. The arrays of a path have its numbers of
-    /// elements: callers see to that.
+    /// Returns the first entry that does not fit the others.
     pub(crate) fn paths(&self, directions: usize) -> Result<Vec<Vec<Path>>, Misfit> {
         let (vertices, _) = self.vertex.as_chunks::<2>();
         let (matrices, _) = self.matrix.as_chunks::<4>();
@@ -150,15 +156,15 @@ impl FlatPaths {
     }
 }
 
-/// An entry of the flat arrays that does not fit the others.
+/// Entry of the flat arrays that does not fit the others.
 #[derive(Debug)]
 pub(crate) struct Misfit {
     /// Name of the array.
     pub array: &'static str,
     /// Index of the entry.
     pub index: usize,
-    /// What would fit.
+    /// Values that would fit, in words.
     pub expected: String,
-    /// What is there.
+    /// Value that is there.
     pub found: u64,
 }

@@ -1,6 +1,6 @@
-//! The rules that a table can break, each with the place.
+//! Rules that a table can break, each with the place.
 
-/// A rule that a table breaks. Directions are (index along incidence, index along azimuth).
+/// Rule that a table breaks. Directions are (index along incidence, index along azimuth).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Invalid {
     /// An axis without values.
@@ -36,7 +36,7 @@ pub enum Invalid {
         array: &'static str,
         /// Shape that follows from the axes.
         expected: Vec<usize>,
-        /// Shape that is there.
+        /// Shape that the array has.
         found: Vec<usize>,
     },
     /// A value that is NaN, infinite or outside of its range.
@@ -75,7 +75,7 @@ pub enum Invalid {
         /// The sum.
         sum: f64,
     },
-    /// eta is not what the fates say.
+    /// Value of eta that differs from the fates.
     #[error(
         "retroreflected is {eta} at direction {direction:?}, fate retroreflected + out_of_range \
         is {fates}"
@@ -85,10 +85,10 @@ pub enum Invalid {
         direction: (usize, usize),
         /// eta.
         eta: f64,
-        /// What the fates sum to.
+        /// Sum of the fates retroreflected and out_of_range.
         fates: f64,
     },
-    /// A histogram and a fate that count different rays.
+    /// Histogram and fate that count different rays.
     #[error(
         "counts sum to {counts} at direction {direction:?}, randomisation {randomisation}, \
          fate_counts says {fates} retroreflected"
@@ -121,7 +121,7 @@ pub enum Invalid {
         /// Sum over fates and randomisations.
         rays: u128,
     },
-    /// Rays by deviation that the histogram does not have, or has more of.
+    /// Rays by deviation that are more or fewer than those of the histogram.
     #[error(
         "the deviations of direction {direction} have {deviations} rays in the cell (v, u) = \
         {cell:?}, counts has {counts}"
@@ -139,27 +139,26 @@ pub enum Invalid {
     /// An entry out of place, or without rays.
     #[error(
         "entry {entry} of the deviations of direction {direction} has the place {place} and \
-        {rays} rays; places ascend below \
-         {places}, and rays are at least 1"
+        {rays} rays; places ascend below {places}, and rays are at least 1"
     )]
     DeviationEntry {
         /// Index of the direction, incidence * azimuths + azimuth.
         direction: usize,
         /// Index of the entry within the direction.
         entry: usize,
-        /// Its place.
+        /// Place of the entry.
         place: u64,
-        /// Its rays.
+        /// Rays of the entry.
         rays: u64,
-        /// Places in all.
+        /// Number of places.
         places: u64,
     },
-    /// Only one of `counts` and `fate_counts` is there.
+    /// One of two arrays of which a table has both or none.
     #[error("{present} is there without {missing}")]
     HalfCounts {
-        /// The one that is there.
+        /// Name of the array that is there.
         present: &'static str,
-        /// The one that is not.
+        /// Name of the array that is not there.
         missing: &'static str,
     },
     /// A polygon of fewer than three corners or of negative area.

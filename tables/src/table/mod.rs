@@ -1,8 +1,7 @@
-//! A ray-shift table in memory: axes, counts, fates, polygons, deviations, provenance, and the
-//! rules that they obey.
+//! Ray-shift tables in memory: axes, counts, fates, polygons, deviations, provenance, and rules.
 //!
-//! Counts or polygons enter; a [`table::Table`] leaves whose every number follows from them. It
-//! touches the options that its provenance states, and no other room.
+//! Counts or polygons enter. A [`table::Table`] leaves, and all of its numbers follow from them.
+//! The room touches the options that the provenance states, and no other room.
 
 pub(crate) mod axes;
 pub(crate) mod check;

@@ -1,16 +1,17 @@
-//! Area and centroid of polygons, and the cutting of convex ones along a line (Sutherland and
-//! Hodgman 1974).
+//! Area and centroid of polygons, and the cutting of convex ones along a line.
 //!
-//! Points are of any type: `bake` has vectors, tables have pairs of numbers. Whoever cuts says how
-//! a point is made on an edge, so that neighbours who share it get the same bits.
+//! The cutting is that of Sutherland and Hodgman 1974. Points are of any type: `bake` has vectors,
+//! tables have pairs of numbers. The caller says how a point on an edge is made, so that neighbours
+//! who share the edge get equal bits.
 
-/// Signed area of a polygon, positive when it is counter-clockwise; relative to its first corner,
-/// so that a polygon far from the origin loses no digits.
+/// Returns the signed area of a polygon, positive when it is counter-clockwise.
+///
+/// It is computed relative to the first corner, so a polygon far from the origin loses no digits.
 pub(crate) fn area(corners: &[[f64; 2]]) -> f64 {
     0.5 * fan(corners).map(|(_, _, twice)| twice).sum::<f64>()
 }
 
-/// Centroid of a polygon; its first corner where the area is 0.
+/// Returns the centroid of a polygon, or its first corner if the area is 0.
 pub(crate) fn centroid(corners: &[[f64; 2]]) -> [f64; 2] {
     let Some(&[x, y]) = corners.first() else {
         return [0.0; 2];
@@ -28,7 +29,7 @@ pub(crate) fn centroid(corners: &[[f64; 2]]) -> [f64; 2] {
     [x + sum(0), y + sum(1)]
 }
 
-/// The triangles from the first corner: two sides as vectors, and twice the signed area.
+/// Returns the triangles from the first corner: two sides as vectors, and twice the signed area.
 pub(crate) fn fan(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2], f64)> + '_ {
     let origin = corners.first().copied().unwrap_or_default();
     let side = move |corner: &[f64; 2]| [corner[0] - origin[0], corner[1] - origin[1]];
@@ -38,18 +39,20 @@ pub(crate) fn fan(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64;
     })
 }
 
-/// What a walk around a polygon meets, where a line cuts it: points with their value, which is 0 on
-/// the line.
+/// Event of a walk around a polygon that a line cuts: points with their value, which is 0 on the
+/// line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Met<P> {
-    /// A corner.
+    /// Corner with its value.
     Corner(P, f64),
-    /// An edge across the line, from a corner to the next: neither is on it.
+    /// Edge across the line, from a corner to the next; neither of them is on the line.
     Crossing([(P, f64); 2]),
 }
 
-/// Walks once around a convex polygon, from its last corner to its first and on. `value` has a sign
-/// for each side of the line.
+/// Walks once around a convex polygon and calls `meet` at every corner and crossing.
+///
+/// The walk begins with the edge from the last corner to the first. `value` is negative on one side
+/// of the line and positive on the other.
 #[inline]
 pub fn walk<P: Copy>(corners: &[P], value: impl Fn(P) -> f64, mut meet: impl FnMut(Met<P>)) {
     let Some(&last) = corners.last() else { return };
@@ -64,8 +67,9 @@ pub fn walk<P: Copy>(corners: &[P], value: impl Fn(P) -> f64, mut meet: impl FnM
     }
 }
 
-/// The part of a convex polygon where `value` is not positive, its corners in their order. `on`
-/// makes the point at a part of the way from one corner to the next.
+/// Returns the part of a convex polygon where `value` is not positive, its corners in their order.
+///
+/// `on` makes the point at a given part of the way from one corner to the next.
 pub fn clip<P: Copy>(
     corners: &[P],
     value: impl Fn(P) -> f64,
@@ -99,7 +103,7 @@ pub fn clip<P: Copy>(
 mod tests {
     use super::*;
 
-    /// Half planes on a unit square: how many corners are left, and the area.
+    /// Cuts a unit square by half planes, and checks the number of corners left and the area.
     #[test]
     fn a_square_is_cut() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];

@@ -1,23 +1,23 @@
-//! Where a table comes from.
+//! Origin of a table.
 
 use crate::options::{Back, Element, Losses, Method, Sampler, StatedOptions, Word};
 use crate::table::shards::Shards;
 use crate::table::symmetry::Symmetry;
 
-/// What a bake writes as the generator of its tables.
+/// Generator that a bake writes into its tables.
 ///
-/// It names how options become numbers, not the program or its version: it rises when the same
-/// options give other numbers, so that tables of two versions of a program add up as long as their
-/// rays are of one kind.
+/// It names the rule by which options become numbers, not the program or its version. It changes
+/// when equal options give other numbers. So tables of two versions of a program can be merged as
+/// long as their rays are of one kind.
 pub const GENERATOR: &str = "airr ray-shift table 1";
 
-/// What programs before this name wrote for the same numbers.
+/// Generators of earlier programs that give the numbers of [`GENERATOR`].
 const EARLIER: [&str; 1] = ["bake 0.1.0"];
 
-/// The word of a file for no sampler.
+/// Word of the file for no sampler.
 const NO_SAMPLER: &str = "none";
 
-/// The name that a generator has now.
+/// Returns the present name of a generator.
 pub(crate) fn level(generator: &str) -> &str {
     match EARLIER.contains(&generator) {
         true => GENERATOR,
@@ -25,15 +25,15 @@ pub(crate) fn level(generator: &str) -> &str {
     }
 }
 
-/// The sampler of a file's word.
+/// Returns the sampler that a word of the file names.
 pub(crate) fn sampler(text: String) -> Option<Word<Sampler>> {
     (text != NO_SAMPLER).then(|| Word::read(text))
 }
 
-/// Where a table comes from: all that is needed to bake it again.
+/// Origin of a table: all that is needed to bake it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
-    /// What the numbers mean, [`GENERATOR`] of every bake of this version.
+    /// Rule that made the numbers; [`GENERATOR`] in every bake of this version.
     pub generator: String,
     /// Name of the cell's design.
     pub design: String,
@@ -47,65 +47,66 @@ pub struct Provenance {
     pub azimuth_zero: [f64; 3],
     /// Refractive index behind the flat front face; 1 where there is none.
     pub refractive_index: f64,
-    /// What the facets are backed with.
+    /// Material behind the facets.
     pub back: Word<Back>,
-    /// What surfaces take from the light.
+    /// Losses at the surfaces.
     pub losses: Word<Losses>,
-    /// Reflectance of each mirror facet, 1 where losses are left out or a metal or a bare back
+    /// Reflectance of each mirror facet; 1 without losses, and where a metal or a bare back
     /// decides.
     pub reflectance: f64,
-    /// How the distribution was found: [`Method::Rays`] or [`Method::Exact`].
+    /// Method that found the distribution: [`Method::Rays`] or [`Method::Exact`].
     pub method: Word<Method>,
-    /// How samples were spread; `None` for the exact method.
+    /// Sampler of the points of entry; `None` for the exact method.
     pub sampler: Option<Word<Sampler>>,
     /// Seed of the samples.
     pub seed: u64,
     /// Largest deviation of the path's linear map from -I that counts as retroreflected, degrees.
     pub angular_tolerance_deg: f64,
-    /// L1 error asked for, 0 where a number of rays was.
+    /// L1 error that the user asked for; 0 where the user asked for a number of rays.
     pub tolerance: f64,
-    /// Lattice vectors in the cell frame, edge lengths, where the cell is periodic.
+    /// Lattice vectors in the cell frame, edge lengths; `None` unless the cell is periodic.
     pub lattice: Option<[[f64; 2]; 2]>,
-    /// Vacuum wavelength that the bake was told, nm; `None` where it was not.
+    /// Vacuum wavelength that the user stated, nm; `None` without one.
     pub wavelength_nm: Option<f64>,
-    /// Complex refractive index n + ik, as [n, k], of the metal behind each facet, where there is
-    /// one.
+    /// Complex refractive index n + ik, as [n, k], of the metal behind each facet; `None` without
+    /// metal.
     pub metal_index: Option<[f64; 2]>,
-    /// Which shards of a bake these are; `None` for a whole one.
+    /// Shards of a bake that the table holds; `None` for a whole bake.
     pub shards: Option<Shards>,
-    /// What the azimuths stand for besides themselves.
+    /// Symmetry by which the azimuths of the table stand for others.
     pub symmetry: Symmetry,
-    /// Total variation of eta x histogram that interpolated polygons are within, where the
-    /// directions were chosen for it.
+    /// Bound of the total variation of eta x histogram between interpolated and true polygons.
+    ///
+    /// `None` unless the directions were chosen for such a bound.
     pub direction_tolerance: Option<f64>,
-    /// What else the rays obeyed.
+    /// Further options that the rays obeyed.
     pub options: StatedOptions,
 }
 
 impl Provenance {
-    /// What the mesh does with light.
+    /// Returns the optical element that the mesh is.
     pub fn element(&self) -> Element {
         self.options.element()
     }
 
-    /// Whether light went through bodies of glass.
+    /// Returns whether light went through bodies of glass.
     pub fn has_glass(&self) -> bool {
         self.options.has_glass()
     }
 
-    /// How samples were spread, in the word of the file: `none` for the exact method.
+    /// Returns the name of the sampler in the file: `none` for the exact method.
     pub fn sampler_text(&self) -> &str {
         self.sampler.as_ref().map_or(NO_SAMPLER, Word::text)
     }
 
-    /// Whether the samples are plain random ones, whose rays are independent.
+    /// Returns whether the samples are plain random ones, whose rays are independent.
     pub fn is_random(&self) -> bool {
         let sampler = self.sampler.as_ref();
         sampler.is_some_and(|sampler| sampler.is(Sampler::Random))
     }
 
-    /// What the surfaces take from the light, in words: `none`, or `fresnel` and what the facets
-    /// are made of.
+    /// Returns the losses at the surfaces in words: `none`, or `fresnel` and the material of the
+    /// facets.
     pub fn losses_text(&self) -> String {
         match self.metal_index {
             _ if self.losses.is(Losses::None) => self.losses.to_string(),
@@ -120,8 +121,9 @@ impl Provenance {
         }
     }
 
-    /// Whether this is the provenance of the same bake: equal, but that an earlier program may have
-    /// named the generator.
+    /// Returns whether `other` is the provenance of an equal bake.
+    ///
+    /// Both must be equal, but an earlier program may have named the generator.
     pub fn is_of_the_bake(&self, other: &Provenance) -> bool {
         let named = |from: &Provenance| Provenance {
             generator: level(&from.generator).to_owned(),

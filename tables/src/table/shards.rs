@@ -1,4 +1,4 @@
-//! Which part of the samples of a bake a table holds.
+//! Parts of the samples of a bake.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -8,40 +8,40 @@ use std::str::FromStr;
 /// Most shards of a bake.
 pub const MOST_SHARDS: u32 = 65_536;
 
-/// Some shards of a bake: equal shares of the samples of every randomisation. A whole bake has no
-/// such record.
+/// Some shards of a bake: equal shares of the samples of every randomisation.
 ///
-/// As text: the numbers held, from 1, the shards in all, and the rays of the whole bake, `1-3,7/8
-/// of 4194304 rays`.
+/// A whole bake has no such record. Its text has the numbers held, from 1, the number of shards,
+/// and the rays of the whole bake: `1-3,7/8 of 4194304 rays`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shards {
-    /// Shards of the bake, 2 to [`MOST_SHARDS`].
+    /// Number of shards of the bake, 2 to [`MOST_SHARDS`].
     pub of: u32,
     /// Rays per direction of the whole bake.
     pub rays: u64,
-    /// Numbers of those that are held, from 1; neither none nor all.
+    /// Numbers of the shards that are held, from 1; neither none nor all.
     pub held: BTreeSet<u32>,
 }
 
 impl Shards {
-    /// The samples of shard `number` of `of`, where there are `samples` in all. Shards cover them
-    /// without overlap.
+    /// Returns the samples of shard `number` of `of`, out of `samples` in all.
+    ///
+    /// The shards cover all samples without overlap.
     pub fn samples(number: u32, of: u32, samples: u64) -> Range<u64> {
         let end = |k: u32| (u128::from(samples) * u128::from(k) / u128::from(of)) as u64;
         end(number - 1)..end(number)
     }
 
-    /// Numbers of the shards that are not held.
+    /// Returns the numbers of the shards that are not held.
     pub fn missing(&self) -> BTreeSet<u32> {
         (1..=self.of).filter(|k| !self.held.contains(k)).collect()
     }
 
-    /// Numbers of the shards that are not held, as `1-3,7`.
+    /// Returns the numbers of the shards that are not held as text: `1-3,7`.
     pub fn missing_text(&self) -> String {
         ranges(&self.missing())
     }
 
-    /// Whether the record is one that a bake or a merge makes.
+    /// Returns whether a bake or a merge can make this record.
     pub fn is_valid(&self) -> bool {
         (2..=MOST_SHARDS).contains(&self.of)
             && (1..self.of as usize).contains(&self.held.len())
@@ -49,7 +49,7 @@ impl Shards {
     }
 }
 
-/// Numbers as `1-3,7`.
+/// Writes numbers as `1-3,7`.
 fn ranges(numbers: &BTreeSet<u32>) -> String {
     let mut runs: Vec<(u32, u32)> = Vec::new();
     for &k in numbers {
@@ -102,7 +102,7 @@ impl FromStr for Shards {
             rays: rays.parse().map_err(|_| ())?,
             held: numbers,
         };
-        // One text for one record: the content hash covers it.
+        // Each record has only one text, because the content hash covers the text.
         (shards.is_valid() && shards.to_string() == text)
             .then_some(shards)
             .ok_or(())

@@ -1,4 +1,4 @@
-//! How a distribution repeats around the normal, so that a sector of azimuths stands for all.
+//! Symmetry of a distribution about the normal, by which a sector of azimuths stands for all.
 
 use ndarray::{Array2, s};
 
@@ -7,29 +7,33 @@ use crate::table::exact::Path;
 /// Most rotations that a table may claim; a hexagonal lattice has 6.
 pub(crate) const MOST_ROTATIONS: u32 = 360;
 
-/// The symmetry of a sheet about its normal, as far as ray shifts see it.
+/// Symmetry of a sheet about its normal, as far as ray shifts see it.
 ///
-/// In the incidence frame a rotated direction has the same distribution, and a mirrored one the
-/// same with v turned over; so no value is computed, only looked up at another azimuth.
+/// In the incidence frame a rotated direction has an equal distribution, and a mirrored one has it
+/// with v turned over. So no value is computed: it is looked up at another azimuth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Symmetry {
-    /// Azimuths that differ by 360 / `rotations` degrees have one distribution; 1 where no two
-    /// have.
+    /// Number of rotations: azimuths that differ by 360 / `rotations` degrees have one
+    /// distribution; 1 without rotations.
     pub rotations: u32,
-    /// Azimuth of a mirror plane, degrees: azimuths at equal angles on both sides of it have
-    /// mirrored distributions.
+    /// Azimuth of a mirror plane, degrees.
+    ///
+    /// Azimuths at equal angles on both sides of it have mirrored distributions.
     pub mirror_deg: Option<f64>,
 }
 
 impl Symmetry {
-    /// No two azimuths have one distribution.
+    /// No symmetry: no two azimuths have one distribution.
     pub const NONE: Symmetry = Symmetry {
         rotations: 1,
         mirror_deg: None,
     };
 
-    /// The smallest sector that stands for all azimuths: its first azimuth and its width, degrees.
-    /// With a mirror both of its ends are mirror planes; without, its end is its beginning again.
+    /// Returns the smallest sector that stands for all azimuths: its first azimuth and its width,
+    /// degrees.
+    ///
+    /// With a mirror plane, both ends of the sector are mirror planes. Without one, its end is
+    /// equal to its beginning.
     ///
     /// ```
     /// let six = tables::Symmetry { rotations: 6, mirror_deg: Some(0.0) };
@@ -43,8 +47,8 @@ impl Symmetry {
         }
     }
 
-    /// The azimuths that have the distribution of `azimuth_deg`, in [0, 360), and whether it is
-    /// mirrored there.
+    /// Returns the azimuths in [0, 360) that have the distribution of `azimuth_deg`, each with
+    /// whether it is mirrored there.
     pub fn images(&self, azimuth_deg: f64) -> impl Iterator<Item = (f64, bool)> + use<> {
         let turn = 360.0 / f64::from(self.rotations);
         let mirrored = self.mirror_deg.map(|mirror| 2.0 * mirror - azimuth_deg);
@@ -58,13 +62,14 @@ impl Symmetry {
     }
 }
 
-/// A histogram `[v, u]` seen in a mirror that holds the plane of incidence.
+/// Returns a histogram `[v, u]` seen in a mirror that holds the plane of incidence.
 pub(crate) fn mirrored(probability: Array2<f64>) -> Array2<f64> {
     probability.slice_move(s![..;-1, ..])
 }
 
-/// Paths seen in a mirror that holds the plane of incidence: v is turned over, and with it the
-/// sense of a polygon.
+/// Returns paths seen in a mirror that holds the plane of incidence.
+///
+/// v changes its sign. The corners of a polygon are reversed, so that it stays counter-clockwise.
 pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
     let mirrored = |path: &Path| {
         let ([[uu, uv], [vu, vv]], [u, v]) = (path.matrix, path.offset);

@@ -1,8 +1,8 @@
-//! A ray-shift table in memory.
+//! Ray-shift table in memory.
 //!
-//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, u along the in-plane
-//! travel direction, v = n x u, in edge lengths. Array axes are `[incidence, azimuth, shift_v,
-//! shift_u]`.
+//! Frame: shifts are (u, v) in the incidence frame of the entrance plane, in edge lengths. u points
+//! along the in-plane travel direction, and v = n x u. Array axes are `[incidence, azimuth,
+//! shift_v, shift_u]`.
 
 use ndarray::{Array2, Array3, Array4, Array5, Axis};
 
@@ -12,7 +12,7 @@ use crate::table::exact::Exact;
 use crate::table::deviation::Deviations;
 use crate::table::provenance::Provenance;
 
-/// A ray-shift table.
+/// Ray-shift table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Directions and bins.
@@ -22,11 +22,11 @@ pub struct Table {
     pub histogram: Array4<f64>,
     /// Rays per bin `[incidence, azimuth, randomisation, v, u]`; `None` for an exact table.
     pub counts: Option<Array5<u64>>,
-    /// Retroreflected fraction eta `[incidence, azimuth]` (out_of_range counts as retroreflected).
+    /// Retroreflected share eta `[incidence, azimuth]`; out_of_range counts as retroreflected.
     pub retroreflected: Array2<f64>,
     /// Standard error of `retroreflected`; 0 for an exact table.
     pub standard_error: Array2<f64>,
-    /// Fraction of the launched rays by fate `[incidence, azimuth, fate]`, in the order of
+    /// Share of the launched rays by fate `[incidence, azimuth, fate]`, in the order of
     /// `Fate::ALL`; sums to 1.
     pub fate: Array3<f64>,
     /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.
@@ -35,18 +35,19 @@ pub struct Table {
     pub rays: Array2<u64>,
     /// Polygons and maps of an exact table.
     pub exact: Option<Exact>,
-    /// Rays by shift and by the direction that they leave in, where the cell is not ideal; `None`
-    /// of an exact table.
+    /// Rays by shift and deviation, where the cell is not ideal; `None` for an exact table.
     pub deviations: Option<Deviations>,
-    /// Where it comes from.
+    /// Origin of the table.
     pub provenance: Provenance,
 }
 
 impl Table {
-    /// The table of some of its directions, named by their indices: that of a bake of them alone.
+    /// Returns the table of some of its directions, named by their indices.
+    ///
+    /// It equals a bake of these directions alone.
     ///
     /// # Panics
-    /// An index that is out of range.
+    /// Panics if an index is out of range.
     pub fn part(&self, incidences: &[usize], azimuths: &[usize]) -> Table {
         let pick = |angles: &[f64], which: &[usize]| which.iter().map(|&k| angles[k]).collect();
         let columns = self.axes.azimuth_deg.len();

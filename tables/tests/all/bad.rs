@@ -1,5 +1,5 @@
-//! Damaged and strangers' files: each is refused with the message that says what, where and what to
-//! do.
+//! Damaged and strangers' files: each is refused with a message that says what is wrong, where, and
+//! what to do.
 
 use crate::sample;
 
@@ -12,7 +12,7 @@ use hdf5::types::{FixedAscii, VarLenUnicode};
 use ndarray::{Array2, Array4};
 use tables::{read, write};
 
-/// A folder with one good table in it.
+/// Folder with one good table in it.
 struct Bench {
     folder: tempfile::TempDir,
     good: Vec<u8>,
@@ -36,7 +36,7 @@ impl Bench {
         refusal(&self.path())
     }
 
-    /// Opens the good table for writing with the HDF5 library, which cuts the seal off, and spoils
+    /// Opens the good table for writing with the HDF5 library, which cuts the seal off, and damages
     /// it.
     fn spoilt(&self, spoil: impl FnOnce(&hdf5::File)) -> String {
         fs::write(self.path(), &self.good).unwrap();
@@ -325,7 +325,7 @@ fn every_bad_table_is_refused_with_its_message() {
         "dataset incidence_deg is stored in another file",
     );
     case(
-        "a filter that we do not write",
+        "a filter that is never written",
         spoilt(&|f| {
             f.unlink("incidence_deg").unwrap();
             f.new_dataset::<f64>()
@@ -507,8 +507,7 @@ fn bad_polygons_are_refused() {
     assert_eq!(cases.len(), 11);
 }
 
-/// Another program may rewrite the texts at a fixed length or the numbers big-endian: the content
-/// is the same.
+/// Rewriting by another program: texts of a fixed length and big-endian numbers keep the content.
 #[test]
 fn bad_deviations_are_refused() {
     let folder = tempfile::tempdir().unwrap();

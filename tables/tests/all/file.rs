@@ -1,4 +1,4 @@
-//! A table to its file and back, and what becomes of the old file when that fails.
+//! A table to its file and back, and the old file when writing fails.
 
 use crate::sample;
 
@@ -87,7 +87,7 @@ fn a_place_that_cannot_be_written_is_refused_before_the_run() {
         refused(folder.path()),
         OutputError::NotAFile { .. }
     ));
-    // Renamed over, a device would be gone for every program.
+    // A device that was renamed over would be gone for every program.
     assert!(matches!(
         refused(Path::new("/dev/full")),
         OutputError::NotAFile { .. }

@@ -1,4 +1,4 @@
-//! Single flipped bits: everywhere in the file, and in the numbers alone where the seal is gone.
+//! Single flipped bits: everywhere in the file, and in the numbers alone after the seal is gone.
 
 use crate::sample;
 
@@ -9,7 +9,7 @@ use std::path::Path;
 use sample::Numbers;
 use tables::{Table, read, write};
 
-/// Where the numbers of the file are: the stored chunks of all datasets.
+/// Offsets of the numbers of the file: the stored chunks of all datasets.
 fn payload(path: &Path) -> Vec<Range<usize>> {
     let file = hdf5::File::open(path).unwrap();
     let groups = [file.as_group().unwrap()]
@@ -29,7 +29,7 @@ fn payload(path: &Path) -> Vec<Range<usize>> {
     ranges
 }
 
-/// Flips bits one at a time; says how many were found.
+/// Flips bits one at a time; returns the numbers of flips that were found and that were harmless.
 fn found(bytes: &[u8], bits: impl Iterator<Item = usize>, path: &Path, good: &Table) -> [usize; 2] {
     let (mut found, mut harmless) = (0, 0);
     for bit in bits {
@@ -80,7 +80,7 @@ fn every_flipped_bit_is_found() {
             sealed.len()
         );
 
-        // Without the seal the checksums of HDF5, the rules and the content hash find them.
+        // Without the seal, the checksums of HDF5, the rules and the content hash find the flips.
         let bits: Vec<usize> = (0..1000)
             .map(|_| {
                 let mut at = numbers.below(8 * length as u64) as usize;
@@ -103,7 +103,7 @@ fn every_flipped_bit_is_found() {
     }
 }
 
-/// Anywhere in the file, the structures of HDF5 included, where some bits say nothing.
+/// Flips anywhere in the file, also in the structures of HDF5, where some bits mean nothing.
 #[test]
 fn without_the_seal_no_flip_changes_the_table_unseen() {
     let folder = tempfile::tempdir().unwrap();

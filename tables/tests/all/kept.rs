@@ -1,5 +1,5 @@
 //! Tables of versions 1 and 2, as bake 0.1.0 wrote them. Every later version must read them and
-//! give these numbers: never replace the files, add those of a new version beside them.
+//! give these numbers. Never replace the files; add those of a new version beside them.
 
 use std::path::{Path, PathBuf};
 
@@ -11,8 +11,8 @@ fn kept(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// `bake trace triangular.obj --method rays --rays 16384 --bins 16 --incidence 0,20 --azimuth 0,30
-/// --refractive-index 1.49 --seed 3`
+/// Table of rays, made by `bake trace triangular.obj --method rays --rays 16384 --bins 16
+/// --incidence 0,20 --azimuth 0,30 --refractive-index 1.49 --seed 3`.
 #[test]
 fn a_table_of_rays_of_version_1() {
     let file = kept("version_1_rays.h5");
@@ -30,7 +30,7 @@ fn a_table_of_rays_of_version_1() {
     assert_eq!(counts.shape(), [2, 2, 16, 16, 16]);
     assert_eq!(counts.slice(ndarray::s![1, 1, 0, .., ..]).sum(), 609);
     assert_eq!(counts.slice(ndarray::s![1, 1, .., 7, 8]).sum(), 300);
-    // 9718 of 16384 rays; 300 of them in the bin.
+    // 9718 of 16384 rays return; 300 of them are in the bin.
     assert_eq!(table.retroreflected[[1, 1]], 9718.0 / 16384.0);
     assert_eq!(table.histogram[[1, 1, 7, 8]], 300.0 / 9718.0);
     assert!((table.standard_error[[1, 1]] - 5.486_378_187_071_346e-4).abs() < 1e-18);
@@ -46,8 +46,8 @@ fn a_table_of_rays_of_version_1() {
     assert_eq!((provenance.seed, provenance.refractive_index), (3, 1.49));
 }
 
-/// `bake trace triangular-pair.obj --bins 16 --incidence 0,20 --azimuth 0,30 --refractive-index
-/// 1.49`
+/// Exact table, made by `bake trace triangular-pair.obj --bins 16 --incidence 0,20 --azimuth 0,30
+/// --refractive-index 1.49`.
 #[test]
 fn an_exact_table_of_version_1() {
     let file = kept("version_1_exact.h5");
@@ -57,7 +57,7 @@ fn an_exact_table_of_version_1() {
         table.content_hash(),
         "3dcfce00b42195dcbcd2055af16bae85aa5c61420636473f134caf85e75a5f07"
     );
-    // Closed form of an ideal cube (2/3)(1 - 2 tan^2), with the angle inside; to rounding.
+    // Closed form of an ideal cube, (2/3)(1 - 2 tan^2) with the angle inside, to rounding.
     let inside = (20_f64.to_radians().sin() / 1.49).asin();
     let eta = [2.0 / 3.0, 2.0 / 3.0 * (1.0 - 2.0 * inside.tan().powi(2))];
     for ((i, _), retroreflected) in table.retroreflected.indexed_iter() {
@@ -72,9 +72,9 @@ fn an_exact_table_of_version_1() {
     assert_eq!((table.rays.sum(), table.counts), (0, None));
 }
 
-/// `bake trace uneven.obj --method rays --rays 16384 --bins 16 --incidence 0,20 --azimuth 0,30
-/// --refractive-index 1.49 --seed 3`, of `bake design triangular --dihedral-error-mrad 0.4,0,-0.2
-/// -o uneven.obj`
+/// Table with deviations, made by `bake trace uneven.obj --method rays --rays 16384 --bins 16
+/// --incidence 0,20 --azimuth 0,30 --refractive-index 1.49 --seed 3`. The mesh was made by `bake
+/// design triangular --dihedral-error-mrad 0.4,0,-0.2 -o uneven.obj`.
 #[test]
 fn a_table_of_rays_of_version_2() {
     let file = kept("version_2_deviations.h5");

@@ -1,4 +1,4 @@
-//! Directions: held, interpolated, refused.
+//! Directions of a table: held, interpolated, refused.
 
 use crate::sample;
 
@@ -52,7 +52,7 @@ fn between_directions_eta_times_histogram_is_bilinear() {
                 .iter()
                 .map(|&((i, j), share)| table.retroreflected[[i, j]] * share)
                 .sum();
-            // Four products of numbers below 1, each rounded to 1e-16.
+            // The sum has four products of numbers below 1, each rounded to 1e-16.
             assert!((direction.eta - eta).abs() < 1e-15);
             assert!(
                 (&direction.probability - &expected)
@@ -69,7 +69,7 @@ fn between_directions_eta_times_histogram_is_bilinear() {
         }
     }
     assert_eq!(cases, 9);
-    // The direction where nothing returns is a direction like any other.
+    // A direction where nothing returns is looked up like any other.
     let empty = table.direction(45.5, Some(30.0)).unwrap();
     assert_eq!((empty.eta, empty.probability.sum()), (0.0, 0.0));
 }
@@ -96,7 +96,7 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
     for (place, azimuth) in [(0, 0.0), (1, 30.0)] {
         let own = table.direction(10.0, Some(azimuth)).unwrap();
         for turn in 0..6 {
-            // Azimuths 0 and 30 deg lie on mirror planes, so that they need no mirror.
+            // Azimuths 0 and 30 deg lie on mirror planes, so they need no mirror.
             let image = table.direction(10.0, Some(azimuth - 60.0 * f64::from(turn)));
             let image = image.unwrap();
             assert!(!image.interpolated);
@@ -112,7 +112,7 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
         assert_eq!(image.eta, own.eta);
         let turned = own.probability.slice(ndarray::s![..;-1, ..]);
         assert_eq!(image.probability, turned);
-        // The transform follows: the mirrored distribution along (x, y) is the own one along (x,
+        // The transform of a mirrored distribution along (x, y) is that of the own one along (x,
         // -y).
         let line = image.otf_along([0.7, 0.4], &[0.3, 1.1]);
         let expected = own.otf_along([0.7, -0.4], &[0.3, 1.1]);
@@ -121,8 +121,8 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
         }
         cases += 1;
     }
-    // Between 30 and 50 deg, as between 10 and 30: no wider than the table's own gap. Those from
-    // -10 to 10 deg too.
+    // The gap from 30 to 50 deg is no wider than the table's own gap from 10 to 30 deg. The gap
+    // from -10 to 10 deg is not either.
     table.exact = None;
     let middle = table.direction(10.0, Some(40.0)).unwrap();
     assert!((middle.eta - 0.5 * (own.eta + table.retroreflected[[1, 1]])).abs() < 1e-15);

@@ -1,5 +1,5 @@
-//! Tests of the crate from outside, in one program: linking HDF5 costs more than most of them.
-//! `cargo test -p tables --test all merge` runs those of one file.
+//! Tests of the crate from outside, in one program, because linking HDF5 costs more than most of
+//! them. `cargo test -p tables --test all merge` runs those of one file.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

@@ -1,4 +1,4 @@
-//! Merging is adding rays: by hand, in every order, and refused where it would lie.
+//! Merging: sums by hand, in every order, and refusals where the sum would be wrong.
 
 use crate::sample;
 
@@ -10,7 +10,7 @@ use std::ops::Range;
 use tables::options::{Back, Losses, Sampler, Word};
 use tables::{Error, Fate, Mismatch, Shards, Table, merge};
 
-/// A part of a table: its counts where `keep` says so, no rays elsewhere.
+/// Part of a table: its counts where `keep` says so, no rays elsewhere.
 fn part(table: &Table, keep: impl Fn(usize, usize, usize) -> bool) -> Table {
     let (mut counts, mut fates) = (
         table.counts.clone().unwrap(),
@@ -36,13 +36,17 @@ fn mismatch(tables: &[Table]) -> Mismatch {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
-    /// Any split of directions and randomisations gives back the whole, bit for bit, in any order
+    /// Any split of directions and randomisations merges to the whole, bit for bit, in any order
     /// and grouping.
     #[test]
-    fn any_split_merges_to_the_whole(owner in prop::collection::vec(0..4_usize, 3 * 2 * 3), turn in 0..4_usize) {
+    fn any_split_merges_to_the_whole(
+        owner in prop::collection::vec(0..4_usize, 3 * 2 * 3),
+        turn in 0..4_usize,
+    ) {
         let whole = sample::rays(3, 7);
-        let mut shards: Vec<Table> =
-            (0..4).map(|shard| part(&whole, |i, j, r| owner[(i * 2 + j) * 3 + r] == shard)).collect();
+        let mut shards: Vec<Table> = (0..4)
+            .map(|shard| part(&whole, |i, j, r| owner[(i * 2 + j) * 3 + r] == shard))
+            .collect();
         shards.rotate_left(turn);
         let merged = merge(&shards).unwrap();
         prop_assert_eq!(&merged, &whole);
@@ -52,7 +56,7 @@ proptest! {
     }
 }
 
-/// Deviations go with their directions, and add up over seeds.
+/// Deviations stay with their directions, and add up over seeds.
 #[test]
 fn deviations_are_merged() {
     let whole = sample::deviations(7);
@@ -90,7 +94,7 @@ fn deviations_are_merged() {
 
 #[test]
 fn seeds_that_follow_one_another_are_more_randomisations() {
-    // Seeds 7 and 8, then 9: one bake of three randomisations from seed 7.
+    // Seeds 7 and 8, then 9, are one bake of three randomisations from seed 7.
     let (first, second) = (sample::rays(2, 7), sample::rays(1, 9));
     for order in [[&first, &second], [&second, &first]] {
         let merged = merge(&order.map(Clone::clone)).unwrap();
@@ -224,7 +228,7 @@ fn directions_join_to_the_table_of_all() {
             ],
         ] {
             let merged = merge(&parts).unwrap();
-            // Nobody looked into the gaps between the parts.
+            // Nobody has checked the interpolation in the gaps between the parts.
             whole.provenance.direction_tolerance = None;
             assert_eq!(merged, whole);
             assert_eq!(merged.content_hash(), whole.content_hash());
@@ -254,8 +258,8 @@ fn shard(table: &Table, k: u32, of: u32) -> Table {
     };
     let mut fates = table.fate_counts.clone().unwrap().mapv(|n| share(&n));
     let counts = table.counts.clone().unwrap().mapv(|n| share(&n));
-    // A share of a sum is not the sum of the shares: the counts of a direction are what its rays
-    // say.
+    // A share of a sum is not the sum of the shares, so the counts of a direction say how many of
+    // its rays returned.
     let (i, j, r, _) = fates.dim();
     for (i, j, r) in (0..i).flat_map(|i| (0..j).flat_map(move |j| (0..r).map(move |r| (i, j, r)))) {
         fates[[i, j, r, Fate::Retroreflected as usize]] = counts.slice(s![i, j, r, .., ..]).sum();
@@ -334,7 +338,7 @@ fn a_shard_comes_back_from_its_file() {
     assert_eq!(tables::read(&file).unwrap(), table);
 }
 
-/// A program version does not part tables; another level of the numbers does.
+/// Tables of two program versions merge; tables of two generators do not.
 #[test]
 fn generators_of_one_level_merge() {
     let old = sample::rays(2, 7);
@@ -349,7 +353,7 @@ fn generators_of_one_level_merge() {
     assert_eq!(whole.provenance.generator, tables::GENERATOR);
     assert_eq!(merge(&[old.clone(), more.clone()]).unwrap(), whole);
     assert_eq!(merge(&[more, old.clone()]).unwrap(), whole);
-    // Old ones alone keep the name and so the hash.
+    // Tables of the old generator alone keep its name, and so the hash.
     assert_eq!(merge(std::slice::from_ref(&old)).unwrap(), old);
     assert!(old.provenance.is_of_the_bake(&new.provenance));
     let mut later = new;

@@ -1,4 +1,4 @@
-//! The file as Python sees it: h5py and xarray with h5netcdf, and the reader of `FORMAT.md`.
+//! Tables as Python reads them: h5py, xarray with h5netcdf, and the reader of `FORMAT.md`.
 
 use crate::sample;
 

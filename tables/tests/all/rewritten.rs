@@ -1,5 +1,5 @@
-//! Tables that other programs wrote again: by what they hold they are the same tables, without
-//! their seal.
+//! Tables that other programs wrote again: if the content is the same, so is the table. The seal is
+//! gone.
 
 use crate::sample;
 
@@ -8,14 +8,15 @@ use std::process::Command;
 
 use tables::{Table, is_sealed, read, write};
 
-/// h5py copies every object into a new file: of the oldest structures that HDF5 knows, or of the
-/// newest.
+/// Copies by h5py of every object into a new file, with the oldest structures that HDF5 knows or
+/// the newest.
 const H5PY: &str = "import h5py, sys\n\
 with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w', libver=sys.argv[3]) as old:\n\
 \x20   for name in new: new.copy(name, old)\n\
 \x20   old.attrs.update(new.attrs)";
 
-/// h5py writes bare arrays, contiguous and without scales, as a script of one's own would.
+/// Bare arrays written by h5py, contiguous and without scales, as a user's own script would write
+/// them.
 const ARRAYS: &str = "import h5py, sys\n\
 with h5py.File(sys.argv[1]) as new, h5py.File(sys.argv[2], 'w') as old:\n\
 \x20   for name, data in new.items():\n\
@@ -67,8 +68,8 @@ fn tables_from_h5py_and_xarray_are_read() {
                     assert_eq!(back, *table, "{kind} {option}");
                     assert_eq!(back.content_hash(), table.content_hash());
                 }
-                // xarray leaves groups out: a table without its polygons or its deviations is
-                // another one.
+                // xarray leaves groups out. A table without its polygons or its deviations is
+                // another table.
                 Err(error) => {
                     assert!(matches!(*kind, "exact" | "deviations"), "{kind}: {error}");
                     assert_eq!(script, XARRAY, "{error}");
@@ -83,7 +84,7 @@ fn tables_from_h5py_and_xarray_are_read() {
     assert_eq!(tried, 16);
 }
 
-/// The tools of the HDF5 project, where they are installed: HDFView saves likewise.
+/// Copies by the tools of the HDF5 project, if they are installed. HDFView saves in the same way.
 #[test]
 fn a_table_from_h5repack_is_read() {
     let folder = tempfile::tempdir().unwrap();

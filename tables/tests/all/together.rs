@@ -1,4 +1,4 @@
-//! Many at one file: whoever reads gets the old table or the new one, whole.
+//! Several programs at one file: each reader gets the old table or the new one, whole.
 
 use crate::sample;
 
@@ -10,7 +10,7 @@ use tables::{read, write};
 fn a_read_during_a_write_gets_one_of_the_tables() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("table.h5");
-    // Of different lengths, so that a mixture would show.
+    // The tables have different lengths, so that a mixture would show.
     let tables = [sample::rays(1, 7), sample::rays(3, 8)];
     write(&tables[0], &file).unwrap();
     let done = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! Rays by shift and deviation: a list a direction in memory, flat in the file.
+//! Group of rays by shift and deviation: one list for each direction in memory, flat in the file.
 
 use hdf5::{File, Result};
 
@@ -25,7 +25,7 @@ pub(crate) fn store(found: &Deviations, file: &File) -> Result<()> {
     shaped(&group, deviation::RAYS, &flat.rays, &[entries])
 }
 
-/// The group, if the file has one.
+/// Reads the group, if the file has one.
 pub(crate) fn load(
     root: &Place,
     directions: usize,

@@ -1,6 +1,6 @@
-//! HDF5 objects to table, believing nothing.
+//! Reading of HDF5 objects into a table, without trust in the file.
 //!
-//! Every size is compared with the axes, and with a limit, before memory of that size is asked for.
+//! Every size is compared with the axes, and with a limit, before memory of that size is allocated.
 
 use std::path::Path as FilePath;
 
@@ -21,8 +21,9 @@ use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
 use crate::table::table::Table;
 
-/// Reads and checks everything but the content hash; returns the table and the hash that the file
-/// states.
+/// Reads and checks everything but the content hash.
+///
+/// Returns the table and the hash that the file states.
 pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Error> {
     let ledger = Ledger::new(file.size());
     let root = Place::new(file, path, "", &ledger)?;
@@ -90,7 +91,7 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
     Ok((stored, root.text(attribute::CONTENT_HASH)?))
 }
 
-/// The table that follows from the counts, if what is stored beside them agrees.
+/// Returns the table that follows from the counts, if the stored derived numbers agree with it.
 fn derived(
     stored: Table,
     counts: Array5<u64>,
@@ -126,6 +127,7 @@ fn derived(
     Ok(table)
 }
 
+/// Checks that a stored array agrees with the computed one.
 fn agree<D: Dimension>(
     variable: &Variable,
     stored: ndarray::Array<f64, D>,
@@ -146,6 +148,7 @@ fn agree<D: Dimension>(
     }
 }
 
+/// Reads the provenance from the root attributes.
 fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
     let lattice = match root.attributes.contains(attribute::LATTICE) {
         true => Some(root.numbers::<4>(attribute::LATTICE)?)
@@ -168,7 +171,7 @@ fn provenance(root: &Place, path: &FilePath) -> Result<Provenance, Error> {
     let has = |name| root.attributes.contains(name);
     let symmetry = Symmetry {
         rotations: match has(attribute::SYMMETRY_ROTATIONS) {
-            // What does not fit is refused by `check`, as too many.
+            // `check` refuses a number that does not fit, because it is too large.
             true => u32::try_from(root.integer(attribute::SYMMETRY_ROTATIONS)?).unwrap_or(u32::MAX),
             false => 1,
         },

@@ -1,32 +1,31 @@
-//! The file format: every HDF5 name and the version.
+//! Names of the file format: every HDF5 name, and the version.
 //!
-//! `FORMAT.md` describes the same for writers of other readers; a change here is a change there,
-//! and of [`VERSION`] where an old reader would misread the file.
+//! `FORMAT.md` describes them for authors of other readers, so change it together with this file.
+//! Raise [`VERSION`] if an old reader would misread the file.
 
 use std::ffi::CStr;
 
-/// Newest version of the format. A table is written in the first version that says all of it.
+/// Newest version of the format.
+///
+/// A table is written in the first version that can say all of it.
 pub const VERSION: u64 = 2;
 
-/// The first version that has [`deviation::GROUP`] and [`attribute::OPTIONS`].
+/// First version that has [`deviation::GROUP`] and [`attribute::OPTIONS`].
 pub(crate) const VERSION_OF_DEVIATIONS: u64 = 2;
 
 /// Value of the root attribute `format`.
 pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
 
-/// The frame conventions in one sentence.
+/// Conventions of the frame in one sentence.
 pub(crate) const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the \
-outward normal of the sheet \
-and t the in-plane unit vector at the azimuth, right-handed about n from azimuth_zero; a ray that \
-enters at p and \
-leaves at p' has the shift p' - p = (u, v) with u along t and v along n x t, in edge lengths; \
-arrays are \
-[incidence, azimuth, shift_v, shift_u].";
+outward normal of the sheet and t the in-plane unit vector at the azimuth, right-handed about n \
+from azimuth_zero; a ray that enters at p and leaves at p' has the shift p' - p = (u, v) with u \
+along t and v along n x t, in edge lengths; arrays are [incidence, azimuth, shift_v, shift_u].";
 
 /// Greatest number of bytes that the arrays of one table may take in memory.
 pub(crate) const MOST_BYTES: u64 = 1 << 31;
 
-/// A dimension scale: name, unit and meaning.
+/// Dimension scale: name, unit and meaning.
 #[derive(PartialEq)]
 pub(crate) struct Scale {
     pub(crate) name: &'static str,
@@ -35,7 +34,7 @@ pub(crate) struct Scale {
     pub(crate) long_name: &'static str,
 }
 
-/// A dataset over scales.
+/// Dataset over scales.
 pub(crate) struct Variable {
     pub(crate) name: &'static str,
     pub(crate) scales: &'static [&'static Scale],
@@ -124,7 +123,7 @@ pub(crate) const RAYS: Variable = Variable {
     long_name: "launched rays, 0 if exact",
 };
 
-/// The group of polygons, its attribute and its flat datasets.
+/// Names of the group of polygons, its attribute and its flat datasets.
 pub(crate) mod exact {
     pub(crate) const GROUP: &str = "exact";
     pub(crate) const ENTRANCE_AREA: &str = "entrance_area";
@@ -137,7 +136,7 @@ pub(crate) mod exact {
     pub(crate) const POLYGON_VERTEX: &str = "polygon_vertex";
 }
 
-/// The group of exit directions of a table of rays, its attributes and its flat datasets.
+/// Names of the group of rays by shift and deviation, its attributes and its flat datasets.
 pub(crate) mod deviation {
     pub(crate) const GROUP: &str = "deviation";
     pub(crate) const CELLS: &str = "cells";
@@ -148,7 +147,7 @@ pub(crate) mod deviation {
     pub(crate) const RAYS: &str = "entry_rays";
 }
 
-/// Root attributes.
+/// Names of the attributes of the root and of datasets.
 pub(crate) mod attribute {
     pub(crate) const FORMAT: &str = "format";
     pub(crate) const VERSION: &str = "version";

@@ -1,5 +1,6 @@
-//! Typed access to a group of the file: a name, a type, a shape and a size are checked before
-//! anything is read.
+//! Typed access to a group of the file.
+//!
+//! Name, type, shape and size are checked before anything is read.
 
 use std::collections::HashSet;
 use std::path::Path as FilePath;
@@ -21,14 +22,13 @@ use crate::table::fate::Fate;
 /// Rounding that another writer may have in scales and derived datasets.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Longest text that is taken from a fixed-length attribute; the longest of ours has some hundred
-/// bytes.
+/// Longest text that is read from a fixed-length attribute, bytes; a table needs some hundred.
 const MOST_TEXT: usize = 4096;
 
 /// Largest chunk, bytes: 4096 x 4096 bins.
 const MOST_CHUNK: u64 = 1 << 27;
 
-/// A group of the file, with the names that it really holds.
+/// Group of the file, with the names that it really holds.
 pub(crate) struct Place<'a> {
     pub(crate) group: &'a Group,
     pub(crate) file: &'a FilePath,
@@ -39,6 +39,7 @@ pub(crate) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
+    /// Lists the objects and attributes of a group.
     pub(crate) fn new(
         group: &'a Group,
         file: &'a FilePath,
@@ -52,7 +53,8 @@ impl<'a> Place<'a> {
         };
         let mut links = HashSet::new();
         let visit = group.iter_visit_default(|name, info| {
-            // A soft link may loop and an external one leaves the file: neither is part of a table.
+            // A soft link may loop, and an external link leaves the file. Neither is part of a
+            // table.
             if matches!(info.link_type, LinkType::Hard) {
                 links.insert(name.to_owned());
             }
@@ -70,7 +72,7 @@ impl<'a> Place<'a> {
         })
     }
 
-    /// A group inside this one.
+    /// Opens a group inside this one.
     pub(crate) fn inside(
         &self,
         group: &'a Group,
@@ -79,14 +81,17 @@ impl<'a> Place<'a> {
         Place::new(group, self.file, prefix, self.ledger)
     }
 
+    /// Returns whether the group holds an object of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.links.contains(name)
     }
 
+    /// Returns the name with that of the group, for messages.
     pub(crate) fn named(&self, name: &str) -> String {
         format!("{}{name}", self.prefix)
     }
 
+    /// Returns a function that makes the error for an object that the library refuses.
     pub(crate) fn hdf5(&self, kind: &str, name: &str) -> impl Fn(hdf5::Error) -> Error {
         let (file, place) = (self.file.to_owned(), format!("{kind} {}", self.named(name)));
         move |source| Error::Hdf5 {
@@ -96,6 +101,7 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// Returns an attribute with its type, if type and number of values are as expected.
     pub(crate) fn attribute(
         &self,
         name: &str,
@@ -138,29 +144,33 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// The element type, or the words for one that has no Rust counterpart.
+    /// Returns the element type, or the words for a type that has no Rust counterpart.
     pub(crate) fn kind(&self, datatype: hdf5::Datatype) -> Result<TypeDescriptor, String> {
         datatype
             .to_descriptor()
             .map_err(|_| "an unknown type".to_owned())
     }
 
+    /// Reads an attribute that is a text.
     pub(crate) fn text(&self, name: &str) -> Result<String, Error> {
         let (attribute, kind) = self.attribute(name, 1, "a text")?;
         let texts = texts(&attribute, &kind).map_err(self.hdf5("attribute", name))?;
         Ok(texts.into_iter().next().unwrap_or_default())
     }
 
+    /// Reads an attribute that is a number.
     pub(crate) fn number(&self, name: &str) -> Result<f64, Error> {
         let (attribute, _) = self.attribute(name, 1, "a number")?;
         first(&attribute).map_err(self.hdf5("attribute", name))
     }
 
+    /// Reads an attribute that is an integer.
     pub(crate) fn integer(&self, name: &str) -> Result<u64, Error> {
         let (attribute, _) = self.attribute(name, 1, "an integer")?;
         first(&attribute).map_err(self.hdf5("attribute", name))
     }
 
+    /// Reads an attribute of `N` numbers.
     pub(crate) fn numbers<const N: usize>(&self, name: &str) -> Result<[f64; N], Error> {
         let (attribute, _) = self.attribute(name, N, "numbers")?;
         let mut values = [0.0; N];
@@ -170,7 +180,8 @@ impl<'a> Place<'a> {
         Ok(values)
     }
 
-    /// A dataset of that element type, stored inside the file by known means, and its shape.
+    /// Returns a dataset of an allowed element type, stored inside the file by known means, its
+    /// type and its shape.
     pub(crate) fn dataset(
         &self,
         name: &str,
@@ -220,6 +231,7 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// Reads a dataset whose shape fits `expected`, where `None` stands for any length.
     pub(crate) fn flat<T: Element>(
         &self,
         name: &str,
@@ -250,6 +262,7 @@ impl<'a> Place<'a> {
         Ok((values, shape))
     }
 
+    /// Reads an array of this shape.
     pub(crate) fn array<T: Element, D: Dimension>(
         &self,
         variable: &Variable,
@@ -265,10 +278,12 @@ impl<'a> Place<'a> {
             .map_err(internal)
     }
 
+    /// Reads a dimension scale.
     pub(crate) fn scale(&self, scale: &Scale) -> Result<Vec<f64>, Error> {
         Ok(self.flat(scale.name, &[None])?.0)
     }
 
+    /// Makes the error for a scale that differs from the axes.
     pub(crate) fn differs(
         &self,
         scale: &Scale,
@@ -285,6 +300,7 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// Checks that a scale holds the centres of the bins.
     pub(crate) fn bins(&self, scale: &Scale, axes: &Axes) -> Result<(), Error> {
         let (centres, _) = self.flat::<f64>(scale.name, &[Some(axes.bins)])?;
         let wrong =
@@ -297,6 +313,7 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// Checks that the fates have the names and the order of [`Fate::ALL`].
     pub(crate) fn fates(&self) -> Result<(), Error> {
         let scale = &names::FATE_NAME;
         let (dataset, kind, shape) = self.dataset(scale.name, &TEXTS)?;
@@ -323,6 +340,7 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// Reads the number of randomisations and checks that they are numbered from 0.
     pub(crate) fn randomisations(&self) -> Result<usize, Error> {
         let scale = &names::RANDOMISATION;
         let (indices, _) = self.flat::<u64>(scale.name, &[None])?;
@@ -337,13 +355,14 @@ impl<'a> Place<'a> {
     }
 }
 
-/// Whether two numbers agree within a tolerance; NaN agrees with nothing.
+/// Returns whether two numbers agree within a tolerance; NaN agrees with nothing.
 pub(crate) fn near(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance
 }
 
-/// The element types of numeric datasets.
+/// Element types of numeric datasets.
 pub(crate) trait Element: H5Type {
+    /// Element type in the file.
     const KIND: TypeDescriptor;
 }
 
@@ -355,14 +374,17 @@ impl Element for u64 {
     const KIND: TypeDescriptor = TypeDescriptor::Unsigned(IntSize::U8);
 }
 
+/// Element types of texts of variable length.
 const TEXTS: [TypeDescriptor; 2] = [TypeDescriptor::VarLenUnicode, TypeDescriptor::VarLenAscii];
 
+/// Reads the only value of an attribute.
 fn first<T: H5Type + Default + Copy>(attribute: &Attribute) -> hdf5::Result<T> {
     let mut value = [T::default()];
     attribute.read_into_raw(&mut value)?;
     Ok(value[0])
 }
 
+/// Reads texts of any type.
 fn texts(place: &hdf5::Container, kind: &TypeDescriptor) -> hdf5::Result<Vec<String>> {
     fn of<T: H5Type + AsRef<str>>(place: &hdf5::Container) -> hdf5::Result<Vec<String>> {
         Ok(place
@@ -379,7 +401,7 @@ fn texts(place: &hdf5::Container, kind: &TypeDescriptor) -> hdf5::Result<Vec<Str
     }
 }
 
-/// What is wrong with the way a dataset is stored, before it is read.
+/// Returns the fault in the way a dataset is stored, before it is read; `None` without a fault.
 fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
     let creation = dataset.dcpl()?;
     if !creation.get_external()?.is_empty() {
@@ -406,7 +428,7 @@ fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
         .iter()
         .try_fold(1_u64, |bytes, &n| bytes.checked_mul(n as u64));
     let kind = dataset.dtype()?;
-    // A text of variable length is a length, an address and an index in the file, a pointer in
+    // A text of variable length is a length, an address and an index in the file, and a pointer in
     // memory.
     let element = if TEXTS.contains(&kind.to_descriptor()?) {
         16
@@ -417,7 +439,7 @@ fn unusual_storage(dataset: &Dataset) -> hdf5::Result<Option<&'static str>> {
     let Some(bytes) = bytes.filter(|&bytes| bytes <= MOST_CHUNK) else {
         return Ok(Some("in chunks above 128 MiB"));
     };
-    // Deflate adds at most 5 bytes per 16 KiB and some at the ends; a longer chunk would inflate
+    // Deflate adds at most 5 bytes per 16 KiB and some at the ends. A longer chunk would inflate
     // past its size.
     let most = bytes + bytes / 1024 + 64;
     let mut inflated = false;

@@ -1,4 +1,4 @@
-//! The polygons of an exact table: ragged in memory, flat in the file.
+//! Polygons of an exact table: ragged in memory, flat in the file.
 
 use crate::error::error::Error;
 use crate::file::layout::names::exact;
@@ -6,7 +6,7 @@ use crate::file::layout::place::Place;
 use crate::table::exact::Exact;
 use crate::table::flat::FlatPaths;
 
-/// The group of polygons, if the file has one.
+/// Reads the group of polygons, if the file has one.
 pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Error> {
     if !root.has(exact::GROUP) {
         return Ok(None);

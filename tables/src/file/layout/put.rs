@@ -1,4 +1,4 @@
-//! Attributes and datasets, one at a time.
+//! Writing of attributes and datasets, one at a time.
 
 use std::str::FromStr;
 
@@ -6,7 +6,8 @@ use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Group, H5Type, Location, Result};
 use ndarray::{ArrayView, ArrayViewD, Dimension};
 
-/// Best size for its time on histograms; 9 is 1 % smaller and takes 4 times as long.
+/// Level of compression with the best size for its time on histograms; 9 is 1 % smaller and takes 4
+/// times as long.
 const DEFLATE: u8 = 4;
 
 /// Writes a compressed dataset in chunks.
@@ -33,7 +34,7 @@ pub(crate) fn dataset<T: H5Type + Clone, D: Dimension>(
         .create(name)
 }
 
-/// Writes numbers as an array of that shape, in one chunk.
+/// Writes numbers as an array of this shape, in one chunk.
 pub(crate) fn shaped<T: H5Type + Clone>(
     group: &Group,
     name: &str,
@@ -45,10 +46,12 @@ pub(crate) fn shaped<T: H5Type + Clone>(
     dataset(group, name, values, shape).map(drop)
 }
 
+/// Writes an attribute of one value.
 pub(crate) fn put<T: H5Type + Clone>(at: &Location, name: &str, value: &T) -> Result<()> {
     at.new_attr::<T>().create(name)?.write_scalar(value)
 }
 
+/// Writes an attribute that is an array of this shape.
 pub(crate) fn put_array(at: &Location, name: &str, values: &[f64], shape: &[usize]) -> Result<()> {
     at.new_attr::<f64>()
         .shape(shape)
@@ -56,11 +59,15 @@ pub(crate) fn put_array(at: &Location, name: &str, values: &[f64], shape: &[usiz
         .write_raw(values)
 }
 
+/// Writes an attribute that is a text.
 pub(crate) fn put_text(at: &Location, name: &str, value: &str) -> Result<()> {
     put(at, name, &text(value)?)
 }
 
-/// HDF5 strings end at the first zero byte, so a text that holds one cannot be stored.
+/// Converts a text for HDF5.
+///
+/// # Errors
+/// Fails if the text holds a zero byte, because HDF5 strings end there.
 pub(crate) fn text(value: &str) -> Result<VarLenUnicode> {
     VarLenUnicode::from_str(value).map_err(|error| hdf5::Error::Internal(error.to_string()))
 }

@@ -1,4 +1,4 @@
-//! Table to HDF5 objects.
+//! Writing of a table as HDF5 objects.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -16,10 +16,11 @@ use crate::table::provenance::Provenance;
 use crate::table::symmetry::Symmetry;
 use crate::table::table::Table;
 
-/// An empty HDF5 file in memory, of a version that every reader since HDF5 1.10 opens and whose
-/// metadata are checksummed, without time stamps.
+/// Creates an empty HDF5 file in memory, without time stamps.
+///
+/// Every reader since HDF5 1.10 opens its version, and its metadata have checksums.
 pub(crate) fn create() -> Result<File> {
-    // The library refuses two open files of one name, also in memory; the name is not in the bytes.
+    // The library refuses two open files of one name, even in memory. The name is not in the bytes.
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let name = format!("table-in-memory-{}", NEXT.fetch_add(1, Ordering::Relaxed));
     File::with_options()
@@ -77,12 +78,14 @@ pub(crate) fn store(table: &Table, file: &File) -> Result<()> {
     }
 }
 
+/// Writer of datasets, with the scales that it has written.
 struct Writer<'a> {
     file: &'a File,
     scales: Vec<(&'static str, Dataset)>,
 }
 
 impl Writer<'_> {
+    /// Writes a dimension scale.
     fn scale<T: H5Type + Clone>(&mut self, scale: &Scale, values: ArrayView1<T>) -> Result<()> {
         let dataset = dataset(self.file, scale.name, values, &[values.len()])?;
         set_scale(&dataset, scale.c_name)?;
@@ -91,7 +94,10 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// One chunk a direction and randomisation for the large arrays, one in all for the small ones.
+    /// Writes a dataset over its scales.
+    ///
+    /// Large arrays have one chunk for each direction and randomisation, small arrays a single
+    /// chunk.
     fn variable<T: H5Type + Clone>(
         &self,
         variable: &Variable,
@@ -116,11 +122,13 @@ impl Writer<'_> {
     }
 }
 
+/// Writes the unit and the meaning of a dataset.
 fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Result<()> {
     put_text(dataset, attribute::UNITS, units)?;
     put_text(dataset, attribute::LONG_NAME, long_name)
 }
 
+/// Writes the group of polygons.
 fn polygons(found: &Exact, file: &File) -> Result<()> {
     let mut builder = file.create_group_builder();
     builder.gcpl().obj_track_times(false);
@@ -139,6 +147,7 @@ fn polygons(found: &Exact, file: &File) -> Result<()> {
     shaped(&group, exact::POLYGON_VERTEX, &flat.vertex, &[vertices, 2])
 }
 
+/// Writes the root attributes.
 fn attributes(table: &Table, file: &File) -> Result<()> {
     put_text(file, attribute::FORMAT, names::FORMAT)?;
     let version = match (&table.deviations, table.provenance.options.text()) {
@@ -161,6 +170,7 @@ fn attributes(table: &Table, file: &File) -> Result<()> {
     provenance(&table.provenance, file)
 }
 
+/// Writes the provenance as root attributes.
 fn provenance(provenance: &Provenance, file: &File) -> Result<()> {
     put_text(file, attribute::GENERATOR, &provenance.generator)?;
     put_text(file, attribute::DESIGN, &provenance.design)?;

@@ -7,7 +7,7 @@ use tables::deviation::{Deviations, Grid, counted};
 use tables::options::{Back, Losses, Method, Sampler, StatedOptions};
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
-/// A generator of reproducible numbers (splitmix64).
+/// Generator of reproducible numbers (splitmix64).
 pub(crate) struct Numbers(pub u64);
 
 impl Numbers {
@@ -119,7 +119,7 @@ pub(crate) fn deviations(seed: u64) -> Table {
     table
 }
 
-/// The mean over azimuths.
+/// Mean over all azimuths.
 pub(crate) fn mean() -> Table {
     let source = rays(2, 11);
     let pick = |a: &Array5<u64>| a.slice(ndarray::s![.., ..1, .., .., ..]).to_owned();
@@ -141,7 +141,7 @@ pub(crate) fn mean() -> Table {
     )
 }
 
-/// An exact table whose azimuths stand for their images.
+/// Exact table whose azimuths stand for their images.
 pub(crate) fn symmetric() -> Table {
     let mut table = exact();
     table.provenance.symmetry = tables::Symmetry {
@@ -153,7 +153,7 @@ pub(crate) fn symmetric() -> Table {
     table
 }
 
-/// An exact table of two paths a direction and none in the last.
+/// Exact table with two paths in each direction, and none in the last.
 pub(crate) fn exact() -> Table {
     let axes = axes();
     let ((i, j), b) = (axes.shape(), axes.bins);
@@ -210,7 +210,7 @@ pub(crate) fn exact() -> Table {
     }
 }
 
-/// The Python that `make test` sets up.
+/// Python interpreter that `make test` sets up.
 pub(crate) fn python() -> std::ffi::OsString {
     std::env::var_os("AIRR_PYTHON").expect(
         "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and \
