@@ -10,26 +10,34 @@ use crate::options::values::{Element, NormalsFrom};
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct SceneOptions {
-    /// Normals about which facets reflect
+    /// Normals of facets
+    ///
+    /// Facets reflect about these normals.
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = NormalsFrom::Facets))]
     pub normals: NormalsFrom,
-    /// Roughness of the facets, whose normals are drawn at each reflection: alpha of Beckmann's
-    /// slopes (sqrt 2 times their rms) or ggx:ALPHA
+    /// Roughness of the facets: ALPHA or ggx:ALPHA
+    ///
+    /// ALPHA is the roughness of Beckmann's slopes (sqrt 2 times their rms), above 0 and at most 1.
+    /// The normal of a facet is drawn anew at each reflection.
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "ALPHA", allow_negative_numbers = true)
     )]
     pub roughness: Option<Roughness>,
-    /// Records the direction in which each ray leaves, together with its shift: auto (only if the
-    /// cell is not ideal), off, or bins from -MRAD to +MRAD
+    /// Record of exit directions: auto, off or MRAD
+    ///
+    /// The direction in which each ray leaves is recorded together with its shift: auto (only if
+    /// the cell is not ideal), off, or in bins from -MRAD to +MRAD.
     #[cfg_attr(feature = "cli", arg(long, value_name = "MRAD", default_value_t = Record::Auto))]
     pub deviations: Record,
-    /// Optical element that the mesh is
+    /// Kind of optical element
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Element::Retroreflector))]
     pub element: Element,
-    /// Refractive index of bodies of glass: light goes through faces of the material named glass,
-    /// wound outward, and every other face is a mirror on both sides. Light that leaves straight
-    /// back within --angular-tolerance then counts as retroreflected
+    /// Refractive index of bodies of glass
+    ///
+    /// Light goes through faces of the material named glass, wound outward, and every other face is
+    /// a mirror on both sides. Light that leaves straight back within --angular-tolerance counts as
+    /// retroreflected.
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "M", allow_negative_numbers = true)

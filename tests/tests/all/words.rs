@@ -1,4 +1,4 @@
-//! The project's words follow its rules: see CONTRIBUTING.md, "Words".
+//! The project's words follow its rules: see CONTRIBUTING.md, "Write".
 
 use std::path::Path;
 
