@@ -1,9 +1,9 @@
 //! Words that files, options and rooms share: kernels, shapes of lobes, parameters, and spectra of
 //! light.
 //!
-//! Text enters; checked names leave, and the facts that follow from a name alone (which parameters
-//! a kernel has). No optics stands here: the model and the simulator share this room on purpose,
-//! and nothing else, so that each checks the other. The room may touch no other.
+//! The room takes text and gives checked names, and the facts that follow from a name alone (such
+//! as which parameters a kernel has). It holds no optics. The model and the simulator share this
+//! room and nothing else, so that each can check the other. The room may use no other room.
 
 mod kernel;
 mod lobe;
