@@ -1,8 +1,8 @@
 //! TOML files, read key by key.
 //!
-//! The room takes a file and gives checked values, or an error that names the file, the line, the
-//! key and what to do. It knows no photograph and no model. Manifests, parameters of a simulation,
-//! ranges and views are all read through it. It may use only the room `names`.
+//! A file enters. Checked values leave, or an error that names the file, the line, the key and what
+//! to do. The room knows no photograph and no model. Manifests, parameters of a simulation, ranges
+//! and views are all read through it. It may touch `names`.
 
 mod bounds;
 pub(crate) mod error;

@@ -187,8 +187,8 @@ impl<'d> Section<'d> {
     /// Returns the whole number under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// Returns [`Error::WrongType`] if the value is not a whole number, and [`Error::OutOfRange`]
-    /// if it is below `least`.
+    /// Returns [`Error::WrongType`] if the value is not a whole number that fits into an `i64`, and
+    /// [`Error::OutOfRange`] if it is below `least`.
     pub(crate) fn whole(&self, key: &str, least: u64) -> Result<Option<u64>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);

@@ -1,9 +1,10 @@
 //! Words that files, options and rooms share: kernels, shapes of lobes, parameters, and spectra of
 //! light.
 //!
-//! The room takes text and gives checked names, and the facts that follow from a name alone (such
-//! as which parameters a kernel has). It holds no optics. The model and the simulator share this
-//! room and nothing else, so that each can check the other. The room may use no other room.
+//! Text enters. Checked names leave, and the facts that follow from a name alone (such as which
+//! parameters a kernel has). The room holds no optics. The model and the simulator share this room
+//! on purpose, and no other room about light, so that each checks the other. It may touch no other
+//! room.
 
 mod kernel;
 mod lobe;

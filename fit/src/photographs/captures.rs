@@ -23,7 +23,7 @@ use crate::photographs::photo::settings::Settings;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
 
-/// Keys of [setup] that every capture may override.
+/// Keys of `[setup]` that every capture may override.
 const SHARED: [&str; 6] = [
     "path_mm",
     "roi",
@@ -32,7 +32,7 @@ const SHARED: [&str; 6] = [
     "channel",
     "accept",
 ];
-/// Keys of [setup] alone.
+/// Keys of `[setup]` alone.
 const SETUP: [&str; 4] = [
     "pixel_pitch_mm",
     "half_mirror_transmittance",
@@ -224,8 +224,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
         }
         None => {
             warnings.push(format!(
-                "{} has no [reference]: only the pixel size counts as blur of the camera, and mu \
-                cannot be found; add a photograph of the source edge as [reference].",
+                "{} has no [reference]: the lens is left out of the model, and mu cannot be found; \
+                photograph the source edge too.",
                 file.display()
             ));
             None
@@ -336,7 +336,7 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     })
 }
 
-/// Keys of [setup] from which a photograph takes what its own table does not give.
+/// Keys of `[setup]` from which a photograph takes what its own table does not give.
 struct Shared<'k, 'd> {
     keys: &'k Section<'d>,
     folder: &'k Path,

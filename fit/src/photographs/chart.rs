@@ -62,9 +62,9 @@ pub(crate) fn middle(roi: &Roi) -> Roi {
     }
 }
 
-/// Returns whether two edges lie on one line. This means that their directions differ by at most 1
-/// degree, and that one lies off the line of the other by at most 1 % of their distance, plus 2
-/// pixels.
+/// Returns whether two edges lie on one line. This means that their directions differ by less than
+/// 0.02 rad (1.1 degrees), and that one lies off the line of the other by less than 1 % of their
+/// distance plus 2 pixels.
 pub(crate) fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLine)) -> bool {
     let turn = (a.normal_rad - b.normal_rad).sin().abs();
     let centre = |roi: &Roi| {

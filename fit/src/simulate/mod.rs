@@ -1,10 +1,10 @@
 //! Simulated campaigns: photographs with a planted answer, the truth.
 //!
-//! The room takes parameters and gives photographs with noise, their manifest and the truth. It
-//! computes in another way than the model, so an estimate from its photographs tests the model:
-//! shifts in closed form, convolutions in space, no OTF. So it may use the names of kernels and
-//! lobes, TOML documents and plain numerics, but neither the model nor the room `photographs`.
-//! Sheets that a table describes come from the crate `tables`.
+//! Parameters enter. Photographs with noise, their manifest and the truth leave. The room computes
+//! in another way than the model, so that an estimate from its photographs tests the model: shifts
+//! in closed form, convolutions in space, no OTF. So it may touch `names`, `document` and plain
+//! `numerics`, but neither the model nor `photographs`. Sheets that a table describes come from the
+//! crate `tables`.
 
 pub(crate) mod cell;
 pub(crate) mod error;

@@ -12,9 +12,9 @@ pub struct Photo {
     /// marks pixels that saw another colour.
     pub luminance: Vec<f32>,
     /// Value from which a pixel counts as saturated; `None` if there is no limit. It is 1 for
-    /// integer formats; a colour pixel is set to it if one of the channels used is saturated. It is
-    /// 65504 for half-float EXR. For any EXR it is 1 if the largest value is exactly 1, as in a
-    /// clipped, normalised image of a sensor.
+    /// integer formats; a colour pixel is set to it if one of the channels used is saturated. For
+    /// any EXR it is 1 if the largest value is exactly 1, as in a clipped, normalised image of a
+    /// sensor. For other half-float EXR, read as linear, it is 65504.
     pub clip_level: Option<f32>,
     /// Warnings about what was assumed or repaired, one sentence each.
     pub warnings: Vec<String>,
