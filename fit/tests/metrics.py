@@ -1,5 +1,7 @@
-# The values that metrics.rs compares with: python metrics.py; with the program as an argument also
-# what that says, and whether they agree; with a second one the seeded weights are written there.
+# Prints the reference values of metrics.rs: python metrics.py
+#
+# With the program `fit` as an argument, it also runs that program and compares the values. With a
+# second argument it writes the seeded weights to that path.
 # pip install numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 import json
 import pathlib
@@ -73,7 +75,7 @@ with torch.no_grad():
     values["lpips"] = model(as_tensor(a), as_tensor(b), normalize=True).item()
 print(values)
 
-# The limits of metrics.rs, but 1e-4 for LPIPS.
+# The limits are those of metrics.rs, except 1e-4 for LPIPS.
 if len(sys.argv) > 1:
     program = pathlib.Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory() as folder:

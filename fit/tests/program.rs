@@ -1,5 +1,5 @@
-//! The program as a shell and a reader of manual pages see it. (That this target exists makes cargo
-//! build the program for the tests of the workspace.)
+//! Tests of the program as a shell and a reader of manual pages see it. (Because this target
+//! exists, cargo builds the program for the tests of the workspace.)
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -16,7 +16,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// The verbs that the help lists.
+/// Returns the verbs that the help lists.
 fn verbs(folder: &Path) -> Vec<String> {
     let help = text(&fit(&["--help"], folder).stdout);
     let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
@@ -54,7 +54,7 @@ fn every_verb_is_completed_and_has_a_page() {
             "{verb}"
         );
     }
-    // A folder that cannot be made: one sentence, no panic.
+    // A folder that cannot be created gives one sentence, no panic.
     std::fs::write(here.join("file"), "").unwrap();
     let refused = fit(&["manual", "file"], here);
     assert_eq!(refused.status.code(), Some(1));

@@ -1,11 +1,11 @@
-//! What numbers in TOML inputs may be.
+//! Ranges that numbers in TOML files must lie in.
 
-/// What a number may be.
+/// A condition that a number in a TOML file must meet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
-    /// The condition in words, after "must be".
+    /// The condition in words, to follow "must be" in a message.
     pub words: &'static str,
-    /// Whether a finite number meets it.
+    /// The condition as a function: true for a finite number that meets it.
     pub holds: fn(f64) -> bool,
 }
 
@@ -15,27 +15,27 @@ impl Bounds {
         words: "a finite number",
         holds: |_| true,
     };
-    /// Above zero.
+    /// A number above 0.
     pub(crate) const POSITIVE: Bounds = Bounds {
         words: "greater than 0",
         holds: |x| x > 0.0,
     };
-    /// Zero or above.
+    /// 0 or a number above 0.
     pub(crate) const NOT_NEGATIVE: Bounds = Bounds {
         words: "0 or greater",
         holds: |x| x >= 0.0,
     };
-    /// A share that cannot vanish.
+    /// A share of a whole, above 0 and at most 1.
     pub(crate) const SHARE: Bounds = Bounds {
         words: "greater than 0 and at most 1",
         holds: |x| x > 0.0 && x <= 1.0,
     };
-    /// Incidence angle, degrees from the sheet's normal.
+    /// Incidence, degrees from the sheet's normal: from 0 to below 90.
     pub(crate) const INCIDENCE: Bounds = Bounds {
         words: "at least 0 and below 90 degrees",
         holds: |x| (0.0..90.0).contains(&x),
     };
-    /// Angle about an axis, degrees.
+    /// Angle of a turn about an axis, degrees, from -360 to 360.
     pub(crate) const TURN: Bounds = Bounds {
         words: "between -360 and 360 degrees",
         holds: |x| x.abs() <= 360.0,

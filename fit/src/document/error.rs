@@ -1,97 +1,97 @@
-//! What can be wrong with a TOML file, each with the line and what to do.
+//! Errors of TOML files. Each message names the file and the line, and says what to do.
 
 use std::path::PathBuf;
 
 use crate::document::line::FileLine;
 use crate::names::SpectrumError;
 
-/// A TOML file that cannot be used.
+/// A reason why a TOML file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system does not give the file, or it is not text.
+    /// A file that cannot be opened or read, is not UTF-8 text, or is too long.
     #[error(
         "{file}: cannot be read ({source}); check the path, its permissions and that it is UTF-8 \
         text"
     )]
     Read {
-        /// The manifest.
+        /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// Not TOML; also duplicate keys.
+    /// A text that is not valid TOML. A duplicate key is an error of this kind too.
     #[error("{place}: is not valid TOML ({message}); correct the line")]
     Syntax {
-        /// The line.
+        /// Place of the first error.
         place: FileLine,
-        /// What the parser said.
+        /// The parser's message, in one line.
         message: String,
     },
-    /// A key that means nothing here.
+    /// A key that its table may not have.
     #[error("{place}: unknown key `{key}` in {section}; the nearest valid key is `{nearest}`")]
     UnknownKey {
-        /// The line.
+        /// Place of the key.
         place: FileLine,
-        /// The key.
+        /// The unknown key.
         key: String,
-        /// The table that holds it.
+        /// Name of the table that holds the key, for example `[[capture]]`.
         section: String,
-        /// The valid key with the smallest edit distance.
+        /// The valid key with the smallest edit distance to the unknown one.
         nearest: &'static str,
     },
-    /// A value of another type.
+    /// A value of the wrong type.
     #[error("{place}: `{key}` must be {expected}, not {found}; change the value")]
     WrongType {
-        /// The line.
+        /// Place of the key.
         place: FileLine,
-        /// The key.
+        /// The key that has the value.
         key: String,
-        /// What it must be.
+        /// The type that the value must have, in words.
         expected: &'static str,
-        /// What it is.
+        /// The type that the value has, in words.
         found: &'static str,
     },
-    /// A name that stands for nothing.
+    /// A text that is none of the names that its key allows.
     #[error("{place}: `{key}` is \"{name}\", which means nothing; use one of {}", names.join(", "))]
     UnknownName {
-        /// The line.
+        /// Place of the key.
         place: FileLine,
-        /// The key.
+        /// The key that has the text.
         key: String,
-        /// Its value.
+        /// The text that was found.
         name: String,
-        /// The names that it may have.
+        /// The names that the key allows.
         names: &'static [&'static str],
     },
-    /// A number outside its range, or none at all.
+    /// A number that is NaN, infinite or outside its range.
     #[error("{place}: `{key}` is {value} but must be {must_be}; correct the value")]
     OutOfRange {
-        /// The line.
+        /// Place of the key.
         place: FileLine,
-        /// The key.
+        /// The key that has the number.
         key: String,
-        /// Its value.
+        /// The number that was found.
         value: f64,
-        /// The condition in words.
+        /// The condition for the number in words, to follow "must be".
         must_be: &'static str,
     },
-    /// A spectrum that cannot be read.
+    /// A `wavelength_nm` that is not a spectrum.
     #[error("{place}: `wavelength_nm` {source}")]
     Spectrum {
-        /// The line.
+        /// Place of the key `wavelength_nm`.
         place: FileLine,
-        /// What is wrong with it.
+        /// The fault of the spectrum.
         source: SpectrumError,
     },
-    /// A key that has no default.
+    /// A key that is missing and has no default.
     #[error("{place}: `{key}` is missing from {section}; add it")]
     Missing {
-        /// Where the table begins.
+        /// Place where the table begins.
         place: FileLine,
-        /// The key.
+        /// The missing key.
         key: &'static str,
-        /// The table that lacks it.
+        /// Name of the table that lacks the key, for example `[[capture]]`.
         section: String,
     },
 }

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 /// A line of a TOML file.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct FileLine {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// Line, from 1.
+    /// Number of the line, from 1.
     pub line: usize,
 }
 

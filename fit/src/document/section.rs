@@ -1,9 +1,8 @@
-//! The door of every TOML input: keys are looked up by name and type, and whatever is wrong is said
-//! with its line.
+//! Typed access to the values of a TOML file. Every error names the line.
 //!
-//! serde's own messages stop at "unknown field"; walking the parsed document keeps the line of
-//! every key, so that an error can name the file, the line, the key and the nearest key that would
-//! have been right.
+//! serde alone would report an unknown field without the nearest valid key. This module walks the
+//! parsed document instead and keeps the line of every key. So an error can name the file, the
+//! line, the key and the nearest valid key.
 
 use std::path::{Path, PathBuf};
 
@@ -15,21 +14,22 @@ use crate::document::error::Error;
 use crate::document::line::FileLine;
 use crate::names::Spectrum;
 
-/// The text of a TOML file and where it came from.
+/// Text of a TOML file, with the path that it was read from.
 #[derive(Debug)]
 pub(crate) struct Document {
     file: PathBuf,
     text: String,
 }
 
-/// Longest TOML that is read: ten times that of a thousand photographs.
+/// Size of the longest TOML file that is read, bytes: ten times that of a thousand photographs.
 const MOST_BYTES: u64 = 1 << 20;
 
 impl Document {
-    /// Reads a file.
+    /// Reads a TOML file into memory.
     ///
     /// # Errors
-    /// [`Error::Read`] where the system does not give it, it is not UTF-8 or longer than a MiB.
+    /// Returns [`Error::Read`] if the file cannot be opened or read, is not UTF-8, or is longer
+    /// than 1 MiB.
     pub(crate) fn read(file: &Path) -> Result<Document, Error> {
         let text = crate::document::text::read(file, MOST_BYTES).map_err(|source| Error::Read {
             file: file.to_owned(),
@@ -41,10 +41,11 @@ impl Document {
         })
     }
 
-    /// Parses it; duplicate keys are errors of syntax.
+    /// Parses the text of the document as TOML.
     ///
     /// # Errors
-    /// [`Error::Syntax`] with the line of the first error.
+    /// Returns [`Error::Syntax`] with the line of the first error if the text is not valid TOML. A
+    /// duplicate key is an error too.
     pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'_>>, Error> {
         DeTable::parse(&self.text).map_err(|error| Error::Syntax {
             place: self.place(error.span().map_or(0, |span| span.start)),
@@ -61,7 +62,7 @@ impl Document {
     }
 }
 
-/// One table of a document, all of whose keys are known ones.
+/// One table of a document. All its keys are known.
 #[derive(Debug)]
 pub(crate) struct Section<'d> {
     document: &'d Document,
@@ -71,10 +72,10 @@ pub(crate) struct Section<'d> {
 }
 
 impl<'d> Section<'d> {
-    /// The whole document as a table with no keys but `known`.
+    /// Returns the top level of a document as a table that may have only the keys `known`.
     ///
     /// # Errors
-    /// [`Error::UnknownKey`].
+    /// Returns [`Error::UnknownKey`] if the top level has another key.
     pub(crate) fn root(
         document: &'d Document,
         table: &'d Spanned<DeTable<'d>>,
@@ -109,17 +110,17 @@ impl<'d> Section<'d> {
         })
     }
 
-    /// Where the table begins.
+    /// Returns the place where the table begins.
     pub(crate) fn place(&self) -> &FileLine {
         &self.place
     }
 
-    /// All keys of the table, in lexicographic order.
+    /// Returns all keys of the table, in lexicographic order.
     pub(crate) fn keys(&self) -> impl Iterator<Item = &str> {
         self.table.keys().map(|key| key.get_ref().as_ref())
     }
 
-    /// Where `key` is set; the table itself where it is not.
+    /// Returns the place of `key`, or of the table if `key` is not set.
     pub(crate) fn place_of(&self, key: &str) -> FileLine {
         self.table
             .iter()
@@ -130,10 +131,10 @@ impl<'d> Section<'d> {
             )
     }
 
-    /// The value of `key`, or the error that it is missing.
+    /// Returns the value of a key that must be set.
     ///
     /// # Errors
-    /// [`Error::Missing`].
+    /// Returns [`Error::Missing`] if `value` is `None`.
     pub(crate) fn required<T>(&self, key: &'static str, value: Option<T>) -> Result<T, Error> {
         value.ok_or_else(|| Error::Missing {
             place: self.place.clone(),
@@ -155,10 +156,12 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// A finite number within `bounds`; integers count.
+    /// Returns the finite number under `key`, or `None` if `key` is not set. An integer counts as a
+    /// number.
     ///
     /// # Errors
-    /// [`Error::WrongType`], [`Error::OutOfRange`] (also for NaN and infinities).
+    /// Returns [`Error::WrongType`] if the value is not a number, and [`Error::OutOfRange`] if it
+    /// is NaN, infinite or outside `bounds`.
     pub(crate) fn number(&self, key: &str, bounds: Bounds) -> Result<Option<f64>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
@@ -181,10 +184,11 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// A whole number from `least` up to the largest that f64 holds exactly.
+    /// Returns the whole number under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// [`Error::WrongType`], [`Error::OutOfRange`].
+    /// Returns [`Error::WrongType`] if the value is not a whole number that fits into an `i64`, and
+    /// [`Error::OutOfRange`] if it is below `least`.
     pub(crate) fn whole(&self, key: &str, least: u64) -> Result<Option<u64>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
@@ -207,10 +211,10 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// `true` or `false`.
+    /// Returns the boolean under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// [`Error::WrongType`].
+    /// Returns [`Error::WrongType`] if the value is neither `true` nor `false`.
     pub(crate) fn flag(&self, key: &str) -> Result<Option<bool>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
@@ -222,10 +226,10 @@ impl<'d> Section<'d> {
             .ok_or_else(|| self.wrong_type(key, "true or false", value.get_ref()))
     }
 
-    /// A string.
+    /// Returns the string under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// [`Error::WrongType`].
+    /// Returns [`Error::WrongType`] if the value is not a string.
     pub(crate) fn text(&self, key: &str) -> Result<Option<&'d str>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
@@ -237,10 +241,12 @@ impl<'d> Section<'d> {
             .ok_or_else(|| self.wrong_type(key, "a string", value.get_ref()))
     }
 
-    /// A string that is one of `names`, as `parse` understands them.
+    /// Returns the choice that the string under `key` names, or `None` if `key` is not set. `parse`
+    /// turns a name into a choice; `names` lists the valid names for the message.
     ///
     /// # Errors
-    /// [`Error::WrongType`], [`Error::UnknownName`].
+    /// Returns [`Error::WrongType`] if the value is not a string, and [`Error::UnknownName`] if
+    /// `parse` does not know it.
     pub(crate) fn choice<T>(
         &self,
         key: &str,
@@ -261,10 +267,12 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// Strings that are each one of `names`, at least one.
+    /// Returns the choices that the strings under `key` name, or `None` if `key` is not set. There
+    /// must be at least one.
     ///
     /// # Errors
-    /// [`Error::WrongType`], [`Error::UnknownName`].
+    /// Returns [`Error::WrongType`] if the value is not an array of one or more strings, and
+    /// [`Error::UnknownName`] if `parse` does not know one of them.
     pub(crate) fn choices<T>(
         &self,
         key: &str,
@@ -284,11 +292,12 @@ impl<'d> Section<'d> {
         array.iter().map(one).collect::<Result<_, _>>().map(Some)
     }
 
-    /// `N` whole numbers, 0 or greater.
+    /// Returns the array of `N` whole numbers under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// [`Error::WrongType`] where it is not an array of that many whole numbers,
-    /// [`Error::OutOfRange`].
+    /// Returns [`Error::WrongType`] if the value is not an array of `N` whole numbers, and
+    /// [`Error::OutOfRange`] if one of them is below 0. `expected` names the right type in the
+    /// message.
     pub(crate) fn whole_array<const N: usize>(
         &self,
         key: &str,
@@ -316,10 +325,11 @@ impl<'d> Section<'d> {
         Ok(Some(numbers))
     }
 
-    /// Three finite numbers.
+    /// Returns the array of three finite numbers under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// [`Error::WrongType`] where it is not an array of three numbers, [`Error::OutOfRange`].
+    /// Returns [`Error::WrongType`] if the value is not an array of three numbers, and
+    /// [`Error::OutOfRange`] if one of them is NaN or infinite.
     pub(crate) fn vector(&self, key: &str) -> Result<Option<[f64; 3]>, Error> {
         let Some(value) = self.get(key) else {
             return Ok(None);
@@ -338,10 +348,11 @@ impl<'d> Section<'d> {
         Ok(Some([x, y, z]))
     }
 
-    /// The number or the table of numbers under `key`: `Err(section)` of the answer is the table.
+    /// Returns the number, or the table of numbers, under `key`, or `None` if `key` is not set.
     ///
     /// # Errors
-    /// As [`Section::number`].
+    /// Returns [`Error::WrongType`] if the value is neither a number nor a table of numbers, and
+    /// [`Error::OutOfRange`] if a number is NaN, infinite or outside `bounds`.
     pub(crate) fn number_or_table(
         &self,
         key: &str,
@@ -368,17 +379,20 @@ impl<'d> Section<'d> {
         Ok(Some(NumberOrTable::Table(entries)))
     }
 
-    /// The spectrum under the key `wavelength_nm`: a number, or text as [`Spectrum::parse`] reads
-    /// it.
+    /// Returns the spectrum under the key `wavelength_nm`, or `None` if the key is not set. The
+    /// value is a number, or text that [`Spectrum::parse`] reads.
     ///
     /// # Errors
-    /// [`Error::Spectrum`], or that the value is neither.
+    /// Returns [`Error::Spectrum`] if the text or the number is not a valid spectrum,
+    /// [`Error::WrongType`] if the value is neither text nor a number, and [`Error::OutOfRange`] if
+    /// it is NaN or infinite.
     pub(crate) fn spectrum(&self) -> Result<Option<Spectrum>, Error> {
         let key = "wavelength_nm";
         let spectrum = match self.text(key) {
             Ok(None) => None,
             Ok(Some(text)) => Some(Spectrum::parse(text)),
-            // Not a string: a number is as good, and the message of `number` covers the rest.
+            // The value is not a string. If it is not a number either, the message of `number` is
+            // right.
             Err(_) => self
                 .number(key, Bounds::FINITE)?
                 .map(Spectrum::monochromatic),
@@ -398,10 +412,12 @@ impl<'d> Section<'d> {
         }
     }
 
-    /// The table `[key]` with no keys but `known`.
+    /// Returns the table `[key]`, or `None` if there is none. The table may have only the keys
+    /// `known`.
     ///
     /// # Errors
-    /// [`Error::WrongType`], [`Error::UnknownKey`].
+    /// Returns [`Error::WrongType`] if the value is not a table, and [`Error::UnknownKey`] if the
+    /// table has another key.
     pub(crate) fn section(
         &self,
         key: &str,
@@ -418,10 +434,12 @@ impl<'d> Section<'d> {
             .map(Some)
     }
 
-    /// The tables `[[key]]` with no keys but `known`; empty where there is none.
+    /// Returns the tables `[[key]]`, or an empty list if there are none. Each table may have only
+    /// the keys `known`.
     ///
     /// # Errors
-    /// [`Error::WrongType`], [`Error::UnknownKey`].
+    /// Returns [`Error::WrongType`] if the value is not an array of tables, and
+    /// [`Error::UnknownKey`] if one of the tables has another key.
     pub(crate) fn sections(
         &self,
         key: &str,
@@ -448,12 +466,12 @@ impl<'d> Section<'d> {
     }
 }
 
-/// One number for all, or one per entry of a table.
+/// One number for all entries, or one number per entry.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum NumberOrTable {
-    /// The one number.
+    /// The one number for all entries.
     Number(f64),
-    /// Key and number of each entry.
+    /// Key and number of each entry of a table.
     Table(Vec<(String, f64)>),
 }
 

@@ -1,13 +1,15 @@
-//! Texts of limited length: a parser takes many times the memory of what it parses.
+//! Reading of texts of limited length. The limit exists because a parser takes many times the
+//! memory of the text that it parses.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads a text of at most `most` bytes.
+/// Reads a text file of at most `most` bytes.
 ///
 /// # Errors
-/// The system does not give it, it is not UTF-8, or it is longer.
+/// Returns the error of the system if the file cannot be opened or read, one of kind `InvalidData`
+/// if it is not UTF-8, and one of kind `FileTooLarge` if it is longer.
 pub(crate) fn read(file: &Path, most: u64) -> io::Result<String> {
     let mut text = String::new();
     let read = File::open(file)?.take(most + 1).read_to_string(&mut text)?;

@@ -1,37 +1,38 @@
-//! Names of the blur terms that a model has, and whose model it is.
+//! Names of kernels, and of the published models that they belong to.
 
 use serde::{Deserialize, Serialize};
 
 use crate::names::lobe::LobeShape;
 
-/// The blur model of a sheet.
+/// The kernel of a model: the set of blur terms of a sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Kernel {
-    /// Ray shift and the lobe of Eq. (1), read literally: a (1/mm) does not depend on the floating
+    /// Ray shift and the lobe of Eq. (1) taken literally: a (1/mm) does not depend on the floating
     /// distance.
     Eq1,
-    /// Ray shift and the lobe as an angle (Fraunhofer): a = A / R, the dimensionless A = a R is the
-    /// parameter.
+    /// Ray shift and a lobe of fixed angle (Fraunhofer): the free parameter is A = a R, without
+    /// unit.
     Angular,
     /// Ray shift alone.
     Shift,
-    /// The lobe of Eq. (1) alone, a in 1/mm.
+    /// The lobe of Eq. (1) alone, with a in 1/mm.
     Lobe,
-    /// Wave optics of the aperture: shift and diffraction from c and the wavelength, no lobe.
+    /// Wave optics of the aperture: ray shift and diffraction from c and the wavelength, without a
+    /// lobe.
     Wave,
-    /// Saito et al. 2024 with a smooth front: three rough facets (see `baseline`).
+    /// Saito et al. 2024 with a smooth front: three rough facets.
     Saito,
-    /// The same with a rough front: five rough interfaces.
+    /// Saito et al. 2024 with a rough front: five rough interfaces.
     #[serde(rename = "saito-surface")]
     SaitoSurface,
-    /// Guo et al. 2018: a rough front.
+    /// Guo et al. 2018: one lobe, from a rough front.
     Guo,
-    /// Portsmouth et al. 2026, the minimal retroreflective microfacet model.
+    /// Portsmouth et al. 2026: the minimal retroreflective microfacet model.
     Mrm,
 }
 
-/// Whose model of a sheet.
+/// The model of a sheet: the proposed one or a published baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Family {
@@ -47,7 +48,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// The name in files and options.
+    /// Returns the name in files and options.
     pub const fn name(self) -> &'static str {
         match self {
             Family::Proposed => "proposed",
@@ -57,7 +58,8 @@ impl Family {
         }
     }
 
-    /// Its kernels, in the order of preference among equals.
+    /// Returns the kernels of the model. Among kernels that fit equally well, earlier ones are
+    /// preferred.
     pub const fn kernels(self) -> &'static [Kernel] {
         match self {
             Family::Proposed => &Kernel::ALL,
@@ -67,7 +69,7 @@ impl Family {
         }
     }
 
-    /// Shapes of its lobe.
+    /// Returns the shapes that the lobe of the model may have.
     pub const fn shapes(self) -> &'static [LobeShape] {
         match self {
             Family::Proposed => &LobeShape::ALL,
@@ -77,7 +79,8 @@ impl Family {
 }
 
 impl Kernel {
-    /// All kernels of the proposed model; among equals the literal Eq. (1) is preferred.
+    /// All kernels of the proposed model. The first is preferred among kernels that fit equally
+    /// well.
     pub const ALL: [Kernel; 5] = [
         Kernel::Eq1,
         Kernel::Angular,
@@ -86,15 +89,15 @@ impl Kernel {
         Kernel::Wave,
     ];
 
-    /// Their names in files.
+    /// Names of [`Kernel::ALL`] in files, in the same order.
     pub const NAMES: [&'static str; 5] = ["eq1", "angular", "shift", "lobe", "wave"];
 
-    /// The kernel of a name in a file.
+    /// Returns the kernel of the proposed model that has this name in files, or `None`.
     pub fn from_name(name: &str) -> Option<Kernel> {
         Kernel::ALL.into_iter().find(|kernel| kernel.name() == name)
     }
 
-    /// The name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Kernel::Eq1 => "eq1",
@@ -109,7 +112,7 @@ impl Kernel {
         }
     }
 
-    /// Whose model it is.
+    /// Returns the model that the kernel belongs to.
     pub const fn family(self) -> Family {
         match self {
             Kernel::Eq1 | Kernel::Angular | Kernel::Shift | Kernel::Lobe | Kernel::Wave => {
@@ -121,13 +124,13 @@ impl Kernel {
         }
     }
 
-    /// Whether it is a baseline: a lobe of rough facets, no ray shift.
+    /// Returns whether the kernel is a baseline: a lobe of rough facets, without ray shift.
     pub const fn is_baseline(self) -> bool {
         !matches!(self.family(), Family::Proposed)
     }
 
-    /// Whether a second size is part of the model, one for all angles: the corner size c, of a
-    /// baseline the roughness of the front.
+    /// Returns whether the kernel has a size that all angles share. The size is the corner size c,
+    /// or, for a baseline, the roughness of the front.
     pub const fn has_c(self) -> bool {
         !matches!(
             self,
@@ -135,7 +138,7 @@ impl Kernel {
         )
     }
 
-    /// Whether a lobe, and with it a, A or a roughness, is part of the model.
+    /// Returns whether the kernel has a lobe, and with it a spread: a, A or a roughness.
     pub const fn has_lobe(self) -> bool {
         !matches!(self, Kernel::Shift | Kernel::Wave)
     }

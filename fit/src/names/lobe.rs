@@ -2,38 +2,38 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The two-dimensional shape of the diffraction lobe.
+/// The two-dimensional shape of a lobe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LobeShape {
-    /// sinc^2(a r), cut at a r = 2.4 pi and energy-normalised.
+    /// sinc^2(a r), cut at a r = 2.4 pi, with total light 1.
     Radial,
-    /// sinc^2(a x) sinc^2(a y).
+    /// sinc^2(a x) sinc^2(a y), not cut.
     Separable,
-    /// exp(-(a r)^2): slopes after Beckmann.
+    /// exp(-(a r)^2): the facets' slopes are distributed after Beckmann.
     Beckmann,
-    /// 1 / (1 + (a r)^2)^2: slopes after GGX.
+    /// 1 / (1 + (a r)^2)^2: the facets' slopes are distributed after GGX.
     Ggx,
 }
 
 impl LobeShape {
-    /// The shapes of a diffraction lobe; a scene that names none means the first.
+    /// The shapes of a diffraction lobe. The first is the default of a scene that names none.
     pub const ALL: [LobeShape; 2] = [LobeShape::Radial, LobeShape::Separable];
 
-    /// Their names in files.
+    /// Names of [`LobeShape::ALL`] in files, in the same order.
     pub const NAMES: [&'static str; 2] = ["radial", "separable"];
 
     /// The shapes of a baseline's lobe.
     pub const MICROFACETS: [LobeShape; 2] = [LobeShape::Beckmann, LobeShape::Ggx];
 
-    /// The shape of a diffraction lobe by its name in a file.
+    /// Returns the shape of a diffraction lobe that has this name in files, or `None`.
     pub fn from_name(name: &str) -> Option<LobeShape> {
         LobeShape::ALL
             .into_iter()
             .find(|shape| shape.name() == name)
     }
 
-    /// The name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             LobeShape::Radial => "radial",

@@ -1,9 +1,10 @@
 //! Words that files, options and rooms share: kernels, shapes of lobes, parameters, and spectra of
 //! light.
 //!
-//! Text enters; checked names leave, and the facts that follow from a name alone (which parameters
-//! a kernel has). No optics stands here: the model and the simulator share this room on purpose,
-//! and nothing else, so that each checks the other. The room may touch no other.
+//! Text enters. Checked names leave, and the facts that follow from a name alone (such as which
+//! parameters a kernel has). The room holds no optics. The model and the simulator share this room
+//! on purpose, and no other room about light, so that each checks the other. It may touch no other
+//! room.
 
 mod kernel;
 mod lobe;

@@ -1,4 +1,4 @@
-//! The parameters by name: what an estimate, its covariance and its bounds are of.
+//! Names of the parameters that an estimate, its covariance and its bounds refer to.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -8,27 +8,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::names::kernel::Kernel;
 
-/// What a parameter is.
+/// The quantity that a parameter measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ParameterKind {
     /// Corner size c, mm.
     CornerSize,
-    /// Roughness of a baseline's front.
+    /// Roughness of the front of a baseline, without unit.
     SurfaceRoughness,
     /// Diffraction spread a, 1/mm.
     APerMm,
-    /// Dimensionless A = a R.
+    /// Diffraction spread A = a R, without unit.
     ATimesR,
-    /// Roughness of a baseline's facets.
+    /// Roughness of the facets of a baseline, without unit.
     Roughness,
-    /// Reflectance.
+    /// Reflectance mu.
     Mu,
-    /// Azimuth that is added to those of the captures, degrees. No row of the covariance.
+    /// Azimuth that is added to those of the captures, degrees. It has no row in the covariance.
     Azimuth,
 }
 
 impl ParameterKind {
-    /// All of them.
+    /// All kinds of parameters.
     pub const ALL: [ParameterKind; 7] = [
         ParameterKind::CornerSize,
         ParameterKind::SurfaceRoughness,
@@ -39,7 +39,7 @@ impl ParameterKind {
         ParameterKind::Azimuth,
     ];
 
-    /// The name in files.
+    /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
             ParameterKind::CornerSize => "c_mm",
@@ -52,7 +52,8 @@ impl ParameterKind {
         }
     }
 
-    /// The size that all angles share: c, or the roughness of a baseline's front.
+    /// Returns the size that all angles share in a kernel: c, or the roughness of a baseline's
+    /// front.
     pub const fn size_of(kernel: Kernel) -> ParameterKind {
         match kernel {
             Kernel::SaitoSurface => ParameterKind::SurfaceRoughness,
@@ -60,7 +61,7 @@ impl ParameterKind {
         }
     }
 
-    /// The spread: a, a R or a roughness.
+    /// Returns the spread of a kernel: a, a R or a roughness.
     pub const fn spread_of(kernel: Kernel) -> ParameterKind {
         match kernel {
             Kernel::Angular => ParameterKind::ATimesR,
@@ -69,13 +70,14 @@ impl ParameterKind {
         }
     }
 
-    /// Whether its blur fades away as it grows: of a and a R, which are reciprocal widths. The
-    /// others fade as they fall.
+    /// Returns whether the blur of this parameter vanishes as the parameter grows. This holds for a
+    /// and a R, which are reciprocal widths. The blur of the other kinds vanishes as they fall to
+    /// 0.
     pub const fn fades_upwards(self) -> bool {
         matches!(self, ParameterKind::APerMm | ParameterKind::ATimesR)
     }
 
-    /// The parameter of this kind that all angles share.
+    /// Returns the parameter of this kind that all angles share.
     pub const fn shared(self) -> ParameterId {
         ParameterId {
             kind: self,
@@ -83,7 +85,7 @@ impl ParameterKind {
         }
     }
 
-    /// The parameter of this kind at one incidence, degrees.
+    /// Returns the parameter of this kind at one incidence, degrees.
     pub const fn at(self, incidence_deg: f64) -> ParameterId {
         ParameterId {
             kind: self,
@@ -91,7 +93,7 @@ impl ParameterKind {
         }
     }
 
-    /// One parameter for every incidence, or one for all.
+    /// Returns one parameter for each incidence (degrees) if `per_angle` is set, else one for all.
     pub fn each(self, incidence_deg: &[f64], per_angle: bool) -> Vec<ParameterId> {
         if per_angle {
             incidence_deg.iter().map(|&angle| self.at(angle)).collect()
@@ -101,17 +103,17 @@ impl ParameterKind {
     }
 }
 
-/// One parameter of an estimate. As text, in files, `a_per_mm` or `a_per_mm_at_20`.
+/// One parameter of an estimate. Its text in files is, for example, `a_per_mm` or `a_per_mm_at_20`.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ParameterId {
-    /// What it is.
+    /// The quantity that the parameter measures.
     pub kind: ParameterKind,
-    /// The incidence that it is of, degrees; `None` where all angles share it.
+    /// Incidence that the parameter belongs to, degrees; `None` if all angles share the parameter.
     pub incidence_deg: Option<f64>,
 }
 
-/// Stands between kind and incidence in files.
+/// Text between the kind and the incidence in files.
 const AT: &str = "_at_";
 
 impl fmt::Display for ParameterId {
@@ -124,14 +126,14 @@ impl fmt::Display for ParameterId {
     }
 }
 
-/// A text that names no parameter.
+/// The error of a text that names no parameter.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{text}\" is no parameter; write c_mm, a_per_mm, a_times_r, roughness, surface_roughness or \
     mu, with _at_ and the incidence where there is one per angle"
 )]
 pub struct NoParameter {
-    /// The text.
+    /// The text that was given.
     pub text: String,
 }
 
@@ -168,7 +170,7 @@ impl From<ParameterId> for String {
     }
 }
 
-/// In the order of their texts, which is that of a result's `bounds`.
+/// Orders parameters by their texts. The `bounds` of a result have this order.
 impl Ord for ParameterId {
     fn cmp(&self, other: &ParameterId) -> Ordering {
         self.to_string().cmp(&other.to_string())

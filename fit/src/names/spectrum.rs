@@ -7,66 +7,70 @@ use serde::{Deserialize, Serialize};
 /// One wavelength of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectralLine {
-    /// Wavelength in air, nm.
+    /// Wavelength in vacuum, nm.
     pub wavelength_nm: f64,
-    /// Share of the light, relative to the other lines; positive, not normalised.
+    /// Weight of the line relative to the other lines; positive, not normalised.
     pub weight: f64,
 }
 
-/// A source as a sum of lines; at least one. In files it is text such as `450:0.2,550:0.5`.
+/// A light source as a sum of one or more lines. Its text in files is, for example,
+/// `450:0.2,550:0.5`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Spectrum {
     lines: Vec<SpectralLine>,
 }
 
-/// A spectrum that cannot be read.
+/// A reason why a text or a number is not a spectrum.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpectrumError {
-    /// Not `wavelength` or `wavelength:weight`.
+    /// An entry that is neither `wavelength` nor `wavelength:weight`.
     #[error(
         "has the entry \"{entry}\", which is not a wavelength such as 550 or a pair such as \
         550:0.5; correct it"
     )]
     Entry {
-        /// The entry.
+        /// The entry that was found.
         entry: String,
     },
-    /// Not light, or in another unit.
+    /// A wavelength outside 100 to 20000 nm, for example one given in another unit.
     #[error("is {wavelength_nm} nm but must be between 100 and 20000 nm; give it in nanometres")]
     Wavelength {
-        /// The wavelength.
+        /// The wavelength that was found, nm.
         wavelength_nm: f64,
     },
-    /// A weight that takes light away.
+    /// A weight that is not finite, or not greater than 0.
     #[error(
         "gives {wavelength_nm} nm the weight {weight}, which must be finite and greater than 0; \
         correct it"
     )]
     Weight {
-        /// The wavelength.
+        /// Wavelength of the entry, nm.
         wavelength_nm: f64,
-        /// Its weight.
+        /// The weight that was found.
         weight: f64,
     },
 }
 
 impl Spectrum {
-    /// One line of weight 1.
+    /// Returns a spectrum of one line with weight 1.
     ///
     /// # Errors
-    /// `SpectrumError::Wavelength` outside 100 to 20000 nm.
+    /// Returns `SpectrumError::Wavelength` if the wavelength is outside 100 to 20000 nm.
     pub fn monochromatic(wavelength_nm: f64) -> Result<Spectrum, SpectrumError> {
         Ok(Spectrum {
             lines: vec![line(wavelength_nm, 1.0)?],
         })
     }
 
-    /// Reads `550` or `450:0.2,550:0.5,620:0.3`; a weight left out is 1.
+    /// Reads a spectrum from text such as `550` or `450:0.2,550:0.5,620:0.3`. A line without a
+    /// weight has weight 1.
     ///
     /// # Errors
-    /// A `SpectrumError` about the first entry that is wrong.
+    /// Returns a `SpectrumError` about the first wrong entry: one that is not `wavelength` or
+    /// `wavelength:weight`, a wavelength outside 100 to 20000 nm, or a weight that is not finite
+    /// and positive.
     pub fn parse(text: &str) -> Result<Spectrum, SpectrumError> {
         let read = |entry: &str| {
             let number = |word: &str| {
@@ -86,7 +90,7 @@ impl Spectrum {
         })
     }
 
-    /// The lines, in the order given; never empty.
+    /// Returns the lines in the order given. There is at least one.
     pub fn lines(&self) -> &[SpectralLine] {
         &self.lines
     }

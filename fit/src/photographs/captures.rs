@@ -1,9 +1,9 @@
-//! The manifest of a measured campaign, captures.toml: which photograph was taken how.
+//! The manifest of a campaign, captures.toml: the photographs, and how each one was taken.
 //!
-//! Lengths are in mm, angles are kept in degrees as the manifest gives them and handed out in
-//! radians. In a photograph x runs along columns to the right and y along rows downward; angles in
-//! it run from +x towards +y. Every key is checked here, so that whatever comes out is finite and
-//! in range and every image exists.
+//! Lengths are in mm. Angles are stored in degrees, as in the manifest; methods whose names end in
+//! `_rad` return radians. In a photograph x runs along columns to the right and y along rows
+//! downward; angles in it run from +x towards +y. Every key is checked here, so every number that
+//! is returned is finite and in range, and every image exists.
 
 pub(crate) mod error;
 
@@ -23,8 +23,7 @@ use crate::photographs::photo::settings::Settings;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::roi::Roi;
 
-/// Keys of [setup] that every capture may override, then those of a photograph, then those of a
-/// capture.
+/// Keys of `[setup]` that every capture may override.
 const SHARED: [&str; 6] = [
     "path_mm",
     "roi",
@@ -33,13 +32,16 @@ const SHARED: [&str; 6] = [
     "channel",
     "accept",
 ];
+/// Keys of `[setup]` alone.
 const SETUP: [&str; 4] = [
     "pixel_pitch_mm",
     "half_mirror_transmittance",
     "half_mirror_reflectance",
     "wavelength_nm",
 ];
+/// Keys of a photograph, with or without the sheet.
 const SHOT: [&str; 6] = ["image", "exposure", "roi", "transfer", "channel", "accept"];
+/// Keys of a photograph of the mid-air edge alone.
 const CAPTURE: [&str; 5] = [
     "floating_distance_mm",
     "incidence_deg",
@@ -48,41 +50,43 @@ const CAPTURE: [&str; 5] = [
     "tangential_axis_deg",
 ];
 
-/// What all captures have in common.
+/// Properties that all captures of a campaign have in common.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
-    /// Side of one pixel in the aerial-image plane, mm, > 0.
+    /// Side of one pixel in the plane of the mid-air image, mm, > 0.
     pub pixel_pitch_mm: f64,
-    /// Transmittance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a
-    /// warning.
+    /// Transmittance of the half mirror, in (0, 1]. If the manifest does not give it, it is 1 and a
+    /// warning says so.
     pub half_mirror_transmittance: f64,
-    /// Reflectance of the half mirror, in (0, 1]; 1 where the manifest leaves it out, with a
-    /// warning.
+    /// Reflectance of the half mirror, in (0, 1]. If the manifest does not give it, it is 1 and a
+    /// warning says so.
     pub half_mirror_reflectance: f64,
-    /// Wavelengths of the source, for the `wave` kernel.
+    /// Wavelengths of the source, for the kernel `wave`.
     pub spectrum: Option<Spectrum>,
 }
 
 /// One photograph and how to read it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
-    /// The file, resolved against the manifest's folder; it existed when the manifest was read.
+    /// Path of the image file, relative paths resolved against the manifest's folder. The file
+    /// existed when the manifest was read.
     pub image: PathBuf,
     /// Exposure relative to the reference, > 0.
     pub exposure: f64,
-    /// Region that holds the edge; the whole picture, or an edge found in it, where left out.
+    /// Region that holds the edge. With `None` the whole picture is used, or an edge is searched in
+    /// it.
     pub roi: Option<Roi>,
-    /// Faults of its edge that are taken as they are (the key `accept`).
+    /// Faults of the edge that become warnings (the key `accept`).
     pub accepted: Vec<Accepted>,
-    /// Transfer and channel.
+    /// Transfer and channel of the image file.
     pub decode: Decode,
     /// Line of the manifest that names the image.
     pub place: FileLine,
 }
 
 impl Shot {
-    /// A photograph that is in no manifest: whoever hands out the photographs knows it by this
-    /// name.
+    /// Creates a photograph that is in no manifest, for callers that hand out photographs
+    /// themselves. The caller recognises it by its name, which stands in `image`.
     pub fn named(name: impl Into<PathBuf>, exposure: f64) -> Shot {
         let name = name.into();
         Shot {
@@ -101,7 +105,8 @@ impl Shot {
     /// Reads the photograph and checks that the region lies in it.
     ///
     /// # Errors
-    /// `Error::Photo`, `Error::RoiOutside`.
+    /// Returns `Error::Photo` if the image file cannot be used, and `Error::RoiOutside` if the
+    /// region reaches beyond the picture.
     pub fn load(&self) -> Result<Photo, Error> {
         let photo = photo::load(&self.image, &self.decode)?;
         match self.roi {
@@ -117,17 +122,17 @@ impl Shot {
     }
 }
 
-/// One photograph of the mid-air edge.
+/// One photograph of the mid-air edge, and how it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Capture {
-    /// The photograph.
+    /// The photograph itself.
     pub shot: Shot,
     /// Floating distance, mm, > 0.
     pub floating_distance_mm: f64,
-    /// Optical path from the sheet to the image along the principal ray, mm, > 0, where it differs
-    /// from the floating distance; see [`Capture::range_mm`].
+    /// Optical path from the sheet to the image along the principal ray, mm, > 0. It is `None`
+    /// where it equals the floating distance; see [`Capture::range_mm`].
     pub path_mm: Option<f64>,
-    /// Incidence on the sheet, outside, degrees, 0 <= theta < 90.
+    /// Incidence in the air, degrees from the sheet's normal, 0 <= theta < 90.
     pub incidence_deg: f64,
     /// Azimuth about the sheet's normal, degrees; `None` for a table that is a mean over azimuths.
     pub azimuth_deg: Option<f64>,
@@ -137,44 +142,44 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// R of the model, mm: `path_mm` where given, else the floating distance.
+    /// Returns R of the model, mm: `path_mm` if it is given, else the floating distance.
     pub fn range_mm(&self) -> f64 {
         self.path_mm.unwrap_or(self.floating_distance_mm)
     }
 
-    /// Incidence, radians.
+    /// Returns the incidence, radians.
     pub fn incidence_rad(&self) -> f64 {
         self.incidence_deg.to_radians()
     }
 
-    /// Azimuth, radians.
+    /// Returns the azimuth, radians.
     pub fn azimuth_rad(&self) -> Option<f64> {
         self.azimuth_deg.map(f64::to_radians)
     }
 
-    /// Direction of the tangential axis, radians.
+    /// Returns the direction of the tangential axis in the photograph, radians from +x towards +y.
     pub fn tangential_axis_rad(&self) -> f64 {
         self.tangential_axis_deg.to_radians()
     }
 }
 
-/// A checked campaign.
+/// A campaign whose manifest has been checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campaign {
-    /// The manifest.
+    /// Path of the manifest.
     pub file: PathBuf,
-    /// What all captures share.
+    /// Properties that all captures share.
     pub setup: Setup,
-    /// The source edge itself, with no retroreflector in the path.
+    /// Photograph of the source edge itself, without sheet and half mirror.
     pub reference: Option<Shot>,
-    /// The captures, in the order of the manifest; never empty.
+    /// Captures in the order of the manifest; never empty.
     pub captures: Vec<Capture>,
-    /// What was assumed, one sentence each, for the user.
+    /// Warnings about what was assumed, one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Campaign {
-    /// The same campaign, with one channel of every photograph.
+    /// Returns a copy of the campaign that uses one channel of every photograph.
     pub fn in_channel(&self, channel: &Channel) -> Campaign {
         let mut campaign = self.clone();
         let captures = campaign
@@ -188,15 +193,16 @@ impl Campaign {
     }
 }
 
-/// Reads and checks a manifest. Photographs are not decoded here, only looked for: see
-/// [`Shot::load`].
+/// Reads and checks a manifest. Photographs are only looked for here; [`Shot::load`] decodes them.
 ///
-/// `exposure` is 1 for the reference where left out. Where a capture leaves it out, it is that of
-/// the camera's settings (Exif) over those of the reference, because mu is a ratio of the two;
-/// without a reference it has no use and is 1.
+/// If the manifest does not give `exposure`, it is 1 for the reference. For a capture it is then
+/// the ratio of the camera's settings (Exif) to those of the reference, because mu is a ratio of
+/// the two photographs. Without a reference it has no effect and is 1.
 ///
 /// # Errors
-/// The first thing that is wrong, as an `Error` that names the line.
+/// Returns an `Error` that names the line of the first fault: a file that cannot be read, text that
+/// is not TOML, a key that is unknown, missing or out of range, an image that does not exist, an
+/// exposure that neither the manifest nor the camera gives, or a manifest without captures.
 pub fn load(file: &Path) -> Result<Campaign, Error> {
     let document = Document::read(file)?;
     let table = document.parse()?;
@@ -218,8 +224,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
         }
         None => {
             warnings.push(format!(
-                "{} has no [reference]: the camera is taken for its pixel box alone, and mu \
-                cannot be found.",
+                "{} has no [reference]: the lens is left out of the model, and mu cannot be found; \
+                photograph the source edge too.",
                 file.display()
             ));
             None
@@ -248,8 +254,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
             .filter(|&path| path < capture.floating_distance_mm)
         {
             warnings.push(format!(
-                "{}: path_mm {path} is shorter than floating_distance_mm {}, which is a part of \
-                it; the fit takes path_mm.",
+                "{}: path_mm {path} is shorter than floating_distance_mm {}, but the path includes \
+                that distance; check both (the fit takes path_mm as R).",
                 capture.shot.place, capture.floating_distance_mm
             ));
         }
@@ -258,7 +264,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
             .any(|other| other.shot.image == capture.shot.image)
         {
             warnings.push(format!(
-                "{}: image {} is named by an earlier capture too, and counts twice.",
+                "{}: image {} is already used by an earlier capture, so it counts twice; remove \
+                one of the two.",
                 capture.shot.place,
                 capture.shot.image.display()
             ));
@@ -273,8 +280,8 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
     })
 }
 
-/// The exposure of a capture relative to its reference from the settings of the camera, and what to
-/// say about it.
+/// Returns the exposure of a capture relative to its reference, from the settings of the camera,
+/// and a warning about its accuracy.
 fn exposure_by_camera(
     keys: &Section<'_>,
     reference: &Shot,
@@ -290,10 +297,9 @@ fn exposure_by_camera(
     let (own, source) = (settings(&shot.image)?, settings(&reference.image)?);
     let exposure = reference.exposure * own.exposure() / source.exposure();
     let warning = format!(
-        "{}: exposure {exposure:.5} was taken from the camera's Exif data ({own}; reference \
-        {source}): such settings are \
-         rounded, often by some percent, and mu is off by as much; give `exposure` if you know it \
-         better",
+        "{}: `exposure` is missing; {exposure:.5} was computed from the camera's Exif data ({own}; \
+        reference {source}). Cameras round such settings, often by some percent, and the error of \
+        mu is as large; give `exposure` if you know it better",
         shot.place
     );
     Ok((exposure, warning))
@@ -308,8 +314,8 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     let reflectance = keys.number("half_mirror_reflectance", Bounds::SHARE)?;
     if transmittance.is_none() || reflectance.is_none() {
         warnings.push(format!(
-            "{} leaves out half_mirror_transmittance or half_mirror_reflectance: it counts as 1, \
-            and mu includes it.",
+            "{} does not give both half_mirror_transmittance and half_mirror_reflectance: what is \
+            missing counts as 1, and mu includes it.",
             file.display()
         ));
     }
@@ -317,8 +323,8 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
         && t + r > 1.0
     {
         warnings.push(format!(
-            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} are more than all \
-            light; measure them again",
+            "{}: half_mirror_transmittance {t} and half_mirror_reflectance {r} add up to more \
+            than 1; measure them again",
             file.display()
         ));
     }
@@ -330,7 +336,7 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     })
 }
 
-/// What a photograph takes from [setup] where its own table does not say.
+/// Keys of `[setup]` from which a photograph takes what its own table does not give.
 struct Shared<'k, 'd> {
     keys: &'k Section<'d>,
     folder: &'k Path,

@@ -1,41 +1,45 @@
-//! Straight edges among other marks: a region of interest about each slanted edge of a photograph.
+//! Search for straight edges among other marks: returns a region of interest about each slanted
+//! edge.
 //!
-//! The photograph is averaged down to about 600 x 400 blocks. Neighbouring blocks with a strong
-//! gradient of like direction are a piece (the idea of von Gioi et al., LSD, IPOL 2012); a piece
-//! that is long, thin and tilted by 1 to 44 degrees from rows and columns is an edge. Its region is
-//! the largest upright rectangle about its middle that holds no other mark.
+//! The photograph is averaged down to about 600 x 400 blocks. Neighbouring blocks whose gradients
+//! are strong and have a similar direction form a piece (the idea of von Gioi et al., LSD, IPOL
+//! 2012). A piece that is long, thin and tilted by 1 to 44 degrees from rows and columns is an
+//! edge. Its region is the largest upright rectangle about its middle that holds no other mark.
 
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
 
-/// Blocks in the averaged picture, about.
+/// Approximate number of blocks in the averaged picture.
 const BLOCKS: f64 = 240_000.0;
 
-/// A gradient counts from this share of the strongest (the mean of the strongest 1 in 500).
+/// Least strong gradient, as a share of the strongest (the mean of the strongest 1 in 500).
 const STRONG: f64 = 0.15;
 
-/// And from this multiple of the median gradient: that of noise is 8 times its median once in 10^19
-/// blocks.
+/// Least strong gradient, as a multiple of the median gradient. The gradient of noise reaches 8
+/// times its median once in 10^19 blocks.
 const ABOVE_NOISE: f32 = 8.0;
 
-/// Blocks of the least piece that counts as a mark: less is a hot pixel or dust.
+/// Number of blocks of the smallest group that counts as a mark. A smaller one is a hot pixel or
+/// dust.
 const LEAST_MARK: usize = 14;
 
-/// Cosine of the largest angle between a block's gradient and its piece's mean (22.5 degrees, as in
-/// LSD).
+/// Cosine of the largest angle (22.5 degrees, as in LSD) between the gradient of a block and the
+/// mean gradient of its piece.
 const LIKE: f32 = 0.924;
 
-/// Pieces that are looked at: the longest ones.
+/// Number of pieces that are looked at, the longest first.
 const MOST_PIECES: usize = 24;
 
-/// Least length of an edge, blocks, and over its width.
+/// Length of the shortest edge, blocks.
 const LEAST_LENGTH: f64 = 12.0;
+/// Least ratio of the length of an edge to its width.
 const SLENDER: f64 = 2.5;
 
-/// A region about each straight piece of a photograph that has room for one, the longest piece
-/// first. Whether it holds an edge that can be measured is left to the measurement.
+/// Returns a region about each straight piece of a photograph, the longest piece first. Pieces
+/// without room for a region are left out. The caller has to measure a region to know whether it
+/// holds an edge.
 pub(crate) fn regions(photo: &Photo) -> Vec<Roi> {
     let blocks = Blocks::of(photo);
     let pieces = blocks.pieces();
@@ -45,8 +49,8 @@ pub(crate) fn regions(photo: &Photo) -> Vec<Roi> {
     regions.take(MOST_PIECES).collect()
 }
 
-/// The middle of a region, at most 600 pixels long and wide: enough to see whether it holds an
-/// edge.
+/// Returns the middle of a region, at most 600 pixels long and wide. This is enough to see whether
+/// the region holds an edge.
 pub(crate) fn middle(roi: &Roi) -> Roi {
     let part = |at: usize, size: usize| (at + size.saturating_sub(600) / 2, size.min(600));
     let ((x, width), (y, height)) = (part(roi.x, roi.width), part(roi.y, roi.height));
@@ -58,8 +62,9 @@ pub(crate) fn middle(roi: &Roi) -> Roi {
     }
 }
 
-/// Whether two edges lie on one line: within 1 degree, and each in the other's direction within 1 %
-/// of their distance.
+/// Returns whether two edges lie on one line. This means that their directions differ by less than
+/// 0.02 rad (1.1 degrees), and that one lies off the line of the other by less than 1 % of their
+/// distance plus 2 pixels.
 pub(crate) fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLine)) -> bool {
     let turn = (a.normal_rad - b.normal_rad).sin().abs();
     let centre = |roi: &Roi| {
@@ -74,21 +79,21 @@ pub(crate) fn one_line((roi_a, a): (&Roi, &EdgeLine), (roi_b, b): (&Roi, &EdgeLi
     turn < 0.02 && apart.abs() < 0.01 * (bx - ax).hypot(by - ay) + 2.0
 }
 
-/// A straight piece of strong gradient, in blocks.
+/// A straight piece of strong gradient. Lengths are in blocks.
 #[derive(Debug)]
 struct Piece {
-    /// Middle.
+    /// Middle of the piece.
     middle: [f64; 2],
-    /// Unit vector along it.
+    /// Unit vector along the piece.
     along: [f64; 2],
-    /// Length.
+    /// Length of the piece.
     length: f64,
-    /// Half width within which its blocks lie.
+    /// Half the width of the strip in which its blocks lie.
     half_width: f64,
 }
 
 impl Piece {
-    /// Distance across and along from the middle.
+    /// Returns the signed distances of a point from the middle, across and along the piece, blocks.
     fn place(&self, x: f64, y: f64) -> (f64, f64) {
         let (dx, dy) = (x - self.middle[0], y - self.middle[1]);
         let [ux, uy] = self.along;
@@ -96,15 +101,16 @@ impl Piece {
     }
 }
 
-/// The photograph averaged down, and its gradient.
+/// A photograph averaged down to blocks, and its gradient.
 #[derive(Default)]
 struct Blocks {
     width: usize,
     height: usize,
-    /// Pixels on a side of a block.
+    /// Number of pixels on a side of a block.
     side: usize,
-    /// Unit gradient, and whether it counts as strong.
+    /// Unit vector of the gradient of each block.
     direction: Vec<[f32; 2]>,
+    /// Flag of each block: true if its gradient counts as strong.
     strong: Vec<bool>,
 }
 
@@ -149,7 +155,7 @@ impl Blocks {
         blocks
     }
 
-    /// Indices of the up to eight neighbours.
+    /// Returns the indices of the up to eight neighbours of a block.
     fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, height) = (self.width, self.height);
         let (x, y) = (index % width, index / width);
@@ -159,8 +165,8 @@ impl Blocks {
             .filter(move |&other| other != index)
     }
 
-    /// Blocks that are joined to `start` through free blocks for which `joins` says yes; they are
-    /// no longer free.
+    /// Collects the blocks that are joined to `start` through free blocks for which `joins` is
+    /// true. They are no longer free afterwards.
     fn flood(
         &self,
         start: usize,
@@ -196,7 +202,7 @@ impl Blocks {
         }
     }
 
-    /// Straight pieces, the longest first.
+    /// Returns the straight pieces, the longest first.
     fn pieces(&self) -> Vec<Piece> {
         let mut free = self.strong.clone();
         let mut pieces = Vec::new();
@@ -221,8 +227,8 @@ impl Blocks {
         pieces
     }
 
-    /// A group as a straight piece, where it is long and thin: its axes from its second moments,
-    /// those of a uniform bar.
+    /// Describes a group of blocks as a straight piece, or returns `None` if it is not long and
+    /// thin. The axes come from the second moments of the group, taken as those of a uniform bar.
     fn piece(&self, group: &[usize]) -> Option<Piece> {
         let n = group.len() as f64;
         let place = |&index: &usize| ((index % self.width) as f64, (index / self.width) as f64);
@@ -255,14 +261,14 @@ impl Blocks {
             .map(|index| ((index % self.width) as f64, (index / self.width) as f64))
     }
 
-    /// The largest upright rectangle about the middle of a piece (in pixels) that ends before the
-    /// piece does and holds no other mark, at most twice as long across the edge as along it;
-    /// `None` where there is no room.
+    /// Returns the region of a piece, in pixels: the largest upright rectangle about its middle
+    /// that holds no other mark. It ends before the piece does and is at most twice as long across
+    /// the edge as along it. Returns `None` if it would be less than 20 pixels wide or high.
     fn region(&self, piece: &Piece, photo: &Photo) -> Option<Roi> {
         let steep = piece.along[1].abs() >= piece.along[0].abs();
         let cosine = piece.along[0].abs().max(piece.along[1].abs());
-        // Other marks, as (across, along) distances of their blocks from the middle: across is x
-        // for a steep edge.
+        // Distances (across, along) from the middle to the blocks of other marks. For a steep edge,
+        // across is x.
         let marks: Vec<(f64, f64)> = self
             .strong_places()
             .filter(|&(x, y)| {
@@ -284,7 +290,8 @@ impl Blocks {
         let mut best: Option<(f64, f64)> = None;
         for part in 1..=40 {
             let along = longest * f64::from(part) / 40.0;
-            // A block beyond a mark, whose gradient reaches over one more.
+            // Two blocks are kept free: the block of the mark, and the next, which its gradient
+            // reaches.
             let across = marks
                 .iter()
                 .filter(|(_, v)| *v <= along + 2.0)

@@ -1,20 +1,21 @@
-//! Pixels that do not follow the edge: hot and dead ones, dust, other marks.
+//! Detection of pixels that do not follow the edge: hot and dead pixels, dust, other marks.
 
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::Window;
 
-/// Distance from the edge's own profile, in standard deviations of a pixel, from which a pixel is
-/// off: noise reaches it once in 10^15 pixels, shot noise of few electrons once in 10^6.
+/// Distance from the profile of the edge from which a pixel is off, in standard deviations of a
+/// pixel. Gaussian noise reaches it once in 10^15 pixels, shot noise of few electrons once in 10^6.
 const DEVIATIONS: f64 = 8.0;
 
-/// What the straight lines between bins may miss of the sharpest profile, and what is too little to
-/// matter, in steps: pixels nearer than that, 1 in 10^4, move the profile by 5e-6.
+/// Least distance from the profile at which a pixel can be off, in steps of the edge. The straight
+/// lines between the bins may miss the sharpest profile by as much. Pixels nearer than this do not
+/// matter: 1 of them in 10^4 moves the profile by 5e-6.
 const LEAST_STEPS: f64 = 0.05;
 
-/// Takes out pixels farther from all others than these are from each other (an EXR's hot pixels can
-/// be thousands of times the picture); they would spoil the search for the edge. Returns their
-/// number.
+/// Excludes pixels far outside the range of the others from the window, and returns their number.
+/// An EXR's hot pixels can be thousands of times as bright as the picture, which would spoil the
+/// search for the edge.
 pub(crate) fn exclude_gross(window: &mut Window) -> usize {
     let (low, high) = window.bulk();
     let span = high - low;
@@ -24,11 +25,12 @@ pub(crate) fn exclude_gross(window: &mut Window) -> usize {
     window.keep(|pixel| (low - 2.0 * span..=high + 2.0 * span).contains(&pixel.value))
 }
 
-/// Takes out pixels that are off the profile by more than an edge with an arc of `arc_px`, or their
-/// place in a bin, explains. Returns their number.
+/// Excludes pixels that are off the profile from the window, and returns their number. A pixel is
+/// off if neither noise, nor its place in a bin, nor an arc of `arc_px` pixels explains its
+/// distance.
 ///
-/// The profile is that of the medians, which a few wild pixels do not move; it is only formed where
-/// the means raise a doubt.
+/// The distance is that from the medians of the bins, which a few wild pixels do not move. The
+/// medians are only computed if the means of the bins raise a doubt.
 pub(crate) fn exclude(
     window: &mut Window,
     line: &EdgeLine,
@@ -40,7 +42,7 @@ pub(crate) fn exclude(
     let limits: Vec<f64> = (0..profile.len())
         .map(|j| {
             let noise = (profile.variance[j] * profile.count[j].max(1.0)).sqrt();
-            // At an angle of a simple fraction the pixels of a bin may all lie at one end of it.
+            // At an angle of a simple fraction the pixels of a bin may all lie at one of its ends.
             let astray_px = 1.5 * arc_px + 0.5 * BIN_PX;
             least + DEVIATIONS * noise + astray_px * profile.slope(j, 2).abs()
         })
@@ -51,7 +53,7 @@ pub(crate) fn exclude(
             .at(s)
             .is_some_and(|expected| (value - expected).abs() > share * limits[bin(s)])
     };
-    // Wild pixels draw the mean of their bin towards them, up to three of them by this share.
+    // Wild pixels draw the mean of their bin towards them: up to three of them by this share.
     let share = |s: f64| (1.0 - 4.0 / profile.count[bin(s)]).max(0.5);
     let doubtful = window.pixels().any(|p| {
         let (s, _) = line.place(&p);

@@ -1,4 +1,5 @@
-//! Finding the slanted edge: direction, place, and whether there is exactly one.
+//! Search for the slanted edge of a window: its direction, its place, and whether there is only
+//! one.
 
 pub(crate) mod accepted;
 pub(crate) mod fault;
@@ -10,14 +11,14 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
 
-/// Pixels from which a window is searched in a reduced copy first.
+/// Number of pixels above which a window is first searched in a copy of lower resolution.
 const LARGE: usize = 400_000;
 
-/// Finds the edge of a window that holds one.
+/// Finds the edge of a window that holds one edge.
 ///
 /// The first direction is that of the first moment under a rotationally symmetric weight, which is
-/// exact for any straight edge; direction and place are then refined, see [`refine`]. Large windows
-/// are averaged down for that start.
+/// exact for any straight edge. [`refine`] then refines direction and place. For the first
+/// direction, large windows are averaged down.
 pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
     let pixels = window.width() * window.height();
     if pixels > LARGE {
@@ -39,12 +40,15 @@ pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
     refine(window, start)
 }
 
-/// Refines an edge until the pixels scatter least about their common profile (Gauss-Newton on the
-/// angle; the place is the half level). Accuracy: noise-limited, see the standard error; noise-free
-/// below 2e-5 rad.
+/// Refines the direction and the place of an edge until the pixels scatter least about their common
+/// profile.
+///
+/// The angle is refined by Gauss-Newton steps; the place is the half level of the profile. The
+/// accuracy is limited by noise, see `normal_standard_error_rad`; without noise the error is below
+/// 2e-5 rad.
 pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
     let mut profile = centre(window, &mut line)?;
-    // 1e-4 px at the end of the edge moves no MTF.
+    // A shift of 1e-4 px at the end of the edge does not change the MTF.
     let least = 2e-4 / (window.width() as f64).hypot(window.height() as f64);
     for _ in 0..12 {
         let step = turn(window, &mut line, &profile);
@@ -83,8 +87,8 @@ fn first_direction(window: &Window) -> Result<f64, Fault> {
 
 /// Moves the line to the half level of its profile and returns the profile about the new place.
 fn centre(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
-    // The profile about a line far off the edge is short: each round re-centres, and the second is
-    // nearly exact.
+    // If the line is far off the edge, the profile about it is short. Each round centres it again,
+    // and the second round is nearly exact.
     for _ in 0..4 {
         let profile = Profile::new(window, line).ok_or(Fault::TooSmall)?;
         let shift = half_level(&profile)?;
@@ -96,8 +100,8 @@ fn centre(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
     Profile::new(window, line).ok_or(Fault::TooSmall)
 }
 
-/// Distance (px) from the central bin to the crossing of the half level nearest to the steepest
-/// place.
+/// Returns the distance (pixels) from the central bin to the half level. Where the profile crosses
+/// the half level several times, the steepest crossing counts.
 fn half_level(profile: &Profile) -> Result<f64, Fault> {
     let smooth = smoothed(&profile.mean, 6);
     let n = smooth.len();
@@ -111,8 +115,8 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
             (l.min(v), h.max(v))
         });
-    // A plateau is the mean of many pixels: a step of 5 of its standard errors is a step, less is
-    // noise.
+    // A plateau is the mean of many pixels. A step of more than 5 of its standard errors is a step;
+    // a smaller one is noise.
     let plateau: f64 = profile.variance[..ends]
         .iter()
         .chain(&profile.variance[n - ends..])
@@ -142,8 +146,8 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
     Ok((crossing as f64 + part - profile.reach as f64) * BIN_PX)
 }
 
-/// One Gauss-Newton step of the angle: the pixels' distances from the common profile, regressed on
-/// its slope times the position along the edge. Returns the step taken, rad.
+/// Makes one Gauss-Newton step of the angle and returns it, radians. The distances of the pixels
+/// from the common profile are regressed on its slope times the position along the edge.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     let (sin, cos) = line.normal_rad.sin_cos();
     let smooth = smoothed(&profile.mean, 2);

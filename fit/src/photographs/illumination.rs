@@ -1,12 +1,14 @@
-//! Uneven light: vignetting and gradients of the source, found beside the edge and divided out.
+//! Correction of uneven light (vignetting, gradients of the source): it is found beside the edge.
 //!
-//! The light is taken for 1 + g1 s + g2 t + g3 (s^2 + t^2), with s the distance from the edge and t
-//! the place along it: a factor on everything, as vignetting and an uneven source are, with the one
-//! curvature that a lens has. An edge is the same all along t, so g2 and g3 show in pixels of equal
-//! s (on the plateaus: a bowed edge looks alike). Along s light and blur are told apart by
-//! symmetry: about its middle a blurred edge is odd, however far its tails reach, and g1 adds an
-//! even part, (step/2) g1 |s|. What is even in the blur itself (coma) is left out with the middle
-//! quarter of the profile.
+//! The light is modelled as 1 + g1 s + g2 t + g3 (s^2 + t^2). s is the distance from the edge and t
+//! the place along it. The light is a factor on everything, as vignetting and an uneven source are.
+//! It has one curvature, as a lens has.
+//!
+//! - g2 and g3: an edge is the same all along t, so both show in pixels of equal s. Only pixels on
+//!   the plateaus are used, because a bowed edge has the same effect near the edge.
+//! - g1: along s, light and blur are told apart by symmetry. About its middle a blurred edge is
+//!   odd, however far its tails reach. g1 adds an even part, (step/2) g1 |s|. The blur itself may
+//!   have an even part (coma); it is left out with the middle quarter of the profile.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -14,24 +16,25 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::{Pixel, Window};
 
-/// Least unevenness over the window that is corrected: the asymmetric halo of a real lens looks
-/// like as much.
+/// Least unevenness over the window that is corrected. The asymmetric halo of a real lens can look
+/// like unevenness of this size.
 const LEAST: f64 = 0.01;
 
-/// Fall of chi-square (3 terms) from which unevenness is believed: noise reaches it once in 10^10
-/// photographs.
+/// Least fall of chi-square (3 terms) for which unevenness is corrected. Noise reaches it once in
+/// 10^10 photographs.
 const BELIEVED: f64 = 50.0;
 
-/// The light about an edge, 1 on the edge abreast of the window's centre. Lengths in pixels.
+/// The light about an edge. It is 1 on the edge abreast of the window's centre. Lengths are in
+/// pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light {
     line: EdgeLine,
-    /// Of s, t and s^2 + t^2.
+    /// Coefficients of s, t and s^2 + t^2.
     terms: [f64; 3],
 }
 
 impl Light {
-    /// The light at a pixel.
+    /// Returns the light at a pixel.
     pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
         let (s, t) = self.line.place(pixel);
         let [across, along, curvature] = self.terms;
@@ -39,8 +42,8 @@ impl Light {
     }
 }
 
-/// Largest over smallest light in the window, less 1, where several lights multiply; infinite where
-/// one falls to 0.
+/// Returns the ratio of the largest to the smallest light in the window, less 1. Several lights
+/// multiply. The result is infinite if one of them falls to 0.
 pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
     let (mut low, mut high) = (1.0_f64, 1.0_f64);
     for pixel in window.outline() {
@@ -53,7 +56,8 @@ pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
     high / low - 1.0
 }
 
-/// Finds the light of a window, where it is uneven beyond noise and doubt; `None` where it is even.
+/// Finds the light of a window. Returns `None` if the light is even, or if noise explains the
+/// unevenness.
 pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
     let ([g2, g3], fall_along) = along(window, line, profile)?;
     let (g1, fall_across) = across(profile, g3);
@@ -64,7 +68,7 @@ pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Optio
     (fall_along + fall_across > BELIEVED && unevenness(&[light], window) > LEAST).then_some(light)
 }
 
-/// Moments of the pixels of one bin; t is in units of the window's half diagonal, r is the distance
+/// Moments of the pixels of one bin. t is in units of the window's half diagonal, r is the distance
 /// from the profile.
 #[derive(Clone, Copy, Default)]
 struct Bin {
@@ -74,8 +78,8 @@ struct Bin {
     rt: [f64; 2],
 }
 
-/// g2 and g3, and the fall of chi-square that they bring: within each bin of equal s the pixels are
-/// regressed on level x (t, t^2).
+/// Returns g2 and g3, and the fall of chi-square that they bring. Within each bin of equal s the
+/// pixels are regressed on level x (t, t^2).
 fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<([f64; 2], f64)> {
     let unit = 0.5 * (window.width() as f64).hypot(window.height() as f64);
     let mut bins = vec![Bin::default(); profile.len()];
@@ -117,8 +121,8 @@ fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<([f64; 2
     ))
 }
 
-/// g1, and the fall of chi-square that it brings, from the even part of the profile less that of
-/// `curvature`.
+/// Returns g1, and the fall of chi-square that it brings. Both come from the even part of the
+/// profile, less the even part that `curvature` makes.
 fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
     let (dark, bright) = profile.plateaus();
     let (middle, half_step) = (0.5 * (dark + bright), 0.5 * (bright - dark));

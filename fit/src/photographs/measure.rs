@@ -1,7 +1,7 @@
-//! One photograph measured: its edge found, what spoils it repaired and said, or refused.
+//! Measurement of one photograph: its edge is found, and disturbances are repaired or refused.
 //!
-//! Every repair is made only where its cause is seen, and is a warning. A veil (light that reaches
-//! both sides alike) needs none: both plateaus are free in everything that follows.
+//! A repair is made only if its cause is seen, and it is a warning. A veil (light that reaches both
+//! sides alike) needs no repair, because both plateaus are free in all later steps.
 
 use crate::photographs::edge;
 use crate::photographs::edge::accepted::Accepted;
@@ -16,38 +16,43 @@ use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
 use crate::photographs::{chart, defects, saturation};
 
-/// Share of a window's pixels that may be off the edge's profile: more are no defects of a sensor.
+/// Largest share of a window's pixels that may be off the edge's profile. More of them are no
+/// defects of a sensor.
 const MOST_OFF: f64 = 0.01;
 
-/// Unevenness of the light beyond which a polynomial of second order no longer describes it.
+/// Unevenness of the light above which a polynomial of second order no longer describes it.
 const MOST_UNEVEN: f64 = 1.0;
 
-/// Rounds of repair: each finds the edge again with what the last one cleared; none is needed after
-/// the second.
+/// Largest number of rounds of repair. Each round finds the edge again in the repaired window. No
+/// round after the second is needed in practice.
 const ROUNDS: usize = 4;
 
 /// A measured edge.
 #[derive(Debug, Clone)]
 pub struct Measurement {
-    /// Where the window lies in the photograph: all of it, the region that was given, or the one
-    /// that was found.
+    /// Region of the photograph that the window covers: the region that was given or found, or the
+    /// whole photograph.
     pub region: Roi,
-    /// The window, repaired.
+    /// The pixels of the region, repaired.
     pub window: Window,
-    /// Where the edge lies in it.
+    /// The edge, in the window's coordinates.
     pub line: EdgeLine,
-    /// Its pixels, sorted.
+    /// The profile of the edge: its pixels, sorted into bins.
     pub profile: Profile,
-    /// What was assumed, repaired or is doubtful, one sentence each, those of the photograph first.
+    /// Warnings about what was assumed, was repaired or is doubtful, one sentence each. Those of
+    /// the photograph come first.
     pub warnings: Vec<String>,
 }
 
-/// Measures the edge in a region of a photograph, or, without one, the photograph's only edge: all
-/// of it is taken where it holds nothing else, or the region of the only slanted edge among other
-/// marks. What is `accepted` is no fault but a warning.
+/// Measures the edge in a region of a photograph, or, without a region, its only edge.
+///
+/// Without a region the whole photograph is used if it holds nothing but the edge. If it holds
+/// other marks too, the region of its only slanted edge is used. A fault in `accepted` becomes a
+/// warning.
 ///
 /// # Errors
-/// A `Fault` for everything that would make the result wrong.
+/// Returns a [`Fault`] if there is no edge, if there are several, or if something would make the
+/// result wrong, such as clipped pixels, uneven light or a curved or doubled edge.
 pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
     let region = |photo, roi| region(photo, roi, accepted);
     if roi.is_some() {
@@ -80,7 +85,7 @@ pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Me
         (Some((roi, _)), _) => {
             let mut measurement = region(photo, Some(roi))?;
             measurement.warnings.push(format!(
-                "the edge was found among other marks; give {roi} to name it"
+                "the edge was found among other marks; give {roi} to choose it yourself"
             ));
             Ok(measurement)
         }
@@ -91,7 +96,7 @@ pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Me
     }
 }
 
-/// Measures the one edge of a region, or of all of a photograph.
+/// Measures the one edge of a region, or of the whole photograph.
 fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
     let mut warnings = photo.warnings.clone();
     let region = roi.unwrap_or(Roi {
@@ -146,9 +151,8 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     }
     if !lights.is_empty() {
         warnings.push(format!(
-            "the light varies by {:.1} % over the window (vignetting or an uneven source) and was \
-            evened out; \
-             the luminance is that of the edge in the window's middle",
+            "the light varies by {:.1} % over the window (vignetting or an uneven source), which \
+            was corrected; the luminance is that of the edge in the middle of the window",
             100.0 * illumination::unevenness(&lights, &window)
         ));
     }

@@ -1,8 +1,9 @@
 //! Photographs, and the edges in them.
 //!
-//! A manifest and image files enter (EXR, PNG, TIFF, JPEG; camera raw with the feature `raw`);
-//! planes of linear light, edges, their profiles and measured MTFs leave, with what spoils them.
-//! The room knows no sheet and no model. It may touch `numerics`, `names` and `document`.
+//! A manifest and image files enter (EXR, PNG, TIFF, JPEG; camera raw with the feature `raw`).
+//! Planes of linear light, edges, their profiles and measured MTFs leave, with warnings about what
+//! disturbs them. The room knows no sheet and no model. It may touch `numerics`, `names` and
+//! `document`.
 
 pub(crate) mod captures;
 mod chart;

@@ -1,25 +1,28 @@
-//! The noise of a camera's pixels, from their scatter.
+//! Estimate of a camera's pixel noise from the scatter of the pixels.
 
 use crate::numerics::clip;
 
-/// Variance of a pixel's noise: read^2 + gain x light.
+/// Noise of a pixel: its variance is read + gain x light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelNoise {
     /// Variance without light.
     pub read: f64,
-    /// Variance per light.
+    /// Increase of the variance per light.
     pub gain: f64,
 }
 
 impl PixelNoise {
-    /// Variance at a level of light.
+    /// Returns the variance at a level of light.
     pub fn variance(&self, light: f64) -> f64 {
         self.read + self.gain * light.max(0.0)
     }
 
-    /// The noise for which the scatter of the bins (degrees of freedom, light, variance) is most
-    /// likely: scoring on sum of freedom x (ln v + scatter / v), v = read + gain x light, both at
-    /// least 0.
+    /// Estimates the noise for which the scatter of the bins is most likely. An item of `scatter`
+    /// is (degrees of freedom, light, variance) of one bin.
+    ///
+    /// The method is Fisher scoring on the sum of freedom x (ln v + scatter / v), with v = read +
+    /// gain x light; `read` is at least `floor` and `gain` at least 0. With `cut_off`, the noise is
+    /// taken as clipped at 0.
     pub fn most_likely(scatter: &[[f64; 3]], cut_off: bool, floor: f64) -> PixelNoise {
         const ROUNDS: usize = 25;
         let freedom: f64 = scatter.iter().map(|s| s[0]).sum();
@@ -33,7 +36,8 @@ impl PixelNoise {
             for &[freedom, light, variance] in scatter {
                 let now = noise.variance(light).max(floor);
                 let weight = freedom / (now * now);
-                // What was cut off is put back in the proportion that the noise so far says.
+                // The variance that clipping removed is put back, by the ratio that the present
+                // noise gives.
                 let whole = if cut_off {
                     variance * now / clip::clipped(light, now.sqrt()).2.max(1e-3 * now)
                 } else {

@@ -1,10 +1,12 @@
-//! Photographs: any supported file to one plane of linear light.
+//! Reading of photographs: a file of any supported format becomes one plane of linear light.
 //!
-//! EXR (half, float, uint; linear), 16-bit PNG and TIFF (linear unless the manifest says
-//! otherwise), 8-bit PNG, TIFF and JPEG (sRGB, linearised, with a warning). The type of a file is
-//! decided by its first bytes, never by its name, but for camera raw (with the feature `raw`), much
-//! of which is TIFF inside. Row 0 is the top of the picture; `x` runs along columns to the right,
-//! `y` along rows downward, as in the manifest.
+//! - EXR (half, float, uint) is linear.
+//! - 16-bit PNG and TIFF are linear, unless the manifest says otherwise.
+//! - 8-bit PNG, TIFF and JPEG are sRGB. They are linearised, with a warning.
+//!
+//! The first bytes of a file decide its format, not its name. The only exception is camera raw
+//! (with the feature `raw`), because much of it is TIFF inside. Row 0 is the top of the picture;
+//! `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
 pub(crate) mod channel;
 pub(crate) mod error;
@@ -34,9 +36,10 @@ use crate::photographs::photo::transfer::Transfer;
 /// Reads a photograph into linear light.
 ///
 /// # Errors
-/// One `Error` for each way in which the file cannot be used; non-finite pixels are an error, so a
-/// [`Photo`] never holds NaN or infinity, but for the NaN of camera raw. Sizes beyond `MAX_PIXELS`
-/// are refused from the header, before pixels are allocated.
+/// Returns an `Error` if the file cannot be read or decoded, its format is unknown, its header
+/// claims more than `MAX_PIXELS` pixels (checked before pixels are allocated), the channel does not
+/// exist, or a pixel is not finite. So a [`Photo`] never holds NaN or infinity, except the NaN of
+/// camera raw.
 pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let Opened {
         format,
@@ -54,11 +57,12 @@ pub fn load(path: &Path, options: &Decode) -> Result<Photo, Error> {
     Ok(photo)
 }
 
-/// Reads a picture in colour: red, green and blue, or one plane where the file has no colour. Alpha
-/// is ignored. `transfer` as in [`Decode`].
+/// Reads a picture in colour: red, green and blue, or one plane if the file has no colour. Alpha is
+/// ignored. `transfer` has the meaning of [`Decode::transfer`].
 ///
 /// # Errors
-/// As [`load`].
+/// Returns an `Error` if the file cannot be read or decoded, its format is unknown or camera raw,
+/// its header claims more than `MAX_PIXELS` pixels, or a pixel is not finite.
 pub fn load_colour(path: &Path, transfer: Option<Transfer>) -> Result<Picture, Error> {
     let Opened {
         format,
@@ -84,12 +88,12 @@ pub fn load_colour(path: &Path, transfer: Option<Transfer>) -> Result<Picture, E
     Ok(picture)
 }
 
-/// A file of a known format.
+/// A file whose format is known.
 struct Opened {
     format: Format,
     reader: BufReader<File>,
     first: Vec<u8>,
-    /// A warning where its name says something else.
+    /// A warning if the file's name stands for another format.
     misnamed: Option<String>,
 }
 

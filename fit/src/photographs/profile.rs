@@ -1,39 +1,42 @@
 //! The edge profile: pixels sorted by their distance from the edge into bins a quarter of a pixel
 //! wide (ISO 12233).
 //!
-//! A bin knows where its pixels really are: a model is averaged over those positions, not over the
-//! bin, so that the phases of the pixel grid bias neither the measured curve nor the comparison.
+//! A bin stores the moments of its pixels' positions. A model is averaged over these positions, not
+//! over the bin. The phases of the pixel grid then bias neither the measured curve nor the
+//! comparison.
 
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::window::Window;
 
-/// Width of a bin, pixels along the edge normal (fourfold oversampling, as ISO 12233).
+/// Width of a bin, pixels along the edge normal (fourfold oversampling, as in ISO 12233).
 pub(crate) const BIN_PX: f64 = 0.25;
 
-/// Least share of the fullest pixel's worth of bins that a bin at the end of the profile must hold.
+/// Least number of pixels per pixel of length at the ends of the profile, as a share of the
+/// largest.
 const COVERAGE: f64 = 0.3;
 
-/// Bins -reach..=reach, centred on the edge; bin j is centred at j x [`BIN_PX`] on the bright side
-/// for j > 0.
+/// The edge profile on 2 `reach` + 1 bins, of which the central one lies on the edge. The bin j
+/// places from it is centred at j x [`BIN_PX`] pixels from the edge; j > 0 is the bright side.
 #[derive(Debug, Clone)]
 pub struct Profile {
-    /// Bins on either side of the central one.
+    /// Number of bins on either side of the central one.
     pub reach: usize,
-    /// Pixels in each bin.
+    /// Number of pixels in each bin.
     pub count: Vec<f64>,
-    /// Mean value of each bin; an empty bin holds the straight line between its neighbours.
+    /// Mean value of each bin, linear light. An empty bin lies on the straight line between its
+    /// neighbours.
     pub mean: Vec<f64>,
-    /// Moments of the pixels' positions about the bin's centre, in excess of those of a uniformly
-    /// filled bin: first (px), second (px^2), third (px^3).
+    /// First (px), second (px^2) and third (px^3) moments of the pixels' positions about the bin's
+    /// centre, less those of a uniformly filled bin.
     pub excess: Vec<[f64; 3]>,
     /// Variance of `mean` by pixel noise.
     pub variance: Vec<f64>,
-    /// Standard deviation of one pixel at the dark and at the bright end.
+    /// Standard deviation of one pixel by noise at the dark and at the bright end.
     pub noise: [f64; 2],
 }
 
-/// Rise of an end, as a part of the step, from which on the blur counts as cut off by the window.
-/// The 1/x tails of a separable lobe that the estimate allows for stay below 1 %.
+/// Least rise of an end, as a share of the step, for which the blur counts as cut off by the
+/// window. The 1/x tails of a separable lobe that the estimate allows for stay below 1 %.
 const ENDS_RISE: f64 = 0.02;
 
 #[derive(Clone, Copy, Default)]
@@ -46,8 +49,8 @@ struct Sums {
 }
 
 impl Profile {
-    /// Sorts the window's pixels by their distance from `line`. `None` where fewer than 8 pixels on
-    /// either side of the edge are covered.
+    /// Sorts the window's pixels by their distance from `line`. Returns `None` if fewer than 8
+    /// pixels on either side of the edge are covered.
     pub fn new(window: &Window, line: &EdgeLine) -> Option<Profile> {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as usize;
         let mut sums = vec![Sums::default(); 2 * limit + 1];
@@ -93,48 +96,49 @@ impl Profile {
         Some(profile)
     }
 
-    /// Number of bins.
+    /// Returns the number of bins.
     pub fn len(&self) -> usize {
         self.count.len()
     }
 
-    /// Never true: a profile spans at least 8 pixels on either side.
+    /// Returns whether there are no bins. It is never true: a profile spans at least 8 pixels on
+    /// either side.
     pub fn is_empty(&self) -> bool {
         self.count.is_empty()
     }
 
-    /// Number of bins without a pixel.
+    /// Returns the number of bins without a pixel.
     pub fn empty_bins(&self) -> usize {
         self.count.iter().filter(|&&n| n == 0.0).count()
     }
 
-    /// What the user should know about the bins.
+    /// Returns warnings about empty bins and about an edge that does not fade out in the window.
     pub fn warnings(&self, line: &EdgeLine) -> Vec<String> {
         let empty = self.empty_bins();
         let bridged = (empty > 0).then(|| {
             let angle = line.normal_rad.to_degrees();
             format!(
-                "{empty} of {} bins hold no pixel at this edge angle ({angle:.2} deg): they are \
-                bridged; \
-                 avoid angles whose tangent is a simple fraction",
+                "{empty} of {} bins hold no pixel at this edge angle ({angle:.2} deg): straight \
+                lines between their neighbours fill them; avoid angles whose tangent is a simple \
+                fraction",
                 self.len()
             )
         });
         let rise = self.rise_at_the_ends();
         let cut = (rise > ENDS_RISE).then(|| {
             format!(
-                "the edge does not fade out within the window (it still rises by {:.0} % of its \
-                step in the outer eighth): \
-                 the numbers rest on what the window cuts off; give the edge more room, or even \
-                 out the light",
+                "the edge does not fade out within the window (in its outer eighth it still rises \
+                by {:.0} % of its step): the result depends on what the window cuts off; give the \
+                edge more room, or even out the light",
                 100.0 * rise
             )
         });
         bridged.into_iter().chain(cut).collect()
     }
 
-    /// By how much of the whole step the profile changes over the outer eighth of its length, the
-    /// larger of both ends, less what pixel noise explains (4.5 standard deviations).
+    /// Returns the change of the profile over the outer eighth of its length, as a share of the
+    /// step. It is the larger value of both ends, less what pixel noise explains (4.5 standard
+    /// deviations).
     pub fn rise_at_the_ends(&self) -> f64 {
         let n = self.len();
         let end = (n / 8).max(4);
@@ -144,8 +148,8 @@ impl Profile {
             let variance = bins.map(|j| self.variance[j]).sum::<f64>() / (count * count);
             (mean, variance)
         };
-        // Means over the two halves of an end lie half an end apart: twice their difference is the
-        // rise.
+        // The means of the two halves of an end lie half an end apart, so twice their difference is
+        // the rise.
         let rise = |first: usize| {
             let (low, high) = (
                 level(first..first + end / 2),
@@ -157,8 +161,8 @@ impl Profile {
         rise(0).max(rise(n - end)) / step.abs()
     }
 
-    /// Puts a straight line through empty bins of a curve over the bins: for the model the same as
-    /// for the photograph.
+    /// Puts straight lines through the empty bins of a curve over the bins. The photograph's curve
+    /// and the model's are treated alike.
     pub fn bridge(&self, curve: &mut [f64]) {
         let mut last = None;
         for j in 0..curve.len() {
@@ -190,13 +194,13 @@ impl Profile {
         self.mean = curve;
     }
 
-    /// Distance of a bin's centre from the edge, pixels, negative on the dark side.
+    /// Returns the distance of a bin's centre from the edge, pixels, negative on the dark side.
     pub fn distance_px(&self, bin: usize) -> f64 {
         (bin as f64 - self.reach as f64) * BIN_PX
     }
 
-    /// The profile at a distance from the edge (pixels), on straight lines between the bins; `None`
-    /// beyond them.
+    /// Returns the profile at a distance from the edge (pixels), on straight lines between the
+    /// bins. Returns `None` outside the bins.
     pub fn at(&self, distance_px: f64) -> Option<f64> {
         let at = distance_px / BIN_PX + self.reach as f64;
         let last = (self.len() - 1) as f64;
@@ -206,7 +210,8 @@ impl Profile {
         })
     }
 
-    /// Mean level of the outer twelfth of the bins on the dark and on the bright side.
+    /// Returns the mean levels of the outer twelfth of the bins, on the dark and on the bright
+    /// side.
     pub fn plateaus(&self) -> (f64, f64) {
         let ends = (self.len() / 12).max(4);
         let level = |bins: &[f64]| bins.iter().sum::<f64>() / bins.len() as f64;
@@ -216,18 +221,20 @@ impl Profile {
         )
     }
 
-    /// Slope of the profile at bin j, per pixel, over +-`half` bins.
+    /// Returns the slope of the profile at bin j, per pixel, over +-`half` bins.
     pub fn slope(&self, j: usize, half: usize) -> f64 {
         let (low, high) = (j.saturating_sub(half), (j + half).min(self.len() - 1));
         (self.mean[high] - self.mean[low]) / ((high - low) as f64 * BIN_PX)
     }
 
-    /// Pixel noise from the scatter within bins, as a straight line in the level (shot and read
-    /// noise); the variance of a bin's mean is that over its count.
+    /// Estimates the pixel noise from the scatter within bins. The variance of a pixel is a
+    /// straight line in the level (read and shot noise); the variance of a bin's mean is that
+    /// divided by its count.
     fn estimate_noise(&mut self, sums: &[Sums]) {
         let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (j, b) in sums.iter().enumerate().filter(|(_, b)| b.n >= 6.0) {
-            // Scatter about the local slope, whose share of the variance is known.
+            // Scatter about the local slope: the part of the variance that the slope makes is
+            // known.
             let (m, slope) = (b.value / b.n, self.slope(j, 2));
             let (ds, dv) = (
                 b.s[1] - b.s[0] * b.s[0] / b.n,
@@ -247,7 +254,8 @@ impl Profile {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &m| {
                 (l.min(m), h.max(m))
             });
-        // A floor far below any sensor's noise keeps noise-free pictures from dividing by zero.
+        // This floor is far below the noise of any sensor. It avoids a division by zero for
+        // pictures without noise.
         let floor = 1e-12 * (high - low).powi(2) + f64::MIN_POSITIVE;
         let spread = w * wxx - wx * wx;
         let average = if w > 0.0 { (wy / w).max(floor) } else { floor };
@@ -272,8 +280,9 @@ impl Profile {
     }
 }
 
-/// The greatest reach with bins well filled on both sides, judged over one pixel (an angle whose
-/// tangent is a simple fraction leaves single bins empty).
+/// Returns the greatest reach with bins that are well filled on both sides, or `None` if it is
+/// below 8 pixels. Filling is judged over one pixel, because an angle whose tangent is a simple
+/// fraction leaves single bins empty.
 fn covered(sums: &[Sums], limit: usize) -> Option<usize> {
     let per_px = (1.0 / BIN_PX) as usize;
     let filled = |from: usize| -> f64 { sums[from..from + per_px].iter().map(|b| b.n).sum() };
@@ -289,7 +298,8 @@ fn covered(sums: &[Sums], limit: usize) -> Option<usize> {
     (reach >= 8 * per_px).then_some(reach)
 }
 
-/// Running mean over +-`half` bins (shorter, but symmetric, towards the ends).
+/// Returns the running mean over +-`half` bins. Towards the ends the range is shorter, but
+/// symmetric.
 pub(crate) fn smoothed(curve: &[f64], half: usize) -> Vec<f64> {
     (0..curve.len())
         .map(|j| {

@@ -1,20 +1,20 @@
-//! A region of a photograph.
+//! A region of interest: a rectangle of a photograph.
 
-/// A rectangle of a photograph.
+/// A rectangle of a photograph, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Roi {
-    /// First column.
+    /// First column, from 0.
     pub x: usize,
-    /// First row.
+    /// First row, from 0.
     pub y: usize,
-    /// Columns, at least 1.
+    /// Number of columns, at least 1.
     pub width: usize,
-    /// Rows, at least 1.
+    /// Number of rows, at least 1.
     pub height: usize,
 }
 
 impl Roi {
-    /// Whether all of it lies in a picture of `width` x `height` pixels.
+    /// Returns whether the whole rectangle lies in a picture of `width` x `height` pixels.
     pub fn fits(&self, width: usize, height: usize) -> bool {
         let within = |first: usize, size: usize, whole| {
             first.checked_add(size).is_some_and(|end| end <= whole)

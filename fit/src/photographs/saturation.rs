@@ -1,26 +1,30 @@
-//! Clipped highlights and cut-off darks: many pixels at exactly the same extreme value.
+//! Detection of clipped highlights and cut-off darks: many pixels at exactly the same extreme
+//! value.
 //!
-//! A clipped pixel says less than it seems to, and leaving it out would keep only the dark half of
-//! the noise. So clipping is said where it is harmless and refused where it is not. Where a share p
-//! of a plateau's pixels is clipped, the mean falls by (density - p z) standard deviations of a
-//! pixel, z the normal quantile of p: 0.02 at p = 0.05, and at 1 % noise 0.02 % of the step; at p =
-//! 0.5 it is 0.4.
+//! A clipped pixel gives less information than it seems to. If it were left out, only the dark half
+//! of the noise would remain. So clipping causes a warning where it is harmless and a refusal where
+//! it is not.
+//!
+//! If a share p of a plateau's pixels is clipped, the mean falls by (density - p z) standard
+//! deviations of a pixel, where z is the normal quantile of p and density is the normal density
+//! there. For p = 0.05 this is 0.02, which is 0.02 % of the step at 1 % noise. For p = 0.5 it is
+//! 0.4.
 
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::window::Window;
 
-/// Share of the bright pixels from which clipping is refused.
+/// Share of clipped pixels among the bright ones above which the photograph is refused.
 const MOST_CLIPPED: f64 = 0.05;
 
-/// Share of the dark pixels that may be exactly 0. Noise about a dark of 0 is cut off in half of
-/// the pixels.
+/// Share of pixels that are exactly 0 among the dark ones above which the photograph is refused.
+/// Noise about a dark of 0 is cut off in half of the pixels.
 const MOST_ZERO: f64 = 2.0 / 3.0;
 
-/// Most pixels that are looked at, evenly spaced.
+/// Approximate number of pixels that are looked at, evenly spaced.
 const SAMPLE: usize = 65_536;
 
-/// Refuses a window without plateaus; returns what the user should know of a lesser degree of that.
+/// Refuses a window whose plateaus are clipped, and returns warnings about lesser clipping.
 pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault> {
     let (low, high) = window.bulk();
     let middle = (0.5 * (low + high)) as f32;
@@ -42,8 +46,8 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
         }
     }
     let (darks, brights) = (common(&dark), common(&bright));
-    // The camera's own ceiling, below that of the format: a pile with nothing above it and no
-    // neighbour of its size, in a picture whose dark side shows noise.
+    // The camera's own ceiling, below that of the format. It shows as many pixels of one value with
+    // nothing above it and no neighbouring value of similar size, if the dark side shows noise.
     let ceiling = brights[0].value;
     let above = share(&bright, &|v| v > ceiling);
     if brights[0].share > MOST_CLIPPED
@@ -74,7 +78,7 @@ struct Pile {
     share: f64,
 }
 
-/// The two most common of sorted values.
+/// Returns the two most common values of a sorted list.
 fn common(sorted: &[f32]) -> [Pile; 2] {
     let mut most = [Pile::default(); 2];
     for run in sorted.chunk_by(|a, b| a == b) {

@@ -1,9 +1,10 @@
-//! The slanted-edge estimator: edge profile -> line spread -> tapered Fourier transform (ISO 12233
-//! style).
+//! The slanted-edge estimator: edge profile -> line spread function -> tapered Fourier transform
+//! (in the style of ISO 12233).
 //!
-//! Everything before the modulus is linear in the pixels: correction of bin positions, differences
-//! and taper are one banded matrix, and the transform is an FFT. The photograph's profile and the
-//! model's go through the **same** chain, and pixel noise is carried through it exactly.
+//! Every step before the modulus is linear in the pixels. The correction of bin positions, the
+//! differences and the taper are one banded matrix, and the transform is an FFT. The photograph's
+//! profile and the model's pass through the **same** chain, and pixel noise is carried through it
+//! exactly.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -16,12 +17,12 @@ use crate::numerics::fourier;
 use crate::numerics::sinc::sinc;
 use crate::photographs::profile::{BIN_PX, Profile};
 
-/// Share of the window that the taper leaves untouched; the rest falls to 0 as a raised cosine
+/// Share of the window that the taper leaves unchanged. The rest falls to 0 as a raised cosine
 /// (Tukey window).
 const FLAT: f64 = 0.7;
 
-/// Places of the line spread that a bin enters: two before it to one behind it (place m lies
-/// between bins m and m + 1).
+/// Number of places of the line spread function that a bin contributes to. They reach from two
+/// before the bin to one behind it (place m lies between bins m and m + 1).
 const BAND: usize = 4;
 
 /// A slanted-edge estimator for the bins of one profile, at evenly spaced frequencies.
@@ -29,11 +30,12 @@ const BAND: usize = 4;
 pub struct Estimator {
     /// Frequencies along the edge normal, 1/mm; the first is 0.
     pub frequencies_per_mm: Vec<f64>,
-    /// 1 / (transfer of bin averaging and of the difference).
+    /// Reciprocal of the transfer of bin averaging and of the difference, for each frequency.
     correction: Vec<f64>,
-    /// Row j: weights of bin j in places j - 2 to j + 1 of the tapered line spread.
+    /// Weights of bin j (row j) in places j - 2 to j + 1 of the tapered line spread function.
     band: Vec<[f64; BAND]>,
-    /// Over one period; a longer line spread comes round, which the frequencies do not see.
+    /// Fourier transform over one period. A longer line spread function wraps round, which has no
+    /// effect at the frequencies used.
     fourier: Arc<dyn RealToComplex<f64>>,
 }
 
@@ -42,14 +44,14 @@ pub struct Estimator {
 pub struct Mtf {
     /// Modulus at the estimator's frequencies, 1 at the first.
     pub modulus: Vec<f64>,
-    /// Variance that bin noise adds to the modulus squared (twice the variance per component where
-    /// noise dominates).
+    /// Variance that bin noise adds to the square of the modulus (twice the variance per component
+    /// where noise dominates).
     pub power_noise: Vec<f64>,
 }
 
 impl Estimator {
-    /// Frequencies are 0 and the first `count` multiples of 1 / (`period` bins), at most half of
-    /// `period`.
+    /// Creates an estimator for frequency 0 and the first `count` multiples of 1 / (`period` bins).
+    /// At most `period` / 2 multiples are used.
     pub fn new(profile: &Profile, pitch_mm: f64, period: usize, count: usize) -> Estimator {
         let bin_mm = BIN_PX * pitch_mm;
         let frequencies_per_mm: Vec<f64> = (0..=count.min(period / 2))
@@ -67,21 +69,21 @@ impl Estimator {
         }
     }
 
-    /// The same with the first `count` frequencies above 0 alone.
+    /// Reduces the estimator to frequency 0 and the first `count` frequencies above it.
     pub fn truncated(mut self, count: usize) -> Estimator {
         self.frequencies_per_mm.truncate(count + 1);
         self.correction.truncate(count + 1);
         self
     }
 
-    /// The transform of a curve over the bins, at every frequency; its phase is about the profile's
-    /// first difference.
+    /// Returns the transform of a curve over the bins, at every frequency. Its phase refers to the
+    /// profile's first difference.
     pub fn transform(&self, bins: &[f64]) -> Vec<Complex64> {
         let period = self.fourier.len();
         let mut spread = self.fourier.make_input_vec();
         for (j, (weights, value)) in self.band.iter().zip(bins).enumerate() {
-            // Place j - 2, counted from the period's end where it lies before 0; the weights there
-            // are 0.
+            // The place is j - 2. A place before 0 is counted from the period's end; the weights
+            // there are 0.
             let mut place = (j + 2 * period - 2) % period;
             for weight in weights {
                 spread[place] += weight * value;
@@ -96,14 +98,14 @@ impl Estimator {
         transform
     }
 
-    /// The MTF of a measured profile.
+    /// Returns the MTF of a measured profile.
     pub fn measure(&self, profile: &Profile) -> Mtf {
         let transform = self.transform(&profile.mean);
         let zero = transform[0].re;
         let corrected = transform.iter().zip(&self.correction);
         let modulus = corrected.map(|(s, c)| s.norm() / zero.abs() * c).collect();
-        // A bin's weight at any frequency is a sum of BAND phases, whose square depends on their
-        // distances alone.
+        // The weight of a bin at any frequency is a sum of BAND phases. The square of the weight
+        // depends only on the differences of the phases.
         let mut lags = [0.0; BAND];
         for (weights, variance) in self.band.iter().zip(&profile.variance) {
             for (lag, sum) in lags.iter_mut().enumerate() {
@@ -123,7 +125,8 @@ impl Estimator {
         }
     }
 
-    /// Derivative of a measured profile's modulus by its bins: rows are frequencies, columns bins.
+    /// Returns the derivatives of a measured profile's modulus by its bins: rows are frequencies,
+    /// columns are bins.
     pub fn response(&self, profile: &Profile) -> DMatrix<f64> {
         let transform = self.transform(&profile.mean);
         let zero = transform[0].re;
@@ -142,7 +145,7 @@ impl Estimator {
                 Complex64::ONE
             } * scale;
             let of_zero = norm * scale / zero;
-            // by_place[m + 2] belongs to place m.
+            // `by_place[m + 2]` belongs to place m.
             let mut at = (2 * period - 2 * k) % period;
             for value in &mut by_place {
                 *value = (phase * circle[at]).re - of_zero;
@@ -156,10 +159,11 @@ impl Estimator {
         response
     }
 
-    /// The MTF of a modelled profile and its derivatives by the model's parameters.
+    /// Returns the MTF of a modelled profile and its derivatives by the model's parameters.
     ///
-    /// `power_noise` is the measured curve's: the modulus of a noisy transform is larger than the
-    /// transform's modulus, by sqrt(S^2 + n^2) in the mean square, and the model is raised alike.
+    /// `power_noise` is that of the measured curve. In the mean square, the modulus of a noisy
+    /// transform is sqrt(S^2 + n^2), larger than the modulus S of the transform without noise. The
+    /// model is raised in the same way.
     pub fn predict(
         &self,
         bins: &[f64],
@@ -195,7 +199,7 @@ impl Estimator {
     }
 }
 
-/// Standard error of the modulus at every frequency, by pixel noise.
+/// Returns the standard error of the modulus at every frequency, by pixel noise.
 pub(crate) fn standard_error(response: &DMatrix<f64>, profile: &Profile) -> Vec<f64> {
     let rows = response.row_iter();
     let squares = rows.map(|row| {
@@ -205,14 +209,14 @@ pub(crate) fn standard_error(response: &DMatrix<f64>, profile: &Profile) -> Vec<
     squares.map(f64::sqrt).collect()
 }
 
-/// Weights of the bins in the tapered differences of neighbours.
+/// Returns the weights of the bins in the tapered differences of neighbours.
 fn band(profile: &Profile) -> Vec<[f64; BAND]> {
     let n = profile.len();
     let middle = 0.5 * (n as f64 - 2.0);
     let taper = |place: usize| tukey((place as f64 - middle).abs() / (middle + 1.0));
     let mut band = vec![[0.0; BAND]; n];
-    // Adds what bin j gives, by bin i (at most one away) in its stead: + to place j - 1, - to place
-    // j.
+    // `add` adds the contribution of bin j, taken from bin i (at most one away): + to place j - 1,
+    // - to place j.
     let mut add = |i: usize, j: usize, share: f64| {
         let first = j + 1 - i;
         if j > 0 {
@@ -225,8 +229,8 @@ fn band(profile: &Profile) -> Vec<[f64; BAND]> {
     for j in 0..n {
         add(j, j, 1.0);
     }
-    // The pixels of a bin are not spread evenly over it: their first two excess moments are taken
-    // out with the curve's own slope and curvature.
+    // The pixels of a bin are not spread evenly over it. The effect of their first two excess
+    // moments is removed with the curve's own slope and curvature.
     for j in 1..n - 1 {
         let [m1, m2, _] = profile.excess[j];
         let (slope, curvature) = (0.5 * m1 / BIN_PX, 0.5 * m2 / (BIN_PX * BIN_PX));
@@ -245,7 +249,8 @@ fn tukey(x: f64) -> f64 {
     }
 }
 
-/// The abscissa at which a curve first falls to `level`, on straight lines between its points.
+/// Returns the abscissa at which a curve first falls to `level`, on straight lines between its
+/// points. Returns `None` if it never does.
 pub fn crossing(abscissae: &[f64], curve: &[f64], level: f64) -> Option<f64> {
     let k = (1..curve.len()).find(|&k| curve[k] <= level && curve[k - 1] > level)?;
     let part = (curve[k - 1] - level) / (curve[k - 1] - curve[k]);
@@ -256,7 +261,7 @@ pub fn crossing(abscissae: &[f64], curve: &[f64], level: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// The chain written out: corrections, differences, taper and transform one after the other.
+    /// Computes the chain in plain steps: corrections, differences, taper and transform.
     fn plain(profile: &Profile, bins: &[f64], turn: f64) -> Complex64 {
         let n = bins.len();
         let mut straight = bins.to_vec();
@@ -290,15 +295,15 @@ mod tests {
         }
     }
 
-    /// Of the differences of the modulus by a bin.
+    /// Change of a bin in the differences of the modulus.
     const STEP: f64 = 1e-4;
 
-    /// Transform, noise and response against the plain chain; sums of 200 terms of order 1 round to
-    /// 1e-13, and so the differences to 1e-9.
+    /// Checks transform, noise and response against the plain chain. Sums of 200 terms of order 1
+    /// round to 1e-13, and so the differences to 1e-9.
     #[test]
     fn the_band_and_the_fft_are_the_plain_chain() {
         let mut cases = 0;
-        // Shorter than the profile, too: the line spread comes round.
+        // The last period is shorter than the profile, so the line spread function wraps round.
         for (reach, period, count) in [(64, 144, 40), (100, 201, 100), (90, 64, 32)] {
             let profile = profile(reach);
             let unit = |j: usize| {
@@ -329,9 +334,9 @@ mod tests {
                     };
                     let slope = (modulus(1.0) - modulus(-1.0)) / (2.0 * STEP);
                     let error = slope - response[(k, j)];
-                    // The third derivative of |z + h w| by h is at most 1.16 w^3/z^2, of which the
-                    // difference has STEP^2/6; the same again for the light that it is divided by.
-                    // At a zero the modulus has a kink.
+                    // The third derivative of |z + h w| by h is at most 1.16 w^3/z^2; the
+                    // difference has STEP^2/6 of it. The light, by which the modulus is divided,
+                    // adds a term of the same size. At a zero the modulus has a kink.
                     let [weight, light] = [by_bin[j], plain(&profile, &unit(j), 0.0)]
                         .map(|weight| (weight * scale).norm());
                     let curved = (weight + light).powi(3) / mtf.modulus[k].powi(2);

@@ -1,10 +1,10 @@
-//! The part of a photograph that an edge is looked for in: linear light, pixel units, origin at its
-//! centre.
+//! The part of a photograph in which an edge is searched: linear light, in pixel units, with the
+//! origin at its centre.
 
 use crate::photographs::photo::plane::Photo;
 
-/// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, x to
-/// the right, y down.
+/// A rectangle of linear pixel values. Positions are relative to the centre of the rectangle, in
+/// pixels, x to the right and y down.
 #[derive(Debug, Clone)]
 pub struct Window {
     width: usize,
@@ -15,26 +15,26 @@ pub struct Window {
 /// One pixel: its position (pixels, from the window's centre) and its value.
 #[derive(Debug, Clone, Copy)]
 pub struct Pixel {
-    /// To the right of the centre, pixels.
+    /// Distance to the right of the window's centre, pixels.
     pub x: f64,
-    /// Below the centre, pixels.
+    /// Distance below the window's centre, pixels.
     pub y: f64,
     /// Linear light.
     pub value: f64,
 }
 
-/// Where the pixels of a window lie that are not taken out, without their values.
+/// The positions of a window's pixels without their values. Excluded pixels are not among them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
     width: usize,
     height: usize,
-    /// Row by row, ascending.
+    /// Indices of the excluded pixels, row by row, ascending.
     taken_out: Vec<usize>,
 }
 
 impl Raster {
-    /// Positions (x to the right, y down, pixels from the window's centre) in the order of
-    /// [`Window::pixels`].
+    /// Returns the positions of the pixels (x to the right, y down, pixels from the window's
+    /// centre), in the order of [`Window::pixels`].
     pub fn positions(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let (cx, cy) = centre(self.width, self.height);
         let mut taken_out = self.taken_out.iter().peekable();
@@ -52,8 +52,8 @@ fn centre(width: usize, height: usize) -> (f64, f64) {
 }
 
 impl Window {
-    /// The rectangle `[x, y, width, height]` of a photograph, or all of it; `None` where the
-    /// rectangle is empty or does not fit.
+    /// Cuts the rectangle `[x, y, width, height]` out of a photograph, or takes all of it. Returns
+    /// `None` if the rectangle is empty or does not fit.
     pub fn of(photo: &Photo, roi: Option<[usize; 4]>) -> Option<Window> {
         let [x, y, width, height] = roi.unwrap_or([0, 0, photo.width, photo.height]);
         let fits = |at: usize, size: usize, all: usize| {
@@ -73,17 +73,17 @@ impl Window {
         })
     }
 
-    /// Width, pixels.
+    /// Returns the width, pixels.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Height, pixels.
+    /// Returns the height, pixels.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// All pixels that are not taken out, row by row.
+    /// Returns all pixels that are not excluded, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
         let (cx, cy) = self.centre();
         self.values
@@ -99,7 +99,7 @@ impl Window {
             })
     }
 
-    /// Changes every pixel to what `value` makes of it.
+    /// Replaces the value of every pixel by the result of `value`.
     pub fn change(&mut self, value: impl Fn(&Pixel) -> f64) {
         let (cx, cy) = self.centre();
         for (j, row) in self.values.chunks_exact_mut(self.width).enumerate() {
@@ -113,7 +113,7 @@ impl Window {
         }
     }
 
-    /// Takes out the pixels for which `good` says no; returns their number.
+    /// Excludes the pixels for which `good` is false, and returns their number.
     pub fn keep(&mut self, good: impl Fn(&Pixel) -> bool) -> usize {
         let out = std::cell::Cell::new(0);
         self.change(|pixel| {
@@ -126,8 +126,8 @@ impl Window {
         out.get()
     }
 
-    /// Positions of the pixels along the border, in steps of an eighth of a side; their values are
-    /// 0.
+    /// Returns positions along the border, in steps of an eighth of a side. The values of these
+    /// pixels are 0.
     pub fn outline(&self) -> impl Iterator<Item = Pixel> {
         let (cx, cy) = self.centre();
         (0..=8).flat_map(move |k| {
@@ -140,7 +140,7 @@ impl Window {
         })
     }
 
-    /// At most about `most` of the values, evenly spaced.
+    /// Returns approximately `most` of the values, or fewer, evenly spaced.
     pub fn sample(&self, most: usize) -> Vec<f32> {
         // An odd step meets all columns of a picture whose width is a power of 2.
         let step = (self.values.len() / most) | 1;
@@ -148,7 +148,7 @@ impl Window {
         held.copied().collect()
     }
 
-    /// The values below and above which 1 in 100 pixels lie.
+    /// Returns the values that 1 in 100 pixels lie below, and 1 in 100 above.
     pub fn bulk(&self) -> (f64, f64) {
         let mut sample = self.sample(65_536);
         if sample.is_empty() {
@@ -162,9 +162,9 @@ impl Window {
         (at(last / 100), at(last - last / 100))
     }
 
-    /// The window averaged over blocks of `side` x `side` pixels; what does not fill a block at the
-    /// right and lower border is left out. Of a block the pixels that are not taken out count; one
-    /// without any is taken out.
+    /// Returns the window averaged over blocks of `side` x `side` pixels. Pixels at the right and
+    /// lower border that do not fill a block are left out. Excluded pixels do not count; a block
+    /// without other pixels is excluded.
     pub fn reduced(&self, side: usize) -> Window {
         let (width, height) = (self.width / side, self.height / side);
         let mut sums = vec![(0.0_f32, 0.0_f32); width * height];
@@ -190,12 +190,12 @@ impl Window {
         }
     }
 
-    /// The value at column `x`, row `y` of the window; NaN where it is taken out.
+    /// Returns the value at column `x`, row `y` of the window; NaN if the pixel is excluded.
     pub fn at(&self, x: usize, y: usize) -> f32 {
         self.values[y * self.width + x]
     }
 
-    /// Where its pixels lie.
+    /// Returns the positions of the window's pixels.
     pub fn raster(&self) -> Raster {
         let out = |(index, value): (usize, &f32)| value.is_nan().then_some(index);
         Raster {
@@ -209,7 +209,7 @@ impl Window {
         centre(self.width, self.height)
     }
 
-    /// Smallest and largest value.
+    /// Returns the smallest and the largest value.
     pub fn extremes(&self) -> (f64, f64) {
         let (low, high) = self
             .values
@@ -220,7 +220,7 @@ impl Window {
         (f64::from(low), f64::from(high))
     }
 
-    /// Pixels that are exactly 0, and their share of the dark ones.
+    /// Returns the number of pixels that are exactly 0, and their share of the dark ones.
     fn zeros(&self) -> (usize, f64) {
         let dark = 0.05 * self.extremes().1 as f32;
         let count =
@@ -229,36 +229,36 @@ impl Window {
         (zero, zero as f64 / dark.max(1) as f64)
     }
 
-    /// Whether the noise is cut off at 0: some pixels are exactly 0, none is below, and the dark is
-    /// no flat 0 (a picture without noise).
+    /// Returns whether the noise is cut off at 0. This means that some pixels are exactly 0, none
+    /// is below, and the dark side is not 0 everywhere (as in a picture without noise).
     pub fn cuts_off_at_zero(&self) -> bool {
         let (zero, share) = self.zeros();
         zero > 0 && share < 0.95 && self.extremes().0 == 0.0
     }
 
-    /// What to say of dark pixels that are exactly 0, where a sensor's noise was cut off; `None`
-    /// where fewer than 1 in 100 are, or all are (a picture without noise).
+    /// Returns a warning about dark pixels that are exactly 0 because a sensor's noise was cut off.
+    /// Returns `None` if fewer than 1 in 100 are 0, or if nearly all are (a picture without noise).
     pub fn floor_warning(&self) -> Option<String> {
         let (zero, share) = self.zeros();
         (0.01..0.95).contains(&share).then(|| {
             format!(
-                "{zero} pixels ({:.1} % of the dark ones) are exactly 0: cut-off noise raises the \
-                dark plateau and \
-                 lowers mu; keep the camera's black offset, or expose more",
+                "{zero} pixels ({:.1} % of the dark ones) are exactly 0: the noise is cut off, \
+                which raises the dark plateau and lowers mu; keep the camera's black offset, or \
+                expose more",
                 100.0 * share
             )
         })
     }
 
-    /// What to say of pixels at or above the level where the format saturates; `None` where there
-    /// are none.
+    /// Returns a warning about pixels at or above the level where the format saturates, or `None`
+    /// if there are none.
     pub fn clipping_warning(&self, level: f32) -> Option<String> {
         let clipped = self.values.iter().filter(|&&v| v >= level).count();
         (clipped > 0).then(|| {
             let share = 100.0 * clipped as f64 / self.values.len() as f64;
             format!(
                 "{clipped} pixels ({share:.2} %) are clipped: the plateau and mu are biased; \
-            expose less"
+                expose less"
             )
         })
     }

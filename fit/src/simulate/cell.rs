@@ -1,32 +1,34 @@
-//! Shifts of the ideal corner cube in closed form (no table): the polygon of each cube, its share
-//! of the light, and its marginal along an edge normal.
+//! Ray shifts of the ideal corner cube in closed form, without a table: the polygon of each cube,
+//! its share of the light, and its marginal along an edge normal.
 //!
-//! Incidence frame of the aperture plane: u in the plane of incidence, v = n x u, edge lengths,
-//! origin at the centroid of the aperture. A ray that enters at p leaves at 2 q - p, q the apex
-//! projected along the ray, so that the shift is uniform over 2 (q - K) with K the aperture
-//! intersected with its point reflection through q.
+//! The frame is that of the aperture plane: u in the plane of incidence, v = n x u, edge lengths,
+//! origin at the centroid of the aperture. q is the apex, projected along the ray on this plane. A
+//! ray that enters at p leaves at 2 q - p. So the shift is uniform over 2 (q - K), where K is the
+//! aperture intersected with its point reflection through q.
 
-/// Height of the aperture above the apex, edge lengths.
+/// Height of the aperture above the apex, edge lengths: 1/sqrt(3).
 const HEIGHT: f64 = 0.577_350_269_189_625_8;
 /// Distance of the aperture's corners from its centroid, edge lengths: sqrt(2/3).
 const CIRCUMRADIUS: f64 = 0.816_496_580_927_726;
 /// Area of the aperture, square edge lengths: sqrt(3)/2.
 const APERTURE_AREA: f64 = 0.866_025_403_784_438_6;
 
-/// The shifts of one cube at one direction.
+/// Ray shifts of one cube for one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CubeShift {
     /// Corners of the polygon over which the shift (u, v) is uniform, counter-clockwise, edge
-    /// lengths; empty where nothing returns.
+    /// lengths. Empty if no light returns.
     pub polygon: Vec<[f64; 2]>,
-    /// Retroreflected fraction of the light on this cube's aperture.
+    /// Share of the light on this cube's aperture that is retroreflected.
     pub eta: f64,
 }
 
-/// Shifts of a cell: one cube, or the pair (a second cube turned by 180 degrees about the normal).
+/// Returns the ray shifts of the cubes of a cell: of one cube, or of the pair (the second cube is
+/// turned by 180 degrees about the normal).
 ///
-/// `incidence_rad` is outside a flat front face of refractive index `ior` (1: hollow);
-/// `azimuth_rad` as in a table. The fraction of the whole cell is the mean of the cubes' `eta`.
+/// `incidence_rad` is measured in the air, in front of a flat face; `ior` is the refractive index
+/// behind the face (1 for hollow cubes). `azimuth_rad` is that of a table. The eta of the whole
+/// cell is the mean of the cubes' `eta`.
 pub(crate) fn shifts(incidence_rad: f64, azimuth_rad: f64, ior: f64, pair: bool) -> Vec<CubeShift> {
     let inside_rad = (incidence_rad.sin() / ior).clamp(-1.0, 1.0).asin();
     let turns = if pair {
@@ -53,7 +55,7 @@ fn cube_shift(inside_rad: f64, azimuth_rad: f64) -> CubeShift {
         overlap = clip(&overlap, reflected[k], reflected[(k + 1) % 3]);
     }
     let eta = area(&overlap) / APERTURE_AREA;
-    // Touching triangles leave a sliver of rounding errors, not light.
+    // Triangles that only touch leave a sliver of rounding errors, which is no light.
     if eta < 1e-12 {
         return CubeShift {
             polygon: Vec::new(),
@@ -69,7 +71,7 @@ fn cube_shift(inside_rad: f64, azimuth_rad: f64) -> CubeShift {
     }
 }
 
-/// The part of a convex polygon to the left of the line from `from` to `to` (Sutherland and
+/// Returns the part of a convex polygon to the left of the line from `from` to `to` (Sutherland and
 /// Hodgman).
 fn clip(polygon: &[[f64; 2]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     let side =
@@ -92,7 +94,7 @@ fn clip(polygon: &[[f64; 2]], from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     kept
 }
 
-/// Area of a counter-clockwise polygon.
+/// Returns the area of a counter-clockwise polygon.
 pub(crate) fn area(polygon: &[[f64; 2]]) -> f64 {
     let twice: f64 = (0..polygon.len())
         .map(|k| {
@@ -103,13 +105,13 @@ pub(crate) fn area(polygon: &[[f64; 2]]) -> f64 {
     0.5 * twice
 }
 
-/// A piece of a piecewise-linear probability density: from (`low`, `at_low`) to (`high`,
+/// A piece of a piecewise linear probability density: from (`low`, `at_low`) to (`high`,
 /// `at_high`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ramp {
-    /// Where it begins.
+    /// Lower end of the piece.
     pub low: f64,
-    /// Where it ends.
+    /// Upper end of the piece.
     pub high: f64,
     /// Density at `low`.
     pub at_low: f64,
@@ -118,12 +120,12 @@ pub(crate) struct Ramp {
 }
 
 impl Ramp {
-    /// Mass of the piece.
+    /// Returns the mass of the piece.
     pub(crate) fn mass(&self) -> f64 {
         0.5 * (self.at_low + self.at_high) * (self.high - self.low)
     }
 
-    /// Integral of max(t - w, 0) over the piece.
+    /// Returns the integral of max(t - w, 0) times the density over w, for this piece.
     pub(crate) fn twice_integrated(&self, t: f64) -> f64 {
         if t <= self.low {
             return 0.0;
@@ -138,11 +140,11 @@ impl Ramp {
     }
 }
 
-/// Density of `along . r`, r uniform over a convex polygon: exact, piecewise linear, of mass 1.
-/// Empty where the projection has no width (below 1e-12): the density is then a single point at the
-/// projection.
+/// Returns the density of `along . r` for r uniform over a convex polygon: exact, piecewise linear,
+/// of mass 1. Returns an empty list if the projection is narrower than 1e-12; the density is then a
+/// single point at the projection.
 pub(crate) fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
-    // (along, across) coordinates: a chord is a difference of the second at equal first.
+    // Coordinates (along, across): a chord is a difference of the second at an equal first.
     let turned: Vec<[f64; 2]> = polygon
         .iter()
         .map(|p| {
@@ -170,7 +172,7 @@ pub(crate) fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
         .windows(2)
         .filter(|pair| pair[1] - pair[0] > 1e-12)
         .map(|pair| {
-            // Two inner chords give the line: at the knots themselves the chord may jump.
+            // Two inner chords give the line, because the chord may jump at the knots themselves.
             let (low, high) = (pair[0], pair[1]);
             let (first, second) = (
                 chord(low + (high - low) / 3.0),
@@ -196,7 +198,7 @@ pub(crate) fn marginal(polygon: &[[f64; 2]], along: [f64; 2]) -> Vec<Ramp> {
 mod tests {
     use super::*;
 
-    /// Mean fraction of a cell.
+    /// Returns the mean eta of the cubes of a cell.
     fn eta(theta_deg: f64, phi_deg: f64, pair: bool) -> f64 {
         let cubes = shifts(theta_deg.to_radians(), phi_deg.to_radians(), 1.0, pair);
         cubes.iter().map(|cube| cube.eta).sum::<f64>() / cubes.len() as f64
@@ -204,8 +206,8 @@ mod tests {
 
     #[test]
     fn retroreflected_fraction_of_the_hollow_cube() {
-        // Values of the closed form, rounded to 5 digits: half a unit of the last digit is the
-        // tolerance.
+        // The known values are those of the closed form, rounded to 5 digits. The tolerance is half
+        // a unit of the last digit.
         let known = [
             (0.0, 0.0, 2.0 / 3.0),
             (10.0, 0.0, 0.62521),
@@ -254,9 +256,9 @@ mod tests {
                 let ramps = marginal(&cube.polygon, along);
                 let mass: f64 = ramps.iter().map(Ramp::mass).sum();
                 assert!((mass - 1.0).abs() < 1e-12, "mass {mass}");
-                // Variance of a uniform polygon along a direction, by triangles about the origin:
-                // the polygon is symmetric, so its mean is 0 and each triangle (0, p, q) gives area
-                // (p^2 + p q + q^2) / 6.
+                // Variance of a uniform polygon along a direction, by triangles about the origin.
+                // The polygon is symmetric, so its mean is 0, and each triangle (0, p, q) gives
+                // area (p^2 + p q + q^2) / 6.
                 let turned: Vec<f64> = cube
                     .polygon
                     .iter()
@@ -270,9 +272,8 @@ mod tests {
                     variance += triangle * (p * p + p * q + q * q) / 6.0;
                 }
                 variance /= area(&cube.polygon);
-                // Far to the right the second integral is t, its value at 0 half the mean absolute
-                // deviation; the variance follows from the integral of 2 (P2(t) - max(t, 0)) over
-                // t, by fine trapezoids.
+                // Far to the right the second integral P2 is t. The variance is the integral of 2
+                // (P2(t) - max(t, 0)) over t, here by fine trapezoids.
                 let (steps, reach) = (40_000, 2.0);
                 let step = 2.0 * reach / f64::from(steps);
                 let found: f64 = (0..=steps)
@@ -286,8 +287,8 @@ mod tests {
                             * step
                     })
                     .sum();
-                // The trapezoid at the kink of max(t, 0) is exact on a node; elsewhere its error is
-                // below step^2.
+                // The trapezoid at the kink of max(t, 0) is exact if the kink is a node; otherwise
+                // its error is below step^2.
                 assert!(
                     (found - variance).abs() < step * step,
                     "({theta}, {phi}) at {angle}: {found} {variance}"

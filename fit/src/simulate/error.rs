@@ -1,4 +1,4 @@
-//! Why a campaign cannot be simulated.
+//! Errors of simulated campaigns.
 
 use std::path::PathBuf;
 
@@ -6,32 +6,32 @@ use crate::document::FileLine;
 use crate::document::error as document;
 use crate::names::Kernel;
 
-/// A simulation that was refused or could not be written.
+/// A reason why a campaign cannot be simulated or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The parameter file is wrong.
+    /// A fault of the parameter file.
     #[error(transparent)]
     Params(#[from] document::Error),
-    /// Nothing to photograph.
+    /// A parameter file without any capture.
     #[error("{file}: has no [[capture]]; add one for each photograph of the mid-air image")]
     NoCaptures {
-        /// The parameter file.
+        /// Path of the parameter file.
         file: PathBuf,
     },
-    /// A table by incidence lacks the incidence of a capture.
+    /// A table by incidence without an entry for the incidence of a capture.
     #[error(
         "{place}: incidence {incidence_deg} has no entry in the table `{key}` of [truth]; add it"
     )]
     NoEntry {
-        /// Line of the capture.
+        /// Place where the capture begins.
         place: FileLine,
-        /// `a` or `mu`.
+        /// The key of the table: `a` or `mu`.
         key: &'static str,
         /// Incidence of the capture, degrees.
         incidence_deg: f64,
     },
-    /// An entry of such a table is not under an angle.
+    /// An entry of a table by incidence whose name is not an angle.
     #[error(
         "{place}: `{name}` in the table `{key}` is not an incidence in degrees; write it as \
         \"15\" or \"22.5\""
@@ -39,16 +39,19 @@ pub enum Error {
     EntryName {
         /// Line of the table.
         place: FileLine,
-        /// `a` or `mu`.
+        /// The key of the table: `a` or `mu`.
         key: &'static str,
-        /// The name.
+        /// Name of the entry.
         name: String,
     },
-    /// A model that the simulator does not photograph.
-    #[error("kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; \
-    name one of these", kernel.name())]
+    /// A kernel or a lobe that the simulator does not have.
+    #[error(
+        "kernel {}: campaigns are simulated with the kernels and lobes of the proposed model; \
+        name one of these",
+        kernel.name()
+    )]
     Unplanted {
-        /// Its kernel.
+        /// The kernel that was asked for.
         kernel: Kernel,
     },
     /// A range that ends before it starts.
@@ -56,46 +59,46 @@ pub enum Error {
     Range {
         /// Line of the range.
         place: FileLine,
-        /// Its key.
+        /// The key of the range.
         key: &'static str,
-        /// Where it starts.
+        /// Start of the range.
         from: f64,
-        /// Where it ends.
+        /// End of the range.
         to: f64,
     },
     /// A sheet that cannot be photographed.
     #[error("the sheet of the table: {why}")]
     Sheet {
-        /// Why, and what to do.
+        /// The reason, and what to do.
         why: String,
     },
-    /// The folder holds something.
+    /// An output folder that is not empty.
     #[error(
         "{folder}: is not empty; name another folder or add --force to overwrite the files of a \
         campaign in it"
     )]
     NotEmpty {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// A file or folder cannot be written.
+    /// A file or folder that cannot be written.
     #[error(
         "{file}: cannot be written ({source}); check the path, its permissions and the space left"
     )]
     Write {
-        /// The file or folder.
+        /// Path of the file or folder.
         file: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A photograph cannot be written.
+    /// A photograph that cannot be written.
     #[error(
         "{file}: cannot be written ({source}); check the path, its permissions and the space left"
     )]
     WriteExr {
-        /// The file.
+        /// Path of the photograph.
         file: PathBuf,
-        /// What the encoder said.
+        /// The encoder's error.
         source: exr::error::Error,
     },
 }

@@ -1,17 +1,16 @@
-//! The edge that a diffraction lobe makes of a step, in the spatial domain: no transfer function is
-//! used here, so that a campaign simulated this way is an independent check of an estimator that
-//! works with one.
+//! Edge profiles of a diffraction lobe, computed in space. No OTF is used, so a campaign simulated
+//! in this way checks an estimator that uses one.
 //!
-//! Both lobes are sinc^2: `radial`, sinc^2(a r) cut at a r = 2.4 pi and normalised; `separable`,
-//! sinc^2(a x) times sinc^2(a y).
+//! Both lobes are sinc^2. `radial` is sinc^2(a r), cut at a r = 2.4 pi and normalised; `separable`
+//! is sinc^2(a x) times sinc^2(a y).
 
 use std::f64::consts::PI;
 
-/// a r at which the radial lobe ends.
+/// Value of a r at which the radial lobe ends.
 const RADIAL_END: f64 = 2.4 * PI;
 
-/// Nodes and weights of Gauss and Legendre's rule on [-1, 1], exact for polynomials up to degree 2
-/// N - 1.
+/// Nodes and weights of Gauss and Legendre's rule on [-1, 1]. The rule is exact for polynomials up
+/// to degree 2 N - 1.
 struct Gauss<const N: usize> {
     nodes: [f64; N],
     weights: [f64; N],
@@ -26,7 +25,7 @@ impl<const N: usize> Gauss<N> {
         for k in 0..N {
             let mut x = (PI * (k as f64 + 0.75) / (N as f64 + 0.5)).cos();
             let mut slope = 1.0;
-            // Newton from Chebyshev's guess converges in five steps for any N of use here.
+            // Newton's method from Chebyshev's guess converges in five steps for any N of use here.
             for _ in 0..8 {
                 let (mut last, mut value) = (1.0, x);
                 for n in 2..=N {
@@ -53,7 +52,7 @@ impl<const N: usize> Gauss<N> {
     }
 }
 
-/// Edge response of the radial lobe.
+/// Edge profile of the radial lobe.
 pub(crate) struct RadialEdge {
     a_per_mm: f64,
     rule: Gauss<16>,
@@ -61,7 +60,7 @@ pub(crate) struct RadialEdge {
 }
 
 impl RadialEdge {
-    /// The lobe of spread `a_per_mm` > 0.
+    /// Creates the edge profile of the lobe of spread `a_per_mm` > 0.
     pub(crate) fn new(a_per_mm: f64) -> RadialEdge {
         let mut edge = RadialEdge {
             a_per_mm,
@@ -72,8 +71,8 @@ impl RadialEdge {
         edge
     }
 
-    /// Energy between two radii t = a r: integral of sin^2 t / t, in panels no longer than a
-    /// quarter of its period.
+    /// Returns the energy between two radii t = a r: the integral of sin^2 t / t, in panels no
+    /// longer than a quarter of its period.
     fn encircled(&self, low: f64, high: f64) -> f64 {
         let panels = ((high - low) / (PI / 2.0)).ceil().max(1.0);
         let step = (high - low) / panels;
@@ -85,15 +84,17 @@ impl RadialEdge {
             .sum()
     }
 
-    /// Energy at distances up to `x_mm` along any direction: 0 far on the dark side, 1/2 at 0, 1
-    /// far on the bright. Twice the Abel integral of the lobe; absolute error below 1e-12.
+    /// Returns the share of the light at distances up to `x_mm` along any direction: 0 far on the
+    /// dark side, 1/2 at 0, 1 far on the bright side. It is twice the Abel integral of the lobe;
+    /// the absolute error is below 1e-12.
     pub(crate) fn at(&self, x_mm: f64) -> f64 {
         let z = (self.a_per_mm * x_mm).abs();
         if z >= RADIAL_END {
             return if x_mm > 0.0 { 1.0 } else { 0.0 };
         }
-        // Of a ring of radius t > z, the share asin(z/t)/pi lies between 0 and z. In panels that
-        // double, the square root at t = z is taken out by t = z + span v^2.
+        // A ring of radius t > z has the share asin(z/t)/pi of its light between 0 and z. The
+        // panels double in length. In the first, the substitution t = z + span v^2 removes the
+        // square root at t = z.
         let share = |t: f64| ring(t) * (z / t).min(1.0).asin() / PI;
         let mut outer = 0.0;
         let mut low = z;
@@ -113,7 +114,7 @@ impl RadialEdge {
     }
 }
 
-/// sinc^2(t) t: energy of the lobe in a ring, per dt and apart from 2 pi.
+/// Returns sinc^2(t) t: the energy of the lobe in a ring, per dt and without the factor 2 pi.
 fn ring(t: f64) -> f64 {
     if t < 1e-9 { t } else { t.sin().powi(2) / t }
 }
@@ -141,8 +142,8 @@ impl Axis {
         0.5 + half.copysign(t_mm)
     }
 
-    /// Integral of `cumulative`, up to a constant: its second differences are masses under a hat
-    /// function.
+    /// Returns the integral of `cumulative`, up to a constant. Its second differences are masses
+    /// under a hat function.
     fn twice_integrated(&self, t_mm: f64) -> f64 {
         let z = (self.a_per_mm * t_mm).abs();
         let (sine, cosine) = sine_and_cosine_integral(2.0 * z);
@@ -150,8 +151,9 @@ impl Axis {
     }
 }
 
-/// Si(x) and Cin(x) = gamma + ln x - Ci(x) for x >= 0, to about 1e-14: series below 4, above it
-/// Lentz's continued fraction of E1(i x) (Abramowitz and Stegun 5.2.14, 5.1.22).
+/// Returns Si(x) and Cin(x) = gamma + ln x - Ci(x) for x >= 0, to about 1e-14. Below 4 it sums the
+/// series, from 4 on it uses Lentz's continued fraction of E1(i x) (Abramowitz and Stegun 5.2.14,
+/// 5.1.22).
 fn sine_and_cosine_integral(x: f64) -> (f64, f64) {
     const EULER: f64 = 0.577_215_664_901_532_9;
     if x < 4.0 {
@@ -188,14 +190,17 @@ fn sine_and_cosine_integral(x: f64) -> (f64, f64) {
     (PI / 2.0 + h.im, EULER + x.ln() + h.re)
 }
 
-/// Edge response of the separable lobe along a direction, on the points `i * step_mm`, |i| <=
-/// `half`.
+/// Returns the edge profile of the separable lobe along a direction, on the points `i * step_mm`,
+/// |i| <= `half`.
 ///
-/// Both axes count, each seen along the direction with its spread divided by its cosine. The wider
-/// is kept as its closed-form edge, the narrower is summed over it: samples at a step that its band
-/// limit a/pi makes exact, or where it is narrower than the grid, exact masses. Its 1/t^2 tails
-/// beyond `reach` go to the plateau, which leaves an error of order s^3 / (a^2 reach^5): below 1e-9
-/// for a > 1/mm, with reach = 8 times the half-width of the picture.
+/// Both axes contribute, each seen along the direction with its spread divided by its cosine. The
+/// wider axis is used as its closed-form edge. The narrower axis is summed over that edge: by
+/// samples at a step that its band limit a/pi makes exact, or, if it is narrower than the grid, by
+/// exact masses.
+///
+/// The 1/t^2 tails of the narrower axis beyond `reach` count as if they lay on the plateau. This
+/// leaves an error of order s^3 / (a^2 reach^5): below 1e-9 for a > 1/mm, with reach = 8 times the
+/// half-width of the picture.
 pub(crate) fn separable_edge(
     a_per_mm: f64,
     along: [f64; 2],
@@ -211,8 +216,7 @@ pub(crate) fn separable_edge(
     };
     let points = 2 * half + 1;
     let position = |i: usize| (i as f64 - half as f64) * step_mm;
-    // Below this the second axis moves nothing by more than its tail: 1/(pi a1 t) < 1e-9 at one
-    // step.
+    // Below this limit the second axis has no effect but its tail: 1/(pi a1 t) < 1e-9 at one step.
     if least < 1e-12 {
         return (0..points).map(|i| wide.cumulative(position(i))).collect();
     }
@@ -249,8 +253,8 @@ pub(crate) fn separable_edge(
             let inner: f64 = (1..=reach_steps)
                 .map(|k| masses[k] * (table[centre - k * stride] + table[centre + k * stride]))
                 .sum();
-            // Left of -reach the wide edge is 1 - 1/(2 pi a2 (t + s)), right of reach 1/(2 pi a2 (t
-            // - s)).
+            // Left of -reach the wide edge is 1 - 1/(2 pi a2 (t + s)), right of reach it is 1/(2 pi
+            // a2 (t - s)).
             let tilt = 2.0 * position(i)
                 / (3.0 * reach_mm.powi(3))
                 / (4.0 * PI * PI * wide.a_per_mm * narrow.a_per_mm);
@@ -278,7 +282,7 @@ mod tests {
             assert!((sine - si).abs() < 1e-9, "Si({x}) = {sine}");
             assert!((found - ci).abs() < 1e-9, "Ci({x}) = {found}");
         }
-        // The two ways meet where one hands over to the other.
+        // The series and the continued fraction agree at 4, where one takes over from the other.
         let (below, above) = (
             sine_and_cosine_integral(4.0 - 1e-12),
             sine_and_cosine_integral(4.0),
@@ -288,9 +292,9 @@ mod tests {
 
     #[test]
     fn radial_edge_equals_a_sum_over_the_plane() {
-        // Brute force: midpoint squares over the disc; the rim (value 0.016, length 2 pi R) is cut
-        // by squares, which leaves an error of at most rim value x (area of the squares on it) /
-        // total, measured about 30 times smaller.
+        // Brute force: midpoint squares over the disc. Squares cut the rim (value 0.016, length 2
+        // pi R), which leaves an error of at most rim value x (area of the squares on it) / total.
+        // The measured error is about 30 times smaller.
         let a = 3.0;
         let cells = 1600;
         let radius = RADIAL_END / a;
@@ -324,10 +328,10 @@ mod tests {
 
     #[test]
     fn separable_edge_equals_its_closed_form() {
-        // The line spread is the transform of (1 - f/f1)(1 - f/f2) up to the smaller of f1, f2 = a
-        // / (pi |cosine|); its edge is 1/2 + integral of that times sin(2 pi f s) / (pi f).
-        // Integrated here in 20,000 midpoints over at most 13 periods: error (2 pi 13 / 20,000)^2 /
-        // 24 = 7e-7 of a sum that is at most 0.3.
+        // The line spread function is the transform of (1 - f/f1)(1 - f/f2) up to the smaller of
+        // f1, f2 = a / (pi |cosine|). Its edge is 1/2 + integral of that times sin(2 pi f s) / (pi
+        // f). The integral is computed here in 20,000 midpoints over at most 13 periods: error (2
+        // pi 13 / 20,000)^2 / 24 = 7e-7 of a sum that is at most 0.3.
         let mut cases = 0;
         for (a, angle) in [
             (4.2_f64, 5.0_f64),

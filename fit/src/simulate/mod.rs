@@ -1,10 +1,10 @@
-//! Campaigns of photographs with a planted answer.
+//! Simulated campaigns: photographs with a planted answer, the truth.
 //!
-//! Parameters enter; photographs with noise, their manifest and the truth leave. The room is
-//! another road than the model's, so that an estimate from its photographs tests the model: shifts
-//! in closed form, convolutions in space, no transfer function. So it may touch the names of
-//! kernels and lobes, TOML documents and plain numerics, but neither the model nor the photographs'
-//! room. Its sheets by a table come from the crate `tables`.
+//! Parameters enter. Photographs with noise, their manifest and the truth leave. The room computes
+//! in another way than the model, so that an estimate from its photographs tests the model: shifts
+//! in closed form, convolutions in space, no OTF. So it may touch `names`, `document` and plain
+//! `numerics`, but neither the model nor `photographs`. Sheets that a table describes come from the
+//! crate `tables`.
 
 pub(crate) mod cell;
 pub(crate) mod error;

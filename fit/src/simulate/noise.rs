@@ -1,27 +1,28 @@
-//! Noise as a function of (seed, photograph, pixel): the order of work and the number of threads
-//! change nothing.
+//! Noise as a function of (seed, photograph, pixel). The order of work and the number of threads
+//! have no effect on it.
 
 use std::f64::consts::TAU;
 
-/// Draws for one pixel of one photograph.
+/// The random numbers of one pixel of one photograph.
 #[derive(Debug, Clone)]
 pub(crate) struct PixelNoise {
     key: u64,
     counter: u64,
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection whose output bits all depend
-/// on all input bits.
+/// Mixes 64 bits by the finaliser of SplitMix64 (Steele, Lea, Flood 2014). It is a bijection; every
+/// output bit depends on all input bits.
 fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
 }
 
+/// Increment of SplitMix64: 2^64 over the golden ratio, odd.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl PixelNoise {
-    /// The noise of `pixel` in `photograph` under `seed`.
+    /// Creates the random numbers of `pixel` in `photograph` under `seed`.
     pub(crate) fn new(seed: u64, photograph: u64, pixel: u64) -> PixelNoise {
         let seeded = mix(seed.wrapping_add(GOLDEN));
         let photographed = mix(seeded ^ photograph.wrapping_add(1).wrapping_mul(GOLDEN));
@@ -31,21 +32,21 @@ impl PixelNoise {
         }
     }
 
-    /// Uniform in (0, 1), never an end.
+    /// Returns a uniform number in (0, 1). It never returns 0 or 1.
     pub(crate) fn uniform(&mut self) -> f64 {
         self.counter += 1;
         let bits = mix(self.key.wrapping_add(self.counter.wrapping_mul(GOLDEN)));
         ((bits >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
     }
 
-    /// Normal, mean 0, variance 1 (Box and Muller).
+    /// Returns a normal number of mean 0 and variance 1 (Box and Muller).
     pub(crate) fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.uniform().ln()).sqrt();
         radius * (TAU * self.uniform()).cos()
     }
 
-    /// Poisson of mean `mean` >= 0: products of uniforms below 30, Hormann's transformed rejection
-    /// (PTRS, 1993) above; both exact.
+    /// Returns a Poisson number of mean `mean` >= 0. Means below 30 use products of uniform
+    /// numbers, others use Hormann's transformed rejection (PTRS, 1993). Both are exact.
     pub(crate) fn poisson(&mut self, mean: f64) -> f64 {
         if mean < 30.0 {
             let limit = (-mean).exp();
@@ -79,8 +80,8 @@ impl PixelNoise {
     }
 }
 
-/// ln k! for whole k >= 0: exact products below 16, Stirling's series above (error below 1e-13
-/// there).
+/// Returns ln k! for whole k >= 0: exact products below 16, Stirling's series from there on (error
+/// below 1e-13).
 fn ln_factorial(k: f64) -> f64 {
     if k < 16.0 {
         return (2..=k as u32).map(|n| f64::from(n).ln()).sum();
@@ -98,8 +99,8 @@ mod tests {
 
     #[test]
     fn moments_meet_the_distributions() {
-        // n draws: the mean scatters by sigma/sqrt(n), a variance by about sigma^2 sqrt((2 +
-        // kurtosis excess)/n); 5 of these leaves a chance of 1e-6 per check.
+        // The mean of n draws scatters by sigma/sqrt(n), the variance by about sigma^2 sqrt((2 +
+        // kurtosis excess)/n). A limit of 5 of these leaves a chance of 1e-6 per check.
         let n = 200_000_u32;
         let mut cases = 0;
         for mean in [0.3, 7.0, 29.9, 30.1, 400.0, 36_000.0] {

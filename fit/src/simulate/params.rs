@@ -1,5 +1,5 @@
-//! Parameters of a synthetic campaign: what truth.json says, as TOML. Lengths in mm, angles in
-//! degrees at this door.
+//! Parameters of a simulated campaign: the content of truth.json, as TOML. Lengths are in mm,
+//! angles in degrees.
 
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -12,8 +12,9 @@ use crate::document::{Document, NumberOrTable, Section};
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
 
+/// Keys and tables of the top level.
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
-/// Its keys.
+/// Keys of the table `[camera]`.
 pub(crate) const CAMERA: [&str; 12] = [
     "width",
     "height",
@@ -28,6 +29,7 @@ pub(crate) const CAMERA: [&str; 12] = [
     "read_noise_e",
     "bits",
 ];
+/// Keys of the table `[truth]`.
 const TRUTH: [&str; 8] = [
     "kernel",
     "lobe",
@@ -38,6 +40,7 @@ const TRUTH: [&str; 8] = [
     "c",
     "mu",
 ];
+/// Keys of the table `[reference]`.
 const REFERENCE: [&str; 5] = [
     "edge_normal_deg",
     "offset_px",
@@ -45,6 +48,7 @@ const REFERENCE: [&str; 5] = [
     "light_to_right",
     "light_to_bottom",
 ];
+/// Keys of a table `[[capture]]`.
 const CAPTURE: [&str; 10] = [
     "floating_distance_mm",
     "path_mm",
@@ -58,16 +62,16 @@ const CAPTURE: [&str; 10] = [
     "light_to_bottom",
 ];
 
-/// The camera and the bench.
+/// The camera, and the light that reaches it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantedCamera {
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Side of a pixel in the aerial-image plane, mm.
+    /// Side of a pixel in the plane of the mid-air image, mm.
     pub pixel_pitch_mm: f64,
-    /// Standard deviation of the lens, pixels, >= 0.1.
+    /// Standard deviation of the lens blur, pixels, >= 0.1.
     pub sigma_px: f64,
     /// Bright level of the source at exposure 1, full scale 1.
     pub source_level: f64,
@@ -75,29 +79,29 @@ pub struct PlantedCamera {
     pub half_mirror_transmittance: f64,
     /// Reflectance of the half mirror.
     pub half_mirror_reflectance: f64,
-    /// Light added everywhere, after the exposure, full scale 1.
+    /// Light that is added everywhere, after the exposure, full scale 1.
     pub veil: f64,
-    /// Dark level of the source / its bright level.
+    /// Ratio of the source's dark level to its bright level.
     pub dark_ratio: f64,
-    /// Electrons at level 1.
+    /// Number of electrons at level 1.
     pub full_well_e: f64,
-    /// Standard deviation of the reading, electrons.
+    /// Standard deviation of the read noise, electrons.
     pub read_noise_e: f64,
-    /// Bits of the converter: levels are whole multiples of 1/(2^bits - 1).
+    /// Number of bits of the converter: levels are whole multiples of 1/(2^bits - 1).
     pub bits: u32,
 }
 
-/// One number, or one by incidence.
+/// One number for all incidences, or one for each.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ByIncidence {
-    /// The same at every incidence.
+    /// One number for all incidences.
     Shared(f64),
-    /// (incidence, degrees; value), ascending.
+    /// Pairs of incidence (degrees) and value, by ascending incidence.
     Table(Vec<(f64, f64)>),
 }
 
 impl ByIncidence {
-    /// Value at an incidence, degrees; `None` where the table has no entry within 1e-9.
+    /// Returns the value at an incidence, degrees; `None` if the table has no entry within 1e-9.
     pub fn at(&self, incidence_deg: f64) -> Option<f64> {
         match self {
             ByIncidence::Shared(value) => Some(*value),
@@ -109,24 +113,24 @@ impl ByIncidence {
     }
 }
 
-/// The sheet.
+/// The sheet that is photographed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantedSheet {
-    /// Terms of the blur.
+    /// Blur terms of the sheet.
     pub kernel: Kernel,
     /// Shape of the lobe.
     pub lobe: LobeShape,
-    /// Wavelengths of the source; the `wave` kernel needs them.
+    /// Wavelengths of the source. The kernel `wave` needs them.
     pub spectrum: Option<Spectrum>,
-    /// Refractive index behind the flat front; 1 for hollow cubes.
+    /// Refractive index behind the flat front face; 1 for hollow cubes.
     pub ior: f64,
-    /// Pair of cubes rather than one.
+    /// Choice of cell: true for a pair of cubes, false for one cube.
     pub pair: bool,
-    /// Diffraction spread, 1/mm (dimensionless for `angular`).
+    /// Diffraction spread: a in 1/mm, for `angular` A = a R without unit.
     pub a: ByIncidence,
-    /// Edge length of the cubes, mm.
+    /// Corner size, mm.
     pub c_mm: f64,
-    /// Reflectance, total energy.
+    /// Reflectance mu.
     pub mu: ByIncidence,
 }
 
@@ -135,25 +139,25 @@ pub struct PlantedSheet {
 pub struct PlantedEdge {
     /// Direction from dark to bright in the photograph, degrees from +x towards +y.
     pub normal_deg: f64,
-    /// Columns by which the edge is left of the centre of the picture, along the rows whatever the
-    /// normal: towards the dark side where the normal points right.
+    /// Number of columns by which the edge lies left of the centre of the picture. It is counted
+    /// along the rows for any normal: towards the dark side if the normal points right.
     pub offset_px: f64,
     /// Exposure relative to the reference.
     pub exposure: f64,
-    /// Uneven light: what it gains from the middle of the picture to the right and to the lower
-    /// border, relative to the middle; it varies linearly.
+    /// Uneven light: its increase from the middle of the picture to the right and to the lower
+    /// border, relative to the middle. The light varies linearly.
     pub light: [f64; 2],
 }
 
 impl PlantedEdge {
-    /// The source edge where the file does not say.
+    /// The source edge of a file that does not describe it.
     pub const SOURCE: PlantedEdge = PlantedEdge {
         normal_deg: 4.0,
         offset_px: 0.0,
         exposure: 1.0,
         light: [0.0; 2],
     };
-    /// An aerial edge where the file does not say.
+    /// A mid-air edge of a file that does not describe it.
     pub const AERIAL: PlantedEdge = PlantedEdge {
         normal_deg: 5.0,
         offset_px: 0.0,
@@ -162,38 +166,38 @@ impl PlantedEdge {
     };
 }
 
-/// One photograph of the aerial edge.
+/// One photograph of the mid-air edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantedShot {
-    /// The edge.
+    /// The edge in the photograph.
     pub edge: PlantedEdge,
     /// Floating distance, mm.
     pub floating_distance_mm: f64,
-    /// Optical path from sheet to image, mm, where it differs.
+    /// Optical path from the sheet to the image, mm; `None` if it equals the floating distance.
     pub path_mm: Option<f64>,
-    /// Incidence, degrees, outside.
+    /// Incidence in the air, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees.
     pub azimuth_deg: f64,
     /// Direction of the tangential axis in the photograph, degrees.
     pub tangential_axis_deg: f64,
-    /// Shifts by polygon, each with its part of the launched light, where a table says them
-    /// ([`Params::of_sheet`]); else they are those of the ideal cube in closed form.
+    /// Shifts by polygon, each with its share of the arriving light, if a table gives them
+    /// ([`Params::of_sheet`]). With `None` they are those of the ideal cube in closed form.
     pub shifts: Option<Vec<CubeShift>>,
 }
 
-/// A campaign to simulate. [`Params::load`] gives a checked one.
+/// The parameters of a campaign to simulate. [`Params::load`] returns checked ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Params {
     /// Seed of all noise.
     pub seed: u64,
-    /// Camera and bench.
+    /// Camera, half mirror and source.
     pub camera: PlantedCamera,
-    /// The sheet.
+    /// The sheet that is photographed.
     pub truth: PlantedSheet,
-    /// The source edge, photographed with no retroreflector; `None` leaves the reference out.
+    /// The source edge, photographed without the sheet; `None` leaves the reference out.
     pub reference: Option<PlantedEdge>,
-    /// The aerial photographs; not empty.
+    /// The photographs of the mid-air edge; not empty.
     pub captures: Vec<PlantedShot>,
 }
 
@@ -201,7 +205,9 @@ impl Params {
     /// Reads and checks a parameter file.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its line.
+    /// Returns an `Error` with the line of the first fault: a file that cannot be read, text that
+    /// is not TOML, a key that is unknown, missing or out of range, a table by incidence that lacks
+    /// the incidence of a capture, or a file without captures.
     pub fn load(file: &Path) -> Result<Params, Error> {
         let document = Document::read(file)?;
         let table = document.parse()?;
@@ -234,7 +240,7 @@ impl Params {
     }
 }
 
-/// What a camera is where the file does not say.
+/// The camera of a parameter file that does not describe one.
 impl Default for PlantedCamera {
     fn default() -> PlantedCamera {
         PlantedCamera {
@@ -254,7 +260,7 @@ impl Default for PlantedCamera {
     }
 }
 
-/// The camera of a `[camera]` section.
+/// Reads the table `[camera]`. Keys that are missing have the values of the default camera.
 pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<PlantedCamera, Error> {
     const SIZE: Bounds = Bounds {
         words: "between 8 and 20000",
@@ -315,7 +321,7 @@ fn truth(keys: &Section<'_>) -> Result<PlantedSheet, Error> {
     let lobe = keys
         .choice("lobe", &LobeShape::NAMES, LobeShape::from_name)?
         .unwrap_or(LobeShape::Radial);
-    // A parameter that the kernel does not have may be left out.
+    // A parameter that the kernel does not have need not be given.
     let a = match kernel {
         Kernel::Shift | Kernel::Wave => {
             by_incidence(keys, "a")?.unwrap_or(ByIncidence::Shared(1.0))

@@ -1,15 +1,17 @@
-//! Synthetic campaigns with a planted answer: photographs with noise, their manifest and the truth.
+//! The light and the pixels of one simulated photograph.
 //!
-//! Deliberately independent of the estimator: shifts in closed form rather than from a table,
-//! convolutions in the spatial domain rather than products of transfer functions, one profile per
-//! photograph evaluated at pixel centres.
+//! The computation is independent of the estimator on purpose. Shifts are in closed form rather
+//! than from a table, blurs are convolved in space rather than multiplied as OTFs, and each
+//! photograph is one profile evaluated at pixel centres.
 //!
-//! Photograph: x to the right, y downward, origin at the centre of the picture. The edge normal
-//! points from dark to bright; `offset_px` moves the edge along the rows by that many columns to
-//! the left. Level of a pixel = veil + exposure x contrast x light x (dark_ratio + (1 - dark_ratio)
-//! E(s)), contrast = source_level for the reference and source_level x mu x eta x T x R of the half
-//! mirror for a capture; then shot noise and reading noise in electrons, rounding to the
-//! converter's steps, and clipping to [0, 1].
+//! In a photograph x runs to the right, y downward, and the origin is the centre of the picture.
+//! The edge normal points from dark to bright. `offset_px` moves the edge along the rows by that
+//! many columns to the left.
+//!
+//! The level of a pixel is veil + exposure x contrast x light x (dark_ratio + (1 - dark_ratio)
+//! E(s)). The contrast is source_level for the reference, and source_level x mu x eta x T x R of
+//! the half mirror for a capture. The photograph then gets shot noise and read noise in electrons,
+//! is rounded to the converter's steps, and is clipped to [0, 1].
 
 use crate::document::FileLine;
 use crate::names::Kernel;
@@ -22,15 +24,18 @@ use crate::simulate::noise::PixelNoise;
 use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
 use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
 
-/// Light on each pixel without noise, rounding or clipping, full scale 1, row-major: of capture
-/// `index`, or of the reference (`None`; a default edge where the campaign has no reference).
-/// Accurate to 1e-6 of the contrast.
+/// Returns the light on each pixel without noise, rounding or clipping, full scale 1, row-major.
+///
+/// `index` names a capture; `None` means the reference (a default edge if the campaign has no
+/// reference). The values are accurate to 1e-6 of the contrast.
 ///
 /// # Errors
-/// [`Error::NoEntry`] where a table by incidence lacks the capture's; never after [`Params::load`].
+/// Returns [`Error::NoEntry`] if a table by incidence lacks the incidence of the capture (never
+/// after [`Params::load`]), and [`Error::Unplanted`] if the kernel or the lobe is that of a
+/// baseline.
 ///
 /// # Panics
-/// Where `index` is not below the number of captures.
+/// Panics if `index` is not below the number of captures.
 pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, Error> {
     let camera = &params.camera;
     let (edge, blur, contrast) = match index {
@@ -68,14 +73,16 @@ pub(crate) fn light(params: &Params, index: Option<usize>) -> Result<Vec<f64>, E
         .collect())
 }
 
-/// The photograph of the same: with noise, rounded and clipped. A function of the parameters and
-/// `index` alone.
+/// Returns the pixels of a photograph with noise, rounded and clipped. They depend on the
+/// parameters and `index` alone.
 ///
 /// # Errors
-/// As [`light`].
+/// Returns [`Error::NoEntry`] if a table by incidence lacks the incidence of the capture (never
+/// after [`Params::load`]), and [`Error::Unplanted`] if the kernel or the lobe is that of a
+/// baseline.
 ///
 /// # Panics
-/// As [`light`].
+/// Panics if `index` is not below the number of captures.
 pub(crate) fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
     let camera = &params.camera;
     let steps = ((1_u64 << camera.bits) - 1) as f64;
@@ -106,7 +113,7 @@ fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {
     }
 }
 
-/// Blur of a capture, and its bright level at exposure 1 without the veil.
+/// Returns the blur of a capture, and its bright level at exposure 1 without the veil.
 fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> {
     let (camera, truth, shot) = (&params.camera, &params.truth, &params.captures[index]);
     let look_up = |key: &'static str, values: &ByIncidence| {

@@ -1,17 +1,17 @@
-//! Edge profiles across a slanted edge: lobe or waves, ray shift, lens and pixel convolved in the
-//! spatial domain.
+//! Edge profiles across a slanted edge: lobe or waves, ray shift, lens and pixel, convolved in
+//! space.
 //!
-//! Densities of compact support (shift, pixel, lens) become masses on a fine grid, each mass the
-//! integral of the exact density times a hat function, and are convolved there. A hat widens a
-//! density by step^2 / 6 in variance; a [-1, 14, -1] / 12 filter takes that back, so that the error
-//! is of fourth order in the step: with [`STEPS_PER_PIXEL`] below 1e-7 of the contrast (measured by
-//! halving the step), for lenses of sigma >= 0.1 pixel.
+//! Densities of compact support (shift, pixel, lens) become masses on a fine grid and are convolved
+//! there. Each mass is the integral of the exact density times a hat function. A hat increases the
+//! variance of a density by step^2 / 6; a [-1, 14, -1] / 12 filter removes the increase. The error
+//! is then of fourth order in the step. With [`STEPS_PER_PIXEL`] it is below 1e-7 of the contrast
+//! (measured by halving the step), for lenses of sigma >= 0.1 pixel.
 
 use crate::simulate::cell::{CubeShift, Ramp, marginal};
 use crate::simulate::lobe_edge::{RadialEdge, separable_edge};
 use crate::simulate::wave_edge::wave_edge;
 
-/// Grid steps per pixel of a simulated photograph.
+/// Number of grid steps per pixel of a simulated photograph.
 pub(crate) const STEPS_PER_PIXEL: f64 = 32.0;
 
 /// The diffraction of one photograph; `a_per_mm` > 0.
@@ -19,44 +19,44 @@ pub(crate) const STEPS_PER_PIXEL: f64 = 32.0;
 pub(crate) enum Spread {
     /// No diffraction.
     None,
-    /// sinc^2(a r) cut at a r = 2.4 pi.
+    /// The radial lobe: sinc^2(a r), cut at a r = 2.4 pi.
     Radial {
-        /// Spread a, 1/mm.
+        /// Diffraction spread a, 1/mm.
         a_per_mm: f64,
     },
-    /// sinc^2(a x) sinc^2(a y).
+    /// The separable lobe: sinc^2(a x) sinc^2(a y).
     Separable {
-        /// Spread a, 1/mm.
+        /// Diffraction spread a, 1/mm.
         a_per_mm: f64,
     },
-    /// Wave optics of the aperture, which holds the shifts too.
+    /// Wave optics of the aperture, which includes the ray shifts.
     Wave {
-        /// lambda R (mm^2) and share of every line of the spectrum; the shares sum to 1.
+        /// Product lambda R (mm^2) and share of every line of the spectrum; the shares sum to 1.
         lines: Vec<(f64, f64)>,
     },
 }
 
-/// All that shapes one edge.
+/// All causes of blur of one edge.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgeBlur {
-    /// Direction of the edge normal against the tangential axis, radians from +x towards +y.
+    /// Direction of the edge normal relative to the tangential axis, radians from +x towards +y.
     pub normal_rad: f64,
-    /// Direction of the edge normal against the pixel columns, radians.
+    /// Direction of the edge normal relative to +x of the picture (right), radians.
     pub normal_in_picture_rad: f64,
-    /// Diffraction.
+    /// Diffraction of the photograph.
     pub spread: Spread,
-    /// Ray shifts by cube, edge lengths; empty for none.
+    /// Ray shifts by cube, edge lengths; empty without ray shift.
     pub shifts: Vec<CubeShift>,
-    /// Image-plane offset per shift along u (with the cosine of the incidence) and v, mm per edge
-    /// length.
+    /// Offset in the image per shift along u (with the cosine of the incidence) and along v, mm per
+    /// edge length.
     pub scale_mm: [f64; 2],
     /// Side of a pixel, mm.
     pub pixel_pitch_mm: f64,
-    /// Standard deviation of the lens, mm, >= 0.1 pixel.
+    /// Standard deviation of the lens blur, mm, >= 0.1 pixel.
     pub sigma_mm: f64,
 }
 
-/// An edge profile on a grid: 0 far on the dark side, 1 far on the bright.
+/// An edge profile on a grid: 0 far on the dark side, 1 far on the bright side.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgeProfile {
     step_mm: f64,
@@ -65,7 +65,8 @@ pub(crate) struct EdgeProfile {
 }
 
 impl EdgeProfile {
-    /// The profile for distances up to `reach_mm` from the edge, `steps` to a pixel.
+    /// Computes the profile for distances up to `reach_mm` from the edge, with `steps` grid steps
+    /// per pixel.
     pub(crate) fn new(blur: &EdgeBlur, reach_mm: f64, steps: f64) -> EdgeProfile {
         let step = blur.pixel_pitch_mm / steps;
         let kernel = compact(blur, step);
@@ -108,15 +109,15 @@ impl EdgeProfile {
         }
     }
 
-    /// Value at signed distance `s_mm` from the edge, positive on the bright side; cubic between
-    /// grid points.
+    /// Returns the profile at the signed distance `s_mm` from the edge, positive on the bright
+    /// side. Between grid points it is cubic.
     pub(crate) fn at(&self, s_mm: f64) -> f64 {
         let place =
             (s_mm / self.step_mm + self.half as f64).clamp(1.0, 2.0 * self.half as f64 - 2.0);
         let base = place.floor();
         let t = place - base;
         let v = &self.values[base as usize - 1..base as usize + 3];
-        // Lagrange through four neighbours.
+        // Lagrange's interpolation through four neighbours.
         v[0] * (-t * (t - 1.0) * (t - 2.0) / 6.0)
             + v[1] * ((t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0)
             + v[2] * (-(t + 1.0) * t * (t - 2.0) / 2.0)
@@ -132,8 +133,8 @@ struct Masses {
 }
 
 impl Masses {
-    /// Masses of a density with support within `reach`, from the integral of its cumulative
-    /// distribution.
+    /// Computes the masses of a density from the integral of its cumulative distribution. The
+    /// density is 0 beyond `reach`.
     fn of(reach: f64, step: f64, twice_integrated: impl Fn(f64) -> f64) -> Masses {
         let half = (reach / step).ceil() as usize + 2;
         let p2: Vec<f64> = (0..=2 * half + 2)
@@ -166,8 +167,8 @@ impl Masses {
         Masses { half, masses }
     }
 
-    /// Cumulative distribution on the points -half..=half of a wider grid, to fourth order in the
-    /// step.
+    /// Returns the cumulative distribution on the points -half..=half of a wider grid, to fourth
+    /// order in the step.
     fn cumulative(&self, half: usize) -> Vec<f64> {
         let mass = |i: isize| {
             let index = i + self.half as isize;
@@ -182,8 +183,8 @@ impl Masses {
         let mut sum = 0.0;
         let mut values = Vec::with_capacity(2 * half as usize + 1);
         for i in start..=half {
-            // Trapezoid, with Euler and Maclaurin's first correction, step^2 / 12 times the slope
-            // of the density.
+            // Trapezoid rule with Euler and Maclaurin's first correction, step^2 / 12 times the
+            // slope of the density.
             if i >= -half {
                 values.push(sum + 0.5 * mass(i) - (mass(i + 1) - mass(i - 1)) / 24.0);
             }
@@ -193,7 +194,7 @@ impl Masses {
     }
 }
 
-/// Shift, pixel and lens along the edge normal.
+/// Returns the masses of ray shift, pixel and lens along the edge normal.
 fn compact(blur: &EdgeBlur, step: f64) -> Masses {
     let sigma = blur.sigma_mm;
     let half = (8.5 * sigma / step).ceil() as usize;
@@ -210,7 +211,8 @@ fn compact(blur: &EdgeBlur, step: f64) -> Masses {
         blur.pixel_pitch_mm * cos.abs(),
         blur.pixel_pitch_mm * sin.abs(),
     ] {
-        // A narrower box widens the profile by less than 1e-18 mm^2.
+        // A box narrower than this would increase the variance of the profile by less than 1e-18
+        // mm^2.
         if width > 1e-9 {
             let box_p2 = |t: f64| {
                 let inside = (t + 0.5 * width).clamp(0.0, width);
@@ -225,8 +227,8 @@ fn compact(blur: &EdgeBlur, step: f64) -> Masses {
     }
 }
 
-/// Ray shift along the normal: the cubes weighted by what each returns. `None` where nothing
-/// shifts, or waves hold it.
+/// Returns the masses of the ray shift along the normal, with each cube weighted by the light that
+/// it returns. Returns `None` if there is no ray shift, or if the waves include it.
 fn shift_masses(blur: &EdgeBlur, step: f64) -> Option<Masses> {
     let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
     let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();
@@ -249,7 +251,7 @@ fn shift_masses(blur: &EdgeBlur, step: f64) -> Option<Masses> {
     });
     let reach = ends.fold(0.0, f64::max);
     Some(Masses::of(reach, step, |t| {
-        // A marginal of no width is a point at 0, by the symmetry of the polygon.
+        // A marginal without width is a point at 0, by the symmetry of the polygon.
         let second = |ramps: &[Ramp]| {
             if ramps.is_empty() {
                 t.max(0.0)
@@ -322,7 +324,7 @@ mod tests {
         for spread in [Spread::None, Spread::Radial { a_per_mm: 4.9 }] {
             let profile = EdgeProfile::new(&blur(spread, 20.0, 12.0, 0.55), 8.0, STEPS_PER_PIXEL);
             assert!(profile.at(-8.0).abs() < 1e-12 && (profile.at(8.0) - 1.0).abs() < 1e-12);
-            // Every part is symmetric about 0.
+            // Every part of the blur is symmetric about 0.
             assert!((profile.at(0.0) - 0.5).abs() < 1e-12);
             let mut last = 0.0;
             for k in -800..=800 {
@@ -332,8 +334,8 @@ mod tests {
             }
             cases += 1;
         }
-        // The separable lobe has not arrived at 8 mm: both axes leave a tail 1/(2 pi a s) times
-        // their cosines.
+        // The light of the separable lobe has not all arrived at 8 mm: both axes leave a tail 1/(2
+        // pi a s) times their cosines.
         let (a, angle) = (4.2, 12_f64);
         let profile = EdgeProfile::new(
             &blur(Spread::Separable { a_per_mm: a }, 20.0, angle, 0.55),
@@ -352,8 +354,8 @@ mod tests {
 
     #[test]
     fn sampled_rays_meet_the_profile() {
-        // Monte Carlo over shift, lobe-free, lens and pixel: n samples leave at most 0.5/sqrt(n) of
-        // standard error.
+        // Monte Carlo over shift, lens and pixel, without a lobe. The standard error of n samples
+        // is at most 0.5/sqrt(n).
         use crate::simulate::noise::PixelNoise;
         let blur = blur(Spread::None, 35.0, 33.0, 0.55);
         let profile = EdgeProfile::new(&blur, 2.0, STEPS_PER_PIXEL);
@@ -368,7 +370,8 @@ mod tests {
                 } else {
                     &blur.shifts[1]
                 };
-                // Rejection from the bounding square of all shifts.
+                // Points are drawn from the bounding square of all shifts and rejected outside the
+                // polygon.
                 let shift = loop {
                     let point = [4.0 * draw.uniform() - 2.0, 4.0 * draw.uniform() - 2.0];
                     let corners = &cube.polygon;

@@ -1,5 +1,5 @@
-//! A sheet that a table describes, in the place of the ideal cube: its polygons as they are
-//! shifted, with what their light deviates by at each capture's distance.
+//! Sheets that a table describes, in the place of the ideal cube. The shift of each polygon
+//! includes the deviation of its light at the distance of each capture.
 
 use tables::Table;
 
@@ -9,15 +9,18 @@ use crate::simulate::error::Error;
 use crate::simulate::params::{Params, PlantedShot};
 
 impl Params {
-    /// The same campaign of the sheet that `table` describes; `ior` and `pair` of its truth are
-    /// then of no effect.
+    /// Replaces the ideal cubes of a campaign by the sheet that `table` describes. `ior` and `pair`
+    /// of its truth then have no effect.
     ///
     /// # Errors
-    /// `Error::Sheet`: a direction without polygons, one from which nothing returns, or waves.
+    /// Returns `Error::Sheet` if the table has no polygons for the direction of a capture, if no
+    /// light returns there, or if the kernel is `wave`.
     pub fn of_sheet(mut self, table: &Table) -> Result<Params, Error> {
         let refused = |why: String| Err(Error::Sheet { why });
         if self.truth.kernel == Kernel::Wave {
-            return refused("waves are simulated of ideal cubes only; leave --table out".into());
+            return refused(
+                "waves can only be simulated for ideal cubes; leave --table out".into(),
+            );
         }
         let c_mm = self.truth.c_mm;
         for shot in &mut self.captures {
@@ -40,8 +43,8 @@ impl Params {
             let Some(paths) = moved.paths.filter(|_| eta > 0.0) else {
                 return refused(format!(
                     "it has no polygons of returned light at incidence {incidence_deg} deg, \
-                    azimuth {azimuth_deg} deg; bake this \
-                     direction with --method exact, or leave it out"
+                    azimuth {azimuth_deg} deg; bake this direction with --method exact, or leave \
+                    it out"
                 ));
             };
             let powers = || paths.iter().map(|path| path.weight * path.area());

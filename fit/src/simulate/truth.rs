@@ -1,19 +1,20 @@
-//! A planted answer, truth.json of `fit simulate`: what an estimate is compared with.
+//! The planted answer (truth.json of `fit simulate`), with which an estimate is compared.
 
 use serde::Deserialize;
 
 use crate::names::Kernel;
 use crate::names::{ParameterId, ParameterKind};
 
-/// The numbers that a campaign was made with.
+/// The numbers with which a campaign was simulated.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Truth {
     truth: serde_json::Value,
 }
 
 impl Truth {
-    /// The planted value of a parameter, at its incidence where the value differs by angle. `None`
-    /// where the planted kernel has no such parameter: `a` is a R under `angular`, else in 1/mm.
+    /// Returns the planted value of a parameter; at its incidence if the value differs by angle.
+    /// Returns `None` if the planted kernel has no such parameter: `a` of the file is a R under
+    /// `angular`, else a in 1/mm.
     pub(crate) fn of(&self, id: ParameterId) -> Option<f64> {
         let kernel = Kernel::from_name(self.truth.get("kernel")?.as_str()?)?;
         let key = match id.kind {
@@ -38,7 +39,8 @@ mod tests {
     fn a_is_what_the_planted_kernel_makes_of_it() {
         let planted = |kernel: &str| -> Truth {
             let text = format!(
-                r#"{{"seed": 1, "truth": {{"kernel": "{kernel}", "a": {{"0": 4.5, "12.5": 4}}, "c": 0.2}}}}"#
+                "{{\"seed\": 1, \"truth\": {{\"kernel\": \"{kernel}\", \
+                \"a\": {{\"0\": 4.5, \"12.5\": 4}}, \"c\": 0.2}}}}"
             );
             serde_json::from_str(&text).expect("it is JSON")
         };

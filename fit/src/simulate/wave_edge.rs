@@ -1,10 +1,11 @@
 //! Edge profiles of wave optics, by Fresnel integrals over the chords of the aperture.
 //!
-//! The aperture carries the phase 2 pi |y|^2/(lambda R). Cut along the edge normal, a chord from l
-//! to r throws the field `E(x) = int_l^r exp(2 pi i (n^2 - x n)/(lambda R)) dn` on the image; up to
-//! a phase that is `F(r - x/2) - F(l - x/2)` with the Fresnel integral F. The line spread is the
-//! sum of |E|^2 over all chords, over lambda R times the area (Parseval), and the edge its
-//! integral: the estimator's overlaps and transfer functions do not occur.
+//! The aperture carries the phase 2 pi |y|^2/(lambda R). It is cut into chords along the edge
+//! normal. A chord from l to r makes the field `E(x) = int_l^r exp(2 pi i (n^2 - x n)/(lambda R))
+//! dn` on the image. Up to a phase this is `F(r - x/2) - F(l - x/2)` with the Fresnel integral F.
+//! The line spread function is the sum of |E|^2 over all chords, divided by lambda R times the area
+//! (Parseval). The edge is its integral. The overlaps and transfer functions of the estimator are
+//! not used.
 
 use std::f64::consts::TAU;
 
@@ -14,21 +15,21 @@ use crate::numerics::GAUSS_16;
 use crate::simulate::cell::CubeShift;
 use tables::Samples;
 
-/// Phase between two tabulated values of F: its interpolation error is step x 0.2^3 / 384, 2e-5 of
-/// a step.
+/// Phase between two tabulated values of F, radians. The interpolation error is step x 0.2^3 / 384,
+/// which is 2e-5 of a step.
 const PHASE_STEP: f64 = 0.2;
 
-/// Oscillations of the field across one panel of chords, and across one step of the integral over
-/// x.
+/// Largest number of oscillations of the field across one panel of chords.
 const PER_PANEL: f64 = 2.0;
+/// Largest number of oscillations of the field across one step of the integral over x.
 const PER_STEP: f64 = 1.0 / 32.0;
 
-/// A chord: from, to, and its weight (width across the normal), mm.
+/// A chord: start, end, and weight (its width across the normal), mm.
 type Chord = (f64, f64, f64);
 
-/// The edge at positions (i - half) step for i in 0..=2 half, mm. `scale_mm` takes the cubes'
-/// polygons to the image; `lines` holds lambda R (mm^2) and the share of every line, shares summing
-/// to 1.
+/// Returns the edge at the positions (i - half) step, mm, for i in 0..=2 half. `scale_mm` scales
+/// the cubes' polygons to the image. `lines` holds lambda R (mm^2) and the share of every line; the
+/// shares sum to 1.
 pub(crate) fn wave_edge(
     cubes: &[CubeShift],
     scale_mm: [f64; 2],
@@ -38,8 +39,8 @@ pub(crate) fn wave_edge(
     half: usize,
 ) -> Vec<f64> {
     let end = half as f64 * step;
-    // A shift is 2 (q - p): the aperture about q is half the polygon of shifts, which is its own
-    // reflection.
+    // A shift is 2 (q - p), so the aperture about q is half the polygon of shifts, which is its own
+    // point reflection.
     let turned: Vec<Vec<[f64; 2]>> = cubes
         .iter()
         .map(|cube| {
@@ -55,7 +56,7 @@ pub(crate) fn wave_edge(
     let mut edge = vec![0.5; 2 * half + 1];
     for &(area_mm2, share) in lines {
         let fresnel = Fresnel::new(area_mm2, reach + 0.5 * end);
-        // Fastest change of the field with a chord's end, and with x; per mm.
+        // Fastest change of the field with a chord's end, and with x; oscillations per mm.
         let by_end = (2.0 * reach + end) / area_mm2;
         let by_x = 2.0 * reach / area_mm2;
         let chords: Vec<Chord> = turned
@@ -71,8 +72,8 @@ pub(crate) fn wave_edge(
         };
         let parts = (by_x * step / PER_STEP).ceil().max(1.0) as usize;
         let part = step / parts as f64;
-        // Simpson on every part; the line spread is even, so that half of the light lies on either
-        // side of 0.
+        // Simpson's rule on every part. The line spread function is even, so half of the light lies
+        // on either side of 0.
         let (mut sum, mut before) = (0.0, spread(0.0));
         for i in 1..=half {
             for k in 0..parts {
@@ -88,8 +89,9 @@ pub(crate) fn wave_edge(
     edge
 }
 
-/// Chords of a convex polygon at the nodes of Gauss and Legendre between its corners, in panels
-/// narrow enough for fields that turn `by_end` times for each mm that a chord's end moves.
+/// Returns chords of a convex polygon at the nodes of Gauss and Legendre between its corners. The
+/// panels are narrow enough for fields that turn `by_end` times for each mm that a chord's end
+/// moves.
 fn chords(polygon: &[[f64; 2]], by_end: f64) -> Vec<Chord> {
     let mut cuts: Vec<f64> = polygon.iter().map(|p| p[1]).collect();
     cuts.sort_by(f64::total_cmp);
@@ -116,7 +118,7 @@ fn chords(polygon: &[[f64; 2]], by_end: f64) -> Vec<Chord> {
     chords
 }
 
-/// Where the line at height `t` enters and leaves a convex polygon.
+/// Returns the places where the line at height `t` enters and leaves a convex polygon.
 fn chord(polygon: &[[f64; 2]], t: f64) -> (f64, f64) {
     let crossings = (0..polygon.len()).filter_map(|k| {
         let (p, q) = (polygon[k], polygon[(k + 1) % polygon.len()]);
@@ -127,14 +129,14 @@ fn chord(polygon: &[[f64; 2]], t: f64) -> (f64, f64) {
     })
 }
 
-/// F(z) = int_0^z exp(2 pi i u^2 / area) du for |z| <= end: odd.
+/// The Fresnel integral F(z) = int_0^z exp(2 pi i u^2 / area) du for |z| <= end. F is odd.
 struct Fresnel {
     samples: Samples<Complex64>,
 }
 
 impl Fresnel {
     fn new(area_mm2: f64, end: f64) -> Fresnel {
-        // The phase turns fastest at the end: by 2 TAU end / area a mm.
+        // The phase turns fastest at the end: by 2 TAU end / area per mm.
         let step = PHASE_STEP * area_mm2 / (2.0 * TAU * end);
         let count = (end / step).ceil() as usize + 2;
         let field = |u: f64| Complex64::cis(TAU * u * u / area_mm2);
@@ -164,9 +166,9 @@ mod tests {
     use super::*;
     use crate::simulate::cell::shifts;
 
-    /// The double slit's sister: a square aperture without curvature would give sinc^2; with it,
-    /// the light that has arrived far out is all of it but the tail lambda R width/(2 pi^2 area x)
-    /// that Parseval leaves beyond x.
+    /// Checks the light far from the edge. Without curvature a square aperture would give sinc^2.
+    /// With curvature, all light has arrived at x but the tail lambda R width/(2 pi^2 area x), by
+    /// Parseval.
     #[test]
     fn all_light_arrives_but_the_tail() {
         let mut cases = 0;
@@ -190,8 +192,8 @@ mod tests {
             let tail = line * width / (2.0 * std::f64::consts::PI.powi(2) * area * end);
             let missing = 1.0 - edge[4000];
             println!("{incidence_deg} {normal_deg}: {missing:.3e} tail {tail:.3e}");
-            // The tail oscillates about its mean by the next order, 1/x of the aperture's size over
-            // it.
+            // The tail oscillates about its mean by a term of the next order, 1/x of the aperture's
+            // size over it.
             assert!(
                 (missing - tail).abs() < 0.1 * tail,
                 "{missing:e} against {tail:e}"

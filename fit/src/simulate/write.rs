@@ -1,4 +1,4 @@
-//! A simulated campaign on disk: photographs, captures.toml and truth.json, all or nothing.
+//! Writing of a simulated campaign: photographs, captures.toml and truth.json, all or nothing.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,26 +12,28 @@ use crate::simulate::error::Error;
 use crate::simulate::params::{ByIncidence, Params, PlantedShot};
 use crate::simulate::photograph::photograph;
 
-/// What was written.
+/// A summary of the files that were written.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Report {
-    /// The manifest.
+    /// Path of the manifest.
     pub manifest: PathBuf,
-    /// Photographs written, the reference included.
+    /// Number of photographs, the reference included.
     pub photographs: usize,
-    /// Pixels at full scale, over all photographs.
+    /// Number of pixels at full scale, over all photographs.
     pub clipped: usize,
-    /// What a user should know about the campaign, one sentence each.
+    /// Warnings about the campaign, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Simulates a campaign into `folder`, which is created; the same parameters give the same bytes.
+/// Simulates a campaign into `folder`, which is created. The same parameters give the same bytes.
 ///
-/// Everything is made in a temporary folder beside it and moved when complete.
+/// All files are made in a temporary folder beside `folder` and moved when they are complete.
 ///
 /// # Errors
-/// [`Error::NotEmpty`] where the folder holds anything and `force` is not set; [`Error::Write`],
-/// [`Error::WriteExr`]; [`Error::NoEntry`] for parameters built in code.
+/// Returns [`Error::NotEmpty`] if the folder holds anything and `force` is not set,
+/// [`Error::Write`] or [`Error::WriteExr`] if a file or folder cannot be written, and
+/// [`Error::NoEntry`] or [`Error::Unplanted`] for parameters built in code that cannot be
+/// simulated.
 pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report, Error> {
     let cannot = |file: &Path| {
         let file = file.to_owned();
@@ -150,8 +152,8 @@ fn image_name(index: usize, shot: &PlantedShot) -> String {
 fn manifest(params: &Params) -> String {
     let camera = &params.camera;
     let mut text = format!(
-        "[setup]\npixel_pitch_mm = {}\nhalf_mirror_transmittance = {}\nhalf_mirror_reflectance = \
-        {}\n",
+        "[setup]\npixel_pitch_mm = {}\nhalf_mirror_transmittance = {}\n\
+        half_mirror_reflectance = {}\n",
         camera.pixel_pitch_mm, camera.half_mirror_transmittance, camera.half_mirror_reflectance
     );
     // Writing to a String cannot fail.
@@ -168,9 +170,8 @@ fn manifest(params: &Params) -> String {
     for (index, shot) in params.captures.iter().enumerate() {
         let _ = write!(
             text,
-            "\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = {}\nincidence_deg = \
-            {}\nazimuth_deg = {}\n\
-             exposure = {}\n",
+            "\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = {}\nincidence_deg = {}\n\
+            azimuth_deg = {}\nexposure = {}\n",
             image_name(index, shot),
             shot.floating_distance_mm,
             shot.incidence_deg,

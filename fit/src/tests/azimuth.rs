@@ -1,4 +1,4 @@
-//! The azimuth of the sheet by the photographs alone, against planted ones.
+//! Tests of the azimuth that is estimated from the photographs alone, against planted azimuths.
 
 use crate::estimate::Choice;
 use crate::estimate::Kind;
@@ -10,7 +10,7 @@ use crate::simulate::PlantedSheet;
 use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 
-/// The closed form of the pair at azimuths 0, 15 and 30 deg, which stand for all.
+/// The closed form of the pair at azimuths 0, 15 and 30 deg. By symmetry these give all azimuths.
 fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
     let azimuths = [0.0, 15.0, 30.0];
     let single = azimuths.map(|azimuth| table(truth, incidence_deg, azimuth));
@@ -18,7 +18,7 @@ fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
     let paths = directions.map(|(i, j)| single[j].exact.as_ref().unwrap().paths[i].clone());
     let mut all = single[0].clone();
     all.exact = Some(Exact {
-        // Of the two cubes, an edge of each being 1.
+        // The area of two cubes with edge length 1.
         entrance_area: 3_f64.sqrt(),
         paths: paths.collect(),
     });
@@ -37,8 +37,8 @@ fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
     all
 }
 
-/// Captures that say azimuth 0 of a sheet that lies at another: the difference comes back within
-/// its error.
+/// The manifest states azimuth 0, but the sheet lies at another azimuth. The estimate finds the
+/// difference within its error.
 #[test]
 fn a_planted_azimuth_comes_back() {
     let choice = Choice {
@@ -57,7 +57,7 @@ fn a_planted_azimuth_comes_back() {
         let mut campaign = params(seed, truth, &incidence, &[150.0, 300.0], camera(2e5));
         for (k, shot) in campaign.captures.iter_mut().enumerate() {
             shot.azimuth_deg = planted;
-            // Edges in several directions tell a sheet from its mirror image.
+            // Edges in several directions distinguish a sheet from its mirror image.
             shot.edge.normal_deg += [0.0, 55.0, 90.0][k % 3];
         }
         let scene = scene(&campaign, &table);
@@ -76,8 +76,8 @@ fn a_planted_azimuth_comes_back() {
         assert!(pull.abs() < 4.0);
         pulls.push(pull);
         let added = scatter(&scene, &table, &found, Kind::Mtf, choice).unwrap();
-        // c, a and three mu, of logarithms: what a degree of azimuth changes is a few percent at
-        // most.
+        // The rows are c, a and three mu, all as logarithms. One degree of azimuth changes them by
+        // a few percent at most.
         assert_eq!(added.nrows(), 5);
         assert!(
             (0..5).all(|i| added[(i, i)] >= 0.0 && added[(i, i)] < 0.01),
@@ -90,7 +90,7 @@ fn a_planted_azimuth_comes_back() {
         pulls.len(),
         (squares / 6.0).sqrt()
     );
-    // Chi-square of 6: 0.4 and 22.5 leave out 0.1 % on either side.
+    // Chi-square with 6 degrees of freedom lies outside 0.4 to 22.5 in 0.1 % on either side.
     assert!((0.4..22.5).contains(&squares), "{pulls:?}");
     assert_eq!(pulls.len(), 6);
 }

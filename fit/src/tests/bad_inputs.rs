@@ -1,13 +1,12 @@
-//! Every file in tests/bad is refused, with the message that tests/bad/expected.toml states.
+//! Tests that every file in tests/bad is refused with the message in tests/bad/expected.toml.
 //!
-//! good.exr and good.png are there for the manifests that are wrong in something else, and must
-//! load.
+//! good.exr and good.png belong to manifests that have another fault. These two files must load.
 
 use std::path::Path;
 
 use crate::photographs::{captures, photo};
 
-/// Why a manifest cannot be used, photographs included.
+/// The message with which a manifest or one of its photographs is refused.
 fn manifest_error(file: &Path) -> Option<String> {
     let campaign = match captures::load(file) {
         Ok(campaign) => campaign,
@@ -36,7 +35,7 @@ type Refuse = fn(&Path) -> Option<String>;
 
 #[test]
 fn every_bad_file_is_refused_with_its_message() {
-    // Messages name files as they were given; without the folder before them the expectations are
+    // Messages name files by their full path. The folder is removed, so that the expectations are
     // short.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     let before = format!("{}/", folder.display());

@@ -1,5 +1,5 @@
-//! The baselines against light traced through their rough facets, and fitted to photographs that
-//! they describe.
+//! Tests of the baselines: against light traced through their rough facets, and fitted to
+//! photographs that they describe.
 
 use crate::tests::planted;
 use std::f64::consts::{PI, TAU};
@@ -50,15 +50,15 @@ fn mirrored(d: V, n: V) -> V {
     plus(d, -2.0 * dot(d, n), n)
 }
 
-/// Snell's law for a unit direction; `n` points against `d`, `ratio` is the index before over that
-/// behind.
+/// Snell's law for a unit direction. `n` points against `d`; `ratio` is the index before the
+/// surface over the index behind it.
 fn refracted(d: V, n: V, ratio: f64) -> V {
     let cos = -dot(d, n);
     let behind = (1.0 - ratio * ratio * (1.0 - cos * cos)).sqrt();
     plus(d.map(|x| ratio * x), ratio * cos - behind, n)
 }
 
-/// A facet about the normal `n`, its slope drawn from a distribution of roughness `alpha`.
+/// A facet about the normal `n`. Its slope is drawn from a distribution of roughness `alpha`.
 fn facet(n: V, shape: LobeShape, alpha: f64, stream: &mut Stream) -> V {
     let u = stream.between(0.0, 1.0);
     let z = match shape {
@@ -78,8 +78,8 @@ fn facet(n: V, shape: LobeShape, alpha: f64, stream: &mut Stream) -> V {
     unit(plus(n, alpha * z, slope))
 }
 
-/// Where a ray ends in the aerial image at unit distance, (tangential, sagittal): through five
-/// interfaces, or off the one of the minimal model.
+/// Place where a ray ends in the mid-air image at unit distance, (tangential, sagittal). The ray
+/// passes five interfaces, or leaves from the one interface of the minimal model.
 fn traced(
     kernel: Kernel,
     shape: LobeShape,
@@ -91,7 +91,8 @@ fn traced(
     let up = [0.0, 0.0, 1.0];
     let d = [theta.sin(), 0.0, -theta.cos()];
     let out = if kernel == Kernel::Mrm {
-        // f(reflect(v, n), l): what a mirror would send on is sent from the mirrored direction.
+        // The minimal model is f(reflect(v, n), l): light that a mirror would send on leaves from
+        // the mirrored direction.
         mirrored(
             mirrored(d, up).map(|x| -x),
             facet(up, shape, alpha[0], stream),
@@ -120,8 +121,9 @@ fn traced(
     ]
 }
 
-/// 200,000 rays a case: the mean of a cosine is good to 1 / sqrt(2 x 200,000) = 0.0016, of which
-/// 4.5 are allowed for 200 comparisons. Roughness 1e-4: second order is 1e-4 of the first; slopes
+/// The OTFs of the baselines agree with those of traced rays. With 200,000 rays per case, the
+/// standard error of the mean of a cosine is 1 / sqrt(2 x 200,000) = 0.0016; 4.5 of these are
+/// allowed for 200 comparisons. At roughness 1e-4 the second order is 1e-4 of the first, and slopes
 /// beyond 1e-2 hold 1e-4 of GGX's light.
 #[test]
 fn otfs_are_those_of_traced_facets() {
@@ -161,8 +163,8 @@ fn otfs_are_those_of_traced_facets() {
                             .sum::<f64>()
                             / RAYS as f64;
                         let value = model.otf(shape, blur, 1.0, frequency)[0].re;
-                        // GGX on three facets: equal shares in the place of unequal ones, at worst
-                        // (0, 2, 2).
+                        // GGX on three facets: the model has equal shares in place of unequal ones.
+                        // The worst shares are (0, 2, 2).
                         let shares = if shape == LobeShape::Ggx && kernel != Kernel::Mrm {
                             0.046
                         } else {
@@ -181,12 +183,14 @@ fn otfs_are_those_of_traced_facets() {
     assert_eq!(cases, 162);
 }
 
-/// Saito's three facets with a third of the spread each, against the shares that they have: with w
-/// the unit vector across both the ray and the line, facet i turns the light along the line by 2
-/// sqrt(1 - w_i^2) of its slope (w on the cube's axes). Over all rays and lines the OTF of GGX
-/// differs by 0.045 at most, where w lies on an axis; at normal incidence, w across (1, 1, 1), by
-/// 0.0066; that of Beckmann nowhere. Steps of 1/40 in w and 1/20 in the frequency miss less than 1
-/// % of the greatest.
+/// Saito's three facets with a third of the spread each, compared with the shares that they really
+/// have. Let w be the unit vector across both the ray and the line, on the cube's axes. Facet i
+/// turns the light along the line by 2 sqrt(1 - w_i^2) of its slope.
+///
+/// Over all rays and lines the OTF of GGX differs by at most 0.045, where w lies on an axis. At
+/// normal incidence, with w across (1, 1, 1), it differs by 0.0066. The OTF of Beckmann never
+/// differs. Steps of 1/40 in w and 1/20 in the frequency miss less than 1 % of the greatest
+/// difference.
 #[test]
 fn equal_shares_of_three_facets_are_as_good_as_stated() {
     let otf = |shape: LobeShape, k: f64| match shape {
@@ -224,8 +228,8 @@ fn equal_shares_of_three_facets_are_as_good_as_stated() {
     assert_eq!(cases, 861);
 }
 
-/// Guo et al., eqs. 2 and 3 as printed: Jacobians of the two refractions. At normal incidence two
-/// rough refractions of Saito's front are the same lobe.
+/// The model of Guo et al. agrees with their eqs. 2 and 3 as printed: Jacobians of the two
+/// refractions. At normal incidence it is the lobe of two rough refractions of Saito's front.
 #[test]
 fn guo_is_its_jacobians_and_at_normal_incidence_two_refractions() {
     let mut cases = 0;
@@ -299,8 +303,8 @@ fn derivatives_are_differences_and_no_roughness_is_no_blur() {
                 let by_own = at(8e-4 * d.exp(), 1.5e-3, f)[0] - at(8e-4 * (-d).exp(), 1.5e-3, f)[0];
                 let by_front =
                     at(8e-4, 1.5e-3 * d.exp(), f)[0] - at(8e-4, 1.5e-3 * (-d).exp(), f)[0];
-                // Truncation d^2 times a third derivative of order 10; Bessel functions' errors of
-                // 2e-8 over 2 d.
+                // The truncation error is d^2 times a third derivative of order 10. The Bessel
+                // functions add errors of 2e-8 over 2 d.
                 let tolerance = 10.0 * d * d + 2e-4;
                 assert!(
                     (own - by_own / (2.0 * d)).norm() < tolerance,
@@ -331,8 +335,8 @@ fn light_is_the_effective_area_and_fresnel() {
     for theta in [0.0, 15.0, 30.0, 45.0] {
         let table = planted::table(&truth, &[theta], 20.0);
         let eta = table.direction(theta, Some(20.0)).expect("it is there").eta;
-        // Effective area of an ideal triangular cell from the direction cosines on the cube's axes;
-        // the pair is the mean of a cube and its copy turned by 180 degrees.
+        // Effective area of an ideal triangular cell, from the direction cosines on the cube's
+        // axes. The pair is the mean of a cube and its copy turned by 180 degrees.
         let inside = (theta.to_radians().sin() / truth.ior).asin();
         let area = |azimuth: f64| {
             let mut cosines = [0.0, 1.0, 2.0].map(|i| {
@@ -363,8 +367,8 @@ fn light_is_the_effective_area_and_fresnel() {
     assert_eq!(cases, 4);
 }
 
-/// A sheet that one baseline describes, photographed: edges in closed form (a Gaussian, or
-/// Student's t for one GGX lobe), turned into pixels by quadrature, with normal noise.
+/// A photographed sheet that one baseline describes. Edges are in closed form (a Gaussian, or
+/// Student's t for one GGX lobe). Quadrature turns them into pixels, and normal noise is added.
 struct Sheet {
     kernel: Kernel,
     shape: LobeShape,
@@ -378,8 +382,8 @@ const LENS_PX: f64 = 0.55;
 const AZIMUTH: f64 = 20.0;
 
 impl Sheet {
-    /// Scale of the sheet's blur along the normal: roughness times gain of all facets together,
-    /// times distance, mm.
+    /// Scale of the sheet's blur along the normal, mm: roughness times the gain of all facets
+    /// together, times distance.
     fn width_mm(&self, theta: f64, normal: [f64; 2], r_mm: f64) -> f64 {
         let i = theta.cos();
         let t = (1.0 - (theta.sin() / 1.49).powi(2)).sqrt();
@@ -397,14 +401,15 @@ impl Sheet {
         gained * r_mm
     }
 
-    /// The edge against distance, in pixels: the sheet's blur of this width through the lens.
+    /// The edge as a function of distance, in pixels: the sheet's blur of this width, seen through
+    /// the lens.
     fn edge(&self, width_px: f64, d: f64) -> f64 {
         let normal = |x: f64| 0.5 * libm::erfc(-x / 2.0_f64.sqrt());
         if self.shape == LobeShape::Beckmann {
             return normal(d / (0.5 * width_px * width_px + LENS_PX * LENS_PX).sqrt());
         }
-        // Midpoint rule over 7 deviations of the lens: its error falls faster than any power of the
-        // step.
+        // Midpoint rule over 7 standard deviations of the lens. Its error falls faster than any
+        // power of the step.
         let h = LENS_PX / 8.0;
         (-56..56)
             .map(|i| {
@@ -435,8 +440,8 @@ impl Sheet {
         for row in 0..height {
             for column in 0..width {
                 let (x, y) = (column as f64 - 95.3, row as f64 - 63.4);
-                // The pixel's box: 4 x 4 midpoints, good to 1e-4 of the edge's slope change across
-                // a quarter pixel.
+                // The pixel's area: 4 x 4 midpoints, accurate to 1e-4 of the change of the edge's
+                // slope across a quarter pixel.
                 let mut sum = 0.0;
                 for v in 0..4 {
                     for u in 0..4 {
@@ -544,7 +549,8 @@ fn fitted<'a>(scene: &'a Scene, family: Family) -> Selection<'a> {
 }
 
 /// Photographs that a baseline describes return its roughness and mu within 4 standard errors (14
-/// numbers), its lobe, and a chi-square of 1 within what the quadrature of the pixels adds.
+/// numbers), its lobe, and a chi-square of 1 within the error that the quadrature of the pixels
+/// adds.
 #[test]
 fn planted_baselines_come_back() {
     let sheet = |kernel, shape, roughness, front| Sheet {

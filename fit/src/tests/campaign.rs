@@ -1,4 +1,5 @@
-//! A whole estimate in one call: from memory, watched, and cancelled.
+//! Tests of `estimate::campaign`, a whole estimate in one call: from memory, watched, and
+//! cancelled.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -36,8 +37,8 @@ fn options() -> Options {
     })
 }
 
-/// Every photograph and every candidate is told of once, the photographs are asked for once each,
-/// and the planted values come back within four standard errors.
+/// Progress names every photograph and every candidate once. Each photograph is asked for once. The
+/// planted values come back within four standard errors.
 #[test]
 fn photographs_from_memory_are_measured_once() {
     let (params, table) = planted();
@@ -110,7 +111,7 @@ fn a_flag_ends_an_estimate_at_its_next_step() {
     assert_eq!(cases, 2);
 }
 
-/// Refused before a photograph is asked for.
+/// Options that exclude each other are refused before any photograph is asked for.
 #[test]
 fn options_that_exclude_each_other_are_refused() {
     let (params, table) = planted();

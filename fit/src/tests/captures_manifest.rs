@@ -1,4 +1,4 @@
-//! A manifest with every key, and what it becomes.
+//! Tests of a manifest with every key, and of the campaign that is read from it.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::photo::transfer::Transfer;
 
-/// A folder with a manifest and an image for it.
+/// A folder with a manifest and an image for it, and the campaign that is read from them.
 fn campaign(manifest: &str) -> (tempfile::TempDir, captures::Campaign) {
     let folder = tempfile::tempdir().unwrap();
     let image = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/good.exr");
@@ -131,7 +131,7 @@ fn every_key_arrives_and_captures_override_the_setup() {
     assert_eq!(two.shot.decode.transfer, Some(Transfer::Srgb));
     assert_eq!(two.shot.decode.channel, Channel::Named("view.L".to_owned()));
     assert_eq!(two.shot.place.line, 26);
-    // [setup] speaks for every photograph.
+    // Keys in [setup] hold for every photograph.
     let source = campaign.reference.as_ref().expect("it is named");
     for shot in [source, &one.shot, &two.shot] {
         assert_eq!(shot.accepted, [Accepted::Doubled]);

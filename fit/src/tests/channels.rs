@@ -1,4 +1,4 @@
-//! One fit per channel of coloured photographs: each channel is the photograph of its own light.
+//! Tests of coloured photographs: each channel is fitted as a photograph of its own light.
 
 use crate::estimate::Scene;
 use crate::names::Kernel;
@@ -8,8 +8,8 @@ use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::tests::planted::{camera, params, table, truth};
 
-/// Red, green and blue from three sheets (a and mu differ): every channel's scene is that of its
-/// own sheet, to the last bit.
+/// Red, green and blue come from three sheets with different a and mu. The scene of every channel
+/// equals the scene of its own sheet, to the last bit.
 #[test]
 fn every_channel_is_measured_as_its_own_photograph() {
     let incidence = [10.0];

@@ -1,5 +1,5 @@
-//! What the coating of a sheet mirrors into a picture, against the virtual image behind a plane
-//! mirror.
+//! Tests of the light that the coating of a sheet mirrors into a picture, against the virtual image
+//! behind a plane mirror.
 
 use crate::images::render::sampled;
 use crate::images::render::view::CameraView;
@@ -13,7 +13,7 @@ use crate::samples::Sequence;
 use nalgebra::Vector3;
 use num_complex::Complex64;
 
-/// A sheet that returns nothing: what is left of the picture is the coating's.
+/// A sheet that returns no light: all light of the picture comes from its coating.
 struct Dark;
 
 impl Spot for Dark {
@@ -39,8 +39,8 @@ const PITCH_MM: f64 = 0.5;
 const INDEX: f64 = 1.5;
 const HALF_MIRROR: f64 = 0.21;
 
-/// The camera before the image, which lies in z = 0, the sheet behind it and turned about the
-/// picture's columns.
+/// A camera in front of the image, which lies in z = 0, and a sheet behind the image, turned about
+/// the picture's columns.
 #[derive(Clone, Copy)]
 struct Scene {
     camera: Vector3<f64>,
@@ -73,13 +73,13 @@ fn view(scene: Scene, coated: bool) -> CameraView {
     CameraView::load(&file).expect("it is a view")
 }
 
-/// Pixels from the middle of the picture.
+/// Position of a pixel, from the middle of the picture, pixels.
 fn from_middle(pixel: usize) -> [f64; 2] {
     let at = [pixel % SIZE[0], pixel / SIZE[0]];
     [0, 1].map(|k| at[k] as f64 - 0.5 * (SIZE[k] as f64 - 1.0))
 }
 
-/// A smooth spot of light about a place.
+/// A picture of a smooth spot of light about a place.
 fn spot_of_light(about: [f64; 2]) -> Picture {
     const SIGMA: f64 = 8.0;
     let value = |pixel| {
@@ -96,10 +96,10 @@ fn spot_of_light(about: [f64; 2]) -> Picture {
     }
 }
 
-/// Where the camera sees a place of the source in the sheet's front face, pixels from the middle;
-/// and the face's share of the light there. The face shows the source as far behind itself as it
-/// lies before it, and the camera sees that through the image's plane z = 0. Fresnel's equations by
-/// the angles on both sides.
+/// Position where the camera sees a place of the source in the sheet's front face (pixels from the
+/// middle), and the share of the light that the face mirrors there. The face shows the source as
+/// far behind itself as the source lies before it. The camera sees the mirrored source through the
+/// image's plane z = 0. The share is that of Fresnel's equations, by the angles on both sides.
 fn seen_in_the_face(place: [f64; 2], scene: Scene) -> ([f64; 2], f64) {
     let source = Vector3::new(place[0] * PITCH_MM, -place[1] * PITCH_MM, 0.0);
     let (camera, sheet, n) = (scene.camera, scene.sheet, scene.normal);
@@ -113,20 +113,22 @@ fn seen_in_the_face(place: [f64; 2], scene: Scene) -> ([f64; 2], f64) {
     ([at.x / PITCH_MM, -at.y / PITCH_MM], share)
 }
 
-/// Light, and its place. An integral over the picture is one over the source with the area that a
-/// source's pixel has in the picture (differences of the place over +-0.5 pixel: 1e-7 of it). The
-/// source is taken for straight between its pixels, which makes sinc^2(f) of its spectrum; where
-/// the picture's pixels fall d from once a pixel of the source, the sum over them has an alias
-/// there, d^2 exp(-2 (pi sigma d)^2) of the light, at most exp(-1) / (2 (pi sigma)^2) = 2.9e-4 for
+/// The mirrored picture has the right light and the right place. An integral over the picture is
+/// one over the source with the area that a pixel of the source has in the picture (differences of
+/// the place over +-0.5 pixel: error 1e-7).
+///
+/// The source is taken as straight between its pixels, which multiplies its spectrum by sinc^2(f).
+/// If the picture's pixels are off the pixels of the source by d, the sum over them has an alias:
+/// d^2 exp(-2 (pi sigma d)^2) of the light. This is at most exp(-1) / (2 (pi sigma)^2) = 2.9e-4 for
 /// 8 pixels, from either side and along two axes: 1.2e-3. The place has its derivative by 2 pi d,
 /// at most 1.3e-3 pixels for each, 5e-3 in all.
 ///
-/// Seen from aside, at 58 degrees, Fresnel's share is 0.08, twice that of the middle, and p and s
+/// At an incidence of 58 degrees Fresnel's share is 0.08, twice that of the middle, and p and s
 /// light differ.
 #[test]
 fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
     let mut cases = 0;
-    // On no pixel's perpendicular, where the ratios of sines are 0/0.
+    // The camera is on no pixel's perpendicular, where the ratios of sines are 0/0.
     let before = [3.1, 2.2, 600.0];
     for (scene, about) in [
         (scene(before, 300.0, 0.0), [0.5, 0.0]),

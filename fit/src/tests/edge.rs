@@ -1,4 +1,4 @@
-//! The slanted-edge estimator against edges of known place and transfer function.
+//! Tests of the slanted-edge estimator on edges of known place and OTF.
 
 use crate::model::{Camera, Lens};
 use crate::names::Kernel;
@@ -23,7 +23,7 @@ fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
     }
 }
 
-/// A noise-free source edge (camera blur only) at any direction.
+/// A noise-free photograph of the source edge (camera blur only) in any direction.
 fn source(normal_deg: f64, offset_px: f64) -> Photo {
     let truth = truth(Kernel::Lobe, LobeShape::Radial, 3.0, 0.3, 0.6);
     let mut params = params(1, truth, &[0.0], &[200.0], camera(1e12));
@@ -40,11 +40,11 @@ fn source(normal_deg: f64, offset_px: f64) -> Photo {
     )
 }
 
-/// MTF within 0.002 up to half the sampling frequency, angle within 1e-3 deg (0.001 px at the
-/// end of a 128-row edge), for every direction and polarity.
+/// The MTF is within 0.002 up to half the sampling frequency, and the angle within 1e-3 deg (0.001
+/// px at the end of a 128-row edge), for every direction and polarity.
 ///
-/// 14.04 and 26.57 deg (tangents 1/4 and 1/2) are left to the next test: there the pixels fall on
-/// few phases.
+/// 14.04 and 26.57 deg (tangents 1/4 and 1/2) are left to the next test, because there the pixels
+/// fall on few phases.
 #[test]
 fn known_edges_of_all_directions() {
     let mut cases = 0;
@@ -82,8 +82,7 @@ fn known_edges_of_all_directions() {
     assert!(worst_angle < 1e-3, "largest angle error {worst_angle} deg");
 }
 
-/// Angles whose tangent is a simple fraction: an MTF all the same, and a warning where bins stay
-/// empty.
+/// Angles whose tangent is a simple fraction give an MTF too, with a warning if bins stay empty.
 #[test]
 fn simple_fractions_are_bridged() {
     let mut cases = 0;
@@ -103,12 +102,12 @@ fn simple_fractions_are_bridged() {
     assert_eq!(cases, 3);
 }
 
-/// An edge whose blur fades out within the window is measured without a word; one that the window
-/// cuts off is warned of.
+/// An edge whose blur fades out within the window causes no warning. An edge that the window cuts
+/// off causes one.
 ///
-/// The radial lobe ends 7.54/a from the edge, and the profile reaches 7.8 mm: at a = 1 the lobe
-/// ends at 7.5 mm, at 0.3 at 25 mm. The rises are 1 % and 4 %, on either side of the 2 % that are
-/// asked for.
+/// The radial lobe ends 7.54/a from the edge, and the profile reaches 7.8 mm. At a = 1 the lobe
+/// ends at 7.5 mm, at a = 0.3 at 25 mm. The rises at the ends are 1 % and 4 %; the limit for a
+/// warning is 2 %.
 #[test]
 fn a_blur_wider_than_the_window_is_noticed() {
     let mut cases = 0;
@@ -143,7 +142,8 @@ fn a_blur_wider_than_the_window_is_noticed() {
     assert_eq!(cases, 10);
 }
 
-/// Pictures without one edge are refused, each with its fault; none panics.
+/// Pictures that do not hold exactly one edge are refused, each with its own fault. None causes a
+/// panic.
 #[test]
 fn pictures_without_one_edge() {
     let (w, h) = (64, 48);
@@ -190,7 +190,8 @@ fn pictures_without_one_edge() {
     assert!(matches!(tiny, Err(Fault::TooSmall)));
     let one = locate(&Window::of(&photo(1, 1, vec![0.3]), None).expect("all"));
     assert!(one.is_err());
-    // Random structure, 300 pictures: an answer or a fault, no panic, nothing that is not finite.
+    // 300 pictures of random structure give an edge or a fault, but no panic and no value that is
+    // not finite.
     let mut found = 0;
     for case in 0..300 {
         let (w, h) = (8 + case % 40, 8 + case % 23);

@@ -1,4 +1,4 @@
-//! The estimate against planted answers.
+//! Tests of the estimate against planted answers.
 
 use crate::compare::Contrast;
 use crate::compare::Weights;
@@ -29,11 +29,11 @@ const SHARED: Choice = Choice {
     per_angle_mu: false,
 };
 
-/// The simulator works in space, the model in frequency: on the same bins they must agree.
+/// The simulator works in space, the model in frequency. On the same bins they must agree.
 ///
 /// Tolerance: 14-bit rounding gives an error of 1/(2^14 sqrt 12) = 1.8e-5 per pixel, and electrons
-/// at 1e12 full well 1e-6; a bin of n >= 20 pixels averages them, so 4.5 sigma over 5000 bins is
-/// 2e-5 of full scale; steps are above 0.05 of it. The model's interpolation adds 2e-5 (see
+/// at 1e12 full well 1e-6. A bin of n >= 20 pixels averages these errors, so 4.5 sigma over 5000
+/// bins is 2e-5 of full scale; steps are above 0.05 of it. The model's interpolation adds 2e-5 (see
 /// `view`), the simulator's grid 2e-7.
 #[test]
 fn model_equals_noise_free_photographs() {
@@ -73,7 +73,7 @@ fn model_equals_noise_free_photographs() {
                 let profile = &shot.view.profile;
                 let contrast = Contrast::fit(profile, &curve.bins);
                 let bins = &curve.bins;
-                // The fit passes through the means, weighted by the pixels of each bin.
+                // The fit passes through the means, weighted by the number of pixels in each bin.
                 let mean = |curve: &[f64]| {
                     let sum: f64 = profile.count.iter().zip(curve).map(|(n, v)| n * v).sum();
                     sum / profile.count.iter().sum::<f64>()
@@ -81,9 +81,9 @@ fn model_equals_noise_free_photographs() {
                 let dark = mean(&profile.mean) - contrast.step * mean(bins);
                 let error =
                     |j: usize| (profile.mean[j] - dark - contrast.step * bins[j]) / contrast.step;
-                // The edge's place is the half level of the profile, not the model's centre: its
-                // error, a few thousandths of a pixel, is the share of the slope in the
-                // differences.
+                // The place of the edge is the half level of the profile, not the centre of the
+                // model. Its error is a few thousandths of a pixel; it is the share of the slope in
+                // the differences.
                 let slope = |j: usize| 0.5 * (bins[j + 1] - bins[j - 1]);
                 let inner = 1..bins.len() - 1;
                 let place = inner.clone().map(|j| error(j) * slope(j)).sum::<f64>()
@@ -103,9 +103,9 @@ fn model_equals_noise_free_photographs() {
     );
 }
 
-/// Central differences with step h have an error of h^2/6 times the third derivative, and the
-/// residuals' rounding over h; residuals are in units of noise, up to 1e4, so 1e-12 x 1e4 / 1e-4 =
-/// 1e-4 absolute; derivatives reach 1e4.
+/// Derivatives match central differences. Differences with step h have an error of h^2/6 times the
+/// third derivative, and the rounding of the residuals over h. Residuals are in units of noise, up
+/// to 1e4, so rounding gives 1e-12 x 1e4 / 1e-4 = 1e-4 absolute; derivatives reach 1e4.
 #[test]
 fn derivatives_match_differences() {
     let mut truth = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
@@ -160,7 +160,7 @@ fn derivatives_match_differences() {
     assert_eq!(cases, 2 * (1 + 1 + 2 + 3 + 3));
 }
 
-/// Differences from the truth in units of the reported standard error, over planted campaigns.
+/// Differences from the truth, in units of the reported standard error.
 fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
     let pull = |v: crate::estimate::Value, truth: f64| (v.value - truth) / v.standard_error;
     let measured_mu = fit.mu.as_ref().expect("there is a reference")[0];
@@ -171,9 +171,9 @@ fn pulls(fit: &Estimate, a: f64, c: f64, mu: f64) -> [f64; 3] {
     ]
 }
 
-/// Standard errors are true, whether the differences are weighed by their noise or all alike: the
-/// mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors, sqrt(2/N) if the pulls
-/// were independent; a and c are correlated, which at most doubles the variance: 4.5 sqrt(4/120) =
+/// Standard errors are true, whether the differences are weighted by their noise or equally. The
+/// mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors, which are sqrt(2/N) for
+/// independent pulls. a and c are correlated, which at most doubles the variance: 4.5 sqrt(4/120) =
 /// 0.82.
 #[test]
 fn standard_errors_are_true() {
@@ -226,8 +226,8 @@ fn standard_errors_are_true() {
     }
 }
 
-/// The right terms are found where they can be told apart: distances of 150 and 300 mm tell eq1
-/// from angular.
+/// The right terms are found if the photographs can show them: distances of 150 and 300 mm
+/// distinguish eq1 from angular.
 #[test]
 fn selection_finds_the_planted_terms() {
     let everything = Candidates {
@@ -252,7 +252,8 @@ fn selection_finds_the_planted_terms() {
                 &table,
             );
             let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
-            // What is left out is bounded: c below what would blur like a pixel (0.05), a above 20.
+            // Parameters that are left out have bounds: c below the size whose blur is that of a
+            // pixel (0.05), a above 20.
             let bound = absent(&scene, &selection);
             println!("{kernel:?} {shape:?} {bound:?}");
             match kernel {
@@ -281,11 +282,11 @@ fn selection_finds_the_planted_terms() {
     assert_eq!(cases, 8);
 }
 
-/// What the photographs do not show comes back as a bound, and the bound holds.
+/// A parameter that the photographs do not show comes back as a bound, and the bound holds.
 #[test]
 fn absent_terms_are_bounded() {
     let incidence = [0.0, 25.0];
-    // Pure diffraction: no shift, so c has an upper bound.
+    // Pure diffraction has no ray shift, so c has an upper bound.
     let planted = truth(Kernel::Lobe, LobeShape::Radial, 2.5, 0.3, 0.6);
     let of_ideal = table(&planted, &incidence, 20.0);
     let diffraction = scene(
@@ -304,7 +305,7 @@ fn absent_terms_are_bounded() {
         .at_most
         .expect("it is bounded from above");
     assert!(c > 0.0 && c < 0.1, "c < {c} mm");
-    // Pure shift: no lobe, so a has a lower bound.
+    // Pure ray shift has no lobe, so a has a lower bound.
     let planted = truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.35, 0.6);
     let shift = scene(
         &params(13, planted, &incidence, &[150.0, 300.0], camera(4e4)),
@@ -321,11 +322,11 @@ fn absent_terms_are_bounded() {
     println!("c < {c:.4} mm, a > {a:.1} /mm");
 }
 
-/// Legal but degenerate campaigns have an answer: nothing retroreflected at one angle, one
+/// Valid but degenerate campaigns have an answer: no retroreflected light at one angle, one
 /// photograph, no reference.
 #[test]
 fn degenerate_campaigns() {
-    // A single hollow cube at azimuth 20 returns nothing at 50 degrees.
+    // A single hollow cube at azimuth 20 returns no light at 50 degrees.
     let mut hollow = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.35, 0.6);
     (hollow.ior, hollow.pair) = (1.0, false);
     let incidence = [10.0, 50.0];
@@ -349,8 +350,8 @@ fn degenerate_campaigns() {
             .is_some_and(|c| ((c.value - 0.35) / c.standard_error).abs() < 4.5)
     );
 
-    // No reference: c and a all the same (a sharper camera is assumed, which the warning says), mu
-    // is null.
+    // Without a reference c and a are estimated all the same; a warning says that a sharper camera
+    // is assumed. mu is null.
     let mut alone = params(22, hollow.clone(), &incidence[..1], &[200.0], camera(4e4));
     alone.reference = None;
     let alone = scene(&alone, &of_hollow);
@@ -360,7 +361,7 @@ fn degenerate_campaigns() {
     let fit = estimate(&alone, &Loss::Mtf(&alone), optimum(&alone, SHARED));
     assert!(fit.mu.is_none() && fit.c_mm.is_some_and(|c| c.value.is_finite()));
 
-    // Nothing returns anywhere: an error that says so.
+    // If no light returns at any angle, the error says so.
     let folder = tempfile::tempdir().expect("a temporary folder");
     let nothing = params(23, hollow, &incidence[1..], &[200.0], camera(4e4));
     crate::simulate::run(&nothing, folder.path(), true).expect("the campaign can be written");
@@ -373,8 +374,8 @@ fn degenerate_campaigns() {
     assert!(error.contains("no capture is left"), "{error}");
 }
 
-/// A large c beside a wide lobe: from a start with a small c, where the model does not depend on
-/// it, no path leads here.
+/// A large c is found beside a wide lobe. No path leads there from a start with a small c, because
+/// the model does not depend on a small c.
 #[test]
 fn starting_values_reach_every_c() {
     let mut cases = 0;
@@ -400,7 +401,7 @@ fn starting_values_reach_every_c() {
         );
         let found = fit.c_mm.expect("eq1 has c");
         let freedom = (fit.residuals - fit.blur_parameters()) as f64;
-        // Chi-square per degree of freedom has a standard deviation of sqrt(2/n) < 0.2 here.
+        // The standard deviation of chi-square per degree of freedom is sqrt(2/n) < 0.2 here.
         assert!(
             fit.chi2 / freedom < 2.0,
             "a {a} c {c}: chi-square {:.1} over {freedom}",
@@ -415,8 +416,9 @@ fn starting_values_reach_every_c() {
     assert_eq!(cases, 6);
 }
 
-/// `mse` is a loop over the MTF differences that a result states, and less than where `mtf` is
-/// least; as `mtf` is less there.
+/// The loss `mse` is the mean square of the MTF differences that a result states. Its sum is
+/// smaller at its own optimum than at that of `mtf`, and the sum of `mtf` is smaller at that of
+/// `mtf`.
 #[test]
 fn the_plain_loss_is_the_mean_of_squares() {
     let incidence = [0.0, 30.0];

@@ -1,5 +1,6 @@
-//! The nearest lobe for renderers: found again where it is the sheet, nearest where it is not, and
-//! written in three forms. And predictions drawn against one variable.
+//! Tests of the nearest lobe for renderers and of predictions drawn against one variable. The lobe
+//! is found again if it describes the sheet, else it is the nearest one; it is written in three
+//! forms.
 
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -18,7 +19,7 @@ fn table() -> Table {
     planted::table(&truth, &[0.0, 30.0], 20.0)
 }
 
-/// A result with these entries.
+/// A result file with these entries.
 fn result(table: &Table, entries: Value) -> ResultFile {
     let number = |value: f64| json!({ "value": value, "standard_error": 1e-6 });
     let mut all = json!({
@@ -48,8 +49,8 @@ fn a_lobe_is_its_own_nearest() {
     let mut cases = 0;
     for (distance, incidence) in [(150.0, 0.0), (300.0, 30.0), (600.0, 30.0)] {
         let lobe = at(&own, &table, distance, incidence);
-        // Golden sections end at 1e-6 of the logarithm, but a sum of squares is flat to rounding
-        // (1e-16) over its root.
+        // Golden sections end at 1e-6 of the logarithm. A sum of squares is flat up to the root of
+        // the rounding (1e-16).
         assert!((lobe.alpha / 7e-4 - 1.0).abs() < 1e-5, "{lobe:?}");
         assert!(lobe.rms < 1e-5 && (lobe.reflectance - 0.5).abs() < 1e-12);
         cases += 1;
@@ -57,13 +58,16 @@ fn a_lobe_is_its_own_nearest() {
     assert_eq!(cases, 3);
 }
 
-/// A roughness that is only bounded from above leaves the other one.
+/// If a roughness is only bounded from above, the other roughness alone makes the lobe.
 #[test]
 fn a_roughness_that_is_only_bounded_is_none() {
     let table = table();
     let bounded = json!({ "value": null, "standard_error": null });
     let front = |facets: Value| {
-        let entries = json!({ "kernel": "saito-surface", "lobe": "ggx", "roughness": facets, "surface_roughness": 3e-3 });
+        let entries = json!({
+            "kernel": "saito-surface", "lobe": "ggx", "roughness": facets,
+            "surface_roughness": 3e-3
+        });
         at(&result(&table, entries), &table, 150.0, 30.0)
     };
     let (alone, tiny, both) = (front(bounded), front(json!(1e-12)), front(json!(5e-4)));
@@ -82,7 +86,8 @@ fn the_nearest_lobe_of_a_sheet_depends_on_the_distance() {
         json!({ "kernel": "eq1", "lobe": "radial", "c_mm": 0.2, "a_per_mm": 4.0 }),
     );
     let lobes = [150.0, 300.0].map(|distance| at(&sheet, &table, distance, 0.0));
-    // The blur of Eq. (1) and of the shift does not grow: twice the distance is half the roughness.
+    // The blur of Eq. (1) and of the ray shift does not grow with distance, so twice the distance
+    // gives half the roughness.
     assert!(
         (lobes[0].alpha / lobes[1].alpha - 2.0).abs() < 1e-4,
         "{lobes:?}"
@@ -102,7 +107,7 @@ fn every_form_says_roughness_reflectance_and_what_is_lost() {
         json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 9e-4 }),
     );
     let lobe = at(&own, &table, 150.0, 0.0);
-    // The value of an input in a MaterialX document.
+    // Reads the value of an input in a MaterialX document.
     let input = |text: &str, name: &str| {
         let rest = text
             .split(&format!("name=\"{name}\""))
@@ -178,14 +183,15 @@ fn curves_against_a_variable_are_named_by_what_else_varies() {
         (&by_distance, "0.5 /mm, incidence 0\u{b0}"),
         (&by_distance, "1 /mm, incidence 30\u{b0}"),
     ] {
-        // A legend in each of the two panels.
+        // Each of the two panels has a legend.
         assert_eq!(text.matches(&format!(">{name}<")).count(), 2, "{name}");
     }
     assert!(!by_incidence.contains("azimuth 20"), "it does not vary");
 }
 
-/// Along the axes, what is predicted all around is what is predicted there; opposite directions are
-/// alike; the picture has a curve for each frequency in a panel for each place.
+/// The prediction all around the axis equals the prediction along the axes where they meet.
+/// Opposite directions are alike. In each panel, one for each place, the picture has a curve for
+/// each frequency.
 #[test]
 fn all_around_is_the_axes_and_between() {
     let table = table();

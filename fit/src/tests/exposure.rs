@@ -1,4 +1,5 @@
-//! `exposure` left out: shutter, f-number and ISO from Exif, in files made byte by byte.
+//! Tests of a manifest without `exposure`: shutter, f-number and ISO come from Exif, in files that
+//! are made byte by byte.
 
 use std::path::Path;
 
@@ -7,7 +8,7 @@ use crate::photographs::captures;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
 
-/// What a camera writes.
+/// The settings that a camera writes into a photograph.
 #[derive(Clone, Copy)]
 struct Shot {
     seconds: [u32; 2],
@@ -15,7 +16,7 @@ struct Shot {
     iso: u16,
 }
 
-/// Entries of an Exif directory: tag, type, and the value or where it lies.
+/// An entry of an Exif directory: tag, type, and the value or its offset.
 type Entry = (u16, u16, u32);
 
 fn directory(entries: &[Entry], big: bool) -> Vec<u8> {
@@ -51,8 +52,8 @@ fn directory(entries: &[Entry], big: bool) -> Vec<u8> {
     bytes
 }
 
-/// A TIFF structure of one 2 x 2 picture of 8-bit grey with an Exif directory; `without` leaves one
-/// tag of it out.
+/// A TIFF structure of one 2 x 2 picture of 8-bit grey with an Exif directory. The tag `without` is
+/// left out.
 fn tiff(shot: Shot, big: bool, without: Option<u16>) -> Vec<u8> {
     let long = |v: u32| {
         if big {
@@ -145,8 +146,8 @@ const AERIAL: Shot = Shot {
     iso: 400,
 };
 
-/// (0.5 s x 400 / 4^2) / (1/60 s x 100 / 5.6^2) = 12.5 / 0.053146 = 235.2, in every combination of
-/// containers and byte orders.
+/// The exposure is (0.5 s x 400 / 4^2) / (1/60 s x 100 / 5.6^2) = 12.5 / 0.053146 = 235.2, in every
+/// combination of containers and byte orders.
 #[test]
 fn relative_exposure_is_seconds_times_iso_over_the_squared_f_number() {
     let folder = tempfile::tempdir().unwrap();
@@ -188,7 +189,7 @@ fn relative_exposure_is_seconds_times_iso_over_the_squared_f_number() {
     assert_eq!(cases, 12);
 }
 
-/// What is missing is named, with the file.
+/// The error names the missing setting and the file.
 #[test]
 fn a_missing_setting_is_named() {
     let folder = tempfile::tempdir().unwrap();

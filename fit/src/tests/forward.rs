@@ -1,4 +1,4 @@
-//! The model by samples against its closed form, and the estimate by one against that by the other.
+//! Tests of the model by samples against its closed form, and of the estimates by both.
 
 use crate::compare::Weights;
 use crate::estimate::Choice;
@@ -66,21 +66,21 @@ const fn spread(kernel: Kernel) -> f64 {
     }
 }
 
-/// Value and derivatives, one after another.
+/// The value and the derivatives of a curve.
 fn parts(curve: &Curve) -> Vec<&Vec<f64>> {
     let derivatives = curve.by_ln_spread.iter().chain(&curve.by_ln_c);
     std::iter::once(&curve.bins).chain(derivatives).collect()
 }
 
-/// The transforms of every curve, value and derivatives, by the photograph's estimator, against
-/// those of the closed form: by how many of its own standard errors the mean of 8 randomisations is
-/// off.
+/// The sampled curves agree with the closed form. The transforms of every curve, value and
+/// derivatives, go through the photograph's estimator. The mean of 8 randomisations is compared in
+/// units of its own standard error.
 ///
-/// The closed form knows the bins by three moments of their pixels' positions (1e-5 of the step,
-/// measured in the test of noise-free photographs) and takes out the tails of the separable lobe to
-/// second order; the texture's lines leave a ripple of 5e-5. Together 1e-4 of the step. 6 standard
-/// errors with 7 degrees of freedom are exceeded by 5 in 10^4 frequencies by chance, of which 1 in
-/// 100 is allowed.
+/// The closed form represents a bin by three moments of its pixels' positions (1e-5 of the step,
+/// measured in the test of noise-free photographs) and removes the tails of the separable lobe to
+/// second order. The texture's lines leave a ripple of 5e-5. Together this is 1e-4 of the step.
+/// Chance exceeds 6 standard errors with 7 degrees of freedom at 5 in 10^4 frequencies; 1 in 100 is
+/// allowed.
 #[test]
 fn curves_are_those_of_the_closed_form() {
     const FLOOR: f64 = 1e-4;
@@ -135,19 +135,19 @@ fn curves_are_those_of_the_closed_form() {
             }
         }
     }
-    // Two photographs, two sequences, two shapes; eq1 and angular have two derivatives, shift and
-    // lobe one.
+    // Two photographs, two sequences, two shapes. eq1 and angular have two derivatives, shift and
+    // lobe have one.
     assert_eq!(cases, 2 * 2 * 2 * (3 + 3 + 2 + 2));
 }
 
-/// The gradient of the sampled sum of squares against differences of it, same samples, away from
-/// its least value.
+/// The gradient of the sampled sum of squares matches differences of that sum with the same
+/// samples, away from its least value.
 ///
-/// E is straight within cells of 1/32 pixel: a difference over +-h averages slopes over the cells
+/// E is straight within cells of 1/32 pixel. A difference over +-h averages the slopes of the cells
 /// that a sample crosses, and a slope changes by E''/32 = 2 % of itself or less from cell to cell,
-/// either way; over the 10^4 samples and more on an edge 2e-4 of the sum is left. Sums of f32 are
-/// good to 1e-7, over h = 0.004 3e-5; the second order of the difference is h^2/6 = 3e-6 of the
-/// third derivative, which is some tens of the first. 2e-3 in all.
+/// either way. With 10^4 samples or more on an edge, 2e-4 of the sum is left. Sums of f32 are good
+/// to 1e-7, over h = 0.004 to 3e-5. The second order of the difference is h^2/6 = 3e-6 of the third
+/// derivative, which is some tens of the first. Together this is 2e-3.
 #[test]
 fn derivatives_are_those_of_the_samples() {
     let mut cases = 0;
@@ -194,10 +194,13 @@ fn logarithms(fit: &Estimate) -> Vec<f64> {
     values.map(|v| v.value.ln()).collect()
 }
 
-/// The estimates by samples lie about the one in closed form, by their own sampling error: their
-/// scatter says it, and every estimate says the same of itself. Five standard errors for each; the
-/// errors that two estimates state by 8 randomisations each, and the scatter of 6, agree within a
-/// factor of 3 (F with 5 and 7 degrees of freedom: 3^2 = 9 by 1 in 200).
+/// The estimates by samples lie about the estimate in closed form, within their own sampling error.
+/// Their scatter gives this error, and every estimate states it. Five standard errors are allowed
+/// for each.
+///
+/// Two estimates state their errors by 8 randomisations each. These errors and the scatter of 6
+/// estimates agree within a factor of 3 (F with 5 and 7 degrees of freedom: 3^2 = 9 is exceeded by
+/// 1 in 200).
 #[test]
 fn estimates_land_on_the_closed_form_within_their_sampling_error() {
     let mut cases = 0;
@@ -234,7 +237,7 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
                     100.0 * off,
                     100.0 * error
                 );
-                // Below 1e-5 both models have other errors (see the curves).
+                // Below 1e-5 both models have other errors (see the test of the curves).
                 assert!(off.abs() < 5.0 * error + 5e-5, "{name}: {off} +- {error}");
                 let whole = fit.covariance[(i, i)].sqrt();
                 assert!(
@@ -248,7 +251,7 @@ fn estimates_land_on_the_closed_form_within_their_sampling_error() {
     assert_eq!((cases, RANDOMISATIONS), (3 * 2 * 3, 8));
 }
 
-/// The same bytes whatever the threads; another seed is another estimate.
+/// The results are the same bytes for any number of threads. Another seed gives another estimate.
 #[test]
 fn samples_do_not_depend_on_threads() {
     let run = |threads: usize, seed: u64| {

@@ -1,7 +1,8 @@
-//! PSNR, SSIM, FLIP and LPIPS against values recorded from the programs that people compare with.
+//! Tests of PSNR, SSIM, FLIP and LPIPS against recorded values of the programs that are in common
+//! use.
 //!
-//! Recorded by fit/tests/metrics.py with scikit-image 0.26.0, flip-evaluator 1.7, torch and lpips
-//! 0.1.4.
+//! fit/tests/metrics.py recorded the values with scikit-image 0.26.0, flip-evaluator 1.7, torch and
+//! lpips 0.1.4.
 
 use crate::images::Shown;
 use crate::images::metrics;
@@ -12,7 +13,7 @@ use crate::photographs::photo::transfer::Transfer;
 const WIDTH: usize = 48;
 const HEIGHT: usize = 40;
 
-/// Codes of whole numbers, as in metrics.py.
+/// A picture of whole codes, made in the same way as in metrics.py.
 fn shown(k: usize) -> Shown {
     let plane = |code: &dyn Fn(usize, usize) -> usize| -> Vec<f32> {
         let codes = (0..WIDTH * HEIGHT).map(|i| code(i % WIDTH, i / WIDTH) % 256);
@@ -37,12 +38,13 @@ fn shown(k: usize) -> Shown {
 fn values_meet_those_of_other_programs() {
     let (a, b) = (shown(0), shown(2));
     let psnr = metrics::psnr(&a, &b).unwrap();
-    // Codes are linearised and encoded again in f32, 1e-6 each: 10/ln 10 x 2e-6/0.26.
+    // Codes are linearised and encoded again in f32, with an error of 1e-6 each: 10/ln 10 x
+    // 2e-6/0.26.
     assert!((psnr - 11.640_472).abs() < 4e-5, "{psnr}");
     let ssim = metrics::ssim(&a, &b);
     assert!((ssim - 0.455_518_05).abs() < 1e-5, "{ssim}");
     let flip = metrics::flip(&a, &b, 67.020_64);
-    // The crate holds an earlier release of NVIDIA's code, which differs in rounding.
+    // The crate holds an earlier release of NVIDIA's code, which rounds differently.
     assert!((flip - 0.528_178).abs() < 1e-3, "{flip}");
 }
 
@@ -59,8 +61,8 @@ fn network() -> Lpips {
     Lpips::from_tensors(weights()).unwrap()
 }
 
-/// Weights by formula, as in metrics.py: a multiplicative hash of the index and of the tensor's
-/// place.
+/// Weights by formula, made in the same way as in metrics.py: a multiplicative hash of the index
+/// and of the tensor's place.
 fn weights() -> impl FnMut(&str, usize) -> Result<Vec<f32>, ()> {
     let mut place = 0_u32;
     move |name, count| {
@@ -95,11 +97,11 @@ fn layer(name: &str) -> usize {
 #[test]
 fn lpips_meets_the_package_on_a_network_of_seeded_weights() {
     let distance = network().distance(&shown(0), &shown(2));
-    // f32 sums in another order, 6e-8 each, through five layers.
+    // Sums of f32 in another order, 6e-8 each, through five layers.
     assert!((distance - RECORDED_LPIPS).abs() < 1e-5, "{distance}");
 }
 
-/// What lpips 0.1.4 says of the same weights and pictures.
+/// LPIPS by lpips 0.1.4 for the same weights and pictures.
 const RECORDED_LPIPS: f64 = 0.531_500_5;
 
 #[test]
@@ -110,7 +112,9 @@ fn weights_are_read_from_a_file_and_a_broken_one_is_refused() {
         let values = made(name, count)?;
         let start = data.len();
         data.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-        let entry = serde_json::json!({"dtype": "F32", "shape": [count], "data_offsets": [start, data.len()]});
+        let entry = serde_json::json!({
+            "dtype": "F32", "shape": [count], "data_offsets": [start, data.len()]
+        });
         header.insert(name.to_owned(), entry);
         Ok::<_, ()>(values)
     })

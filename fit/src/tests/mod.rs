@@ -1,4 +1,4 @@
-//! Tests of the rooms together: planted answers, closed forms, known photographs.
+//! Tests of several rooms together: planted answers, closed forms, known photographs.
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 

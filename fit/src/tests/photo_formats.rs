@@ -1,5 +1,5 @@
-//! Every format, sample type and channel gives the light that was written; damaged files never
-//! panic.
+//! Tests that every format, sample type and channel gives the light that was written, and that
+//! damaged files never cause a panic.
 
 use std::path::{Path, PathBuf};
 
@@ -77,7 +77,7 @@ fn exr_sample_types_encodings_and_windows() {
     for encoding in encodings {
         for position in [Vec2(0, 0), Vec2(-5, 12)] {
             // Float samples come back bit for bit, halves to half a unit of their 11 bits, integers
-            // as they are.
+            // exactly.
             write_exr(
                 &file,
                 vec![("Y", FlatSamples::F32(plane(1.0)))],
@@ -128,7 +128,7 @@ fn exr_channels_and_layers() {
         (Channel::Named("B".to_owned()), 4.0),
     ];
     for (channel, scale) in &wanted {
-        // Three products and two sums in f32.
+        // The tolerance is that of three products and two sums in f32.
         assert_light(
             &file,
             &Decode {
@@ -249,7 +249,7 @@ fn integer_formats() {
     // Only PNG can be written with grey and alpha here.
     let transparent = save(folder.path(), "greya16.x", greya16, ImageFormat::Png);
     assert_light(&transparent, &plain, |v| v, half_step);
-    // JPEG is lossy: of a constant picture only the rounding of its colour conversion is left, one
+    // JPEG is lossy. In a constant picture only the rounding of its colour conversion is left, one
     // code of 255.
     let flat = ImageBuffer::from_fn(64, 48, |_, _| Luma([100_u8]));
     let photo = photo::load(
@@ -285,7 +285,7 @@ fn saturated_pixels_are_counted() {
         .unwrap()
         .clipped()
     };
-    // Red is saturated in 6 pixels; green never.
+    // Red is saturated in 6 pixels, green in none.
     assert_eq!(
         [
             count(Channel::Luminance),

@@ -1,6 +1,6 @@
-//! Photographs as they come: charts, defects, uneven light, clipping. Each edge has a known MTF,
-//! exp(-2 (pi sigma f)^2): a Gaussian, sampled at points. What is repaired must give that MTF and a
-//! warning, what is refused its remedy.
+//! Tests of photographs with faults: charts, defects, uneven light, clipping. Each edge has a known
+//! MTF, exp(-2 (pi sigma f)^2): a Gaussian, sampled at points. A repaired photograph must give that
+//! MTF and a warning; a refused one must give its remedy.
 
 use std::f64::consts::PI;
 
@@ -21,7 +21,7 @@ const BRIGHT: f64 = 0.7;
 /// Standard deviation of a pixel's noise.
 const NOISE: f64 = 0.001;
 
-/// Uniform numbers in [0, 1) and normal ones: splitmix64 of a seed.
+/// Uniform numbers in [0, 1) and normal numbers, by splitmix64 of a seed.
 struct Stream(u64);
 
 impl Stream {
@@ -54,13 +54,14 @@ fn photo(width: usize, height: usize, light: impl Fn(f64, f64) -> f64) -> Photo 
     }
 }
 
-/// Distance from a line through (x0, y0) with a normal of `deg` degrees.
+/// Distance from the line through (x0, y0) whose normal has the direction `deg`, degrees.
 fn distance(x: f64, y: f64, x0: f64, y0: f64, deg: f64) -> f64 {
     let (sin, cos) = deg.to_radians().sin_cos();
     (x - x0) * cos + (y - y0) * sin
 }
 
-/// An edge through the middle of 240 x 200 pixels; `change` of the light at (x, y), then noise.
+/// A photograph of an edge through the middle of 240 x 200 pixels. `change` changes the light at
+/// (x, y); noise is added afterwards.
 fn degraded(deg: f64, sigma: f64, seed: u64, change: impl Fn(f64, f64, f64) -> f64) -> Photo {
     let photo = photo(240, 200, |x, y| {
         let s = distance(x, y, 120.3, 99.1, deg);
@@ -77,8 +78,8 @@ fn noisy(mut photo: Photo, seed: u64) -> Photo {
     photo
 }
 
-/// Largest difference of the measured MTF from the known one, up to half the sampling frequency,
-/// and the largest standard error there.
+/// The largest difference of the measured MTF from the known one, up to half the sampling
+/// frequency, and the largest standard error there.
 fn error(measured: &Measurement, sigma: f64) -> (f64, f64) {
     let frequencies: Vec<f64> = (1..=50).map(|k| 0.01 * f64::from(k)).collect();
     let estimator = Estimator::new(&measured.profile, 1.0, 400, 50);
@@ -99,7 +100,8 @@ fn warned(measured: &Measurement, word: &str) -> bool {
     measured.warnings.iter().any(|text| text.contains(word))
 }
 
-/// A repair may cost what it says: 4 standard errors by noise, and `bias`.
+/// A repaired photograph has a warning with `word`, and an MTF error of at most 4 standard errors
+/// by noise plus `bias`.
 fn repaired(name: &str, photo: &Photo, word: &str, bias: f64) {
     let measured = edge(photo, None, &[]).unwrap_or_else(|fault| panic!("{name}: {fault}"));
     let (error, noise) = error(&measured, SIGMA_PX);
@@ -134,7 +136,8 @@ fn a_clean_edge_of_any_direction_and_polarity_has_no_warning() {
                 quarter + tilt
             );
             let (error, noise) = error(&measured, SIGMA_PX);
-            // 28 pictures of 50 frequencies: 5 standard errors are passed once in 1000 runs of all.
+            // 28 pictures of 50 frequencies: 5 standard errors are exceeded once in 1000 runs of
+            // all.
             assert!(
                 error < 5.0 * noise,
                 "{} deg: {error} {noise}",
@@ -176,7 +179,7 @@ fn hot_and_dead_pixels_are_left_out() {
 
 #[test]
 fn uneven_light_is_evened_out() {
-    // 20 % from the middle to the corners, as cos^4 of the field angle.
+    // The light falls by 20 % from the middle to the corners, as cos^4 of the field angle.
     let vignette = |x: f64, y: f64| {
         let r2 =
             ((x - 120.0).powi(2) + (y - 100.0).powi(2)) / (120.0_f64.powi(2) + 100.0_f64.powi(2));
@@ -192,7 +195,7 @@ fn uneven_light_is_evened_out() {
             "light varies",
             0.002,
         );
-        // A linear gradient is in the model.
+        // A linear gradient is part of the model.
         repaired(
             "gradient across",
             &degraded(deg, SIGMA_PX, 6, |x, _, v| {
@@ -214,7 +217,7 @@ fn uneven_light_is_evened_out() {
     assert_eq!(cases, 9);
 }
 
-/// A veil changes both plateaus alike: the MTF stays, without a repair.
+/// A veil changes both plateaus alike. The MTF stays right without a repair.
 #[test]
 fn a_veil_needs_no_repair() {
     let measured = edge(
@@ -228,7 +231,7 @@ fn a_veil_needs_no_repair() {
     assert!(error < 4.0 * noise, "{error} at a noise of {noise}");
 }
 
-/// What would make the answer wrong is refused, by its own fault, with a remedy.
+/// Faults that would make the answer wrong are refused, each by its own variant and with a remedy.
 #[test]
 fn what_cannot_be_repaired_is_refused() {
     let refused = |photo: &Photo| {
@@ -290,7 +293,10 @@ fn what_cannot_be_repaired_is_refused() {
         (
             "doubled",
             shifted(6.0, 0.5),
-            |f| matches!(f, Fault::Doubled { share, distance_px } if (share - 0.5).abs() < 0.05 && (distance_px - 6.0).abs() < 0.5),
+            |f| {
+                matches!(f, Fault::Doubled { share, distance_px }
+                if (share - 0.5).abs() < 0.05 && (distance_px - 6.0).abs() < 0.5)
+            },
             "second reflection",
         ),
         (
@@ -349,9 +355,9 @@ fn what_cannot_be_repaired_is_refused() {
     assert_eq!(count, 10);
 }
 
-/// A doubled edge that is accepted is measured as it is, with a warning: its MTF is that of the
-/// lens times that of the two edges, |1 + share exp(-2 pi i f distance)| / (1 + share). What else
-/// is wrong with it is refused as ever.
+/// An accepted doubled edge is measured as it is, with a warning. Its MTF is that of the lens times
+/// that of the two edges, |1 + share exp(-2 pi i f distance)| / (1 + share). Its other faults are
+/// still refused.
 #[test]
 fn an_accepted_doubled_edge_is_measured() {
     let mut cases = 0;
@@ -382,9 +388,9 @@ fn an_accepted_doubled_edge_is_measured() {
             })
             .fold(0.0, f64::max);
         println!("share {share}, {apart} px apart: MTF error {worst:.5}, noise {noise:.5}");
-        // Beside noise, what the taper costs a curve that turns within 1/apart: the second
-        // derivative of the MTF by f, share (2 pi apart)^2, times half the variance of the taper's
-        // transform, (0.5 / 200 px)^2 or so.
+        // Beside noise, the taper costs a curve that turns within 1/apart: the second derivative of
+        // the MTF by f, share (2 pi apart)^2, times half the variance of the taper's transform,
+        // about (0.5 / 200 px)^2.
         let taper = 0.5 * share * (2.0 * PI * apart * 0.5 / 200.0).powi(2);
         assert!(worst < 4.0 * noise + taper, "{worst} at a noise of {noise}");
         cases += 1;
@@ -395,8 +401,8 @@ fn an_accepted_doubled_edge_is_measured() {
     assert!(matches!(fault, Err(Fault::Blurred { .. })), "{fault:?}");
 }
 
-/// Lesser degrees are said: 2 % of the bright pixels clipped at the tail of their noise, a slight
-/// bow, wide tails.
+/// Lesser faults cause warnings: 2 % of the bright pixels clipped at the tail of their noise, a
+/// slight bow, wide tails.
 #[test]
 fn lesser_faults_are_warnings() {
     let mut clipped = degraded(5.0, SIGMA_PX, 4, |_, _, v| v + 1.0 - BRIGHT - 2.05 * NOISE);
@@ -415,8 +421,8 @@ fn lesser_faults_are_warnings() {
     );
 }
 
-/// A chart: a dark quadrangle with sides 90 pixels from its middle, the sides' normals given in
-/// degrees; bars, dots and a frame; all on white.
+/// A chart on white: a dark quadrangle with sides 90 pixels from its middle, the normals of the
+/// sides in degrees; bars, dots and a frame.
 fn chart(width: usize, height: usize, sides_deg: [f64; 4]) -> Photo {
     let (cx, cy) = (0.55 * width as f64, 0.5 * height as f64);
     let unit = width as f64 / 600.0;
@@ -439,8 +445,8 @@ fn square(tilt: f64) -> [f64; 4] {
     [0.0, 90.0, 180.0, 270.0].map(|quarter| quarter + tilt)
 }
 
-/// The four edges of a square among other marks are offered as regions, each of which measures
-/// right.
+/// The four edges of a square among other marks are offered as regions. Each region gives the right
+/// measurement.
 #[test]
 fn a_chart_offers_its_edges() {
     let mut cases = 0;
@@ -472,8 +478,8 @@ fn a_chart_offers_its_edges() {
     assert_eq!(cases, 16);
 }
 
-/// Where only one edge of a chart is slanted it is taken, with a warning that names it. Its normal,
-/// dark to bright, points out.
+/// If only one edge of a chart is slanted, it is used, with a warning that names its region. Its
+/// normal, from dark to bright, points out of the quadrangle.
 #[test]
 fn the_only_edge_of_a_chart_is_found() {
     let photo = chart(600, 400, [8.0, 90.0, 180.0, 270.0]);
@@ -485,7 +491,7 @@ fn the_only_edge_of_a_chart_is_found() {
     assert!(error < 0.002 + 4.0 * noise, "{error}, noise {noise}");
 }
 
-/// A region of one's own choice is taken as it is.
+/// A region that the user chose is used as it is.
 #[test]
 fn a_given_region_is_measured() {
     let photo = chart(600, 400, square(8.0));
@@ -502,9 +508,9 @@ fn a_given_region_is_measured() {
     assert!(error < 0.002 + 4.0 * noise, "{error}, noise {noise}");
 }
 
-/// A region of a camera's JPEG of 24 megapixels, 8 bits a colour, read from its file. Beside noise
-/// (that of 8 bits and of the JPEG's whole coefficients is in the pixels' scatter) 0.001: what bins
-/// leave, 0.0007 on known edges.
+/// A region of a camera's JPEG of 24 megapixels, 8 bits per colour, is measured from its file. The
+/// noise of the 8 bits and of the JPEG's whole coefficients is part of the pixels' scatter. Beside
+/// noise 0.001 is allowed: the bins cost 0.0007 on known edges.
 #[test]
 fn a_jpeg_of_24_megapixels_is_measured() {
     const WIDTH: usize = 6000;
@@ -546,8 +552,8 @@ fn a_jpeg_of_24_megapixels_is_measured() {
     assert!(error < 4.0 * noise + 0.001, "{error} at a noise of {noise}");
 }
 
-/// At an angle of a simple fraction the pixels of a bin lie at one end of it. Without noise to hide
-/// that, they are no defects.
+/// At an angle of a simple fraction the pixels of a bin lie at one end of it. They are no defects,
+/// even if there is no noise to hide the difference.
 #[test]
 fn simple_fractions_without_noise_have_no_defects() {
     let mut cases = 0;

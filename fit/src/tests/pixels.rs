@@ -1,5 +1,5 @@
-//! The likelihood of the pixels against planted answers, differences, and a plain loop over all
-//! pixels.
+//! Tests of the likelihood of the pixels: against planted answers, differences, and a plain loop
+//! over all pixels.
 
 use crate::compare::{Nuisances, Photograph};
 use crate::estimate::Choice;
@@ -39,9 +39,10 @@ fn rows(photograph: &Photograph, curves: &crate::compare::Curves, at: &Nuisances
     DMatrix::from_fn(all.len(), all[0].len(), |i, j| all[i][j])
 }
 
-/// Central differences over +-h err by h^2/6 third derivatives, 1e-6 of the column for steps of a
-/// thousandth of what a column is about; what the derivatives leave out (how a bin's third moments
-/// turn) is of the order of a bin over the blur, squared, times the turn: below 1e-3.
+/// Nuisance derivatives match differences. Central differences over +-h have an error of h^2/6
+/// third derivatives: 1e-6 of the column for steps of a thousandth of the scale of a column. The
+/// derivatives leave out how a bin's third moments turn. This is of the order of (bin / blur)^2
+/// times the turn: below 1e-3.
 #[test]
 fn nuisance_derivatives_match_differences() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
@@ -92,9 +93,10 @@ fn nuisance_derivatives_match_differences() {
     assert_eq!(cases, 6);
 }
 
-/// The gradient of the sum of squares, nuisances at their optimum, is 2 J^T r. Central differences
-/// with h = 1e-3: h^2/6 third derivatives, 1e-6 of what the derivative does over a unit of ln; off
-/// the optimum by 5 % the gradient is large, and 1e-3 of it catches any wrong column.
+/// The gradient of the sum of squares, with the nuisances at their optimum, is 2 J^T r. Central
+/// differences with h = 1e-3 have an error of h^2/6 third derivatives, 1e-6 of the change of the
+/// derivative over a unit of ln. The gradient is large 5 % off the optimum, and 1e-3 of it is
+/// enough to find any wrong column.
 #[test]
 fn derivatives_of_the_likelihood_match_differences() {
     let mut cases = 0;
@@ -150,13 +152,14 @@ fn derivatives_of_the_likelihood_match_differences() {
             }
         }
     }
-    // Blur parameters and one of the lens.
+    // Parameters of the blur, and one of the lens.
     assert_eq!(cases, 2 * ((3 + 1) + (3 + 1) + (1 + 1) + (2 + 1) + (1 + 1)));
 }
 
-/// All pixels of all photographs, one by one, with the simulator's own light in place of the model:
-/// nothing of bins, moments, transforms or projections. Parameters: ln c, ln a, ln sigma of the
-/// lens; then place, angle, ln step, dark and gradient of every photograph, the reference first.
+/// All pixels of all photographs, one by one, with the light of the simulator in place of the
+/// model. It has no bins, moments, transforms or projections. The parameters are ln c, ln a, ln
+/// sigma of the lens; then place, angle, ln step, dark and gradient of every photograph, the
+/// reference first.
 struct Plain {
     params: Params,
     photographs: Vec<Vec<f32>>,
@@ -177,7 +180,7 @@ impl Plain {
         }
     }
 
-    /// Noise-free light of a photograph.
+    /// Returns the noise-free light of a photograph.
     fn light(&self, at: &DVector<f64>, photograph: usize) -> Vec<f64> {
         let mut params = self.params.clone();
         params.truth.c_mm = at[0].exp();
@@ -210,7 +213,7 @@ impl Plain {
             .collect()
     }
 
-    /// Normal matrix and gradient at a point.
+    /// Returns the normal matrix and the gradient at a point.
     fn normal(&self, at: &DVector<f64>, noise: PixelNoise) -> (DMatrix<f64>, DVector<f64>) {
         let n = at.len();
         let (mut normal, mut gradient) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -220,8 +223,8 @@ impl Plain {
                 .filter(|&i| k > 0 || i == 2)
                 .chain((0..OWN).map(|i| SHARED_PLAIN + OWN * k + i))
                 .collect();
-            // Steps of a thousandth of a pixel or of a parameter: h^2/6 = 1e-7 of third
-            // derivatives.
+            // Steps of a thousandth of a pixel or of a parameter: the error is h^2/6 = 1e-7 of
+            // third derivatives.
             let derivatives: Vec<Vec<f64>> = columns
                 .iter()
                 .map(|&column| {
@@ -255,11 +258,12 @@ impl Plain {
     }
 }
 
-/// The binned likelihood, its optimum and its errors, against every pixel one by one.
+/// The binned likelihood has the optimum and the errors of the likelihood of every single pixel.
 ///
-/// Bins leave out 0.7 % of the information on a blur as narrow as the lens's, and less on the
-/// others. At worst, if all hung on the lens, errors are 0.35 % larger and estimates differ by
-/// sqrt(0.007) = 0.08 standard errors; the lens has a small share. Asked for: 0.35 % and 0.05.
+/// Bins leave out 0.7 % of the information on a blur as narrow as that of the lens, and less on
+/// wider ones. In the worst case, if everything depended on the lens, errors would be 0.35 % larger
+/// and estimates would differ by sqrt(0.007) = 0.08 standard errors; but the lens has a small
+/// share. The limits are 0.35 % and 0.05.
 #[test]
 fn bins_tell_what_all_pixels_tell() {
     let (a, c, mu) = (3.1_f64, 0.36_f64, 0.55);
@@ -325,7 +329,8 @@ fn bins_tell_what_all_pixels_tell() {
         covariance[(1, 1)],
     );
 
-    // mu: generalised least squares on the steps, which `light` counts from the planted mu.
+    // mu is the generalised least-squares mean of the steps, which `light` gives relative to the
+    // planted mu.
     let steps: Vec<usize> = (0..photographs)
         .map(|k| SHARED_PLAIN + OWN * k + 2)
         .collect();
@@ -354,10 +359,10 @@ fn at_of(name: &str, at: &DVector<f64>) -> f64 {
     }
 }
 
-/// Standard errors are true, also where the camera cuts dark pixels off at 0 (500 to 2,000
-/// electrons): the mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors,
-/// sqrt(2/N) if they were independent; a and c are correlated, which at most doubles the variance:
-/// 4.5 sqrt(4/120) = 0.82. The mean of 40 pulls has a standard error of 0.16.
+/// Standard errors are true, also if the camera cuts dark pixels off at 0 (500 to 2,000 electrons).
+/// The mean square of 3 x 40 pulls is 1 within 4.5 of its own standard errors, which are sqrt(2/N)
+/// for independent pulls. a and c are correlated, which at most doubles the variance: 4.5
+/// sqrt(4/120) = 0.82. The mean of 40 pulls has a standard error of 0.16.
 #[test]
 fn standard_errors_are_true() {
     let mut stream = Stream(77);

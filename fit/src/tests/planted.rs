@@ -1,5 +1,5 @@
-//! Planted answers: simulated photographs and the closed-form table of the ideal cube, nothing of
-//! `bake`.
+//! Planted answers for tests: simulated photographs and the closed-form table of the ideal cube,
+//! without `bake`.
 
 #![allow(dead_code, reason = "each test uses its part")]
 
@@ -18,7 +18,7 @@ use tables::{Axes, Exact, Path, Provenance, Table};
 pub(crate) struct Stream(pub u64);
 
 impl Stream {
-    /// The next number, between `low` and `high`.
+    /// Returns the next number, between `low` and `high`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -28,7 +28,8 @@ impl Stream {
     }
 }
 
-/// The exact table of the ideal cell from the closed form: shift polygons as paths, no bins filled.
+/// Returns the exact table of the ideal cell from the closed form: shift polygons as paths, empty
+/// bins.
 pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f64) -> Table {
     let n = incidence_deg.len();
     let cubes = if truth.pair { 2.0 } else { 1.0 };
@@ -42,8 +43,8 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
             truth.pair,
         );
         retroreflected[[i, 0]] = shifts.iter().map(|s| s.eta).sum::<f64>() / cubes;
-        // Entered at p about q, a ray is shifted by 2 (q - p); where the cubes lie is of no
-        // consequence.
+        // A ray that enters at p is shifted by 2 (q - p). The place of the cubes in the cell has no
+        // effect.
         let path = |(k, shifts): (usize, Vec<[f64; 2]>)| {
             let q = [3.0 * k as f64, 0.5];
             Path {
@@ -114,7 +115,7 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
     }
 }
 
-/// A small camera.
+/// Returns a camera of few pixels.
 pub(crate) fn camera(full_well_e: f64) -> PlantedCamera {
     PlantedCamera {
         width: 192,
@@ -132,7 +133,8 @@ pub(crate) fn camera(full_well_e: f64) -> PlantedCamera {
     }
 }
 
-/// A campaign over the given incidence angles and distances, edges tilted by varied angles.
+/// Returns a campaign over the given incidences and distances. The edges are tilted by varied
+/// angles.
 pub(crate) fn params(
     seed: u64,
     truth: PlantedSheet,
@@ -170,7 +172,7 @@ pub(crate) fn params(
     }
 }
 
-/// The truth of a campaign.
+/// Returns the truth of a campaign.
 pub(crate) fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64) -> PlantedSheet {
     PlantedSheet {
         kernel,
@@ -184,7 +186,7 @@ pub(crate) fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64)
     }
 }
 
-/// Simulates the campaign on disk and measures it as the program does.
+/// Simulates the campaign on disk and measures it in the same way as the program.
 pub(crate) fn scene(params: &Params, table: &Table) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
     crate::simulate::run(params, folder.path(), true).expect("the campaign can be written");

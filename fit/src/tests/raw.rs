@@ -1,4 +1,4 @@
-//! Camera raw: DNG files made byte by byte, whose edge is known.
+//! Tests of camera raw: DNG files made byte by byte, whose edge is known.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::tests::planted::{camera, params, truth};
 
 const WHITE: u32 = 15_000;
 
-/// Of the four places of a mosaic, row by row.
+/// Black levels of the four places of a mosaic, row by row.
 const BLACK: [u16; 4] = [500, 520, 540, 560];
 
 /// Light at a place of the mosaic.
@@ -39,7 +39,7 @@ fn rational(tag: u16, [n, d]: [u32; 2]) -> Entry {
     Entry(tag, 5, 1, [n.to_le_bytes(), d.to_le_bytes()].concat())
 }
 
-/// A directory at `at` in its file, with the values that do not fit into it behind it.
+/// The bytes of a directory at `at` in its file. Values that do not fit into it follow behind it.
 fn directory(entries: &[Entry], at: u32) -> Vec<u8> {
     let mut bytes = (entries.len() as u16).to_le_bytes().to_vec();
     let mut rest: Vec<u8> = Vec::new();
@@ -61,19 +61,19 @@ fn directory(entries: &[Entry], at: u32) -> Vec<u8> {
     bytes
 }
 
-/// What is written.
+/// The content of a DNG file.
 #[derive(Clone, Copy)]
 struct Dng {
     width: usize,
     height: usize,
-    /// Colours of the mosaic, row by row, 0 red to 2 blue; `None`: a sensor without colours.
+    /// Colours of the mosaic, row by row, 0 red to 2 blue; `None` for a sensor without colours.
     mosaic: Option<[u8; 4]>,
     orientation: u16,
     seconds: [u32; 2],
 }
 
 impl Dng {
-    /// The file's bytes: 16 bits a pixel, not compressed.
+    /// Returns the bytes of the file: 16 bits per pixel, not compressed.
     fn bytes(&self, light: Light) -> Vec<u8> {
         let mut pixels = Vec::new();
         for y in 0..self.height {
@@ -167,12 +167,12 @@ fn source(normal_deg: f64) -> (Dng, Vec<f64>) {
     (dng, light)
 }
 
-/// Every colour's edge has the MTF of one pixel's own box and the lens, as where all pixels see it:
-/// nothing is filled in or averaged. The other colours' pixels show bright and dark stripes, so
-/// that one of them taken would be seen.
+/// The edge of every colour has the MTF of the lens and one pixel, like an edge that all pixels
+/// see: nothing is filled in or averaged. The pixels of the other colours show bright and dark
+/// stripes; using one of them would show in the MTF.
 ///
-/// Within 0.002 up to half the sampling frequency, as for known edges of all pixels
-/// (src/tests/edge.rs); averages of 2 x 2 pixels would lose 0.1 at a quarter of the sampling
+/// The MTF is within 0.002 up to half the sampling frequency, as for known edges of all pixels
+/// (src/tests/edge.rs). Averages of 2 x 2 pixels would lose 0.1 at a quarter of the sampling
 /// frequency: 1 - cos(pi / 4) of an MTF of 0.4.
 #[test]
 fn each_colour_has_the_mtf_of_its_own_pixels() {
@@ -228,8 +228,8 @@ fn each_colour_has_the_mtf_of_its_own_pixels() {
     assert!(worst_angle < 1e-3, "{worst_angle}");
 }
 
-/// The light is linear from the black level of every place to the white level; what lies below
-/// black stays below 0, what reaches white is clipped; and the picture is turned as it says.
+/// The light is linear from the black level of every place to the white level. Values below black
+/// stay below 0, values at white are clipped, and the picture is turned by its orientation.
 #[test]
 fn levels_and_orientation() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -251,7 +251,7 @@ fn levels_and_orientation() {
             assert_eq!(photo.warnings.len(), usize::from(orientation > 1));
             for y in 0..photo.height {
                 for x in 0..photo.width {
-                    // Where the pixel lies in the file (TIFF 6.0, Orientation).
+                    // Place of the pixel in the file (TIFF 6.0, Orientation).
                     let (w, h) = (photo.width - 1, photo.height - 1);
                     let (u, v) = match orientation {
                         1 => (x, y),
@@ -297,7 +297,7 @@ fn levels_and_orientation() {
             .collect::<Vec<_>>()
     };
     assert_eq!(bits(&luminance), bits(&green));
-    // A sensor without colours: all its pixels, and no channel.
+    // A sensor without colours gives all its pixels, and no channel.
     let grey = Dng {
         mosaic: None,
         ..dng
@@ -314,7 +314,7 @@ fn levels_and_orientation() {
     );
 }
 
-/// Bright pixels at the white level are clipped although 16 bits could hold more.
+/// Bright pixels at the white level are clipped, although 16 bits could hold more.
 #[test]
 fn clipping_is_known_from_the_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -327,7 +327,7 @@ fn clipping_is_known_from_the_file() {
     assert!(matches!(fault, Fault::Clipped { .. }), "{fault}");
 }
 
-/// Exposure from the settings in the raw files: 1/100 s against 1/25 s.
+/// The exposure comes from the settings in the raw files: 1/100 s against 1/25 s.
 #[test]
 fn exposure_comes_from_the_raw_files() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -352,7 +352,7 @@ fn exposure_comes_from_the_raw_files() {
     assert!(measure::edge(&photo, None, &[]).is_ok());
 }
 
-/// A file that is cut short, or of noise, is an error that names it, never a panic.
+/// A file that is cut short, or that holds noise, gives an error with its name, never a panic.
 #[test]
 fn damaged_files_are_refused() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! Mid-air images against sums over every pair of pixels, closed forms and each other.
+//! Tests of mid-air images against sums over every pair of pixels, closed forms and each other.
 
 mod samples;
 mod views;
@@ -22,7 +22,7 @@ use num_complex::Complex64;
 use serde_json::json;
 use tables::Table;
 
-/// A spot that is an even square of a width in mm.
+/// A spot of light: an even square of a width in mm.
 struct Square {
     width: f64,
     energy: f64,
@@ -50,7 +50,8 @@ impl Spot for Square {
     }
 }
 
-/// Squares whose width is the distance in mm, and whose energy falls with the incidence.
+/// A sheet whose spots are squares. Their width is the distance in mm; their energy falls with the
+/// incidence.
 struct Squares;
 
 impl Sheet for Squares {
@@ -72,7 +73,7 @@ fn place(r_mm: f64, incidence_deg: f64) -> Viewpoint {
 
 const PIXELS: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
-/// Numbers in 0..1, dark within `margin` of the frame.
+/// A picture of numbers in 0..1, dark within `margin` of the frame.
 fn picture(width: usize, height: usize, margin: usize) -> Picture {
     let mut stream = Stream(7);
     let inside = |i: usize, n: usize| i >= margin && i + margin < n;
@@ -93,7 +94,7 @@ fn picture(width: usize, height: usize, margin: usize) -> Picture {
     }
 }
 
-/// The weights gathered over all pairs of pixels.
+/// The light of one pixel: a sum of all pixels by their weights.
 fn gathered(plane: &[f32], size: [usize; 2], psf: &Psf, at: [usize; 2]) -> f64 {
     let columns = 2 * psf.reach[0] + 1;
     let mut sum = 0.0;
@@ -111,7 +112,7 @@ fn gathered(plane: &[f32], size: [usize; 2], psf: &Psf, at: [usize; 2]) -> f64 {
 
 #[test]
 fn a_square_spot_on_square_pixels_meets_its_closed_form() {
-    // Integral from -inf of the triangle of width 2: its mean over [d - w/2, d + w/2] is the weight
+    // Integral from -inf of the triangle of width 2. Its mean over [d - w/2, d + w/2] is the weight
     // along one axis.
     let integral = |x: f64| {
         let x = x.clamp(-1.0, 1.0);
@@ -126,7 +127,8 @@ fn a_square_spot_on_square_pixels_meets_its_closed_form() {
         for (i, &weight) in psf.weights.iter().enumerate() {
             let x = (i % columns) as f64 - psf.reach[0] as f64;
             let y = (i / columns) as f64 - psf.reach[1] as f64;
-            // An error of the transfer everywhere is at most as large in every weight.
+            // An error of the transfer function at every frequency is at most as large in every
+            // weight.
             let error = (f64::from(weight) - along(x) * along(y)).abs();
             assert!(
                 error <= psf.error,
@@ -147,7 +149,7 @@ fn transforms_meet_the_sum_over_all_pairs() {
     let mut cases = 0;
     for [width, height] in [[31, 18], [40, 7], [5, 5]] {
         let source = picture(width, height, 0);
-        // Wider than the smallest picture, too.
+        // This spot is wider than the smallest picture.
         let psf = Psf::new(&Squares, &place(6.0, 0.0), [[1.2, 0.4], [-0.1, 0.7]]).unwrap();
         let convolver = Convolver::new([width, height], psf.reach);
         let blurred = convolver.blur(&source.planes[0], &convolver.weights(&psf));
@@ -181,7 +183,8 @@ fn result(kernel: &str, lobe: Option<&str>, table: &Table) -> ResultFile {
         "mu": number(0.25),
         "covariance": {"names": [], "matrix": []}, "bounds": {}, "candidates": [], "captures": [],
         "camera": {"pixel_pitch_mm": 0.08, "lens_blur_mm": null, "lens_exponent": null},
-        "half_mirror": 0.25, "table": serde_json::to_value(TableResult::of(table)).unwrap(), "warnings": []
+        "half_mirror": 0.25, "table": serde_json::to_value(TableResult::of(table)).unwrap(),
+        "warnings": []
     }))
     .unwrap()
 }
@@ -213,13 +216,13 @@ fn energy_is_kept_by_every_kernel() {
         assert!((energy - 0.25 * 0.25 * eta).abs() < 1e-12);
         assert!(psf.error <= 1e-4, "{kernel}: {}", psf.error);
         let total: f64 = psf.weights.iter().map(|&w| f64::from(w)).sum();
-        // 1e5 weights, each rounded to 6e-8 of itself, and the transform's own rounding.
+        // 1e5 weights, each rounded to 6e-8 of itself, and the rounding of the transform.
         assert!((total - 1.0).abs() < 1e-5, "{kernel}: {total}");
         let image = render::uniform(&source, &psf);
         for (plane, own) in image.planes.iter().zip(&source.planes) {
             let kept = sum(plane) / (energy * sum(own));
-            // The tails of both axes may leave the frame; 60 pixels are 4.8 mm, where 2 % of a
-            // separable lobe lie outside.
+            // The tails of both axes may leave the frame. 60 pixels are 4.8 mm; 2 % of a separable
+            // lobe lie further out.
             let lost = if tails {
                 2.0 * (1.0 / (3.0 * 4.9 * 4.8) + TAIL)
             } else {
@@ -314,8 +317,8 @@ fn pictures_come_back_from_their_files() {
                 .flatten()
                 .zip(own.planes.iter().flatten())
             {
-                // Half a code of 65535, where sRGB is steepest 2.28 times that in light; EXR as it
-                // is.
+                // Half a code of 65535; the sRGB curve is steepest in light with 2.28 times that.
+                // EXR is exact.
                 let allowed = if writing == Writing::Exr {
                     0.0
                 } else {

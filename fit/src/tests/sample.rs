@@ -1,5 +1,4 @@
-//! Samples of shift and lobe against their transforms: the OTF of the samples is the OTF of the
-//! model.
+//! Tests of the samples of shift and lobe: their OTF is the OTF of the model.
 
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -11,11 +10,12 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use tables::Direction;
 
-/// Independent randomisations, and points of each.
+/// Number of independent randomisations.
 const STREAMS: u64 = 16;
+/// Number of points of each randomisation.
 const POINTS: u32 = 1 << 15;
 
-/// Mean over all randomisations of exp(-i k.x), and the standard error of its parts by their
+/// The mean over all randomisations of exp(-i k.x), and the standard error of its parts by their
 /// scatter.
 fn transform(
     sequence: Sequence,
@@ -38,8 +38,9 @@ fn transform(
     (mean, (squares / (n * (n - 1.0))).sqrt())
 }
 
-/// Six standard errors of 16 randomisations (Student's t with 15 degrees of freedom: 2 in 10^5),
-/// and what the sampler's tables leave: `rest`.
+/// The sampled OTF agrees with the exact one within six standard errors of 16 randomisations
+/// (Student's t with 15 degrees of freedom: 2 in 10^5) and `rest`, the error of the sampler's
+/// tables.
 fn agree(sampled: (Complex64, f64), exact: Complex64, rest: f64, what: &str) {
     let (mean, error) = sampled;
     let off = (mean - exact).norm();
@@ -79,8 +80,8 @@ fn the_lobes_samples_have_its_otf() {
         gains[gains.len() / 2]
     );
     assert_eq!(cases, 84);
-    // An Owen-scrambled net never has more than e = 2.72 times the variance (Owen 1997); scatter of
-    // two variances by 15 degrees of freedom each: a factor of 6 in 10^3.
+    // An Owen-scrambled net never has more than e = 2.72 times the variance (Owen 1997). Two
+    // variances with 15 degrees of freedom each scatter by a factor of 6 in 1 of 10^3.
     assert!(gains[0] > 1.0 / (2.72 * 6.0));
     assert!(
         gains[gains.len() / 2] > 10.0,
@@ -97,7 +98,7 @@ fn the_shifts_samples_have_its_otf() {
         .iter()
         .map(|&i| table.direction(i, Some(20.0)).expect("it is in the table"))
         .collect();
-    // A histogram with empty rows and columns.
+    // The histogram has empty rows and columns.
     let mut stream = Stream(9);
     let probability = Array2::from_shape_fn((16, 16), |(v, u)| {
         let inside = (3..12).contains(&v) && (2..9).contains(&u) && v != 6;

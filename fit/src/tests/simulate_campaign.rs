@@ -1,5 +1,5 @@
-//! A simulated campaign on disk: readable, repeatable, noisy as it says, and never over something
-//! else.
+//! Tests of a simulated campaign on disk: it can be read and repeated, its noise is the stated one,
+//! and it never overwrites other files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -133,8 +133,8 @@ fn order_does_not_matter_and_noise_is_what_it_says() {
     for (index, photo) in [Some(1), Some(0), None].into_iter().zip(&backwards) {
         assert_eq!(*photo, simulate::photograph(&params, index).unwrap());
         let light = simulate::light(&params, index).unwrap();
-        // Shot noise, reading and rounding: chi-square of n pixels is n, standard deviation sqrt(2
-        // n); 5 of these.
+        // Shot noise, read noise and rounding: chi-square of n pixels is n with the standard
+        // deviation sqrt(2 n). The limit is 5 of these.
         let chi: f64 = light
             .iter()
             .zip(photo)
@@ -156,7 +156,7 @@ fn order_does_not_matter_and_noise_is_what_it_says() {
 
 #[test]
 fn levels_follow_the_luminance_ratio() {
-    // Far from the edge of the source: veil + 0.9 and veil + 0.009; of the capture at normal
+    // The plateaus of the source are veil + 0.9 and veil + 0.009. For the capture at normal
     // incidence the contrast is mu eta T R = 0.5 x 2/3 x 0.25 of that, times the exposure 6. At
     // +-2.4 mm the lobe of 7.5/4.9 = 1.54 mm has ended.
     let params = params();
@@ -178,7 +178,7 @@ fn levels_follow_the_luminance_ratio() {
         "{}",
         aerial[dark]
     );
-    // The normal of the second capture points down: bright below.
+    // The normal of the second capture points down, so the bright side is below.
     let second = simulate::light(&params, Some(1)).unwrap();
     assert!(second[second.len() - 48] > 2.0 * second[48]);
 }

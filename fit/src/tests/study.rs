@@ -1,4 +1,4 @@
-//! The study of drawn campaigns, in short; the long one is recorded in BENCHMARKS.md.
+//! Tests of the study of drawn campaigns, in a short version. BENCHMARKS.md records the long one.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 const CAMPAIGNS: u64 = 60;
 
 fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
-    // Small campaigns: the short version of the study.
+    // Small campaigns make the study short.
     let ranges = Ranges {
         photographs: [2.0, 6.0],
         ..Ranges::default()
@@ -43,9 +43,10 @@ fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
         .collect()
 }
 
-/// Efficiency, bias and coverage of both losses. With n campaigns counted the ratio of RMSE and
-/// bound scatters by sqrt(1/2n), 0.10 for 50, the mean pull by sqrt(1/n) = 0.14 and the coverage by
-/// sqrt(0.95 x 0.05/n) = 3.1 %; limits are 1.2, 0 and 95 % plus 4 of these for six figures each.
+/// Efficiency, bias and coverage of both losses are as recorded. With n campaigns the ratio of RMSE
+/// and bound scatters by sqrt(1/2n), 0.10 for 50. The mean pull scatters by sqrt(1/n) = 0.14 and
+/// the coverage by sqrt(0.95 x 0.05/n) = 3.1 %. The limits are 1.2, 0 and 95 % plus 4 of these, for
+/// six figures each.
 #[test]
 fn edge_comes_near_the_bound_and_its_intervals_hold() {
     let all = trials(7, CAMPAIGNS);
@@ -73,7 +74,7 @@ fn edge_comes_near_the_bound_and_its_intervals_hold() {
         rows += 1;
     }
     assert_eq!(rows, 6);
-    // What is not counted says little of c indeed.
+    // Campaigns that are not counted have little information on c.
     assert!(
         all.iter()
             .filter(|t| !tells(t))
@@ -81,10 +82,10 @@ fn edge_comes_near_the_bound_and_its_intervals_hold() {
     );
 }
 
-/// The choice of terms, in short; the long study is recorded in BENCHMARKS.md. Where what was
-/// planted can be told apart it is chosen in 95 % at least, and where it cannot, something simpler
-/// is: of n campaigns the share scatters by sqrt(0.95 x 0.05 / n), and the limit is 95 % less 4 of
-/// these.
+/// Terms are chosen as recorded in BENCHMARKS.md, in a short version. If the planted terms can be
+/// recognised, they are chosen in 95 % of the campaigns at least. If they cannot, something simpler
+/// is chosen as often. Of n campaigns the share scatters by sqrt(0.95 x 0.05 / n); the limit is 95
+/// % less 4 of these.
 #[test]
 fn terms_are_chosen_where_they_can_be_told() {
     let ranges = Ranges {
@@ -104,7 +105,7 @@ fn terms_are_chosen_where_they_can_be_told() {
             choice::run(&params, index, &table)
         })
         .collect();
-    // A ripple of waves may still pass for a second edge, which is refused.
+    // A ripple of waves can be taken for a second edge, which is refused.
     let (all, refused) = refused::part(all);
     println!("{}", refused::line(&refused));
     assert!(all.len() > 35, "{} of {count}", all.len());
@@ -128,13 +129,14 @@ fn terms_are_chosen_where_they_can_be_told() {
         all.iter().map(|t| t.planted.kernel.name()).collect();
     assert_eq!(kernels.len(), 5);
     for trial in &all {
-        // A simpler rival cannot fit better than the truth without noise: the margin is a number.
+        // A simpler rival cannot fit better than the truth without noise, so the margin is a
+        // number.
         assert!(trial.blur.margin.is_none_or(f64::is_finite), "{trial:?}");
     }
 }
 
-/// What is refused is counted by its reason: a camera whose black lies at 0 and sees almost no
-/// light cuts off, and a blur of several windows is no edge.
+/// Refusals are counted by their reason. A camera whose black level is 0 and that sees almost no
+/// light is cut off at 0. A blur of several windows is no edge.
 #[test]
 fn refusals_are_counted_by_their_reason() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
@@ -170,9 +172,9 @@ fn refusals_are_counted_by_their_reason() {
     );
 }
 
-/// Uneven light below what is evened out: the pixels carry it as a nuisance and keep mu, which the
-/// MTFs do not. Over 12 campaigns the mean square of a normal pull scatters by sqrt(2/12) = 0.41
-/// about 1: the limits are 4 of these.
+/// Uneven light below the limit of correction is a nuisance parameter of the pixels. They keep mu,
+/// the MTFs do not. Over 12 campaigns the mean square of a normal pull scatters by sqrt(2/12) =
+/// 0.41 about 1; the limits are 4 of these.
 #[test]
 fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
     let ranges = Ranges {
@@ -207,7 +209,7 @@ fn uneven_light_is_drawn_and_the_pixels_mu_holds() {
     assert!(mtf > edge, "mtf {mtf}");
 }
 
-/// A campaign is a function of (seed, index), whatever the threads and whatever else is drawn.
+/// A campaign is a function of (seed, index). The threads and the other draws have no effect on it.
 #[test]
 fn draws_are_reproducible() {
     let some = trials(3, 3);
@@ -226,8 +228,8 @@ fn draws_are_reproducible() {
     assert_ne!(some[0].truth, some[1].truth);
 }
 
-/// The edge loss has the bound for its standard error where nothing was cut off; the MTFs drop
-/// phases and tails, and can do no better on c and a.
+/// The standard error of the edge loss is the bound if nothing was cut off. The MTFs leave out
+/// phases and tails, so their errors of c and a are not smaller.
 #[test]
 fn a_study_of_photographs_names_every_parameter_and_fit() {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.35, 0.5);
@@ -251,8 +253,8 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
         .collect();
     assert_eq!(names, ["c_mm", "a_per_mm_at_5", "a_per_mm_at_30", "mu"]);
     for p in &study.parameters {
-        // Chi-square per degree of freedom may lie above 1 by chance, sqrt(2 / 10^4) = 1.4 %, and
-        // raises standard errors.
+        // Chi-square per degree of freedom may lie above 1 by chance, by sqrt(2 / 10^4) = 1.4 %;
+        // standard errors are then larger.
         let ratio = p.edge / p.bound;
         assert!((0.999..1.035).contains(&ratio), "{}: {ratio}", p.name);
         assert!(
@@ -271,7 +273,7 @@ fn a_study_of_photographs_names_every_parameter_and_fit() {
     assert!(study.fits[3].reduced_chi2 > study.fits[1].reduced_chi2);
 }
 
-/// The documented file says what is drawn without one, and a range that runs backwards is refused
+/// The documented file states what is drawn without a file. A range that runs backwards is refused
 /// with its line.
 #[test]
 fn ranges_are_read() {

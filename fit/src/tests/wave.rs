@@ -1,4 +1,4 @@
-//! The wave kernel against the pupil on a raster, its limits, and planted answers.
+//! Tests of the wave kernel against the pupil on a raster, its limits, and planted answers.
 
 use crate::tests::planted;
 use std::f64::consts::TAU;
@@ -45,9 +45,9 @@ fn line(direction: &Direction, normal: [f64; 2], spectrum: &Spectrum) -> WaveLin
     wave::line(direction, incidence_rad, normal, Some(spectrum)).expect("exact corner cubes")
 }
 
-/// Autocorrelation of the pupil, on a raster along the normal: cells weighted by how much of them
-/// lies in the aperture, each with the phase 2 pi |y|^2/(lambda R) of its middle. Returns the
-/// frequency that the lag stands for, and the OTF.
+/// Autocorrelation of the pupil on a raster along the normal. Cells are weighted by their share in
+/// the aperture; each has the phase 2 pi |y|^2/(lambda R) of its middle. Returns the frequency that
+/// the lag stands for, and the OTF.
 fn raster(
     direction: &Direction,
     normal: [f64; 2],
@@ -104,10 +104,10 @@ fn raster(
     (lag as f64 * cell / wavelength_mm_r, sum.re / power)
 }
 
-/// Tolerance: a cell is 3e-4 edge lengths and the wave 4 pi c f at most 70 of them an edge, so the
-/// middle of a cell stands for its phase to (0.021)^2/24 = 2e-5 of values that are below 0.1 there;
-/// 600 rows leave 1/(24 x 600^2) of the curvature of a chord's integral, (70/2)^2, of such values:
-/// 1.4e-5.
+/// The closed form agrees with the pupil on a raster. A cell is 3e-4 edge lengths and the wave 4 pi
+/// c f is at most 70 per edge length. So the middle of a cell gives its phase to (0.021)^2/24 =
+/// 2e-5 of values that are below 0.1 there. 600 rows leave 1/(24 x 600^2) of the curvature of a
+/// chord's integral, (70/2)^2, of such values: 1.4e-5.
 #[test]
 fn closed_form_meets_the_pupil_on_a_raster() {
     let incidence = [0.0, 20.0, 40.0];
@@ -155,17 +155,19 @@ fn fft(values: &mut [Complex64], sign: f64) {
     }
 }
 
-/// The textbook's road: pupil, its two-dimensional transform, the power of that (the image of a
-/// point), and the transform back, which is the OTF at all lags at once. A cell on the border is in
-/// or out. No side runs along the raster, so that 1,500 cells are wrong by 0.29 of themselves at
-/// random, of 75,000 at 20 degrees: 1.5e-4, of which 4 are allowed. The phase turns by 4 pi 0.16 mm
-/// / (lambda R) = 0.01 from cell to cell at most, which is nothing beside.
+/// The closed form agrees with the way of textbooks: pupil, its two-dimensional transform, the
+/// power of that (the image of a point), and the transform back, which is the OTF at all lags at
+/// once.
+///
+/// A cell on the border is in or out. No side runs along the raster. So 1,500 of 75,000 cells at 20
+/// degrees are wrong by 0.29 of themselves at random: 1.5e-4, of which 4 are allowed. From cell to
+/// cell the phase turns by 4 pi 0.16 mm / (lambda R) = 0.01 at most, which is negligible.
 #[test]
 fn closed_form_meets_the_transform_of_the_pupil() {
     const N: usize = 1024;
     let (c, r, nm) = (0.2, 150.0, 550.0);
     let lambda_r = nm * 1e-6 * r;
-    // 512 cells an edge length, so that the aperture and its lags fit into the raster.
+    // 512 cells per edge length, so that the aperture and its lags fit into the raster.
     let cell = c / 512.0;
     let table = ideal(&[0.0, 20.0]);
     let (mut cases, mut worst) = (0, 0.0_f64);
@@ -185,7 +187,7 @@ fn closed_form_meets_the_transform_of_the_pupil() {
                 })
                 .map(|p| p.map(|x| c * x))
                 .collect();
-            // Convex: inside is on one side of all of its edges.
+            // The polygon is convex, so an inner point is on one side of all of its edges.
             let inside = |at: [f64; 2]| {
                 let side = |k: usize| {
                     let (p, q) = (corners[k], corners[(k + 1) % corners.len()]);
@@ -231,7 +233,7 @@ fn closed_form_meets_the_transform_of_the_pupil() {
     assert!(worst < 6e-4, "{worst:e}");
 }
 
-/// Transforms rows, then columns, of a square.
+/// Transforms the rows, then the columns, of a square.
 fn both_ways(field: &mut [Complex64], sign: f64) {
     let n = field.len().isqrt();
     for _ in 0..2 {
@@ -244,9 +246,9 @@ fn both_ways(field: &mut [Complex64], sign: f64) {
     }
 }
 
-/// Fourth-order differences over h = 1e-4 of ln c: the wave k = 4 pi c f reaches 17 an edge length,
-/// so k^5 h^4/30 is 5e-12, and rounding 1e-14/h is 1e-10. (No case lies within h of a lag that
-/// passes a corner, where the slope has a kink.)
+/// The derivative matches fourth-order differences over h = 1e-4 of ln c. The wave k = 4 pi c f
+/// reaches 17 per edge length, so k^5 h^4/30 is 5e-12, and rounding 1e-14/h is 1e-10. (No case lies
+/// within h of a lag that passes a corner, where the slope has a kink.)
 #[test]
 fn derivative_by_ln_c_matches_differences() {
     let incidence = [0.0, 20.0, 40.0];
@@ -274,8 +276,8 @@ fn derivative_by_ln_c_matches_differences() {
     assert!(worst < 2e-10, "{worst:e}");
 }
 
-/// lambda R -> 0 leaves the ray shift, up to the kink times the lag; a small aperture leaves its
-/// autocorrelation.
+/// For lambda R -> 0 the wave kernel is the ray shift, up to the kink times the lag. For a small
+/// aperture it is the autocorrelation of the aperture.
 #[test]
 fn limits_are_ray_shift_and_diffraction() {
     let table = ideal(&[0.0, 20.0]);
@@ -290,14 +292,14 @@ fn limits_are_ray_shift_and_diffraction() {
             for f in [0.1, 0.7, 1.9, 3.3] {
                 let (c, r) = (0.25, 1e-4);
                 let geometric = rays.otf(c, r, f).0;
-                // The lag is 550e-6 x 1e-4 x 3.3 / 0.25 = 7e-7 edge lengths, the kink 2; ShiftLine
-                // interpolates to 1e-6.
+                // The lag is 550e-6 x 1e-4 x 3.3 / 0.25 = 7e-7 edge lengths, and the kink is 2.
+                // ShiftLine interpolates to 1e-6.
                 let (found, _) = line.otf(c, r, f);
                 assert!(
                     (geometric - found).norm() < 4e-6,
                     "{incidence_deg} {f}: {found} {geometric}"
                 );
-                // A lag of 0.3 edge lengths at a vanishing wave.
+                // The lag is 0.3 edge lengths, the wave nearly 0.
                 let (c, r) = (1e-3, 1e4);
                 let (f, apertures) = raster(&direction, normal, c, 550e-6 * r, 0.1 * f);
                 let (found, _) = line.otf(c, r, f);
@@ -309,14 +311,14 @@ fn limits_are_ray_shift_and_diffraction() {
     assert_eq!(cases, 24);
 }
 
-/// Pieces of one cube are one aperture; the same pieces as cubes of their own are not. A spectrum
-/// is a weighted sum.
+/// Pieces of one cube are one aperture; the same pieces as separate cubes are not. A spectrum is a
+/// weighted sum of its lines.
 #[test]
 fn pieces_add_coherently_and_lines_add_up() {
     let table = ideal(&[20.0]);
     let whole = direction(&table, 20.0);
     let normal = [0.8, 0.6];
-    // Every polygon as a fan of triangles.
+    // Every polygon is cut into a fan of triangles.
     let fan = |path: &Path, apart: f64| -> Vec<Path> {
         (1..path.polygon.len() - 1)
             .map(|k| {
@@ -359,12 +361,12 @@ fn pieces_add_coherently_and_lines_add_up() {
         cases += 1;
     }
     assert_eq!(cases, 39);
-    // Triangles on their own spread further: their OTF falls faster.
+    // Separate triangles spread light further, so their OTF falls faster.
     assert!(strangers.otf(0.2, 150.0, 0.5).0 < one.otf(0.2, 150.0, 0.5).0 - 0.1);
     let kink = one.kink(0.2, 150.0);
     let small = 1e-6;
     let slope = (1.0 - one.otf(0.2, 150.0, small).0) / small;
-    // The curvature adds of the order of 10 x 1e-6.
+    // The curvature adds an error of the order of 10 x 1e-6.
     assert!((kink - slope).abs() < 1e-4 && (pieces.kink(0.2, 150.0) - kink).abs() < 1e-9);
 }
 
@@ -385,7 +387,8 @@ fn what_the_waves_need_is_named() {
         ..held.clone()
     };
     let green = spectrum("550");
-    // Between its directions a table of polygons has waves too: those of the direction itself.
+    // Between its directions a table of polygons has waves too; they equal those of the direction
+    // itself.
     let (between, own) = (direction(&table, 10.0), direction(&ideal(&[10.0]), 10.0));
     for normal in [[1.0, 0.0], [0.6, 0.8]] {
         let [a, b] = [&between, &own]
@@ -426,8 +429,8 @@ fn waves(c_mm: f64, lines: &str) -> PlantedSheet {
     }
 }
 
-/// Photographs by Fresnel integrals: c and mu within 4.5 of their errors, and the wave kernel
-/// chosen among all; where no wavelength is named it is no candidate.
+/// Photographs by Fresnel integrals give c and mu within 4.5 of their errors, and the wave kernel
+/// is chosen among all kernels. Without a wavelength it is no candidate.
 #[test]
 fn planted_campaigns_are_recovered() {
     let auto = Candidates {
@@ -480,8 +483,8 @@ fn planted_campaigns_are_recovered() {
     assert_eq!(cases, 8);
 }
 
-/// One evaluation of one cube pair costs microseconds: 1 ms would make a fit of 20 photographs take
-/// minutes.
+/// One evaluation for one pair of cubes takes microseconds. With 1 ms a fit of 20 photographs would
+/// take minutes.
 #[test]
 fn an_evaluation_is_quick() {
     let table = ideal(&[20.0]);
@@ -519,6 +522,6 @@ fn an_evaluation_is_quick() {
         fit.c_mm
     );
     assert_eq!(twenty.shots.len(), 20);
-    // Measured 0.2 s on an idle machine.
+    // The measured time is 0.2 s on an idle machine.
     assert!(start.elapsed().as_secs() < 10);
 }

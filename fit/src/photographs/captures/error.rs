@@ -1,4 +1,4 @@
-//! Why a manifest cannot be used: each message names the file, the line, the key and the remedy.
+//! Errors of a manifest. Each message names the file, the line, the key and the remedy.
 
 use std::path::PathBuf;
 
@@ -7,56 +7,59 @@ use crate::document::error as document;
 use crate::photographs::photo::error as photo;
 use crate::photographs::roi::Roi;
 
-/// A manifest that was refused.
+/// A reason why a manifest cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The manifest's text, or a key of it.
+    /// A fault of the manifest's text, or of one of its keys.
     #[error(transparent)]
     Document(#[from] document::Error),
-    /// Neither the manifest nor the photograph tells the exposure.
-    #[error("{place}: `exposure` is missing from [[capture]], and {} has {lack}; add `exposure`", image.display())]
+    /// An exposure that neither the manifest nor the photograph gives.
+    #[error(
+        "{place}: `exposure` is missing from [[capture]], and {} has {lack}; add `exposure`",
+        image.display()
+    )]
     NoExposure {
-        /// Where the capture begins.
+        /// Place where the table of the capture begins.
         place: FileLine,
-        /// The photograph that lacks it.
+        /// The photograph that lacks the camera's settings.
         image: PathBuf,
-        /// What it lacks.
+        /// The settings that are missing, in words.
         lack: String,
     },
-    /// An image that is not there.
+    /// An image file that does not exist.
     #[error(
         "{place}: image {image} does not exist; paths are relative to the folder of the manifest"
     )]
     ImageMissing {
-        /// The line that names it.
+        /// Line that names the image.
         place: FileLine,
-        /// The path looked for.
+        /// Path at which the image was looked for.
         image: PathBuf,
     },
-    /// Nothing to fit.
+    /// A manifest without any capture.
     #[error("{file}: has no [[capture]]; add one for each photograph of the mid-air image")]
     NoCaptures {
-        /// The manifest.
+        /// Path of the manifest.
         file: PathBuf,
     },
-    /// A region beyond the picture.
+    /// A region that reaches beyond the picture.
     #[error(
         "{place}: {roi} reaches beyond {image}, which is {width} x {height} pixels; correct `roi`"
     )]
     RoiOutside {
-        /// The line that names the photograph.
+        /// Line that names the photograph.
         place: FileLine,
-        /// The region.
+        /// The region of interest.
         roi: Roi,
-        /// The photograph.
+        /// Path of the photograph.
         image: PathBuf,
-        /// Columns of the photograph.
+        /// Number of columns of the photograph.
         width: usize,
-        /// Rows of the photograph.
+        /// Number of rows of the photograph.
         height: usize,
     },
-    /// The photograph itself cannot be used.
+    /// A photograph that cannot be used.
     #[error(transparent)]
     Photo(#[from] photo::Error),
 }

@@ -1,6 +1,6 @@
-//! Faults of an edge that a user takes as they are.
+//! Faults of an edge that the user may accept.
 
-/// A refusal that a user who knows better may overrule; a warning is left of it.
+/// A fault that the user may accept. It then becomes a warning instead of a refusal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Accepted {
     /// A second edge: [`Fault::Doubled`](crate::photographs::edge::fault::Fault::Doubled).
@@ -11,7 +11,7 @@ impl Accepted {
     /// The names that a manifest may use, in the order of the variants.
     pub const NAMES: [&'static str; 1] = ["doubled"];
 
-    /// What is called `name` in a manifest.
+    /// Returns the fault that has this name in a manifest, or `None`.
     pub fn from_name(name: &str) -> Option<Accepted> {
         (name == "doubled").then_some(Accepted::Doubled)
     }

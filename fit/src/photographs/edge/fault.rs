@@ -1,91 +1,90 @@
-//! Why a window holds no edge that can be measured, and what to do about it.
+//! Reasons why a window holds no edge that can be measured, and what to do about each.
 
 use crate::photographs::roi::Roi;
 
-/// Why no edge was found, or none that can be trusted.
+/// A reason why no edge was found, or why the edge cannot be trusted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// All pixels are alike, or the step is lost in noise.
+    /// A window without contrast: all pixels are alike, or the step is lost in noise.
     #[error(
         "there is no edge in it: the contrast is {contrast:.3e} at a pixel noise of {noise:.3e}; \
-             check the exposure, or give the roi of the edge"
+        check the exposure, or give the roi of the edge"
     )]
     NoContrast {
-        /// Difference of the two sides.
+        /// Difference in light between the two sides.
         contrast: f64,
-        /// Standard deviation of a pixel.
+        /// Standard deviation of a pixel's light.
         noise: f64,
     },
-    /// The profile rises and falls.
+    /// A profile that rises and falls.
     #[error(
-        "it holds more than one edge (values along the normal range over {ratio:.1} times the \
-        step); \
-             give the roi of one edge"
+        "it holds more than one edge (the light across it ranges over {ratio:.1} times the step); \
+        give the roi of one edge"
     )]
     SeveralEdges {
-        /// Range of the profile over its step.
+        /// Range of the profile, in steps of the edge.
         ratio: f64,
     },
     /// Several edges, each of which could be measured.
     #[error("it holds {} edges; give the roi of one of them: {}", rois.len(), listed(rois))]
     Choice {
-        /// A region about each, the longest edge first.
+        /// Regions, one about each edge, the longest edge first.
         rois: Vec<Roi>,
     },
-    /// Marks, but no edge that can be measured.
+    /// Marks of which none is an edge that can be measured.
     #[error(
         "none of its {marks} marks is a straight edge tilted by 1 to 44 degrees with 8 pixels \
-        free on either side; \
-             give the roi of the edge, or tilt and enlarge it"
+        free on either side; give the roi of the edge, or tilt and enlarge it"
     )]
     NoSlantedEdge {
-        /// Straight pieces found.
+        /// Number of straight pieces found.
         marks: usize,
     },
-    /// Too few pixels beside the edge.
+    /// A window with fewer than 8 pixels on one side of the edge.
     #[error(
         "fewer than 8 pixels lie on one side of the edge; give a larger roi, centred on the edge"
     )]
     TooSmall,
-    /// Full-scale pixels.
+    /// A bright plateau with too many clipped pixels.
     #[error(
         "{:.1} % of its bright pixels are clipped (exactly {level}): the bright plateau is lost; \
-        expose less, \
-             or give a roi that is not clipped", 100.0 * share
+        expose less, or give a roi that is not clipped",
+        100.0 * share
     )]
     Clipped {
-        /// Share of the bright pixels.
+        /// Share of the bright pixels that are clipped.
         share: f64,
-        /// The value at which they end, linear light.
+        /// Value at which the pixels are clipped, linear light.
         level: f64,
     },
-    /// Pixels that are exactly 0.
+    /// A dark plateau with too many pixels that are exactly 0.
     #[error(
         "{:.1} % of its dark pixels are exactly 0: the dark plateau is cut off; keep the camera's \
-        black offset, \
-             or expose more", 100.0 * share
+        black offset, or expose more",
+        100.0 * share
     )]
     CutOff {
-        /// Share of the dark pixels.
+        /// Share of the dark pixels that are exactly 0.
         share: f64,
     },
-    /// Pixels that do not follow the edge.
+    /// Pixels that do not follow the edge, too many to be left out.
     #[error(
         "{:.1} % of its pixels do not follow one straight edge: another mark, dirt, or a bent or \
-        damaged edge; \
-             give the roi of a clean straight part", 100.0 * share
+        damaged edge; give the roi of a clean straight part",
+        100.0 * share
     )]
     NotAlone {
-        /// Share of the pixels.
+        /// Share of the pixels that do not follow the edge.
         share: f64,
     },
     /// Light that differs too much over the window.
     #[error(
-        "the light varies by {:.0} % over it; give a smaller roi, or light the edge evenly", 100.0 * unevenness
+        "the light varies by {:.0} % over it; give a smaller roi, or light the edge evenly",
+        100.0 * unevenness
     )]
     Uneven {
-        /// Largest over smallest light, less 1.
+        /// Ratio of the largest to the smallest light in the window, less 1.
         unevenness: f64,
     },
     /// A curved edge.
@@ -97,25 +96,23 @@ pub enum Fault {
         /// Height of the arc over its chord, pixels.
         sagitta_px: f64,
     },
-    /// A ghost beside the edge.
+    /// A second edge beside the first, a ghost.
     #[error(
-        "the edge is doubled: {:.0} % of it comes again {distance_px:.1} pixels away; remove the \
-        second reflection \
-             (a coated or wedged half mirror) or the shake of the camera, or accept it as \
-             \"doubled\" where the sheet \
-             itself makes it", 100.0 * share
+        "the edge is doubled: a second edge, {:.0} % as steep, lies {distance_px:.1} pixels away; \
+        remove the second reflection (a coated or wedged half mirror) or the shake of the camera, \
+        or accept it as \"doubled\" if the sheet itself makes it",
+        100.0 * share
     )]
     Doubled {
-        /// Steepness of the second edge over that of the first.
+        /// Ratio of the steepness of the second edge to that of the first.
         share: f64,
-        /// Distance of the two, pixels.
+        /// Distance between the two edges, pixels.
         distance_px: f64,
     },
     /// A blur as wide as the window.
     #[error(
         "the blur (10 to 90 % over {rise_px:.0} pixels) fills the window ({length_px:.0} pixels \
-        across the edge); \
-             focus, or give a larger roi"
+        across the edge); focus, or give a larger roi"
     )]
     Blurred {
         /// Distance over which the profile rises from 10 to 90 % of its step, pixels.
@@ -126,7 +123,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The kind of it, to be counted by.
+    /// Returns the name of the kind of fault, by which faults are counted.
     pub fn kind(&self) -> &'static str {
         match self {
             Fault::NoContrast { .. } => "no contrast",

@@ -1,4 +1,4 @@
-//! Whether what was found is one straight edge, sharp enough for its window.
+//! Checks that the edge of a window is one straight edge, and sharp enough for the window.
 
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::fault::Fault;
@@ -6,23 +6,26 @@ use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
 
-/// Steepness of a second edge, over that of the first, from which the edge counts as doubled. The
-/// line spread of an ideal lens has side lobes below 0.05, those of a box and a sinc^2 none.
+/// Steepness of a second edge, relative to the first, from which the edge counts as doubled. The
+/// line spread function of an ideal lens has side lobes below 0.05; that of a box and that of a
+/// sinc^2 have none.
 const DOUBLED: f64 = 0.1;
 
-/// Depth of the valley between two edges, over the lesser.
+/// Slope in the valley between two edges, relative to the second edge, below which there are two
+/// edges.
 const VALLEY: f64 = 0.7;
 
-/// Share of the profile's length that the rise from 10 to 90 % may take: a ramp across the whole
-/// window takes 0.8.
+/// Largest share of the profile's length that the rise from 10 to 90 % may take. A ramp across the
+/// whole window takes 0.8.
 const LONGEST_RISE: f64 = 0.55;
 
-/// Height of an arc (pixels) that is said, and that is refused. Spread over the pixels, 0.1 px
-/// lowers the MTF at half the sampling frequency by 0.4 %, 1 px by a third.
+/// Height of an arc (pixels) that causes a warning, and height that causes a refusal. An arc of 0.1
+/// px, spread over the pixels, lowers the MTF at half the sampling frequency by 0.4 %; one of 1 px
+/// lowers it by a third.
 const BOW: [f64; 2] = [0.1, 1.0];
 
-/// Refuses doubled, bowed and wide edges; returns what the user should know of a lesser degree of
-/// these, and of what is accepted.
+/// Refuses doubled, bowed and wide edges, and returns warnings about accepted faults and small
+/// arcs.
 pub(crate) fn check(
     window: &Window,
     line: &EdgeLine,
@@ -35,7 +38,7 @@ pub(crate) fn check(
     let step = bright - dark;
     let last_below = |level: f64| smooth.iter().rposition(|&v| v <= dark + level * step);
     let first_above = |level: f64| smooth.iter().position(|&v| v >= dark + level * step);
-    // The inner of the two crossings: noise on a plateau must not lengthen the rise.
+    // The inner of the two crossings counts, so that noise on a plateau does not lengthen the rise.
     if let (Some(start), Some(end)) = (last_below(0.1), first_above(0.9)) {
         let rise_px = end.saturating_sub(start) as f64 * BIN_PX;
         let length_px = profile.len() as f64 * BIN_PX;
@@ -48,9 +51,8 @@ pub(crate) fn check(
             return Err(Fault::Doubled { share, distance_px });
         }
         warnings.push(format!(
-            "the edge is doubled ({:.0} % of it comes again {distance_px:.1} pixels away) and \
-            accepted as such: \
-             what is no blur of the sheet counts as one",
+            "the edge is doubled (a second edge, {:.0} % as steep, lies {distance_px:.1} pixels \
+            away) and was accepted: the second edge counts as blur of the sheet",
             100.0 * share
         ));
     }
@@ -64,10 +66,10 @@ pub(crate) fn check(
     Ok(warnings)
 }
 
-/// Height of the edge's arc (pixels), 0 where noise explains it.
+/// Returns the height of the edge's arc (pixels), or 0 if noise explains it.
 ///
 /// # Errors
-/// [`Fault::Bowed`].
+/// Returns [`Fault::Bowed`] if the arc is higher than 1 pixel and noise does not explain it.
 pub(crate) fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<f64, Fault> {
     let (sagitta_px, error) = bow(window, line, profile);
     let sagitta_px = sagitta_px.abs();
@@ -80,8 +82,9 @@ pub(crate) fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result
     Ok(sagitta_px)
 }
 
-/// Steepness (over the first's) and distance (pixels) of a second edge. A ripple of the blur
-/// itself, as waves make it, is alike on both sides of the edge; a ghost is not.
+/// Returns the steepness of a second edge, relative to the first, and its distance from the first
+/// (pixels). A ripple of the blur itself, as waves make it, is alike on both sides of the edge and
+/// does not count.
 fn double(profile: &Profile) -> Option<(f64, f64)> {
     const HALF: usize = 4;
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, HALF)).collect();
@@ -90,12 +93,14 @@ fn double(profile: &Profile) -> Option<(f64, f64)> {
     let noise = (2.0 * most).sqrt() / (2.0 * HALF as f64 * BIN_PX);
     let sides = [-1_isize, 1].map(|outward| {
         let mut found: Option<(f64, f64)> = None;
-        // Outward from the first: the lowest point so far, and whatever rises from it.
+        // The search goes outward from the first edge. It keeps the lowest slope so far and looks
+        // for a slope that rises from it.
         let mut valley = slopes[first];
         let mut at = first as isize + outward;
         while let Some(&slope) = usize::try_from(at).ok().and_then(|j| slopes.get(j)) {
             valley = valley.min(slope);
-            // Half as steep as a second edge must be: what it is compared with on the other side.
+            // Half the steepness of a second edge is enough here, for the comparison of the two
+            // sides.
             let enough = slope > 0.5 * DOUBLED * slopes[first]
                 && slope > 8.0 * noise + valley.max(0.0)
                 && valley < VALLEY * slope;
@@ -121,9 +126,9 @@ fn double(profile: &Profile) -> Option<(f64, f64)> {
     steepest.filter(|&(share, _)| share > DOUBLED)
 }
 
-/// Height of the edge's arc over the chord of the window (pixels), and its standard error: the
-/// pixels' distances from the profile, regressed on its slope times the square of the place along
-/// the edge.
+/// Returns the height of the edge's arc over the chord of the window and its standard error,
+/// pixels. The distances of the pixels from the profile are regressed on its slope times the square
+/// of the place along the edge.
 fn bow(window: &Window, line: &EdgeLine, profile: &Profile) -> (f64, f64) {
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
     let mut sums = [0.0; 6];
@@ -146,7 +151,7 @@ fn bow(window: &Window, line: &EdgeLine, profile: &Profile) -> (f64, f64) {
         return (0.0, f64::INFINITY);
     }
     let curvature = (rt - r * wt / w) / spread;
-    // The scatter is weighted with the slope: it is that of the pixels on the edge.
+    // The scatter is weighted with the slope, so it is that of the pixels on the edge.
     let error = (scatter / w / spread).sqrt();
     let height = wt / w * 3.0;
     let height = height.min(farthest);

@@ -1,11 +1,11 @@
-//! Which plane of a photograph is read, and how.
+//! Choice of the plane of a photograph, and of the meaning of its stored values.
 
 use crate::photographs::photo::transfer::Transfer;
 
 /// Rec. 709 weights of linear red, green and blue in luminance (ITU-R BT.709-6, item 3.2).
 pub(crate) const REC709: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Which plane of a colour photograph is used.
+/// The plane of a colour photograph that is used.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub enum Channel {
     /// Rec. 709 luminance of R, G, B, or the only plane of a monochrome file.
@@ -22,11 +22,11 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// The primaries, in order.
+    /// The primaries: red, green, blue.
     pub const PRIMARIES: [Channel; 3] = [Channel::Red, Channel::Green, Channel::Blue];
 
-    /// The channel called `name` in a manifest: `luminance`, `red`, `green`, `blue` (or `r`, `g`,
-    /// `b`), or any EXR channel name.
+    /// Returns the channel that has this name in a manifest: `luminance`, `red`, `green`, `blue`
+    /// (or `r`, `g`, `b`). Any other name is that of an EXR channel.
     pub fn from_name(name: &str) -> Channel {
         match name {
             "luminance" => Channel::Luminance,
@@ -50,13 +50,13 @@ impl std::fmt::Display for Channel {
     }
 }
 
-/// How a photograph is to be decoded.
+/// Options for the decoding of a photograph.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct Decode {
-    /// What stored values mean; `None`: linear for EXR, floats and 16-bit integers, sRGB for 8-bit
-    /// integers.
+    /// Relation of stored values to light. `None` means linear for EXR, floats and 16-bit integers,
+    /// and sRGB for 8-bit integers.
     pub transfer: Option<Transfer>,
-    /// Which plane is used.
+    /// The plane that is used.
     pub channel: Channel,
 }
 

@@ -1,127 +1,127 @@
-//! Why a photograph cannot be used: each variant names the file, the place and the remedy.
+//! Errors of photographs. Each message names the file, the place and the remedy.
 
 use std::path::PathBuf;
 
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::photo::format::Format;
 
-/// A photograph that was refused.
+/// A reason why a photograph cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system does not give the file.
+    /// A file that cannot be opened or read.
     #[error("{file}: cannot be read ({source}); check the path and its permissions")]
     Io {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file of no bytes.
+    /// A file without any bytes.
     #[error("{file}: is empty (0 bytes); copy the photograph again")]
     Empty {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
     },
-    /// The first bytes belong to no format that is read.
+    /// A file whose first bytes belong to no supported format.
     #[error(
         "{file}: is not an EXR, PNG, TIFF or JPEG file, whatever its name; export the photograph \
         as one of these"
     )]
     UnknownFormat {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
     },
-    /// A camera raw file, in a program without the feature for it.
+    /// A camera raw file, in a program that was built without the feature `raw`.
     #[error(
         "{file}: camera raw is not read by this build of fit; build it with the feature `raw` \
-        (cargo install --path fit \
-         --features raw), or develop the photograph without tone curve to a linear 16-bit TIFF or \
-         an EXR"
+        (cargo install --path fit --features raw), or develop the photograph without tone curve \
+        to a linear 16-bit TIFF or an EXR"
     )]
     CameraRaw {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
     },
-    /// Camera raw where a picture in colour is wanted.
+    /// A camera raw file where a picture in colour is needed.
     #[error(
-        "{file}: is camera raw, which holds one colour a pixel; develop it without tone curve to \
-        a linear 16-bit TIFF or \
-         an EXR"
+        "{file}: is camera raw, which holds one colour per pixel; develop it without tone curve \
+        to a linear 16-bit TIFF or an EXR"
     )]
     Undeveloped {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
     },
-    /// The decoder of camera raw gave up.
+    /// A camera raw file that cannot be decoded.
     #[error(
         "{file}: cannot be decoded as camera raw ({}); convert it to DNG, or develop it without \
-        tone curve to a linear \
-         16-bit TIFF or an EXR",
+        tone curve to a linear 16-bit TIFF or an EXR",
         one_line(reason)
     )]
     Raw {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// What the decoder said.
+        /// The decoder's message.
         reason: String,
     },
-    /// The header claims no pixels or too many.
+    /// A header that claims no pixels, or too many.
     #[error(
-        "{file}: its header claims {width} x {height} pixels, where 1 to {limit} in all are read; \
-         crop or repair the file"
+        "{file}: its header claims {width} x {height} pixels, but fit reads 1 to {limit} pixels \
+        in all; crop or repair the file"
     )]
     Size {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// Claimed columns.
+        /// Number of columns that the header claims.
         width: u64,
-        /// Claimed rows.
+        /// Number of rows that the header claims.
         height: u64,
-        /// Most pixels that are read.
+        /// Largest number of pixels that is read.
         limit: u64,
     },
-    /// Far more pixels than bytes.
+    /// A header that claims far more pixels than the file has bytes for.
     #[error(
         "{file}: claims {width} x {height} pixels in {bytes} bytes, as a decompression bomb does; \
-        crop it, or save it \
-         without compression"
+        crop it, or save it without compression"
     )]
     Packed {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// Claimed columns.
+        /// Number of columns that the header claims.
         width: u64,
-        /// Claimed rows.
+        /// Number of rows that the header claims.
         height: u64,
-        /// Length of the file.
+        /// Length of the file, bytes.
         bytes: u64,
     },
-    /// The EXR decoder gave up.
+    /// An EXR that cannot be decoded.
     #[error(
         "{file}: cannot be decoded as EXR ({}); write or copy the file again",
         one_line(source)
     )]
     Exr {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// What the decoder said.
+        /// The decoder's error.
         source: exr::error::Error,
     },
-    /// The PNG, TIFF or JPEG decoder gave up.
-    #[error("{file}: cannot be decoded as {} ({}); write or copy the file again", format.name(), one_line(source))]
+    /// A PNG, TIFF or JPEG that cannot be decoded.
+    #[error(
+        "{file}: cannot be decoded as {} ({}); write or copy the file again",
+        format.name(),
+        one_line(source)
+    )]
     Raster {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// Its format by signature.
+        /// Format of the file by its first bytes.
         format: Format,
-        /// What the decoder said.
+        /// The decoder's error.
         source: image::ImageError,
     },
-    /// An EXR of deep samples, which have no one value per pixel.
+    /// An EXR of deep samples, which have more than one value per pixel.
     #[error("{file}: holds deep data; flatten it to one value per pixel")]
     Deep {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
     },
     /// An EXR channel at a lower resolution than the picture.
@@ -129,27 +129,27 @@ pub enum Error {
         "{file}: channel {channel} is subsampled; save the EXR as full-resolution R, G, B or Y"
     )]
     Subsampled {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
         /// Name of the channel.
         channel: String,
     },
-    /// The plane asked for is not there.
+    /// A channel that the file does not have.
     #[error("{file}: has no {wanted} channel; set `channel` to what it has: {}", found.join(", "))]
     NoChannel {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// What was asked for.
+        /// The channel that was asked for.
         wanted: Channel,
-        /// What the file has.
+        /// Names of the channels that the file has.
         found: Vec<String>,
     },
-    /// Inks are not light.
+    /// A picture in CMYK. Its values are inks, not light.
     #[error(
         "{file}: is a CMYK picture; convert it to RGB or grey with the profile it was made with"
     )]
     Cmyk {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
     },
     /// A pixel that is NaN or infinite.
@@ -158,18 +158,18 @@ pub enum Error {
         fit"
     )]
     NotFinite {
-        /// The photograph.
+        /// Path of the photograph.
         file: PathBuf,
-        /// Column of the first such pixel in reading order.
+        /// Column of the first such pixel in reading order, from 0.
         x: usize,
-        /// Row of it.
+        /// Row of the first such pixel, from 0.
         y: usize,
-        /// NaN or an infinity.
+        /// Value of the pixel: NaN or an infinity.
         value: f32,
     },
 }
 
-/// A decoder's own words in one line; some end theirs with a line break.
+/// Returns a decoder's message in one line. Some decoders end theirs with a line break.
 fn one_line(source: &impl ToString) -> String {
     source
         .to_string()

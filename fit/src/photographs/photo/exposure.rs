@@ -1,4 +1,5 @@
-//! The exposure of a photograph from what the camera wrote into it (Exif 2.32, section 4.6.5).
+//! Exposure of a photograph from the settings that the camera wrote into it (Exif 2.32, section
+//! 4.6.5).
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -11,10 +12,11 @@ use crate::photographs::photo::raw;
 use crate::photographs::photo::settings::{Settings, settings};
 
 impl Settings {
-    /// Reads them from a JPEG, TIFF, PNG or, with the feature `raw`, camera raw.
+    /// Reads the settings from a JPEG, TIFF, PNG or, with the feature `raw`, camera raw.
     ///
     /// # Errors
-    /// What is missing, in words: the settings by name, or that there are none at all.
+    /// Returns what is missing, in words: the names of the missing settings, or that there are no
+    /// settings. Returns the error of the system if the file cannot be read.
     pub fn of(image: &Path) -> Result<Settings, String> {
         let mut first = Vec::with_capacity(16);
         let file = File::open(image).map_err(|error| error.to_string())?;
@@ -25,7 +27,7 @@ impl Settings {
         }
         let none = || "no Exif data".to_owned();
         let file = File::open(image).map_err(|error| error.to_string())?;
-        // A damaged entry is no reason to lose the others.
+        // A damaged entry must not hide the others.
         let exif = exif::Reader::new()
             .continue_on_error(true)
             .read_from_container(&mut BufReader::new(file))
@@ -43,7 +45,7 @@ impl Settings {
     }
 }
 
-/// The first number of a field.
+/// Returns the first number of an Exif field.
 fn number(exif: &Exif, tag: Tag) -> Option<f64> {
     debug_assert_eq!(tag.context(), Context::Exif);
     let Field { value, .. } = exif.get_field(tag, In::PRIMARY)?;

@@ -1,24 +1,25 @@
-//! File types of photographs.
+//! File formats of photographs.
 
 use std::path::Path;
 
-/// File types that are read, as found from the contents.
+/// A file format that is read, as recognised by the file's contents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
     /// OpenEXR.
     Exr,
     /// Portable Network Graphics.
     Png,
-    /// Tagged Image File Format, also BigTIFF.
+    /// Tagged Image File Format, BigTIFF included.
     Tiff,
     /// JPEG (JFIF or Exif).
     Jpeg,
-    /// Any camera's raw file.
+    /// Camera raw of any maker.
     Raw,
 }
 
 impl Format {
-    /// The format that a file of these first bytes has.
+    /// Returns the format of a file by its first bytes, or `None` if it is unknown. Camera raw is
+    /// not recognised in this way.
     pub fn of_signature(first: &[u8]) -> Option<Format> {
         const SIGNATURES: [(&[u8], Format); 7] = [
             (&[0x76, 0x2f, 0x31, 0x01], Format::Exr),
@@ -35,7 +36,7 @@ impl Format {
             .map(|&(_, format)| format)
     }
 
-    /// Name for messages.
+    /// Returns the name of the format for messages.
     pub const fn name(self) -> &'static str {
         match self {
             Format::Exr => "EXR",
@@ -46,7 +47,7 @@ impl Format {
         }
     }
 
-    /// What names of such files end in.
+    /// Returns the extensions that names of such files have, in small letters.
     pub(crate) const fn extensions(self) -> &'static [&'static str] {
         match self {
             Format::Exr => &["exr"],
@@ -58,18 +59,19 @@ impl Format {
     }
 }
 
-/// Extensions of camera raw files, many of which are TIFF inside and would yield their thumbnail.
+/// Extensions of camera raw files. Many of these files are TIFF inside; read as TIFF they would
+/// give their thumbnail.
 const CAMERA_RAW: [&str; 20] = [
     "3fr", "arw", "cr2", "cr3", "crw", "dcr", "dng", "erf", "iiq", "kdc", "mef", "mos", "mrw",
     "nef", "nrw", "orf", "pef", "raf", "rw2", "srw",
 ];
 
-/// Whether a file is camera raw by its name, or by its first bytes a CR2.
+/// Returns whether a file is camera raw: by its extension, or, for a CR2, by its first bytes.
 pub(crate) fn is_raw(extension: &str, first: &[u8]) -> bool {
     CAMERA_RAW.contains(&extension) || first.get(8..10) == Some(b"CR")
 }
 
-/// What a file's name ends in, in small letters.
+/// Returns the extension of a file's name in small letters; empty if there is none.
 pub(crate) fn extension(path: &Path) -> String {
     let extension = path.extension().and_then(|name| name.to_str());
     extension.unwrap_or("").to_ascii_lowercase()

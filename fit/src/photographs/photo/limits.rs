@@ -1,13 +1,13 @@
-//! Photographs that are refused before anything is allocated for them.
+//! Limits on the size of photographs, checked before memory is allocated.
 
 use std::path::Path;
 
 use crate::photographs::photo::error::Error;
 
-/// Largest photograph that is decoded, pixels: a claim beyond it is refused from the header alone.
+/// Largest photograph that is decoded, pixels. A larger one is refused by its header alone.
 pub(crate) const MAX_PIXELS: u64 = 200_000_000;
 
-/// Refuses sizes that no photograph has, before anything is allocated for them.
+/// Refuses pictures without pixels or with more than [`MAX_PIXELS`].
 pub(crate) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Error> {
     match width.checked_mul(height) {
         Some(1..=MAX_PIXELS) => Ok(()),
@@ -20,14 +20,15 @@ pub(crate) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Err
     }
 }
 
-/// Bytes of memory that the pixels of any file may take.
+/// Memory that the pixels of any file may take, bytes.
 const FREE: u64 = 256 << 20;
 
-/// Bytes above that, per byte of the file. Noise hardly packs; an edge without any, twentyfold.
+/// Memory beyond [`FREE`] that the pixels may take, bytes per byte of the file. Noise can hardly be
+/// packed; an edge without noise can be packed twentyfold.
 const PACKED: u64 = 100;
 
-/// Refuses pictures whose pixels would take `bytes` each in the decoder and four in the plane,
-/// where the file is far too short to hold them.
+/// Refuses pictures whose file is far too short for the memory that the pixels take. A pixel takes
+/// `bytes` in the decoder and four in the plane.
 pub(crate) fn check_packed(
     path: &Path,
     [width, height]: [u64; 2],

@@ -1,4 +1,5 @@
-//! EXR photographs: picks the layer and channels, streams their blocks into one plane.
+//! Reading of EXR photographs: the layer and channels are chosen, and their blocks streamed into
+//! planes.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -17,7 +18,7 @@ use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::transfer::Transfer;
 
-/// Bit of the version field that says "deep data inside" (OpenEXR file layout, version field).
+/// Bit of the version field that means "deep data inside" (OpenEXR file layout, version field).
 const DEEP_FLAG: u8 = 0x08;
 
 /// One channel of the file and its weight in the plane.
@@ -27,7 +28,7 @@ struct Term {
     weight: f32,
 }
 
-/// The channels that make the plane asked for.
+/// The channels whose weighted sum is the plane that was asked for.
 #[derive(Debug)]
 struct Selection {
     header: usize,
@@ -35,7 +36,7 @@ struct Selection {
     warnings: Vec<String>,
 }
 
-/// Reads the plane that `options` ask for. `first` are the first bytes of the file.
+/// Reads the plane that `options` ask for. `first` holds the first bytes of the file.
 pub(crate) fn read(
     path: &Path,
     reader: BufReader<File>,
@@ -75,7 +76,7 @@ pub(crate) fn read(
     })
 }
 
-/// Reads red, green and blue, or the luminance where the file has no colour.
+/// Reads red, green and blue, or the luminance if the file has no colour.
 pub(crate) fn read_colour(
     path: &Path,
     reader: BufReader<File>,
@@ -105,10 +106,10 @@ pub(crate) fn read_colour(
     })
 }
 
-/// Width, height, planes, warnings.
+/// Width, height, planes and warnings of a picture.
 type Planes = (usize, usize, Vec<Vec<f32>>, Vec<String>);
 
-/// Reads planes, each the sum of its terms; `choose` picks the header and them.
+/// Reads planes, each of which is the sum of its terms. `choose` picks the header and the terms.
 fn read_planes(
     path: &Path,
     reader: BufReader<File>,
@@ -166,7 +167,7 @@ fn read_planes(
     Ok((width, height, planes, warnings))
 }
 
-/// Adds the lines of the wanted channels to the plane.
+/// Adds the lines of one block to the plane, for the channels among `terms`.
 fn add_block(
     plane: &mut [f32],
     width: usize,
@@ -207,11 +208,11 @@ fn add_block(
     Ok(())
 }
 
-/// Channels of one layer: those of one header that share the part of the name before the last dot.
+/// Channels of one layer: those of one header whose names are the same up to the last dot.
 struct Layer {
     header: usize,
     name: String,
-    /// (index in the header, last part of the name).
+    /// Index in the header and last part of the name of each channel.
     channels: Vec<(usize, String)>,
 }
 
@@ -232,7 +233,7 @@ impl Layer {
         ]
     }
 
-    /// The only channel that is not transparency, where there is just one.
+    /// Returns the only channel that is not transparency, or `None` if there are none or several.
     fn only(&self) -> Option<usize> {
         let mut colours = self.channels.iter().filter(|(_, name)| !is_alpha(name));
         match (colours.next(), colours.next()) {
@@ -300,7 +301,7 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
     layers
 }
 
-/// Finds the first layer that has the plane asked for.
+/// Finds the first layer that has the plane that was asked for.
 fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection, Error> {
     let layers = layers(headers);
     let mut warnings = Vec::new();
@@ -342,8 +343,8 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             &layer.name
         };
         warnings.push(format!(
-            "{} layers hold a picture; {name} was used: set `channel` to a full channel name for \
-            another",
+            "{} layers hold a picture; {name} was used; to use another, set `channel` to the full \
+            name of a channel",
             able.len()
         ));
     }
@@ -354,7 +355,7 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
     if *wanted == Channel::Luminance && terms.len() == 1 && layer.find(["Y", "luminance"]).is_none()
     {
         warnings.push(format!(
-            "there is no Y and no R, G, B; the only channel, {}, was taken for luminance",
+            "the file has neither Y nor R, G and B; its only channel, {}, was used as luminance",
             stored[terms[0].index].name
         ));
     }
@@ -365,8 +366,8 @@ fn select(path: &Path, headers: &[Header], wanted: &Channel) -> Result<Selection
             .is_some()
     {
         warnings.push(
-            "the file names its own primaries; luminance was formed with the Rec. 709 \
-        weights all the same"
+            "the file names its own primaries, but its luminance was computed with the Rec. 709 \
+            weights"
                 .into(),
         );
     }

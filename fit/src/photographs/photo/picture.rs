@@ -1,4 +1,4 @@
-//! Pictures in colour: linear light in, EXR or 16-bit PNG out.
+//! Pictures in colour: linear light in memory, EXR or 16-bit PNG as files.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -13,33 +13,33 @@ use rayon::prelude::*;
 use crate::photographs::photo::channel::REC709;
 use crate::photographs::photo::transfer::Transfer;
 
-/// One plane of linear light, or three: red, green and blue.
+/// A picture of one plane of linear light, or of three: red, green and blue.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Columns, pixels.
+    /// Number of columns.
     pub width: usize,
-    /// Rows, pixels.
+    /// Number of rows.
     pub height: usize,
-    /// Linear light, each plane row-major from the top left, `width * height` finite values.
-    /// Integer formats: 1 is full scale.
+    /// Linear light, each plane row-major from the top left, `width * height` finite values. For
+    /// integer formats 1 is full scale.
     pub planes: Vec<Vec<f32>>,
-    /// How its file relates to light.
+    /// Relation between the values of the file and light.
     pub transfer: Transfer,
-    /// What was assumed or repaired, one sentence each, for the user.
+    /// Warnings about what was assumed or repaired, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// What a file of a picture is to be.
+/// The format in which a picture is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Writing {
-    /// Linear 32-bit floats.
+    /// EXR with linear 32-bit floats, not compressed.
     Exr,
-    /// 16 bits; what is above 1 or below 0 is clipped.
+    /// PNG with 16 bits. Values above 1 or below 0 are clipped.
     Png,
 }
 
 impl Writing {
-    /// The format of a file's ending; `None` for another ending.
+    /// Returns the format that the extension of a file stands for, or `None` for another extension.
     pub fn of(path: &Path) -> Option<Writing> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "exr" => Some(Writing::Exr),
@@ -50,7 +50,7 @@ impl Writing {
 }
 
 impl Picture {
-    /// Rec. 709 luminance of a pixel by its index.
+    /// Returns the Rec. 709 luminance of the pixel with this index.
     pub fn luminance(&self, index: usize) -> f32 {
         match &self.planes[..] {
             [red, green, blue] => {
@@ -60,7 +60,7 @@ impl Picture {
         }
     }
 
-    /// Mean luminance over all pixels, summed in f64.
+    /// Returns the mean luminance over all pixels, summed in f64.
     pub fn mean_luminance(&self) -> f64 {
         let mean = |plane: &Vec<f32>| {
             plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64
@@ -73,29 +73,30 @@ impl Picture {
         }
     }
 
-    /// Greatest luminance of a pixel.
+    /// Returns the greatest luminance of all pixels, at least 0.
     pub fn peak_luminance(&self) -> f64 {
         let pixels = 0..self.width * self.height;
         f64::from(pixels.map(|i| self.luminance(i)).fold(0.0, f32::max))
     }
 
-    /// Adds light to every pixel, then multiplies all by the exposure.
+    /// Adds ambient light to every pixel, then multiplies all pixels by the exposure.
     pub fn expose(&mut self, ambient: f64, exposure: f64) {
         let (ambient, exposure) = (ambient as f32, exposure as f32);
         let samples = self.planes.par_iter_mut().flatten();
         samples.for_each(|value| *value = (*value + ambient) * exposure);
     }
 
-    /// Samples above 1, which a PNG clips.
+    /// Counts the samples above 1, which a PNG clips.
     pub fn above_white(&self) -> usize {
         let above = |plane: &Vec<f32>| plane.iter().filter(|&&v| v > 1.0).count();
         self.planes.iter().map(above).sum()
     }
 
-    /// The bytes of a file; a PNG is written in the picture's own transfer.
+    /// Returns the bytes of the picture's file. A PNG is written in the picture's own transfer.
     ///
     /// # Errors
-    /// What the encoder says: a picture without pixels, or one beyond the format's size.
+    /// Returns the encoder's message if the picture has no pixels, or if it is too large for the
+    /// format.
     pub fn encode(self, writing: Writing) -> Result<Vec<u8>, String> {
         match writing {
             Writing::Exr => self.exr(),
@@ -103,14 +104,15 @@ impl Picture {
         }
     }
 
-    /// Not compressed: that would take longer than everything else, for a tenth of the size.
+    /// Encodes the picture as EXR without compression. Compression would take longer than all other
+    /// steps and save a tenth of the size.
     fn exr(self) -> Result<Vec<u8>, String> {
         let names: &[&str] = if self.planes.len() == 3 {
             &["R", "G", "B"]
         } else {
             &["Y"]
         };
-        // Samples, a line's own header, and room for the file's.
+        // Room for the samples, the header of each line, and the header of the file.
         let size = self.planes.len() * 4 * self.width * self.height + 16 * self.height + 4096;
         let channels = names.iter().zip(self.planes);
         let channels = channels
@@ -137,7 +139,7 @@ impl Picture {
         pixels.for_each(|(index, pixel)| {
             for (plane, sample) in self.planes.iter().zip(pixel.chunks_exact_mut(2)) {
                 let stored = self.transfer.to_stored(plane[index]).clamp(0.0, 1.0);
-                // The encoder takes samples in the machine's own order.
+                // The encoder takes samples in the byte order of the machine.
                 sample.copy_from_slice(&((stored * 65535.0).round() as u16).to_ne_bytes());
             }
         });

@@ -1,27 +1,27 @@
 //! A photograph in memory.
 
-/// One plane of linear light.
+/// A photograph: one plane of linear light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
-    /// Columns, pixels.
+    /// Number of columns.
     pub width: usize,
-    /// Rows, pixels.
+    /// Number of rows.
     pub height: usize,
-    /// Linear light, row-major from the top left, `width * height` values. Integer formats: 1 is
-    /// full scale. EXR: as stored. Finite, but for camera raw: NaN where the sensor saw another
-    /// colour.
+    /// Linear light, row-major from the top left, `width * height` values. For integer formats 1 is
+    /// full scale; EXR values are as stored. All values are finite, except in camera raw, where NaN
+    /// marks pixels that saw another colour.
     pub luminance: Vec<f32>,
-    /// Value from which a pixel counts as saturated: 1 for integer formats (a colour pixel with any
-    /// saturated contributing channel is set to it), 65504 for half-float EXR. Other EXR has no
-    /// limit of its own: 1 where the largest value is exactly 1, which a clipped, normalised sensor
-    /// image has; else `None`.
+    /// Value from which a pixel counts as saturated; `None` if there is no limit. It is 1 for
+    /// integer formats; a colour pixel is set to it if one of the channels used is saturated. For
+    /// any EXR it is 1 if the largest value is exactly 1, as in a clipped, normalised image of a
+    /// sensor. For other half-float EXR, read as linear, it is 65504.
     pub clip_level: Option<f32>,
-    /// What was assumed or repaired, one sentence each, for the user.
+    /// Warnings about what was assumed or repaired, one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Photo {
-    /// Value at column `x`, row `y`; `None` outside.
+    /// Returns the value at column `x`, row `y`, or `None` outside the picture.
     pub fn at(&self, x: usize, y: usize) -> Option<f32> {
         if x < self.width {
             self.luminance.get(y * self.width + x).copied()
@@ -30,7 +30,7 @@ impl Photo {
         }
     }
 
-    /// Number of pixels at or above [`Photo::clip_level`]; 0 where the format has none.
+    /// Returns the number of pixels at or above [`Photo::clip_level`]; 0 if there is no such level.
     pub fn clipped(&self) -> usize {
         self.clip_level.map_or(0, |level| {
             self.luminance
@@ -41,6 +41,6 @@ impl Photo {
     }
 }
 
-/// Said of a picture that was turned.
+/// Warning about a picture that was turned upright.
 pub(crate) const TURNED: &str =
     "turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture";

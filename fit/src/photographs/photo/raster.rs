@@ -1,4 +1,4 @@
-//! PNG, TIFF and JPEG photographs.
+//! Reading of PNG, TIFF and JPEG photographs.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -17,7 +17,7 @@ use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::{Photo, TURNED};
 use crate::photographs::photo::transfer::Transfer;
 
-/// Most that a decoder may allocate: the largest picture as four 16-bit channels.
+/// Memory that a decoder may allocate, bytes: that of the largest picture as four 16-bit channels.
 const MAX_BYTES: u64 = MAX_PIXELS * 8;
 
 /// Reads the plane that `options` ask for.
@@ -31,7 +31,8 @@ pub(crate) fn read(
     plane(path, picture, options, warnings)
 }
 
-/// Reads red, green and blue, or grey where there is no colour; `transfer` as in [`Decode`].
+/// Reads red, green and blue, or grey if there is no colour. `transfer` has the meaning of
+/// [`Decode::transfer`].
 pub(crate) fn read_colour(
     path: &Path,
     reader: BufReader<File>,
@@ -42,7 +43,7 @@ pub(crate) fn read_colour(
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = picture.color();
     let transfer = transfer.unwrap_or_else(|| default_transfer(&picture));
-    // Channels as they are stored, alpha left out.
+    // The number of stored channels includes alpha; the number of used ones does not.
     let stored = usize::from(colour.channel_count());
     let used = if colour.has_color() { 3 } else { 1 };
     let planes = match &picture {
@@ -86,7 +87,7 @@ fn split16(samples: &[u16], stored: usize, used: usize, transfer: Transfer) -> V
     split(samples, stored, used, |code| light[usize::from(code)])
 }
 
-/// One plane for each of the first `used` of `stored` channels.
+/// Returns one plane for each of the first `used` of `stored` channels.
 fn split<S: Copy + Sync>(
     samples: &[S],
     stored: usize,
@@ -100,7 +101,7 @@ fn split<S: Copy + Sync>(
     (0..used).into_par_iter().map(plane).collect()
 }
 
-/// The whole picture, upright.
+/// Decodes the whole picture, turns it upright and returns it with warnings.
 fn decode(
     path: &Path,
     reader: BufReader<File>,
@@ -119,9 +120,9 @@ fn decode(
             Format::Png | Format::Exr | Format::Raw => ImageFormat::Png,
         },
     );
-    // Decoders refuse a size that they could not hold before telling it; so the header is read
-    // without limits, which allocates nothing of the size of the picture, and they are set for the
-    // pixels.
+    // A decoder with limits would refuse a large picture before it tells the size. So the header is
+    // read without limits, which allocates nothing of the size of the picture. The limits are set
+    // before the pixels are read.
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
@@ -149,7 +150,7 @@ fn decode(
     Ok((picture, warnings))
 }
 
-/// Forms the plane and says what was assumed about it.
+/// Computes the plane from the picture, and adds warnings about what was assumed.
 fn plane(
     path: &Path,
     picture: DynamicImage,
@@ -203,7 +204,7 @@ fn plane(
         DynamicImage::ImageLumaA16(pixels) => words(&pixels, channels, weights, transfer),
         DynamicImage::ImageRgb16(pixels) => words(&pixels, channels, weights, transfer),
         DynamicImage::ImageRgba16(pixels) => words(&pixels, channels, weights, transfer),
-        // Only floats are left; they have no full scale of their own.
+        // All other pictures hold floats, which have no full scale.
         other => {
             let pixels = other.into_rgb32f();
             let luminance = weigh(&pixels, 3, weights, None, |value: f32| {
@@ -227,14 +228,14 @@ fn plane(
     })
 }
 
-/// Light of every 8-bit code.
+/// Returns the light of every 8-bit code.
 fn light8(transfer: Transfer) -> Vec<f32> {
     (0..=u8::MAX)
         .map(|code| transfer.to_linear(f32::from(code) / 255.0))
         .collect()
 }
 
-/// Light of every 16-bit code.
+/// Returns the light of every 16-bit code.
 fn light16(transfer: Transfer) -> Vec<f32> {
     (0..=u16::MAX)
         .map(|code| transfer.to_linear(f32::from(code) / 65535.0))
@@ -255,8 +256,9 @@ fn words(samples: &[u16], channels: usize, weights: &[f32], transfer: Transfer) 
     })
 }
 
-/// Weighted sum of the channels of each pixel. One saturated channel makes the sum a guess, so that
-/// such a pixel is set to full scale, where [`Photo::clipped`] finds it.
+/// Returns the weighted sum of the channels of each pixel. If one of the channels used is
+/// saturated, the sum is unknown: the pixel is set to full scale, so that [`Photo::clipped`] counts
+/// it.
 fn weigh<S: Copy + PartialEq>(
     samples: &[S],
     channels: usize,

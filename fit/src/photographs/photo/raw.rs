@@ -1,11 +1,12 @@
-//! Camera raw (feature `raw`), decoded by rawler: the pixels of one colour, each at its own place.
+//! Reading of camera raw (feature `raw`) by rawler: the pixels of one colour, each at its own
+//! place.
 //!
 //! A colour sensor sees red and blue in every fourth pixel and green in every second. To fill in
-//! the others (demosaicing) or to average blocks of them is a filter, which the profile of an edge
-//! would show. So neither is done: pixels of other colours are taken out, as hot ones are, and the
-//! edge is measured from those that saw it, where they lie. The MTF is that of one pixel's own box
-//! at the sensor's own pitch; fewer pixels cost noise, a factor of sqrt 2 in green and 2 in red and
-//! blue, and no bias.
+//! the missing ones (demosaicing), or to average blocks of pixels, is a filter, and the edge
+//! profile would show it. So neither is done. Pixels of other colours are excluded, as hot pixels
+//! are, and the edge is measured from the remaining pixels at their own places. The MTF is then
+//! that of one pixel at the sensor's own pitch. Fewer pixels increase the noise, by a factor of
+//! sqrt 2 in green and of 2 in red and blue, but cause no bias.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -26,22 +27,25 @@ use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::settings as camera;
 use crate::photographs::photo::settings::Settings;
 
-/// The colours of a filter, as rawler counts them.
+/// The colours of a filter, in the order of rawler's indices.
 const COLOURS: [Channel; 3] = Channel::PRIMARIES;
 
 /// Reads the pixels of one colour: linear light, 0 at the black level and 1 at the white level of
-/// the file. Noise below the black level stays below 0. Luminance, where nothing else is asked for,
-/// is green, with a warning; of a sensor without colours it is all pixels.
+/// the file. Noise below the black level stays below 0.
+///
+/// Luminance of a colour sensor means its green pixels, with a warning; luminance of a sensor
+/// without colours means all pixels.
 ///
 /// # Errors
-/// What rawler does not know or cannot decode; a colour that the sensor does not see; sizes beyond
+/// Returns [`Error::Raw`] if rawler cannot decode the file, [`Error::NoChannel`] if the sensor does
+/// not see the colour, and [`Error::Size`] if the file claims more pixels than
 /// [`crate::photographs::photo::limits::MAX_PIXELS`].
 pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
     let fault = |reason: String| Error::Raw {
         file: path.to_owned(),
         reason,
     };
-    // Panics of the decoder are caught in it.
+    // `decode_file` catches panics of the decoder.
     let raw = rawler::decode_file(path).map_err(|error| fault(error.to_string()))?;
     check_size(path, raw.width as u64, raw.height as u64)?;
     let samples = match &raw.data {
@@ -59,7 +63,8 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
             let green = *wanted == Channel::Luminance;
             if green {
                 warnings.push(
-                    "camera raw has no luminance: its green pixels were taken; name a `channel`"
+                    "camera raw has no luminance: its green pixels were used; set `channel` to \
+                    choose a colour"
                         .into(),
                 );
             }
@@ -76,7 +81,8 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
             })?)
         }
     };
-    let plane = plane(&raw, channel).ok_or_else(|| fault("its black level is its white".into()))?;
+    let plane = plane(&raw, channel)
+        .ok_or_else(|| fault("its black level is not below its white level".into()))?;
     let plane = upright(plane, raw.orientation);
     if raw.orientation != Orientation::Normal {
         warnings.push(crate::photographs::photo::plane::TURNED.into());
@@ -90,10 +96,10 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
     })
 }
 
-/// The settings of the camera.
+/// Reads the settings of the camera from a camera raw file.
 ///
 /// # Errors
-/// What is missing, in words.
+/// Returns what is missing, in words, or the decoder's message if the file cannot be read.
 pub(crate) fn settings(path: &Path) -> Result<Settings, String> {
     let read = || {
         let source = RawSource::new(path).map_err(|error| error.to_string())?;
@@ -106,7 +112,7 @@ pub(crate) fn settings(path: &Path) -> Result<Settings, String> {
         .exif;
     let number =
         |value: Option<Rational>| value.map(|value| f64::from(value.n) / f64::from(value.d));
-    // Above what 16 bits hold, Exif 2.3 puts ISO elsewhere and 65535 here.
+    // Exif 2.3 stores an ISO of 65535 or more in another field, and 65535 in this one.
     let short = exif.iso_speed_ratings.filter(|&iso| iso < u16::MAX);
     let iso = short
         .map(f64::from)
@@ -115,7 +121,8 @@ pub(crate) fn settings(path: &Path) -> Result<Settings, String> {
     camera::settings([number(exif.exposure_time), number(exif.fnumber), iso])
 }
 
-/// Indices of the colours that the sensor tells apart; none where it is without colours.
+/// Returns the indices of the colours that the sensor distinguishes; none for a sensor without
+/// colours.
 fn seen(raw: &RawImage) -> Vec<usize> {
     match &raw.photometric {
         RawPhotometricInterpretation::Cfa(mosaic) => {
@@ -134,8 +141,8 @@ fn seen(raw: &RawImage) -> Vec<usize> {
 
 type Plane = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// The lit part of the sensor, in light; NaN where another colour was seen. `None` where no light
-/// lies between black and white.
+/// Returns the lit part of the sensor in light; NaN marks pixels of another colour. Returns `None`
+/// if the white level of a pixel is not above its black level.
 fn plane(raw: &RawImage, channel: Option<usize>) -> Option<Plane> {
     let whole = Rect::new(Point::zero(), Dim2::new(raw.width, raw.height));
     let Rect { p, d } = raw.crop_area.or(raw.active_area).unwrap_or(whole);
@@ -162,14 +169,14 @@ fn plane(raw: &RawImage, channel: Option<usize>) -> Option<Plane> {
             }
             let value = samples[(row * raw.width + column) * raw.cpp + sample];
             let share = ((value - black) / (white - black)).min(1.0);
-            // A file of floats may hold what is no light.
+            // A file of floats may hold values that are not finite.
             light.push(if share.is_finite() { share } else { f32::NAN });
         }
     }
     ImageBuffer::from_raw(d.w as u32, d.h as u32, light)
 }
 
-/// The level of no light: a pattern that repeats.
+/// Returns the black level at a pixel. The levels of a file are a pattern that repeats.
 fn black(level: &BlackLevel, row: usize, column: usize, sample: usize) -> f32 {
     let (row, column) = (row % level.height.max(1), column % level.width.max(1));
     let index = (row * level.width + column) * level.cpp + sample;
@@ -177,8 +184,8 @@ fn black(level: &BlackLevel, row: usize, column: usize, sample: usize) -> f32 {
     level.map_or(0.0, Rational::as_f32)
 }
 
-/// The level at which a pixel is full: one for all, for every sample of a pixel, or for every place
-/// of a mosaic of 2 x 2.
+/// Returns the white level at a pixel. A file has one level for all, one for every sample of a
+/// pixel, or one for every place of a mosaic of 2 x 2.
 fn white(level: &WhiteLevel, cpp: usize, row: usize, column: usize, sample: usize) -> f32 {
     let index = match level.0.len() {
         4 if cpp == 1 => 2 * (row % 2) + column % 2,

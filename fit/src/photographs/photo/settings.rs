@@ -1,18 +1,18 @@
-//! Settings of a camera.
+//! Settings of a camera that decide the exposure.
 
-/// Settings of the camera.
+/// Settings of a camera that decide the exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Shutter time, s, > 0.
+    /// Shutter time, seconds, > 0.
     pub seconds: f64,
-    /// Focal length over aperture, > 0.
+    /// Ratio of the focal length to the aperture, > 0.
     pub f_number: f64,
     /// ISO sensitivity, > 0.
     pub iso: f64,
 }
 
 impl Settings {
-    /// Signal per unit of light: seconds x ISO / f-number^2.
+    /// Returns the signal per unit of light: seconds x ISO / f-number^2.
     pub fn exposure(&self) -> f64 {
         self.seconds * self.iso / (self.f_number * self.f_number)
     }
@@ -29,10 +29,10 @@ impl std::fmt::Display for Settings {
     }
 }
 
-/// Settings of seconds, f-number and ISO, where all are there, finite and above 0.
+/// Checks seconds, f-number and ISO, and returns them as settings.
 ///
 /// # Errors
-/// Which are not, in words.
+/// Returns the names of the settings that are missing, not finite or not above 0, in words.
 pub(crate) fn settings(found: [Option<f64>; 3]) -> Result<Settings, String> {
     let positive = found.map(|number| number.filter(|n| n.is_finite() && *n > 0.0));
     if let [Some(seconds), Some(f_number), Some(iso)] = positive {

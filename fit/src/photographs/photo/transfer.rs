@@ -1,6 +1,6 @@
-//! How stored values relate to light.
+//! Relation between stored values and light.
 
-/// How stored values relate to light.
+/// Relation between stored values and light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Transfer {
     /// Stored values are proportional to light.
@@ -13,7 +13,7 @@ impl Transfer {
     /// The names that a manifest may use, in the order of the variants.
     pub const NAMES: [&'static str; 2] = ["linear", "srgb"];
 
-    /// The transfer called `name` in a manifest.
+    /// Returns the transfer that has this name in a manifest, or `None`.
     pub fn from_name(name: &str) -> Option<Transfer> {
         match name {
             "linear" => Some(Transfer::Linear),
@@ -22,8 +22,8 @@ impl Transfer {
         }
     }
 
-    /// Light of a stored value, both in units of full scale. sRGB is odd in the value, so noise
-    /// around 0 stays centred.
+    /// Returns the light of a stored value, both in units of full scale. The sRGB curve is odd in
+    /// the value, so noise around 0 stays centred.
     pub fn to_linear(self, stored: f32) -> f32 {
         match self {
             Transfer::Linear => stored,
@@ -39,7 +39,7 @@ impl Transfer {
         }
     }
 
-    /// What is stored for a light: the inverse of [`Transfer::to_linear`].
+    /// Returns the stored value of a light, the inverse of [`Transfer::to_linear`].
     pub fn to_stored(self, light: f32) -> f32 {
         match self {
             Transfer::Linear => light,

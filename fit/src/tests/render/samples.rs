@@ -1,4 +1,4 @@
-//! Images by samples against those by transforms.
+//! Tests of images by samples against images by transforms.
 
 use crate::images::Scale;
 use crate::images::render;
@@ -78,10 +78,11 @@ fn samples_meet_the_transforms_within_their_error() {
                     .unwrap();
                 let error = standard_error.unwrap();
                 let distance = distance(&image, &spectral);
-                // Pixels whose errors count: of a point those that it lights (their variance is as
-                // their light), of a picture the blocks of samples that they share, 32,768 samples
-                // by 32. The mean square of n errors is known to sqrt(2/n), the error from 8
-                // randomisations to sqrt(2/7n); half of that for the roots.
+                // Number of pixels whose errors are independent. For a point these are the pixels
+                // that it lights (their variance follows their light). For a picture these are the
+                // blocks of samples that pixels share: 32,768 samples by 32. The relative scatter
+                // of the mean square of n errors is sqrt(2/n), and that of the error from 8
+                // randomisations sqrt(2/7n); the roots have half of that.
                 let counting = if std::ptr::eq(source, &point) {
                     let light = || spectral.planes[0].iter().map(|&v| f64::from(v.abs()));
                     light().sum::<f64>().powi(2) / light().map(|v| v * v).sum::<f64>()
@@ -134,8 +135,8 @@ fn samples_of_a_view_meet_its_tiles() {
         .map(|seen| seen.energy.unwrap())
         .fold(0.0, f64::max);
     let distance = distance(&sampled.image, &tiled);
-    // 1,200 pixels of three planes, each with samples of its own: its root mean square is known to
-    // 2 %.
+    // 1,200 pixels of three planes, each with its own samples: the scatter of their root mean
+    // square is 2 %.
     assert!(
         distance < 1.1 * error + tolerance * energy,
         "{distance} against {error}"
@@ -143,8 +144,7 @@ fn samples_of_a_view_meet_its_tiles() {
     assert_eq!(sampled.seen.len(), 40 * 30);
 }
 
-/// A square away from the point, so that neither the sign nor the turn of a spot can be wrong
-/// unseen.
+/// A square away from the point, which shows a wrong sign or a wrong turn of a spot.
 struct Displaced(Square);
 
 const AWAY_MM: [f64; 2] = [0.3, -0.7];
@@ -169,7 +169,8 @@ impl Spot for Displaced {
     }
 }
 
-/// Squares of half a millimetre and more the farther they are, energy falling with the incidence.
+/// A sheet whose spots are squares of half a millimetre and more. They grow with distance; their
+/// energy falls with the incidence.
 struct Millimetre;
 
 impl Sheet for Millimetre {

@@ -1,4 +1,4 @@
-//! Where a camera sees every pixel.
+//! Tests of the places in which a camera sees every pixel.
 
 use crate::images::render::view;
 use crate::images::render::view::CameraView;
@@ -10,7 +10,7 @@ pub(crate) fn load(text: &str) -> Result<CameraView, String> {
     CameraView::load(&file).map_err(|error| error.to_string())
 }
 
-/// The camera `far` before the image, the sheet 300 mm behind it and turned.
+/// A view with the camera `far` before the image and a turned sheet 300 mm behind it.
 pub(crate) fn view(far: f64, turn_deg: f64, mirror: bool) -> String {
     let (sine, cosine) = turn_deg.to_radians().sin_cos();
     format!(
@@ -33,14 +33,15 @@ fn a_far_camera_sees_the_uniform_scene() {
             let seen = view.at(at).unwrap();
             // 30 mm of 1e7 turn the ray by 3e-6 rad.
             assert!((seen.place.incidence_deg - 20.0).abs() < 3e-4);
-            // The sheet falls back on the side that its normal leans to.
+            // The sheet recedes on the side to which its normal leans.
             let r_mm = 300.0 + 0.1 * at[0] * 20.0_f64.to_radians().tan();
             assert!(
                 (seen.place.r_mm - r_mm).abs() < 0.01,
                 "{:?} {r_mm}",
                 seen.place
             );
-            // Along the picture's columns, 90 degrees to the first edge, which points up.
+            // The direction is along the picture's columns, 90 degrees to the first edge, which
+            // points up.
             let azimuth = if mirror { 90.0 } else { -90.0 };
             assert!(
                 (seen.place.azimuth_deg.unwrap() - azimuth).abs() < 1e-3,
@@ -48,7 +49,8 @@ fn a_far_camera_sees_the_uniform_scene() {
                 seen.place
             );
             let [[a, b], [c, d]] = seen.pixels_from_mm;
-            // Sagittal: downwards as in the photographs where the sheet is seen in the mirror.
+            // The sagittal axis points downwards, as in photographs, if the camera sees the sheet
+            // in the mirror.
             let down = if mirror { 10.0 } else { -10.0 };
             for (value, expected) in [(a, 10.0), (b, 0.0), (c, 0.0), (d, down)] {
                 assert!((value - expected).abs() < 1e-3, "{:?}", seen.pixels_from_mm);
@@ -61,7 +63,7 @@ fn a_far_camera_sees_the_uniform_scene() {
 
 #[test]
 fn a_near_camera_sees_what_trigonometry_says() {
-    // A sheet that faces the camera: the incidence is the ray's own angle, the mirrored picture
+    // If the sheet faces the camera, the incidence is the angle of the ray. The mirrored picture is
     // twice as far behind.
     let view = load(&view(600.0, 0.0, false)).unwrap();
     let mut cases = 0;
@@ -70,15 +72,14 @@ fn a_near_camera_sees_what_trigonometry_says() {
         let tangent = 0.1 * x / 600.0_f64;
         assert!((seen.place.incidence_deg.to_radians().tan() - tangent.abs()).abs() < 1e-9);
         assert!((seen.place.r_mm - 300.0 * tangent.hypot(1.0)).abs() < 1e-9);
-        // Carried to the image's plane, the plane across the ray is stretched by 1/cos along the
-        // incidence.
+        // In the image's plane, the plane across the ray is stretched by 1/cos along the incidence.
         let stretch = 10.0 * tangent.hypot(1.0) * x.signum();
         assert!(
             (seen.pixels_from_mm[0][0] - stretch).abs() < 1e-9,
             "{:?}",
             seen.pixels_from_mm
         );
-        // From the camera to the sheet 900 mm, and back to the image 300.
+        // The path is 900 mm from the camera to the sheet, and 300 mm back to the image.
         let mirrored = seen.mirrored.unwrap();
         assert!(
             (mirrored[0] - x * 1200.0 / 600.0).abs() < 1e-6,
