@@ -127,6 +127,22 @@ fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     (Cow::Owned(split), normals)
 }
 
+/// Returns what glTF has no place for: design, lattice, edge length and azimuth zero.
+fn extras(mesh: &Mesh) -> serde_json::Map<String, Value> {
+    let mut extras = serde_json::Map::new();
+    extras.insert("design".into(), mesh.design.as_str().into());
+    if let Some([a, b]) = mesh.lattice {
+        extras.insert("lattice".into(), json!([a.x, a.y, a.z, b.x, b.y, b.z]));
+    }
+    if let Some(length) = mesh.edge_length {
+        extras.insert("edge_length".into(), length.into());
+    }
+    if let Some(direction) = mesh.azimuth_zero {
+        extras.insert("azimuth_zero".into(), json!(direction.to_array()));
+    }
+    extras
+}
+
 /// Returns the mesh as a GLB file.
 ///
 /// It has one primitive, f32 positions, u32 indices, `extras` of the document for design, lattice,
@@ -161,20 +177,9 @@ pub fn glb(mesh: &Mesh) -> Vec<u8> {
     let triangles_end = binary.len();
     let normals: Vec<[f32; 3]> = normals.iter().map(|n| n.as_vec3().to_array()).collect();
     binary.extend(normals.iter().flatten().flat_map(|x| x.to_le_bytes()));
-    let mut extras = serde_json::Map::new();
-    extras.insert("design".into(), mesh.design.as_str().into());
-    if let Some([a, b]) = mesh.lattice {
-        extras.insert("lattice".into(), json!([a.x, a.y, a.z, b.x, b.y, b.z]));
-    }
-    if let Some(length) = mesh.edge_length {
-        extras.insert("edge_length".into(), length.into());
-    }
-    if let Some(direction) = mesh.azimuth_zero {
-        extras.insert("azimuth_zero".into(), json!(direction.to_array()));
-    }
     let mut document = json!({
         "asset": { "version": "2.0", "generator": "bake design" },
-        "extras": extras,
+        "extras": extras(&mesh),
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0 }],
