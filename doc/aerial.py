@@ -29,7 +29,7 @@ pixel_pitch_mm = 0.08
 [truth]
 kernel = "wave"
 wavelength_nm = 535
-ior = 1.49
+refractive_index = 1.49
 pair = true
 c = 0.18
 mu = 0.6

@@ -202,7 +202,7 @@ pixel_pitch_mm = {PITCH_MM}
 [truth]
 kernel = "wave"
 wavelength_nm = "{LIGHT}"
-ior = 1.49
+refractive_index = 1.49
 pair = true
 c = {sheet["c"]}
 mu = {sheet["mu"]}

@@ -10,7 +10,7 @@
 //!
 //! let table = tables::read(Path::new("tests/kept/version_1_rays.h5"))?;
 //! let direction = table.direction(20.0, Some(30.0))?;
-//! assert!((direction.eta - 0.5931).abs() < 5e-5);
+//! assert!((direction.retroreflected - 0.5931).abs() < 5e-5);
 //! // Its spectrum along u, at frequencies in cycles per edge length.
 //! let otf = direction.otf_along([1.0, 0.0], &[0.0, 0.1, 0.2]);
 //! assert!((otf[0].re - 1.0).abs() < 1e-13 && otf[2].norm() < otf[1].norm());

@@ -79,7 +79,7 @@ impl ExactCell {
         Share {
             paths,
             fate,
-            eta,
+            retroreflected: eta,
             histogram: filled.mass,
             dropped,
         }
@@ -200,7 +200,8 @@ pub(crate) fn bake(
             }
         },
     );
-    let retroreflected = Array2::from_shape_fn((incidences, azimuths), |(i, a)| of(i, a).eta);
+    let retroreflected =
+        Array2::from_shape_fn((incidences, azimuths), |(i, a)| of(i, a).retroreflected);
     let fate = Array3::from_shape_fn((incidences, azimuths, Fate::ALL.len()), |(i, a, k)| {
         of(i, a).fate[k]
     });

@@ -91,7 +91,7 @@ fn mixture(parts: &[(f64, &Share)]) -> Share {
     Share {
         paths: Vec::new(),
         fate: std::array::from_fn(|fate| sum(&|share| share.fate[fate])),
-        eta: sum(&|share| share.eta),
+        retroreflected: sum(&|share| share.retroreflected),
         histogram,
         dropped: sum(&|share| share.dropped),
     }

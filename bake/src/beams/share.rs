@@ -10,7 +10,7 @@ pub(crate) struct Share {
     /// Share of the launched light by fate, in the order of [`Fate::ALL`].
     pub fate: [f64; Fate::ALL.len()],
     /// Retroreflected share eta: the sum of the fates `retroreflected` and `out_of_range`.
-    pub eta: f64,
+    pub retroreflected: f64,
     /// Probability per launched ray of each bin, `[v][u]`, row-major. Its sum is the share of the
     /// fate `retroreflected`.
     pub histogram: Vec<f64>,

@@ -105,7 +105,7 @@ fn what_has_no_symmetry_is_baked_all_around() {
     let rays = bake(&cells::pair(), &plan).unwrap();
     assert_eq!(rays.axes.azimuth_deg, [0.0, 15.0, 30.0]);
     assert_eq!(
-        rays.direction(10.0, Some(75.0)).unwrap().eta,
+        rays.direction(10.0, Some(75.0)).unwrap().retroreflected,
         rays.retroreflected[[0, 1]]
     );
 }
@@ -185,7 +185,7 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             let (mass, _) = spread(paths, prepared.entrance_area(), 128, 2.0);
             by_polygons = by_polygons.max(total(&mass));
             by_mixing = by_mixing.max(total(found.probability.as_slice().unwrap()));
-            by_eta = by_eta.max((found.eta - truth.eta).abs());
+            by_eta = by_eta.max((found.retroreflected - truth.retroreflected).abs());
             // Every path has the direction of a path of the truth.
             for path in paths.iter().filter(|path| area(&path.polygon) > tolerance) {
                 let apart = truth.paths.iter().map(|own| {

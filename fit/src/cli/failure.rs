@@ -109,13 +109,13 @@ pub(crate) enum Failure {
     /// Table of another cell than the ranges name.
     #[error("{}: is not the table of the ideal cell that is simulated; bake that table: \
     bake design {design} -o cell.obj, then \
-    bake trace cell.obj --refractive-index {ior} --incidence 0:45:15 --azimuth 30",
+    bake trace cell.obj --refractive-index {refractive_index} --incidence 0:45:15 --azimuth 30",
         table.display())]
     OtherCell {
         /// File of the table.
         table: PathBuf,
         /// Refractive index of the simulated cell.
-        ior: f64,
+        refractive_index: f64,
         /// Design of the simulated cell.
         design: &'static str,
     },

@@ -122,7 +122,11 @@ struct Report {
     contrast: f64,
     pixel_noise: [f64; 2],
     frequency_unit: &'static str,
+    /// In `frequency_unit`.
     mtf50: Option<f64>,
+    /// Only with a pixel pitch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mtf50_per_mm: Option<f64>,
     frequency: Vec<f64>,
     mtf: Vec<f64>,
     standard_error: Vec<f64>,
@@ -185,6 +189,7 @@ fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
     let standard_error = sfr::standard_error(&estimator.response(&profile), &profile);
     let frequency = estimator.frequencies_per_mm;
     let (dark, bright) = profile.plateaus();
+    let mtf50 = crossing(&frequency, &mtf, 0.5);
     Ok(Report {
         image: arguments.image.display().to_string(),
         edge_angle_deg: line.normal_rad.to_degrees(),
@@ -197,7 +202,8 @@ fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
         } else {
             "cycles/pixel"
         },
-        mtf50: crossing(&frequency, &mtf, 0.5),
+        mtf50,
+        mtf50_per_mm: mtf50.filter(|_| arguments.pixel_pitch.is_some()),
         frequency,
         mtf,
         standard_error,

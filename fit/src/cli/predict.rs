@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     /// Floating distances R, mm.
     ///
     /// R is the length of the principal ray from the sheet to the image.
-    #[arg(long, value_name = "LIST", value_parser = parse::positives)]
+    #[arg(long, visible_alias = "floating-distance", value_name = "LIST", value_parser = parse::positives)]
     pub distance: std::vec::Vec<f64>,
     /// Incidence angles in the air, degrees.
     #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
@@ -102,10 +102,22 @@ const MOST_CURVES: usize = 12;
 struct Report<'a> {
     kernel: Kernel,
     frequency_per_mm: &'a [f64],
-    predictions: &'a [Prediction],
+    predictions: Vec<OldNames<&'a Prediction>>,
     #[cfg(feature = "report")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    around: Vec<Around>,
+    around: Vec<OldNames<Around>>,
+}
+
+/// A prediction whose keys of version 0.1 are written too, so that scripts that read them go on.
+#[derive(Serialize)]
+struct OldNames<T> {
+    #[serde(flatten)]
+    prediction: T,
+    /// `floating_distance_mm`.
+    distance_mm: f64,
+    /// `retroreflected`, where the prediction has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eta: Option<f64>,
 }
 
 /// Runs the verb.
@@ -134,7 +146,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
     let mut places = Places {
-        distance_mm: arguments.distance.clone(),
+        floating_distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
         azimuth_deg: parse::only_azimuth(&table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
@@ -186,9 +198,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::json(&Report {
             kernel: result.kernel,
             frequency_per_mm: &places.frequency_per_mm,
-            predictions: &predictions,
+            predictions: predictions
+                .iter()
+                .map(|prediction| OldNames {
+                    prediction,
+                    distance_mm: prediction.floating_distance_mm,
+                    eta: Some(prediction.retroreflected),
+                })
+                .collect(),
             #[cfg(feature = "report")]
-            around: polar,
+            around: polar
+                .into_iter()
+                .map(|prediction| OldNames {
+                    distance_mm: prediction.floating_distance_mm,
+                    eta: None,
+                    prediction,
+                })
+                .collect(),
         })
     } else {
         csv(&predictions, &places.frequency_per_mm)
@@ -200,7 +226,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// places where nothing is retroreflected.
 fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
     let mut text = String::from(
-        "distance_mm,incidence_deg,azimuth_deg,axis,eta,luminance,frequency_per_mm,mtf\n",
+        "floating_distance_mm,incidence_deg,azimuth_deg,axis,retroreflected,luminance,\
+        frequency_per_mm,mtf\n",
     );
     for p in predictions {
         let axis = if p.axis == Axis::Tangential {
@@ -215,7 +242,7 @@ fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
             let _ = writeln!(
                 text,
                 "{},{},{azimuth},{axis},{:.6},{luminance},{f:.6},{mtf}",
-                p.distance_mm, p.incidence_deg, p.eta
+                p.floating_distance_mm, p.incidence_deg, p.retroreflected
             );
         }
     }

@@ -83,6 +83,7 @@ pub(crate) struct Arguments {
     /// R is the length of the principal ray from the sheet to the image.
     #[arg(
         long,
+        visible_alias = "floating-distance",
         value_name = "MM",
         value_parser = parse::positive,
         required_unless_present = "view",

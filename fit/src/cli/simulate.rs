@@ -19,7 +19,7 @@ Example (PARAMS.toml):
   [truth]
   kernel = \"eq1\"
   lobe = \"radial\"
-  ior = 1.49
+  refractive_index = 1.49
   pair = true
   a = { \"0\" = 4.9, \"20\" = 3.75 }    # or one number
   c = 0.24

@@ -47,7 +47,7 @@ losses mtf and edge, and compared with their truth. A campaign counts if its
 bound on c is below 10 %. The table must be of the ideal cell that the ranges
 name. All keys of RANGES.toml may be left out. These are the values that they
 then have, except for light:
-  ior = 1.49                              # refractive index
+  refractive_index = 1.49                 # behind the flat front
   pair = true                             # cell: triangular-pair, or triangular
   lobe = \"radial\"
   a_per_mm = { from = 1.5, to = 8.0 }     # all ranges evenly in the logarithm
@@ -55,7 +55,7 @@ then have, except for light:
   mu = { from = 0.2, to = 0.8 }
   photographs = { from = 2, to = 20 }     # at directions of the table
   electrons = { from = 500, to = 40000 }  # at full scale
-  distance_mm = { from = 100, to = 400 }
+  floating_distance_mm = { from = 100, to = 400 }
   light = { from = 0.001, to = 0.03 }     # uneven light; even if left out
   [camera]                                # other keys: fit simulate --help
   width = 192
@@ -384,12 +384,12 @@ fn checked_directions(
         let eta = ranges.eta([incidence, azimuth]);
         table
             .direction(incidence, Some(azimuth))
-            .is_ok_and(|found| (found.eta / eta - 1.0).abs() < SAME)
+            .is_ok_and(|found| (found.retroreflected / eta - 1.0).abs() < SAME)
     };
     if directions.is_empty() || !directions.iter().all(same) {
         return Err(Failure::OtherCell {
             table: path.to_owned(),
-            ior: ranges.ior,
+            refractive_index: ranges.refractive_index,
             design: if ranges.pair {
                 "triangular-pair"
             } else {

@@ -40,6 +40,16 @@ pub enum Error {
         /// The valid key with the smallest edit distance to the unknown one.
         nearest: &'static str,
     },
+    /// A key that is given by its old name and by its name of today.
+    #[error("{place}: `{old}` is the old name of `{new}`, which is given too; remove one of them")]
+    TwoNames {
+        /// Place of the old name.
+        place: FileLine,
+        /// The old name.
+        old: &'static str,
+        /// The name of today.
+        new: &'static str,
+    },
     /// A value of the wrong type.
     #[error("{place}: `{key}` must be {expected}, not {found}; change the value")]
     WrongType {

@@ -62,6 +62,22 @@ impl Document {
     }
 }
 
+/// Names that keys had in version 0.1, with their names of today.
+///
+/// A table that has both among its known keys may be written with either.
+const RENAMED: [(&str, &str); 2] = [
+    ("ior", "refractive_index"),
+    ("distance_mm", "floating_distance_mm"),
+];
+
+/// Returns the name of today of a key.
+fn renamed(key: &str) -> &str {
+    RENAMED
+        .iter()
+        .find(|(old, _)| *old == key)
+        .map_or(key, |(_, new)| new)
+}
+
 /// One table of a document. All its keys are known.
 #[derive(Debug)]
 pub(crate) struct Section<'d> {
@@ -99,7 +115,7 @@ impl<'d> Section<'d> {
             .collect();
         keys.sort_by_key(|key| key.span().start);
         let Some(key) = keys.first() else {
-            return Ok(self);
+            return self.named_once();
         };
         let distance = |candidate: &&str| strsim::damerau_levenshtein(candidate, key.get_ref());
         Err(Error::UnknownKey {
@@ -108,6 +124,21 @@ impl<'d> Section<'d> {
             section: self.name,
             nearest: known.iter().copied().min_by_key(distance).unwrap_or(""),
         })
+    }
+
+    /// Returns the table, unless it holds a key both by its old name and by its name of today.
+    fn named_once(self) -> Result<Section<'d>, Error> {
+        let twice = RENAMED
+            .iter()
+            .find(|(old, new)| [old, new].iter().all(|key| self.table.contains_key(**key)));
+        match twice {
+            None => Ok(self),
+            Some(&(old, new)) => Err(Error::TwoNames {
+                place: self.place_of(old),
+                old,
+                new,
+            }),
+        }
     }
 
     /// Returns the place where the table begins.
@@ -124,7 +155,7 @@ impl<'d> Section<'d> {
     pub(crate) fn place_of(&self, key: &str) -> FileLine {
         self.table
             .iter()
-            .find(|(name, _)| name.get_ref() == key)
+            .find(|(name, _)| renamed(name.get_ref()) == renamed(key))
             .map_or_else(
                 || self.place.clone(),
                 |(name, _)| self.document.place(name.span().start),
@@ -144,7 +175,9 @@ impl<'d> Section<'d> {
     }
 
     fn get(&self, key: &str) -> Option<&'d Spanned<DeValue<'d>>> {
-        self.table.get(key)
+        let old = RENAMED.iter().find(|(_, new)| *new == key);
+        let by_old = || old.and_then(|(old, _)| self.table.get(*old));
+        self.table.get(key).or_else(by_old)
     }
 
     fn wrong_type(&self, key: &str, expected: &'static str, found: &DeValue<'_>) -> Error {

@@ -13,7 +13,7 @@ use tables::WaveLine;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Returned {
     /// Retroreflected share, from 0 to 1.
-    pub eta: f64,
+    pub retroreflected: f64,
     /// Standard deviation that the number of the table's rays causes.
     pub standard_error: f64,
 }
@@ -21,7 +21,7 @@ pub struct Returned {
 impl Returned {
     /// Returns the standard error divided by the share.
     pub fn relative_error(&self) -> f64 {
-        self.standard_error / self.eta
+        self.standard_error / self.retroreflected
     }
 }
 
@@ -69,7 +69,7 @@ impl Facing {
         Facing {
             azimuth_deg,
             returned: Returned {
-                eta: direction.eta,
+                retroreflected: direction.retroreflected,
                 standard_error: direction.standard_error,
             },
             incidence_rad,
@@ -85,7 +85,7 @@ impl Facing {
         Facing {
             azimuth_deg: Some(azimuth_deg),
             returned: Returned {
-                eta: direction.eta,
+                retroreflected: direction.retroreflected,
                 standard_error: direction.standard_error,
             },
             ..self.clone()
@@ -96,7 +96,7 @@ impl Facing {
     /// baselines with a front subtract the reflections of the front.
     pub fn returned_as(&self, kernel: Kernel) -> Returned {
         let Returned {
-            eta,
+            retroreflected: eta,
             standard_error,
         } = self.returned;
         if !kernel.is_baseline() {
@@ -104,7 +104,7 @@ impl Facing {
         }
         let of = |eta| baseline::returned(kernel, eta, self.incidence_rad, self.refractive_index);
         Returned {
-            eta: of(eta),
+            retroreflected: of(eta),
             standard_error: of(eta + standard_error) - of(eta),
         }
     }

@@ -256,7 +256,7 @@ impl Scene {
     pub fn turned(&self, table: &Table, azimuths_deg: &[f64]) -> Result<Scene, tables::Error> {
         let turned = |(shot, &azimuth_deg): (&Aerial, &f64)| {
             let direction = table.direction(shot.incidence_deg, Some(azimuth_deg))?;
-            Ok(shot.faced(if direction.eta > 0.0 {
+            Ok(shot.faced(if direction.retroreflected > 0.0 {
                 Facing::new(
                     &direction,
                     Some(azimuth_deg),
@@ -290,7 +290,9 @@ impl Scene {
 
     /// Returns whether light returns in every photograph.
     pub fn is_lit(&self) -> bool {
-        self.shots.iter().all(|shot| shot.facing.returned.eta > 0.0)
+        self.shots
+            .iter()
+            .all(|shot| shot.facing.returned.retroreflected > 0.0)
     }
 
     /// Returns the azimuths of all photographs, degrees; 0 for a photograph that needs none.
@@ -312,7 +314,8 @@ impl Scene {
     /// without a reference.
     pub fn reflectance(&self, shot: &Aerial, kernel: Kernel, step: f64) -> f64 {
         self.reference.as_ref().map_or(f64::NAN, |r| {
-            step / shot.exposure / (r.step * shot.returned(kernel).eta * self.half_mirror)
+            step / shot.exposure
+                / (r.step * shot.returned(kernel).retroreflected * self.half_mirror)
         })
     }
 
@@ -427,7 +430,7 @@ impl Measuring<'_> {
                 image: image.clone(),
                 source: Box::new(source),
             })?;
-        if direction.eta <= 0.0 {
+        if direction.retroreflected <= 0.0 {
             return Ok(None);
         }
         let setup = &self.campaign.setup;

@@ -228,7 +228,7 @@ mod tests {
         Direction {
             incidence_deg: 25.0,
             azimuth_deg: 0.0,
-            eta: probability.sum(),
+            retroreflected: probability.sum(),
             probability,
             range: 2.0,
             standard_error: 0.0,

@@ -25,9 +25,9 @@ impl Sheet for Fitted<'_> {
             .table
             .direction(place.incidence_deg, place.azimuth_deg)?;
         let blur = self.blur(place.incidence_deg)?;
-        let returns = self.returned(place.incidence_deg, direction.eta) > 0.0;
+        let returns = self.returned(place.incidence_deg, direction.retroreflected) > 0.0;
         let energy = if returns {
-            self.luminance(place.incidence_deg, direction.eta)
+            self.luminance(place.incidence_deg, direction.retroreflected)
         } else {
             Some(0.0)
         };

@@ -45,7 +45,7 @@ pub(crate) struct Nearest {
     /// There the MTF of the sheet is below [`FAINT`] along both axes.
     pub end_per_mm: f64,
     /// Distance R: optical path from the sheet to the image, mm.
-    pub distance_mm: f64,
+    pub floating_distance_mm: f64,
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; `None` for a mean table.
@@ -68,14 +68,14 @@ pub(crate) const LOST: &str = "the material has no ray shift: all of its blur gr
 pub(crate) fn nearest(
     result: &ResultFile,
     table: &Table,
-    distance_mm: f64,
+    floating_distance_mm: f64,
     incidence_deg: f64,
     azimuth_deg: Option<f64>,
 ) -> Result<Nearest, Error> {
     // 4,000 frequencies up to 40 /mm resolve a lobe of 0.05 mm. A lobe of 3 mm has 30 of them.
     let frequency_per_mm: Vec<f64> = (1..=4000).map(|i| 0.01 * f64::from(i)).collect();
     let places = Places {
-        distance_mm: vec![distance_mm],
+        floating_distance_mm: vec![floating_distance_mm],
         incidence_deg: vec![incidence_deg],
         azimuth_deg,
         frequency_per_mm,
@@ -103,7 +103,7 @@ pub(crate) fn nearest(
             let lobe = Baseline::new(Kernel::Mrm, incidence_deg.to_radians(), index, normal);
             let difference = |(f, m): (&f64, &f64)| {
                 lobe.map_or(f64::NAN, |lobe| {
-                    lobe.otf(LobeShape::Ggx, blur, distance_mm, *f)[0].re - m
+                    lobe.otf(LobeShape::Ggx, blur, floating_distance_mm, *f)[0].re - m
                 })
             };
             frequencies
@@ -120,7 +120,7 @@ pub(crate) fn nearest(
         reflectance: luminance / result.half_mirror,
         rms: (squares(ln_alpha) / (axes.len() * end) as f64).sqrt(),
         end_per_mm: frequencies[end - 1],
-        distance_mm,
+        floating_distance_mm,
         incidence_deg,
         azimuth_deg,
     })
@@ -157,7 +157,7 @@ impl Nearest {
         format!(
             "The lobe was fitted to the MTF up to {:.2} /mm at {} mm, incidence {} deg{azimuth}: \
             the root mean square difference is {:.4}",
-            self.end_per_mm, self.distance_mm, self.incidence_deg, self.rms
+            self.end_per_mm, self.floating_distance_mm, self.incidence_deg, self.rms
         )
     }
 

@@ -37,7 +37,7 @@ impl Axis {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Prediction {
     /// Distance R: optical path from the sheet to the image, mm.
-    pub distance_mm: f64,
+    pub floating_distance_mm: f64,
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; null for a mean table.
@@ -45,7 +45,7 @@ pub struct Prediction {
     /// Axis along which the contrast is measured.
     pub axis: Axis,
     /// Share eta of the arriving rays that the cell sends straight back, from the table.
-    pub eta: f64,
+    pub retroreflected: f64,
     /// True if the direction lies between the directions of the table.
     ///
     /// The prediction is less accurate there.
@@ -66,7 +66,7 @@ pub struct Prediction {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
     /// Distances R: optical paths from the sheet to the image, mm.
-    pub distance_mm: Vec<f64>,
+    pub floating_distance_mm: Vec<f64>,
     /// Incidence angles, degrees.
     pub incidence_deg: Vec<f64>,
     /// Azimuth, degrees; `None` for a mean table.
@@ -79,7 +79,7 @@ pub struct Places {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Around {
     /// Distance R: optical path from the sheet to the image, mm.
-    pub distance_mm: f64,
+    pub floating_distance_mm: f64,
     /// Incidence, degrees.
     pub incidence_deg: f64,
     /// Azimuth, degrees; null for a mean table.
@@ -128,7 +128,11 @@ impl<'a> Seen<'a> {
     fn mtf(&self, normal: [f64; 2], distance_mm: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let (result, direction) = (self.sheet.result, &self.direction);
         let incidence = self.incidence_deg.to_radians();
-        if self.sheet.returned(self.incidence_deg, direction.eta) <= 0.0 {
+        if self
+            .sheet
+            .returned(self.incidence_deg, direction.retroreflected)
+            <= 0.0
+        {
             return Ok(vec![Vec::new(); distance_mm.len()]);
         }
         let blur = self.sheet.blur(self.incidence_deg)?;
@@ -176,17 +180,18 @@ pub fn predict(
     for &incidence_deg in &places.incidence_deg {
         let seen = Seen::new(&sheet, places, incidence_deg)?;
         let axes = [Axis::Tangential, Axis::Sagittal];
-        let [tangential, sagittal] = axes.map(|axis| seen.mtf(axis.normal(), &places.distance_mm));
+        let [tangential, sagittal] =
+            axes.map(|axis| seen.mtf(axis.normal(), &places.floating_distance_mm));
         let curves = tangential?.into_iter().zip(sagittal?);
-        let eta = seen.direction.eta;
-        for (&distance_mm, curves) in places.distance_mm.iter().zip(curves) {
+        let eta = seen.direction.retroreflected;
+        for (&floating_distance_mm, curves) in places.floating_distance_mm.iter().zip(curves) {
             for (axis, mtf) in axes.into_iter().zip(<[_; 2]>::from(curves)) {
                 predictions.push(Prediction {
-                    distance_mm,
+                    floating_distance_mm,
                     incidence_deg,
                     azimuth_deg: places.azimuth_deg,
                     axis,
-                    eta,
+                    retroreflected: eta,
                     interpolated: seen.direction.interpolated,
                     luminance: sheet.luminance(incidence_deg, eta),
                     mtf50_per_mm: (!mtf.is_empty())
@@ -222,16 +227,16 @@ pub(crate) fn around(
         let seen = Seen::new(&sheet, places, incidence_deg)?;
         let along = (0..DIRECTIONS).map(|k| {
             let (sagittal, tangential) = (k as f64 * step).to_radians().sin_cos();
-            seen.mtf([tangential, sagittal], &places.distance_mm)
+            seen.mtf([tangential, sagittal], &places.floating_distance_mm)
         });
         let along = along.collect::<Result<Vec<_>, _>>()?;
-        for (place, &distance_mm) in places.distance_mm.iter().enumerate() {
+        for (place, &floating_distance_mm) in places.floating_distance_mm.iter().enumerate() {
             // The image is real, so its MTF is even: the second half turn repeats the first.
             let circle = |k: usize| (0..=2 * DIRECTIONS).map(move |d| (d % DIRECTIONS, k));
             let curve = |k| circle(k).map(|(d, k)| along[d][place][k]).collect();
             let frequencies = along[0][place].len();
             all.push(Around {
-                distance_mm,
+                floating_distance_mm,
                 incidence_deg,
                 azimuth_deg: places.azimuth_deg,
                 direction_deg: (0..=2 * DIRECTIONS).map(|d| d as f64 * step).collect(),

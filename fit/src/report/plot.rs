@@ -118,7 +118,7 @@ pub(crate) fn predicted(
     frequency_per_mm: &[f64],
     path: &Path,
 ) -> Result<Vec<u8>, Error> {
-    let mut distances: Vec<f64> = predictions.iter().map(|p| p.distance_mm).collect();
+    let mut distances: Vec<f64> = predictions.iter().map(|p| p.floating_distance_mm).collect();
     distances.sort_by(f64::total_cmp);
     distances.dedup();
     let mut panels = Vec::new();
@@ -127,7 +127,9 @@ pub(crate) fn predicted(
         for &distance in &distances {
             let chosen: Vec<&Prediction> = predictions
                 .iter()
-                .filter(|p| p.axis == axis && p.distance_mm == distance && !p.mtf.is_empty())
+                .filter(|p| {
+                    p.axis == axis && p.floating_distance_mm == distance && !p.mtf.is_empty()
+                })
                 .collect();
             let last = chosen.len().max(2) - 1;
             let plots: Vec<Plot> = chosen
@@ -192,7 +194,7 @@ impl Variable {
         match self {
             Variable::Incidence => Some(p.incidence_deg),
             Variable::Azimuth => p.azimuth_deg,
-            Variable::Distance => Some(p.distance_mm),
+            Variable::Distance => Some(p.floating_distance_mm),
             Variable::Direction => None,
         }
     }
@@ -322,7 +324,7 @@ pub(crate) fn around(
         let azimuth = place
             .azimuth_deg
             .map_or(String::new(), |a| format!(", azimuth {a}°"));
-        let (distance, incidence) = (place.distance_mm, place.incidence_deg);
+        let (distance, incidence) = (place.floating_distance_mm, place.incidence_deg);
         let returns = if place.mtf.is_empty() {
             ": nothing returns"
         } else {

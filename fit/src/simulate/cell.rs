@@ -20,17 +20,24 @@ pub struct CubeShift {
     /// lengths. Empty if no light returns.
     pub polygon: Vec<[f64; 2]>,
     /// Share of the light on this cube's aperture that is retroreflected.
-    pub eta: f64,
+    pub retroreflected: f64,
 }
 
 /// Returns the ray shifts of the cubes of a cell: of one cube, or of the pair (the second cube is
 /// turned by 180 degrees about the normal).
 ///
-/// `incidence_rad` is measured in the air, in front of a flat face; `ior` is the refractive index
+/// `incidence_rad` is measured in the air, in front of a flat face; `refractive_index` is that
 /// behind the face (1 for hollow cubes). `azimuth_rad` is that of a table. The eta of the whole
 /// cell is the mean of the cubes' `eta`.
-pub(crate) fn shifts(incidence_rad: f64, azimuth_rad: f64, ior: f64, pair: bool) -> Vec<CubeShift> {
-    let inside_rad = (incidence_rad.sin() / ior).clamp(-1.0, 1.0).asin();
+pub(crate) fn shifts(
+    incidence_rad: f64,
+    azimuth_rad: f64,
+    refractive_index: f64,
+    pair: bool,
+) -> Vec<CubeShift> {
+    let inside_rad = (incidence_rad.sin() / refractive_index)
+        .clamp(-1.0, 1.0)
+        .asin();
     let turns = if pair {
         &[0.0, std::f64::consts::PI][..]
     } else {
@@ -59,7 +66,7 @@ fn cube_shift(inside_rad: f64, azimuth_rad: f64) -> CubeShift {
     if eta < 1e-12 {
         return CubeShift {
             polygon: Vec::new(),
-            eta: 0.0,
+            retroreflected: 0.0,
         };
     }
     CubeShift {
@@ -67,7 +74,7 @@ fn cube_shift(inside_rad: f64, azimuth_rad: f64) -> CubeShift {
             .iter()
             .map(|&[u, v]| [2.0 * (apex_u - u), -2.0 * v])
             .collect(),
-        eta,
+        retroreflected: eta,
     }
 }
 
@@ -201,7 +208,7 @@ mod tests {
     /// Returns the mean eta of the cubes of a cell.
     fn eta(theta_deg: f64, phi_deg: f64, pair: bool) -> f64 {
         let cubes = shifts(theta_deg.to_radians(), phi_deg.to_radians(), 1.0, pair);
-        cubes.iter().map(|cube| cube.eta).sum::<f64>() / cubes.len() as f64
+        cubes.iter().map(|cube| cube.retroreflected).sum::<f64>() / cubes.len() as f64
     }
 
     #[test]

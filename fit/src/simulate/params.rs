@@ -30,10 +30,11 @@ pub(crate) const CAMERA: [&str; 12] = [
     "bits",
 ];
 /// Keys of the table `[truth]`.
-const TRUTH: [&str; 8] = [
+const TRUTH: [&str; 9] = [
     "kernel",
     "lobe",
     "wavelength_nm",
+    "refractive_index",
     "ior",
     "pair",
     "a",
@@ -123,7 +124,7 @@ pub struct PlantedSheet {
     /// Wavelengths of the source. The kernel `wave` needs them.
     pub spectrum: Option<Spectrum>,
     /// Refractive index behind the flat front face; 1 for hollow cubes.
-    pub ior: f64,
+    pub refractive_index: f64,
     /// Choice of cell: true for a pair of cubes, false for one cube.
     pub pair: bool,
     /// Diffraction spread: a in 1/mm, for `angular` A = a R without unit.
@@ -340,7 +341,7 @@ fn truth(keys: &Section<'_>) -> Result<PlantedSheet, Error> {
         kernel,
         lobe,
         spectrum,
-        ior: keys.number("ior", INDEX)?.unwrap_or(1.0),
+        refractive_index: keys.number("refractive_index", INDEX)?.unwrap_or(1.0),
         pair: keys.flag("pair")?.unwrap_or(true),
         a,
         c_mm,

@@ -128,12 +128,17 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> 
     };
     let (a, mu) = (look_up("a", &truth.a)?, look_up("mu", &truth.mu)?);
     let incidence_rad = shot.incidence_deg.to_radians();
-    let sum = |shifts: &[CubeShift]| shifts.iter().map(|part| part.eta).sum::<f64>();
+    let sum = |shifts: &[CubeShift]| shifts.iter().map(|part| part.retroreflected).sum::<f64>();
     let (shifts, eta) = match &shot.shifts {
         Some(shifts) => (shifts.clone(), sum(shifts)),
         None => {
             let azimuth_rad = shot.azimuth_deg.to_radians();
-            let cubes = cell::shifts(incidence_rad, azimuth_rad, truth.ior, truth.pair);
+            let cubes = cell::shifts(
+                incidence_rad,
+                azimuth_rad,
+                truth.refractive_index,
+                truth.pair,
+            );
             let eta = sum(&cubes) / cubes.len() as f64;
             (cubes, eta)
         }

@@ -231,18 +231,18 @@ fn compact(blur: &EdgeBlur, step: f64) -> Masses {
 /// it returns. Returns `None` if there is no ray shift, or if the waves include it.
 fn shift_masses(blur: &EdgeBlur, step: f64) -> Option<Masses> {
     let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
-    let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();
+    let total: f64 = blur.shifts.iter().map(|cube| cube.retroreflected).sum();
     if total <= 0.0 || matches!(blur.spread, Spread::Wave { .. }) {
         return None;
     }
     let mut parts: Vec<(f64, Vec<Ramp>)> = Vec::new();
-    for cube in blur.shifts.iter().filter(|cube| cube.eta > 0.0) {
+    for cube in blur.shifts.iter().filter(|cube| cube.retroreflected > 0.0) {
         let scaled: Vec<[f64; 2]> = cube
             .polygon
             .iter()
             .map(|[u, v]| [u * blur.scale_mm[0], v * blur.scale_mm[1]])
             .collect();
-        parts.push((cube.eta / total, marginal(&scaled, along)));
+        parts.push((cube.retroreflected / total, marginal(&scaled, along)));
     }
     let ends = parts.iter().flat_map(|(_, ramps)| {
         ramps
@@ -361,11 +361,11 @@ mod tests {
         let profile = EdgeProfile::new(&blur, 2.0, STEPS_PER_PIXEL);
         let n = 400_000_u64;
         let along = [blur.normal_rad.cos(), blur.normal_rad.sin()];
-        let total: f64 = blur.shifts.iter().map(|cube| cube.eta).sum();
+        let total: f64 = blur.shifts.iter().map(|cube| cube.retroreflected).sum();
         let mut offsets: Vec<f64> = (0..n)
             .map(|index| {
                 let mut draw = PixelNoise::new(5, 0, index);
-                let cube = if draw.uniform() * total < blur.shifts[0].eta {
+                let cube = if draw.uniform() * total < blur.shifts[0].retroreflected {
                     &blur.shifts[0]
                 } else {
                     &blur.shifts[1]

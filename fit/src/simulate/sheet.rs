@@ -9,7 +9,7 @@ use crate::simulate::error::Error;
 use crate::simulate::params::{Params, PlantedShot};
 
 impl Params {
-    /// Replaces the ideal cubes of a campaign by the sheet that `table` describes. `ior` and `pair`
+    /// Replaces the ideal cubes of a campaign by the sheet that `table` describes. `refractive_index` and `pair`
     /// of its truth then have no effect.
     ///
     /// # Errors
@@ -35,7 +35,7 @@ impl Params {
             };
             let r_mm = shot.path_mm.unwrap_or(shot.floating_distance_mm);
             let cosine = incidence_deg.to_radians().cos();
-            let eta = direction.eta;
+            let eta = direction.retroreflected;
             let moved = match direction.seen_from(r_mm, c_mm, cosine) {
                 Ok(moved) => moved,
                 Err(error) => return refused(error.to_string()),
@@ -51,7 +51,7 @@ impl Params {
             let total: f64 = powers().sum();
             let shifts = paths.iter().zip(powers()).map(|(path, power)| CubeShift {
                 polygon: path.polygon.iter().map(|&p| path.shift(p)).collect(),
-                eta: eta * power / total,
+                retroreflected: eta * power / total,
             });
             shot.shifts = Some(shifts.collect());
         }

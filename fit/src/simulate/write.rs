@@ -237,7 +237,8 @@ fn truth(params: &Params) -> String {
             "kernel": truth.kernel.name(),
             "lobe": truth.lobe.name(),
             "wavelength_nm": truth.spectrum.as_ref().map(ToString::to_string),
-            "ior": truth.ior,
+            "refractive_index": truth.refractive_index,
+            "ior": truth.refractive_index, // the name of 0.1
             "pair": truth.pair,
             "a": by_incidence(&truth.a),
             "c": truth.c_mm,

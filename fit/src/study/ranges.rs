@@ -17,7 +17,8 @@ use crate::simulate::{
     ByIncidence, CAMERA, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
 };
 
-const ROOT: [&str; 15] = [
+const ROOT: [&str; 17] = [
+    "refractive_index",
     "ior",
     "pair",
     "lobe",
@@ -26,6 +27,7 @@ const ROOT: [&str; 15] = [
     "mu",
     "photographs",
     "electrons",
+    "floating_distance_mm",
     "distance_mm",
     "light",
     "kernels",
@@ -48,7 +50,7 @@ const LEAST_ETA: f64 = 0.02;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranges {
     /// Refractive index behind the flat front; 1 for hollow cubes.
-    pub ior: f64,
+    pub refractive_index: f64,
     /// True for a cell of a pair of cubes, false for a single cube.
     pub pair: bool,
     /// Shape of the lobe.
@@ -64,7 +66,7 @@ pub struct Ranges {
     /// Number of electrons at full scale.
     pub electrons: [f64; 2],
     /// Floating distance, mm.
-    pub distance_mm: [f64; 2],
+    pub floating_distance_mm: [f64; 2],
     /// Uneven light: relative gain from the middle to the border of a photograph, in a random
     /// direction for each photograph. The light is even if this is `None`.
     pub light: Option<[f64; 2]>,
@@ -83,7 +85,7 @@ pub struct Ranges {
 impl Default for Ranges {
     fn default() -> Ranges {
         Ranges {
-            ior: 1.49,
+            refractive_index: 1.49,
             pair: true,
             lobe: LobeShape::Radial,
             a_per_mm: [1.5, 8.0],
@@ -91,7 +93,7 @@ impl Default for Ranges {
             mu: [0.2, 0.8],
             photographs: [2.0, 20.0],
             electrons: [500.0, 40_000.0],
-            distance_mm: [100.0, 400.0],
+            floating_distance_mm: [100.0, 400.0],
             light: None,
             kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
             spectrum: None,
@@ -141,7 +143,9 @@ impl Ranges {
             root.required("wavelength_nm", spectrum.as_ref())?;
         }
         Ok(Ranges {
-            ior: root.number("ior", INDEX)?.unwrap_or(default.ior),
+            refractive_index: root
+                .number("refractive_index", INDEX)?
+                .unwrap_or(default.refractive_index),
             pair: root.flag("pair")?.unwrap_or(default.pair),
             lobe: root
                 .choice("lobe", &LobeShape::NAMES, LobeShape::from_name)?
@@ -151,7 +155,11 @@ impl Ranges {
             mu: range("mu", Bounds::SHARE, default.mu)?,
             photographs: range("photographs", COUNT, default.photographs)?,
             electrons: range("electrons", Bounds::POSITIVE, default.electrons)?,
-            distance_mm: range("distance_mm", Bounds::POSITIVE, default.distance_mm)?,
+            floating_distance_mm: range(
+                "floating_distance_mm",
+                Bounds::POSITIVE,
+                default.floating_distance_mm,
+            )?,
             light: named_range(&root, "light", GAIN)?,
             kernels,
             spectrum,
@@ -175,8 +183,8 @@ impl Ranges {
     /// Returns the retroreflected fraction of the ideal cell at (incidence, azimuth), degrees.
     pub fn eta(&self, [incidence, azimuth]: [f64; 2]) -> f64 {
         let (incidence, azimuth) = (incidence.to_radians(), azimuth.to_radians());
-        let cubes = cell::shifts(incidence, azimuth, self.ior, self.pair);
-        cubes.iter().map(|cube| cube.eta).sum::<f64>() / cubes.len() as f64
+        let cubes = cell::shifts(incidence, azimuth, self.refractive_index, self.pair);
+        cubes.iter().map(|cube| cube.retroreflected).sum::<f64>() / cubes.len() as f64
     }
 
     /// Draws campaign number `index` under `seed`, over the given directions (at least one).
@@ -216,7 +224,7 @@ impl Ranges {
                 let exposure = BRIGHT / (light * self.eta([incidence_deg, azimuth_deg]));
                 PlantedShot {
                     edge: edge(&mut draw, exposure),
-                    floating_distance_mm: log(&mut draw, self.distance_mm),
+                    floating_distance_mm: log(&mut draw, self.floating_distance_mm),
                     path_mm: None,
                     incidence_deg,
                     azimuth_deg,
@@ -231,7 +239,7 @@ impl Ranges {
             truth: PlantedSheet {
                 kernel: Kernel::Eq1,
                 lobe: self.lobe,
-                ior: self.ior,
+                refractive_index: self.refractive_index,
                 pair: self.pair,
                 a: ByIncidence::Shared(a),
                 c_mm,
@@ -277,7 +285,7 @@ impl Ranges {
         truth.kernel = kernel;
         truth.spectrum = self.spectrum.clone();
         // A of the angular kernel corresponds to the drawn a at the middle distance.
-        let middle = (self.distance_mm[0] * self.distance_mm[1]).sqrt();
+        let middle = (self.floating_distance_mm[0] * self.floating_distance_mm[1]).sqrt();
         let scale = kernel.distance_scale(middle);
         truth.a = falling(&truth.a, scale, self.a_fall, kernel.has_lobe());
         truth.mu = falling(&truth.mu, 1.0, self.mu_fall, true);

@@ -334,10 +334,13 @@ fn light_is_the_effective_area_and_fresnel() {
     let truth = planted::truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.2, 0.5);
     for theta in [0.0, 15.0, 30.0, 45.0] {
         let table = planted::table(&truth, &[theta], 20.0);
-        let eta = table.direction(theta, Some(20.0)).expect("it is there").eta;
+        let eta = table
+            .direction(theta, Some(20.0))
+            .expect("it is there")
+            .retroreflected;
         // Effective area of an ideal triangular cell, from the direction cosines on the cube's
         // axes. The pair is the mean of a cube and its copy turned by 180 degrees.
-        let inside = (theta.to_radians().sin() / truth.ior).asin();
+        let inside = (theta.to_radians().sin() / truth.refractive_index).asin();
         let area = |azimuth: f64| {
             let mut cosines = [0.0, 1.0, 2.0].map(|i| {
                 let psi = (azimuth - 120.0 * i).to_radians().cos();
@@ -357,9 +360,9 @@ fn light_is_the_effective_area_and_fresnel() {
             (eta - effective).abs() < 1e-12,
             "{theta}: {eta} {effective}"
         );
-        let passed = (1.0 - fresnel(theta.to_radians(), truth.ior)).powi(2);
+        let passed = (1.0 - fresnel(theta.to_radians(), truth.refractive_index)).powi(2);
         for kernel in [Kernel::Saito, Kernel::Guo] {
-            let light = returned(kernel, eta, theta.to_radians(), truth.ior);
+            let light = returned(kernel, eta, theta.to_radians(), truth.refractive_index);
             assert!((light - effective * passed).abs() < 1e-12);
         }
         cases += 1;
@@ -519,7 +522,7 @@ impl Sheet {
                     let eta = table
                         .direction(angle, Some(AZIMUTH))
                         .expect("it is there")
-                        .eta;
+                        .retroreflected;
                     let light = returned(self.kernel, eta, theta, 1.49);
                     let width_px = self.width_mm(theta, [cos, sin], r_mm) / PITCH_MM;
                     let step = 0.8 * self.mu * light * 0.25 * shot.exposure;

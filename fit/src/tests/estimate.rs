@@ -328,7 +328,7 @@ fn absent_terms_are_bounded() {
 fn degenerate_campaigns() {
     // A single hollow cube at azimuth 20 returns no light at 50 degrees.
     let mut hollow = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.35, 0.6);
-    (hollow.ior, hollow.pair) = (1.0, false);
+    (hollow.refractive_index, hollow.pair) = (1.0, false);
     let incidence = [10.0, 50.0];
     let of_hollow = table(&hollow, &incidence, 20.0);
     assert_eq!(of_hollow.retroreflected[[1, 0]], 0.0);

@@ -35,8 +35,20 @@ fn result(table: &Table, entries: Value) -> ResultFile {
     serde_json::from_value(all).expect("a result")
 }
 
-fn at(result: &ResultFile, table: &Table, distance_mm: f64, incidence_deg: f64) -> Nearest {
-    nearest(result, table, distance_mm, incidence_deg, Some(20.0)).expect("light returns")
+fn at(
+    result: &ResultFile,
+    table: &Table,
+    floating_distance_mm: f64,
+    incidence_deg: f64,
+) -> Nearest {
+    nearest(
+        result,
+        table,
+        floating_distance_mm,
+        incidence_deg,
+        Some(20.0),
+    )
+    .expect("light returns")
 }
 
 #[test]
@@ -93,7 +105,10 @@ fn the_nearest_lobe_of_a_sheet_depends_on_the_distance() {
         "{lobes:?}"
     );
     assert!(lobes[0].rms > 0.005, "another shape: {lobes:?}");
-    let eta = table.direction(0.0, Some(20.0)).expect("it is there").eta;
+    let eta = table
+        .direction(0.0, Some(20.0))
+        .expect("it is there")
+        .retroreflected;
     assert!((lobes[0].reflectance - 0.5 * eta).abs() < 1e-12);
     let slanted = at(&sheet, &table, 150.0, 30.0);
     assert!(slanted.reflectance < lobes[0].reflectance);
@@ -164,7 +179,7 @@ fn curves_against_a_variable_are_named_by_what_else_varies() {
         json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 9e-4 }),
     );
     let places = Places {
-        distance_mm: vec![150.0, 300.0],
+        floating_distance_mm: vec![150.0, 300.0],
         incidence_deg: vec![0.0, 10.0, 30.0],
         azimuth_deg: Some(20.0),
         frequency_per_mm: vec![0.5, 1.0],
@@ -201,7 +216,7 @@ fn all_around_is_the_axes_and_between() {
             "a_per_mm": { "value": 9.0, "standard_error": 0.0 } }),
     );
     let places = Places {
-        distance_mm: vec![150.0, 300.0],
+        floating_distance_mm: vec![150.0, 300.0],
         incidence_deg: vec![10.0, 30.0],
         azimuth_deg: Some(20.0),
         frequency_per_mm: vec![0.5, 1.0, 2.0],
@@ -211,8 +226,8 @@ fn all_around_is_the_axes_and_between() {
     let mut cases = 0;
     for (place, axes) in all.iter().zip(axes.chunks(2)) {
         assert_eq!(
-            (place.distance_mm, place.incidence_deg),
-            (axes[0].distance_mm, axes[0].incidence_deg)
+            (place.floating_distance_mm, place.incidence_deg),
+            (axes[0].floating_distance_mm, axes[0].incidence_deg)
         );
         assert_eq!(place.direction_deg.len(), 73);
         for (k, curve) in place.mtf.iter().enumerate() {

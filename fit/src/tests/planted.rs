@@ -39,10 +39,10 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
         let shifts = cell::shifts(
             incidence.to_radians(),
             azimuth_deg.to_radians(),
-            truth.ior,
+            truth.refractive_index,
             truth.pair,
         );
-        retroreflected[[i, 0]] = shifts.iter().map(|s| s.eta).sum::<f64>() / cubes;
+        retroreflected[[i, 0]] = shifts.iter().map(|s| s.retroreflected).sum::<f64>() / cubes;
         // A ray that enters at p is shifted by 2 (q - p). The place of the cubes in the cell has no
         // effect.
         let path = |(k, shifts): (usize, Vec<[f64; 2]>)| {
@@ -95,7 +95,7 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
             edge_length: 1.0,
             edge_length_unit: "file unit".into(),
             azimuth_zero: [1.0, 0.0, 0.0],
-            refractive_index: truth.ior,
+            refractive_index: truth.refractive_index,
             back: Back::Mirror.into(),
             losses: Losses::None.into(),
             reflectance: 1.0,
@@ -178,7 +178,7 @@ pub(crate) fn truth(kernel: Kernel, lobe: LobeShape, a: f64, c_mm: f64, mu: f64)
         kernel,
         lobe,
         spectrum: (kernel == Kernel::Wave).then(|| Spectrum::parse("550").expect("one line")),
-        ior: 1.49,
+        refractive_index: 1.49,
         pair: true,
         a: ByIncidence::Shared(a),
         c_mm,

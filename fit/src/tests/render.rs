@@ -212,7 +212,7 @@ fn energy_is_kept_by_every_kernel() {
         let sheet = Fitted::new(&result, &table).unwrap();
         let psf = render::uniform_psf(&sheet, &place(150.0, 20.0), &scale).unwrap();
         let energy = psf.energy.unwrap();
-        let eta = table.direction(20.0, Some(20.0)).unwrap().eta;
+        let eta = table.direction(20.0, Some(20.0)).unwrap().retroreflected;
         assert!((energy - 0.25 * 0.25 * eta).abs() < 1e-12);
         assert!(psf.error <= 1e-4, "{kernel}: {}", psf.error);
         let total: f64 = psf.weights.iter().map(|&w| f64::from(w)).sum();

@@ -109,7 +109,7 @@ fn the_shifts_samples_have_its_otf() {
         }
     });
     directions.push(Direction {
-        eta: probability.sum(),
+        retroreflected: probability.sum(),
         probability,
         paths: None,
         exits: None,
@@ -133,7 +133,7 @@ fn the_shifts_samples_have_its_otf() {
     }
     assert_eq!(cases, 4 * 3 * 5 * 2);
     let dark = Direction {
-        eta: 0.0,
+        retroreflected: 0.0,
         probability: Array2::zeros((4, 4)),
         ..directions[3].clone()
     };

@@ -36,7 +36,7 @@ fn params() -> Params {
             kernel: Kernel::Eq1,
             lobe: LobeShape::Radial,
             spectrum: None,
-            ior: 1.49,
+            refractive_index: 1.49,
             pair: true,
             a: ByIncidence::Table(vec![(0.0, 4.9), (20.0, 3.75)]),
             c_mm: 0.24,
@@ -186,7 +186,7 @@ fn levels_follow_the_luminance_ratio() {
 #[test]
 fn an_empty_direction_is_a_veil() {
     let mut params = params();
-    params.truth.ior = 1.0;
+    params.truth.refractive_index = 1.0;
     params.truth.a = ByIncidence::Shared(4.0);
     params.captures[0].incidence_deg = 45.0;
     params.captures[0].azimuth_deg = 0.0;

@@ -29,7 +29,7 @@ pub struct Direction {
     /// Azimuth, degrees; NaN for the mean over all azimuths.
     pub azimuth_deg: f64,
     /// Retroreflected share, `out_of_range` included; 0 is a legal answer.
-    pub eta: f64,
+    pub retroreflected: f64,
     /// Probability per launched ray of each bin, eta x histogram, `[v, u]`.
     ///
     /// For an interpolated direction it is the mixture of its neighbours, even where `paths` are
@@ -130,7 +130,7 @@ impl Table {
     /// # let table = Table::from_counts(axes, counts, fates, provenance);
     /// // eta is 0.8 at 0 deg and 0.4 at 10 deg.
     /// let direction = table.direction(5.0, Some(0.0))?;
-    /// assert!(direction.interpolated && (direction.eta - 0.6).abs() < 1e-15);
+    /// assert!(direction.interpolated && (direction.retroreflected - 0.6).abs() < 1e-15);
     /// let error = table.direction(11.0, Some(0.0)).unwrap_err().to_string();
     /// assert!(error.contains("it is incidence 10 deg"), "{error}");
     /// # Ok::<(), tables::Error>(())
@@ -285,7 +285,7 @@ impl Cell<'_> {
         Direction {
             incidence_deg,
             azimuth_deg,
-            eta,
+            retroreflected: eta,
             probability,
             range: table.axes.range,
             standard_error: variance.sqrt(),

@@ -162,7 +162,7 @@ mod tests {
         Direction {
             incidence_deg: 0.0,
             azimuth_deg: 0.0,
-            eta: 0.5,
+            retroreflected: 0.5,
             probability,
             range: 2.0,
             standard_error: 0.0,

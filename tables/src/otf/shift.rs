@@ -31,7 +31,7 @@ impl ShiftLine {
     /// `normal` is the unit edge normal in the mid-air image, (tangential, sagittal).
     /// `incidence_rad` is the incidence outside, which foreshortens the tangential shift.
     pub fn new(direction: &Direction, incidence_rad: f64, normal: [f64; 2]) -> Option<ShiftLine> {
-        if direction.eta <= 0.0 {
+        if direction.retroreflected <= 0.0 {
             return None;
         }
         let along = [normal[0] * incidence_rad.cos(), normal[1]];
@@ -133,7 +133,7 @@ mod tests {
         Direction {
             incidence_deg: 20.0,
             azimuth_deg: 0.0,
-            eta: 0.4,
+            retroreflected: 0.4,
             probability: Array2::zeros((4, 4)),
             range: 2.0,
             standard_error: 0.0,

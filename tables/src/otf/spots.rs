@@ -295,7 +295,7 @@ mod tests {
         Direction {
             incidence_deg: 20.0,
             azimuth_deg: 0.0,
-            eta: 0.5,
+            retroreflected: 0.5,
             probability,
             range,
             standard_error: 0.0,

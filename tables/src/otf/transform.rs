@@ -170,7 +170,7 @@ mod tests {
         Direction {
             incidence_deg: 10.0,
             azimuth_deg: 0.0,
-            eta: probability.sum(),
+            retroreflected: probability.sum(),
             probability,
             range: 2.0,
             standard_error: 0.0,

@@ -15,7 +15,7 @@ fn a_held_direction_is_the_tables_own() {
                     .direction(incidence + 5e-10, Some(azimuth + turn))
                     .unwrap();
                 assert!(!direction.interpolated);
-                assert_eq!(direction.eta, table.retroreflected[[i, j]]);
+                assert_eq!(direction.retroreflected, table.retroreflected[[i, j]]);
                 assert_eq!(direction.probability, table.probability(i, j));
                 assert_eq!(
                     direction.paths.as_ref(),
@@ -53,7 +53,7 @@ fn between_directions_eta_times_histogram_is_bilinear() {
                 .map(|&((i, j), share)| table.retroreflected[[i, j]] * share)
                 .sum();
             // The sum has four products of numbers below 1, each rounded to 1e-16.
-            assert!((direction.eta - eta).abs() < 1e-15);
+            assert!((direction.retroreflected - eta).abs() < 1e-15);
             assert!(
                 (&direction.probability - &expected)
                     .iter()
@@ -71,7 +71,7 @@ fn between_directions_eta_times_histogram_is_bilinear() {
     assert_eq!(cases, 9);
     // A direction where nothing returns is looked up like any other.
     let empty = table.direction(45.5, Some(30.0)).unwrap();
-    assert_eq!((empty.eta, empty.probability.sum()), (0.0, 0.0));
+    assert_eq!((empty.retroreflected, empty.probability.sum()), (0.0, 0.0));
 }
 
 #[test]
@@ -80,10 +80,10 @@ fn azimuths_wrap_only_where_the_table_goes_around() {
     around.axes.azimuth_deg = vec![10.0, 190.0];
     let direction = around.direction(0.0, Some(-80.0)).unwrap(); // halfway from 190 to 370
     let expected = 0.5 * (around.retroreflected[[0, 0]] + around.retroreflected[[0, 1]]);
-    assert!(direction.interpolated && (direction.eta - expected).abs() < 1e-15);
+    assert!(direction.interpolated && (direction.retroreflected - expected).abs() < 1e-15);
     let quarter = around.direction(0.0, Some(235.0)).unwrap();
     let expected = 0.75 * around.retroreflected[[0, 1]] + 0.25 * around.retroreflected[[0, 0]];
-    assert!((quarter.eta - expected).abs() < 1e-15);
+    assert!((quarter.retroreflected - expected).abs() < 1e-15);
     // 0 and 30 deg say nothing about 200 deg.
     assert!(sample::rays(1, 5).direction(0.0, Some(200.0)).is_err());
 }
@@ -109,7 +109,7 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
     let own = table.direction(10.0, Some(10.0)).unwrap();
     for azimuth in [-10.0, 50.0, 170.0, 350.0] {
         let image = table.direction(10.0, Some(azimuth)).unwrap();
-        assert_eq!(image.eta, own.eta);
+        assert_eq!(image.retroreflected, own.retroreflected);
         let turned = own.probability.slice(ndarray::s![..;-1, ..]);
         assert_eq!(image.probability, turned);
         // The transform of a mirrored distribution along (x, y) is that of the own one along (x,
@@ -125,7 +125,10 @@ fn a_symmetric_table_answers_for_the_images_of_its_azimuths() {
     // from -10 to 10 deg is not either.
     table.exact = None;
     let middle = table.direction(10.0, Some(40.0)).unwrap();
-    assert!((middle.eta - 0.5 * (own.eta + table.retroreflected[[1, 1]])).abs() < 1e-15);
+    assert!(
+        (middle.retroreflected - 0.5 * (own.retroreflected + table.retroreflected[[1, 1]])).abs()
+            < 1e-15
+    );
     table.axes.azimuth_deg = vec![12.0, 30.0];
     assert!(table.direction(10.0, Some(40.0)).is_ok(), "18 deg");
     assert!(table.direction(10.0, Some(0.0)).is_err(), "24 deg");
@@ -170,12 +173,12 @@ fn outside_the_nearest_direction_is_named() {
 fn a_mean_table_answers_every_azimuth() {
     let table = sample::mean();
     let expected = table.direction(10.0, None).unwrap();
-    assert_eq!(expected.eta, table.retroreflected[[1, 0]]);
+    assert_eq!(expected.retroreflected, table.retroreflected[[1, 0]]);
     for azimuth in [0.0, 77.0, -400.0, f64::NAN] {
         let direction = table.direction(10.0, Some(azimuth)).unwrap();
         assert_eq!(
-            (direction.eta, &direction.probability),
-            (expected.eta, &expected.probability)
+            (direction.retroreflected, &direction.probability),
+            (expected.retroreflected, &expected.probability)
         );
     }
 }

@@ -47,7 +47,7 @@ fn rays_and_beams_have_one_otf() {
             exits: None,
             ..rays.clone()
         };
-        let returned = 1_048_576.0 * rays.eta;
+        let returned = 1_048_576.0 * rays.retroreflected;
         for angle in [0.0_f64, 35.0, 90.0, 140.0] {
             let (y, x) = angle.to_radians().sin_cos();
             let line = |direction| ShiftLine::new(direction, incidence, [x, y]).expect("light");
@@ -94,7 +94,7 @@ full_well_e = 40000.0
 [truth]
 kernel = 'eq1'
 lobe = 'radial'
-ior = 1.49
+refractive_index = 1.49
 pair = true
 a = 4.9
 c = 0.24

@@ -34,11 +34,11 @@ fn a_plate_blurs_as_its_slits_do() {
         let s = 3.0 * inside * std::f64::consts::FRAC_1_SQRT_2 / w;
         let odd = 1.0 - (1.0 - s.rem_euclid(2.0)).abs();
         let direction = table.direction(incidence_deg, Some(45.0)).unwrap();
-        assert!((direction.eta - (w * odd).powi(2)).abs() < 1e-6);
+        assert!((direction.retroreflected - (w * odd).powi(2)).abs() < 1e-6);
         for angle in [0.0, 0.4, 1.3] {
             let (ny, nx) = f64::sin_cos(angle);
             let Some(line) = ShiftLine::new(&direction, incidence, [nx, ny]) else {
-                assert!(direction.eta < 1e-12);
+                assert!(direction.retroreflected < 1e-12);
                 continue;
             };
             for frequency in [0.2, 0.7, 1.9] {

@@ -116,7 +116,7 @@ width = 192
 height = 128
 [truth]
 kernel = \"eq1\"
-ior = 1.49
+refractive_index = 1.49
 a = 4.0
 c = 0.24
 mu = 0.5

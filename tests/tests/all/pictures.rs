@@ -83,7 +83,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
         .as_f64()
         .unwrap();
     let eta = tables::read(&here.join(&table)).unwrap();
-    let eta = eta.direction(25.0, Some(10.0)).unwrap().eta;
+    let eta = eta.direction(25.0, Some(10.0)).unwrap().retroreflected;
     assert!(
         (luminance / (mu * eta * 0.25) - 1.0).abs() < 1e-12,
         "{luminance}"

@@ -47,7 +47,9 @@ fn effective_areas_are_those_of_the_model() {
             let light = Incidence::new(incidence.to_radians(), azimuth.to_radians(), 1.0);
             let area = effective_area(shape, light.travel);
             let eta = area / (exact.entrance_area() * -light.travel.z);
-            let found = exact.direction(incidence, azimuth, 4, 2.0, &rules(1.0)).eta;
+            let found = exact
+                .direction(incidence, azimuth, 4, 2.0, &rules(1.0))
+                .retroreflected;
             assert!(
                 (found - eta).abs() < 1e-10,
                 "{shape:?} {incidence} {azimuth}: {found} {eta}"
@@ -140,7 +142,7 @@ fn neighbours_are_those_of_a_patch() {
             for (fate, &count) in fates.iter().enumerate() {
                 let out = Fate::OutOfRange as usize;
                 let expected = match fate {
-                    f if f == Fate::Retroreflected as usize => share.eta,
+                    f if f == Fate::Retroreflected as usize => share.retroreflected,
                     f if f == out => continue,
                     f => share.fate[f],
                 };
@@ -218,7 +220,7 @@ fn a_period_of_several_cells_is_their_mean() {
                 let range = 2.0 / size;
                 let share = alone.direction(incidence, azimuth - turn, bins, range, &rules(index));
                 let weight = alone.entrance_area() * size * size / period;
-                eta += weight * share.eta;
+                eta += weight * share.retroreflected;
                 let weighted = histogram.iter_mut().zip(&share.histogram);
                 weighted.for_each(|(sum, part)| *sum += weight * part);
             }
@@ -226,7 +228,7 @@ fn a_period_of_several_cells_is_their_mean() {
             let l1: f64 = pairs.map(|(a, b)| (a - b).abs()).sum();
             worst = worst.max(l1);
             assert!(
-                (found.eta - eta).abs() < 1e-12 && l1 < 1e-12,
+                (found.retroreflected - eta).abs() < 1e-12 && l1 < 1e-12,
                 "{index} {incidence}: {l1:e}"
             );
             cases += 1;

@@ -165,9 +165,9 @@ fn worst_total_variation(cell: &Cell, index: f64, is_pair: bool, seed: u64) -> f
             .map(|(a, b)| (a - b).abs())
             .sum();
         assert!(
-            (found.eta - eta).abs() < 1e-12,
+            (found.retroreflected - eta).abs() < 1e-12,
             "{incidence_deg} {azimuth_deg}: eta {} not {eta}",
-            found.eta
+            found.retroreflected
         );
         assert_eq!(found.fate[Fate::OutOfRange as usize], 0.0);
         worst = worst.max(0.5 * l1);
@@ -218,9 +218,9 @@ fn listed_fractions_of_the_hollow_cube() {
     for (incidence, azimuth, eta) in listed {
         let found = exact.direction(incidence, azimuth, 128, 2.0, &rules(1.0));
         assert!(
-            (found.eta - eta).abs() < 5.1e-6,
+            (found.retroreflected - eta).abs() < 5.1e-6,
             "({incidence}, {azimuth}): {} not {eta}",
-            found.eta
+            found.retroreflected
         );
         assert_eq!(
             found.paths.len(),
@@ -236,7 +236,7 @@ fn listed_fractions_of_the_hollow_cube() {
         (89.9, 60.0),
     ] {
         let found = exact.direction(incidence, azimuth, 128, 2.0, &rules(1.0));
-        assert_eq!(found.eta, 0.0, "({incidence}, {azimuth})");
+        assert_eq!(found.retroreflected, 0.0, "({incidence}, {azimuth})");
         assert!(found.paths.is_empty() && found.histogram.iter().all(|&mass| mass == 0.0));
     }
 }
@@ -273,11 +273,11 @@ fn the_full_cube_array_returns_the_effective_area() {
         let expected = full_cube_area(incidence.to_radians(), azimuth.to_radians())
             / (3_f64.sqrt() * incidence.to_radians().cos());
         let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
-        worst = worst.max((found.eta - expected).abs());
+        worst = worst.max((found.retroreflected - expected).abs());
         assert!(
-            (found.eta - expected).abs() < 1e-10,
+            (found.retroreflected - expected).abs() < 1e-10,
             "({incidence}, {azimuth}): {} not {expected}",
-            found.eta
+            found.retroreflected
         );
         nonzero += usize::from(expected > 0.0);
     }
@@ -293,9 +293,9 @@ fn the_full_cube_array_returns_the_effective_area() {
     ] {
         let found = exact.direction(incidence, azimuth, 16, 2.0, &rules(1.0));
         assert!(
-            (found.eta - eta).abs() < 5.1e-5,
+            (found.retroreflected - eta).abs() < 5.1e-5,
             "({incidence}, {azimuth}): {}",
-            found.eta
+            found.retroreflected
         );
         assert_eq!(
             found.paths.len(),
@@ -405,8 +405,11 @@ fn total_internal_reflection_fails_where_it_should() {
             assert_eq!(with, without);
             whole += 1;
         } else {
-            assert_eq!(with.eta, 0.0, "every returning path meets all three faces");
-            assert!(with.fate[Fate::Transmitted as usize] >= without.eta - 1e-14);
+            assert_eq!(
+                with.retroreflected, 0.0,
+                "every returning path meets all three faces"
+            );
+            assert!(with.fate[Fate::Transmitted as usize] >= without.retroreflected - 1e-14);
             lossy += 1;
         }
     }

@@ -140,12 +140,12 @@ fn rounded_edges_take_three_bands() {
                     })
                     .sum();
                 let (found, entrance) = at(&cell, direction);
-                let off = (found.eta * entrance - kept).abs();
+                let off = (found.retroreflected * entrance - kept).abs();
                 worst = worst.max(off);
                 assert!(
                     off < 1e-12,
                     "{radius} {strips} {direction:?}: {} not {kept}",
-                    found.eta * entrance
+                    found.retroreflected * entrance
                 );
                 if direction.0 == 0.0 {
                     // Three bands of the width sqrt 2 R lie across a hexagon 2/sqrt 6 wide: 4 R of
@@ -230,12 +230,12 @@ fn a_flat_apex_takes_an_octahedron() {
             let kept = area(&kept) - shadow;
             let (found, entrance) = at(&blunt, direction);
             assert!(
-                (found.eta * entrance - kept).abs() < 1e-12,
+                (found.retroreflected * entrance - kept).abs() < 1e-12,
                 "{part} {direction:?}: {} not {kept}",
-                found.eta * entrance
+                found.retroreflected * entrance
             );
             if direction.0 == 0.0 {
-                assert!((found.eta - (2.0 / 3.0 - 2.0 * part * part)).abs() < 1e-12);
+                assert!((found.retroreflected - (2.0 / 3.0 - 2.0 * part * part)).abs() < 1e-12);
             }
             cases += 1;
         }
@@ -277,7 +277,7 @@ fn land_dilutes() {
                         .sum::<f64>()
                 });
                 assert!(
-                    (wide.eta - share * tight.eta).abs() < 1e-12,
+                    (wide.retroreflected - share * tight.retroreflected).abs() < 1e-12,
                     "{shape:?} {direction:?}"
                 );
                 assert!(
@@ -303,7 +303,11 @@ fn open_gaps_between_full_cubes_dilute() {
         });
         let (found, _) = at(&cell, (0.0, 0.0));
         let share = (1.0 + gap / 2_f64.sqrt()).powi(-2);
-        assert!((found.eta - share).abs() < 1e-12, "{gap}: {}", found.eta);
+        assert!(
+            (found.retroreflected - share).abs() < 1e-12,
+            "{gap}: {}",
+            found.retroreflected
+        );
         let missed = found.fate[Fate::Missed as usize];
         assert!((missed - (1.0 - share)).abs() < 1e-12, "{gap}: {missed}");
         assert_eq!(

@@ -87,7 +87,7 @@ fn areas_are_conserved_in_every_direction() {
             let found = exact.direction(incidence, azimuth, 64, 2.0, &rules(1.0));
             check(name, &found, incidence, azimuth, 0.0);
             worst = worst.max((found.fate.iter().sum::<f64>() - 1.0).abs());
-            returning += usize::from(found.eta > 0.0);
+            returning += usize::from(found.retroreflected > 0.0);
             cases += 1;
         }
         println!(
@@ -202,14 +202,16 @@ fn a_narrow_histogram_counts_the_rest_as_out_of_range() {
     let exact = bakes::exact(&cell).unwrap();
     let wide = exact.direction(20.0, 40.0, 128, 2.0, &rules(1.0));
     let narrow = exact.direction(20.0, 40.0, 32, 0.5, &rules(1.0));
-    assert_eq!(wide.eta, narrow.eta);
+    assert_eq!(wide.retroreflected, narrow.retroreflected);
     let central: f64 = (48..80)
         .flat_map(|v| (48..80).map(move |u| v * 128 + u))
         .map(|i| wide.histogram[i])
         .sum();
     assert!((narrow.fate[Fate::Retroreflected as usize] - central).abs() < 1e-14);
-    assert!((narrow.fate[Fate::OutOfRange as usize] - (wide.eta - central)).abs() < 1e-14);
-    assert!(central > 0.1 && central < wide.eta - 0.01);
+    assert!(
+        (narrow.fate[Fate::OutOfRange as usize] - (wide.retroreflected - central)).abs() < 1e-14
+    );
+    assert!(central > 0.1 && central < wide.retroreflected - 0.01);
 }
 
 #[test]
@@ -261,7 +263,7 @@ fn a_mean_over_azimuths_is_that_of_many_azimuths() {
             for k in 0..many {
                 let azimuth = (f64::from(k) + 0.5) * 360.0 / f64::from(many);
                 let share = exact.direction(*incidence, azimuth, axes.bins, axes.range, &rules);
-                eta += share.eta / f64::from(many);
+                eta += share.retroreflected / f64::from(many);
                 for (sum, mass) in histogram.iter_mut().zip(share.histogram) {
                     *sum += mass / f64::from(many);
                 }

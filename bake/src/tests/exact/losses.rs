@@ -189,7 +189,7 @@ fn power_is_neither_lost_nor_made() {
                 assert!(found.fate.iter().all(|share| *share > -1e-14));
                 // Without losses no less light comes back, and nothing is absorbed.
                 let whole = exact.direction(incidence, azimuth, 32, 2.0, &rules(1.49));
-                assert!(found.eta <= whole.eta + 1e-13);
+                assert!(found.retroreflected <= whole.retroreflected + 1e-13);
                 assert_eq!(whole.fate[Fate::Absorbed as usize], 0.0);
                 assert!(found.fate[Fate::Absorbed as usize] > 0.03, "the front face");
                 cases += 1;
@@ -224,7 +224,7 @@ fn known_losses_at_normal_incidence() {
     let eta = |index, surface| {
         exact
             .direction(0.0, 0.0, 16, 2.0, &lossy(index, surface))
-            .eta
+            .retroreflected
     };
     for (reflectance, percent) in [(0.96_f64, 12.0_f64), (0.91, 25.0)] {
         let found = eta(1.0, Backing::Mirror { reflectance });
@@ -257,7 +257,10 @@ fn total_reflection_ends_at_the_known_angles() {
             let (mut low, mut high) = (0.0, 60.0);
             for _ in 0..40 {
                 let middle = f64::midpoint(low, high);
-                let lost = exact.direction(middle, azimuth, 4, 2.0, &tir).eta == 0.0;
+                let lost = exact
+                    .direction(middle, azimuth, 4, 2.0, &tir)
+                    .retroreflected
+                    == 0.0;
                 (low, high) = if lost { (low, middle) } else { (middle, high) };
             }
             high
@@ -275,9 +278,9 @@ fn total_reflection_ends_at_the_known_angles() {
         assert!(below.fate[Fate::Transmitted as usize].abs() < 1e-14);
         assert!(above.fate[Fate::Transmitted as usize] > 0.1);
         assert!(
-            above.eta > 0.01 && above.eta < 0.8 * below.eta,
+            above.retroreflected > 0.01 && above.retroreflected < 0.8 * below.retroreflected,
             "{}",
-            above.eta
+            above.retroreflected
         );
     }
 }

@@ -54,7 +54,7 @@ fn a_thousand_pairs_bake_like_one() {
                 |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum() };
             let l1 = apart(&a.histogram, &b.histogram);
             worst = worst.max(l1).max(apart(&a.fate, &b.fate));
-            returning += usize::from(a.eta > 0.0);
+            returning += usize::from(a.retroreflected > 0.0);
             cases += 1;
         }
     }
@@ -81,8 +81,12 @@ fn kinds_count_as_often_as_they_occur() {
             |cell: &ExactCell, azimuth| cell.direction(incidence, azimuth, 64, 2.0, &rules(1.0));
         let found = at(&triangle, azimuth);
         let [upright, turned] = [azimuth, azimuth + 180.0].map(|azimuth| at(&single, azimuth));
-        let eta = (2.0 * upright.eta + turned.eta) / 3.0;
-        assert!((found.eta - eta).abs() < 1e-12, "{} {eta}", found.eta);
+        let eta = (2.0 * upright.retroreflected + turned.retroreflected) / 3.0;
+        assert!(
+            (found.retroreflected - eta).abs() < 1e-12,
+            "{} {eta}",
+            found.retroreflected
+        );
         // Light from the other side sees a turned cube upright, in its own incidence frame.
         let bins = found.histogram.len();
         for bin in 0..bins {
