@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tables::cli as terminal;
 
 use serde::Serialize;
-use tables::Outputs;
+use tables::{Outputs, Table};
 
 use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
@@ -120,6 +120,27 @@ struct OldNames<T> {
     eta: Option<f64>,
 }
 
+impl<'a> OldNames<&'a Prediction> {
+    fn of_prediction(prediction: &'a Prediction) -> Self {
+        OldNames {
+            prediction,
+            distance_mm: prediction.floating_distance_mm,
+            eta: Some(prediction.retroreflected),
+        }
+    }
+}
+
+#[cfg(feature = "report")]
+impl OldNames<Around> {
+    fn of_around(prediction: Around) -> Self {
+        OldNames {
+            distance_mm: prediction.floating_distance_mm,
+            eta: None,
+            prediction,
+        }
+    }
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -172,19 +193,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.azimuth.is_some() && table.axes.is_mean() {
         terminal::warn(["the table is a mean over azimuths: --azimuth has no effect"]);
     }
-    let mut between: Vec<String> = predictions
-        .iter()
-        .filter(|p| p.interpolated && table.provenance.direction_tolerance.is_none())
-        .map(|p| p.incidence_deg.to_string())
-        .collect();
-    between.dedup();
-    if !between.is_empty() {
-        terminal::warn([format!(
-            "the prediction at incidence {} deg is interpolated between directions of the table, \
-            which costs accuracy; bake these directions",
-            between.join(", ")
-        )]);
-    }
+    warn_of_interpolation(&predictions, &table);
     #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         let frequencies = &places.frequency_per_mm;
@@ -198,28 +207,31 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::json(&Report {
             kernel: result.kernel,
             frequency_per_mm: &places.frequency_per_mm,
-            predictions: predictions
-                .iter()
-                .map(|prediction| OldNames {
-                    prediction,
-                    distance_mm: prediction.floating_distance_mm,
-                    eta: Some(prediction.retroreflected),
-                })
-                .collect(),
+            predictions: predictions.iter().map(OldNames::of_prediction).collect(),
             #[cfg(feature = "report")]
-            around: polar
-                .into_iter()
-                .map(|prediction| OldNames {
-                    distance_mm: prediction.floating_distance_mm,
-                    eta: None,
-                    prediction,
-                })
-                .collect(),
+            around: polar.into_iter().map(OldNames::of_around).collect(),
         })
     } else {
         csv(&predictions, &places.frequency_per_mm)
     };
     Ok(terminal::deliver(&text, output)?)
+}
+
+/// Warns of directions between those of the table, unless the table bounds that error.
+fn warn_of_interpolation(predictions: &[Prediction], table: &Table) {
+    let mut between: Vec<String> = predictions
+        .iter()
+        .filter(|p| p.interpolated && table.provenance.direction_tolerance.is_none())
+        .map(|p| p.incidence_deg.to_string())
+        .collect();
+    between.dedup();
+    if !between.is_empty() {
+        terminal::warn([format!(
+            "the prediction at incidence {} deg is interpolated between directions of the table, \
+            which costs accuracy; bake these directions",
+            between.join(", ")
+        )]);
+    }
 }
 
 /// Returns CSV with one row per place and frequency. The luminance is 0 and the MTF is empty at
