@@ -51,8 +51,8 @@ pub struct Measurement {
 /// warning.
 ///
 /// # Errors
-/// Returns a [`Fault`] if there is no edge, if there are several, or if something would make the
-/// result wrong, such as clipped pixels, uneven light or a curved or doubled edge.
+/// Fails if there is no edge, if there are several, or if something would make the result wrong,
+/// such as clipped pixels, uneven light or a curved or doubled edge.
 pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
     let region = |photo, roi| region(photo, roi, accepted);
     if roi.is_some() {
