@@ -31,7 +31,7 @@ addEventListener("load", async () => {
     const [a, b] = [luminance(e.closest("svg") ? style.fill : style.color), luminance(ground(e))];
     return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
   };
-  // The contrast of the colour keys (.key) does not count: the table names the ellipses in words too.
+  // The contrast of colour keys (.key) does not count: the table names the ellipses in words too.
   const read = texts.filter((e) => !e.matches(".key"));
   let broken = 0;
   for (const image of document.querySelectorAll("svg image")) {
