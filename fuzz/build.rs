@@ -1,5 +1,7 @@
-//! Coverage of libhdf5: gcc has no counters of libFuzzer's kind, but calls a function at every
-//! edge.
+//! Builds and links `trace.c`, which counts the coverage of libhdf5 for libFuzzer.
+//!
+//! gcc compiles libhdf5 and has no counters of libFuzzer's kind. But it can call a function at
+//! every edge of the control flow.
 
 fn main() {
     println!("cargo::rerun-if-changed=trace.c");

@@ -1,5 +1,6 @@
-/* Called by C code compiled with -fsanitize-coverage=trace-pc; libFuzzer reads the counters. Its own function of that name
-   only refuses, so that the linker leads the calls here (--wrap). */
+/* C code that is compiled with -fsanitize-coverage=trace-pc calls this function at every edge of
+   the control flow. libFuzzer reads the counters. libFuzzer has a function of the same name, which
+   only reports an error. So the linker redirects the calls to this function (--wrap). */
 #include <stdint.h>
 
 static uint8_t counters[1 << 16] __attribute__((section("__libfuzzer_extra_counters"), used));

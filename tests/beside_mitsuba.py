@@ -1,12 +1,13 @@
-"""Times the published loop in Mitsuba 3 / Dr.Jit and `fit study --forward render` in one run.
+"""Times the published loop in Mitsuba 3 / Dr.Jit beside `fit study --forward render`, in turns.
 
     python beside_mitsuba.py --peer mitsuba_fit.py --fit target/release/fit \
         --bake target/release/bake
 
---peer names a script that does the published loop in Mitsuba. It takes `time --size 512 --spp 256
---tuned` and prints one JSON line with forward_backward_s, grad_mean and grad_std (by a, by c). It
-runs under this interpreter, which must have mitsuba; DRJIT_LIBLLVM_PATH names LLVM. The photographs
-are those of fit/doc/loop.toml. The output is a table, or JSON with --json.
+--peer names a script that runs the published loop in Mitsuba. The script takes the arguments `time
+--size 512 --spp 256 --tuned` and prints one line of JSON with forward_backward_s (seconds),
+grad_mean and grad_std (each by a, then by c). It runs under this interpreter, which must have the
+package mitsuba. DRJIT_LIBLLVM_PATH must name the LLVM library. fit/doc/loop.toml describes the
+photographs. The output is a table; with --json a line of JSON follows it.
 """
 
 import argparse, json, os, pathlib, subprocess, sys, tempfile

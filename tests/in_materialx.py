@@ -2,9 +2,9 @@
 
     python in_materialx.py FIT RESULT.json TABLE.h5
 
-Both must be valid and become shaders (GLSL and OSL). The lobe of the shaders must be
-retroreflective and have the roughness of the document. One complaint is expected: OpenPBR in
-MaterialX 1.39.5 is version 1.1.1, which lacks specular_retroreflectivity.
+Both documents must be valid, and the library must turn them into shaders (GLSL and OSL). The lobe
+of the shaders must be retroreflective and have the roughness of the document. One complaint is
+expected: MaterialX 1.39.5 has OpenPBR 1.1.1, which has no input specular_retroreflectivity.
 """
 
 import subprocess

@@ -1,11 +1,11 @@
-"""Repeats the published comparison: two sheets, three pictures, two distances, all models.
-
-Every model is fitted to the same edge photographs. The truth is wave optics of the cubes (kernel
-"wave") in the light of an LED, photographed with camera noise. No fitted model here has this
-physics: the proposed one is fitted without the wavelength. The script writes table.csv, table.md
-and pictures.png.
+"""Repeats the published comparison: two sheets, three pictures, two distances, four models.
 
     python tests/table1.py BIN_FOLDER OUT_FOLDER [--lpips WEIGHTS.safetensors]
+
+All models are fitted to the same photographs of edges. The truth is wave optics of the cubes
+(kernel wave) in the light of an LED, photographed with camera noise. No fitted model has this
+physics here: the proposed model is fitted without the wavelength. The script writes table.csv,
+table.md and pictures.png into OUT_FOLDER.
 """
 
 import json
@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 SHEETS = {"A": {"c": 0.40, "mu": 0.5}, "B": {"c": 0.18, "mu": 0.3}}
-LIGHT = "520:0.25,535:0.5,550:0.25"  # a green LED, nm and weights
+LIGHT = "520:0.25,535:0.5,550:0.25"  # green LED: wavelength in nm, and weight
 DISTANCES = [150, 300]
 INCIDENCE, AZIMUTH, PITCH_MM = 20, 30, 0.1
 MODELS = ["proposed", "saito", "guo", "mrm"]
@@ -29,7 +29,7 @@ WIDTH, HEIGHT = 384, 288
 FULL_WELL, READ_NOISE = 20_000, 3  # electrons
 
 
-# ---- Pictures: linear light, (rows, columns, 3), written as 16-bit PNG.
+# ---- Pictures. Arrays hold linear light, in the shape (rows, columns, 3). Files are 16-bit PNG.
 
 
 def write_png(path, image, bits=16):
@@ -47,7 +47,7 @@ def write_png(path, image, bits=16):
 
 
 def read_png(path):
-    """A 16-bit RGB PNG without interlacing."""
+    """Reads a 16-bit RGB PNG without interlacing."""
     data, at, packed = path.read_bytes(), 8, b""
     while at < len(data):
         size, name = struct.unpack(">I4s", data[at : at + 8])
@@ -92,7 +92,7 @@ def srgb(light):
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
 
 
-GLYPHS = {  # 5 x 7
+GLYPHS = {  # letters of 5 x 7 pixels: two hexadecimal digits for each row
     "A": "0E11111F111111",
     "I": "0E04040404040E",
     "R": "1E11111E141211",
@@ -135,7 +135,7 @@ def sign():
 
 
 def natural():
-    """Fractal noise as land and sky, and three shaded spheres."""
+    """Returns a natural scene: land and sky of fractal noise, and three shaded spheres."""
     random = np.random.default_rng(7)
     y, x = np.mgrid[:HEIGHT, :WIDTH] / WIDTH
     noise = np.zeros_like(x)
@@ -168,7 +168,7 @@ def natural():
 
 
 def chart():
-    """A star of 36 rays and bars from 0.25 to 2.5 line pairs per mm."""
+    """Returns a test chart: a star of 36 rays, and bars of 0.25 to 2.5 line pairs per mm."""
     y, x = np.mgrid[:HEIGHT, :WIDTH].astype(float)
     image = np.full((HEIGHT, WIDTH), 0.9)
     dx, dy = x - 130, y - 144
@@ -250,7 +250,7 @@ def main():
         (work / f"{name}.toml").write_text(parameters(sheet, 100 + number))
         fit("simulate", f"{name}.toml", "-o", f"photos_{name}", "--force")
         manifest = work / f"photos_{name}/captures.toml"
-        # Nobody tells the fits the wavelength: wave optics is the truth's alone.
+        # The fits do not get the wavelength, so only the truth has wave optics.
         blind = re.sub(r"(?m)^wavelength_nm.*\n", "", manifest.read_text())
         (manifest.parent / "blind.toml").write_text(blind)
         for model in MODELS:

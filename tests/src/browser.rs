@@ -1,4 +1,4 @@
-//! A headless Chromium, where there is one.
+//! A headless Chromium, if the machine has one.
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// Names that Chromium has in distributions.
+/// Names of Chromium's program in Linux distributions.
 const NAMES: [&str; 4] = [
     "chromium",
     "chromium-browser",
@@ -15,19 +15,21 @@ const NAMES: [&str; 4] = [
     "chrome-headless-shell",
 ];
 
-/// A browser on this machine.
+/// A headless Chromium of this machine, with a profile of its own.
 pub struct Browser {
     program: PathBuf,
-    // Its profile, removed when the test ends.
+    // Folder of the browser's profile. It is removed when the test ends.
     profile: tempfile::TempDir,
 }
 
 impl Browser {
-    /// The program that AIRR_CHROMIUM names, else a Chromium on the path. Without one says so past
-    /// the test harness, which keeps what a passing test prints.
+    /// Finds a Chromium: the program that AIRR_CHROMIUM names, or else one on PATH.
+    ///
+    /// Returns `None` if there is none, and writes a message straight to standard error: the test
+    /// harness hides what a passing test prints.
     ///
     /// # Panics
-    /// When AIRR_CHROMIUM names no file.
+    /// Panics if AIRR_CHROMIUM names no file.
     pub fn find() -> Option<Browser> {
         let program = match std::env::var_os("AIRR_CHROMIUM") {
             Some(named) => {
@@ -55,11 +57,13 @@ impl Browser {
         })
     }
 
-    /// Opens a page that posts JSON to its parent, in a frame of a width (a window of less than 500
-    /// is not to be had), and returns that.
+    /// Opens a page in a frame and returns the JSON that the page posts to its parent.
+    ///
+    /// The frame is `width` CSS pixels wide. Chromium opens no window narrower than 500 pixels,
+    /// but a frame can be. If `dark` is true, the user prefers dark colours.
     ///
     /// # Panics
-    /// When the browser fails, or no JSON comes.
+    /// Panics if the browser fails, or if the page posts no JSON.
     pub fn probe(&self, page: &Path, width: u32, dark: bool) -> Value {
         let scheme = if dark { 0 } else { 1 };
         let frame = self.profile.path().join("frame.html");
@@ -75,7 +79,7 @@ impl Browser {
         let output = self.run(&[
             "--window-size=1400,900".into(),
             format!("--blink-settings=preferredColorScheme={scheme}").into(),
-            // Time passes as fast as the page works, and the page is dumped when it is at rest.
+            // Virtual time runs as fast as the page works. The page is dumped when it is idle.
             "--virtual-time-budget=10000".into(),
             "--dump-dom".into(),
             address(&frame),
@@ -94,7 +98,7 @@ impl Browser {
     /// Prints a page to a PDF and returns its bytes.
     ///
     /// # Panics
-    /// When the browser fails or writes nothing.
+    /// Panics if the browser fails or writes no file.
     pub fn print(&self, page: &Path, pdf: &Path) -> Vec<u8> {
         let mut to = OsString::from("--print-to-pdf=");
         to.push(pdf);
@@ -108,7 +112,7 @@ impl Browser {
         profile.push(self.profile.path());
         let output = Command::new(&self.program)
             .args(["--headless", "--disable-gpu", "--hide-scrollbars"])
-            // The sandbox wants rights that a container lacks; the only page opened is our own.
+            // The sandbox needs rights that a container lacks. Only pages of the tests are opened.
             .args(["--no-sandbox", "--disable-dev-shm-usage", "--no-first-run"])
             .arg(profile)
             .args(arguments)

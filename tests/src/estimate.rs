@@ -1,30 +1,30 @@
-//! A result of `fit estimate` beside the truth that its photographs were made from.
+//! Comparison of a result of `fit estimate` with the truth from which its photographs were made.
 
 use std::path::Path;
 
 use serde_json::Value;
 
-/// One number of a result, its truth, and where it belongs.
+/// One number of a result, with its name, standard error and truth.
 #[derive(Debug, Clone)]
 pub struct Number {
-    /// `c`, `a` (1/mm, or A where the kernel is `angular`) or `mu`, with the incidence if there is
-    /// one per angle.
+    /// Name: `c` (mm), `a` (1/mm; A = a R without unit if the kernel is `angular`) or `mu`,
+    /// followed by the incidence if the number belongs to one incidence.
     pub name: String,
-    /// What was estimated.
+    /// Estimated value, in the unit of the number.
     pub value: f64,
-    /// Its own standard error.
+    /// Standard error that the result reports, in the unit of the value.
     pub standard_error: f64,
-    /// What was planted.
+    /// True value, from which the photographs were made.
     pub truth: f64,
 }
 
 impl Number {
-    /// Difference to the truth, as a part of it.
+    /// Returns the relative error: (value - truth) / truth.
     pub fn relative(&self) -> f64 {
         self.value / self.truth - 1.0
     }
 
-    /// Difference to the truth in reported standard errors.
+    /// Returns the error, value - truth, in reported standard errors.
     pub fn score(&self) -> f64 {
         (self.value - self.truth) / self.standard_error
     }
@@ -33,17 +33,17 @@ impl Number {
 /// Reads a JSON file.
 ///
 /// # Panics
-/// When it is absent or not JSON.
+/// Panics if the file cannot be read or is not JSON.
 pub fn json(path: &Path) -> Value {
     let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// All numbers of a result with their truths; `truth` is the whole truth.json.
+/// Returns all numbers of a result with their truths. `truth` is the whole truth.json.
 ///
 /// # Panics
-/// When the result lacks a number, holds one that is not finite, or the truth has none for its
-/// angle.
+/// Panics if the result lacks a number or holds one that is not finite, or if the truth has no
+/// number for one of the angles.
 pub fn numbers(result: &Value, truth: &Value) -> Vec<Number> {
     let a = if result["kernel"] == "angular" {
         "a_times_r"

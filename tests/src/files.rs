@@ -1,10 +1,10 @@
-//! Where the project's own files lie, and tables baked for a test.
+//! Paths of the project's own files, and tables that are baked for a test.
 
 use std::path::{Path, PathBuf};
 
 use crate::program::bake;
 
-/// The root of the project.
+/// Returns the root folder of the project.
 pub fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
@@ -12,18 +12,23 @@ pub fn project() -> PathBuf {
         .to_owned()
 }
 
-/// A file of the project as an argument: `parts` is its path from the root.
+/// Returns the full path of a file of the project as text, for a command line.
+///
+/// `parts` is the path from the root of the project.
 pub fn argument(parts: &str) -> String {
     project().join(parts).display().to_string()
 }
 
-/// Bakes a design into a table in `folder` and returns its name: behind a front face of index 1.49,
-/// like the acrylic of the campaigns, otherwise as `bake trace` does without being told.
+/// Bakes a design into a table in `folder` and returns the table's file name.
+///
+/// The refractive index is 1.49, as in the campaigns (acrylic). All other options have the
+/// defaults of `bake trace`.
 pub fn bake_table(folder: &Path, design: &str, incidence: &str, azimuth: &str) -> String {
     bake_table_with(folder, design, incidence, azimuth, &[])
 }
 
-/// Likewise, with further options.
+/// Bakes a design as [`bake_table`] does, with further options of `bake trace`, and returns the
+/// table's file name.
 pub fn bake_table_with(
     folder: &Path,
     design: &str,

@@ -1,5 +1,5 @@
-//! What the end-to-end tests share: the two programs as processes, the files of this folder,
-//! results and truths.
+//! Helpers of the end-to-end tests: they start the two programs, find the project's files, and
+//! compare results with truths.
 
 #![forbid(unsafe_code)]
 

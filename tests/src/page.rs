@@ -1,6 +1,8 @@
-//! The commands that a page prints.
+//! Commands that a page of the manual shows.
 
-/// The commands of the blocks marked `sh`; a line that ends in a backslash goes on in the next one.
+/// Returns the commands of all blocks marked `sh`, each as a list of words.
+///
+/// A line that ends in a backslash continues on the next line.
 pub fn commands(page: &str) -> Vec<Vec<String>> {
     let (mut commands, mut inside, mut line) = (Vec::new(), false, String::new());
     for text in page.lines().map(str::trim) {

@@ -1,28 +1,28 @@
-//! The two programs as a user starts them: arguments in, exit code and text out.
+//! The two programs, started as a user starts them: arguments in, exit code and text out.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
 
-/// What a program left behind when it ended.
+/// Exit code and output of a program that has ended.
 #[derive(Debug)]
 pub struct Run {
-    /// The command line, for messages.
+    /// Command line, for the messages of tests.
     pub line: String,
-    /// Exit code; `None` after a signal.
+    /// Exit code; `None` if a signal ended the program.
     pub code: Option<i32>,
-    /// Standard output.
+    /// Text on standard output.
     pub out: String,
-    /// Standard error.
+    /// Text on standard error.
     pub err: String,
 }
 
 impl Run {
-    /// Standard output of a run that succeeded without a word on standard error.
+    /// Returns the standard output of a run that succeeded and wrote nothing to standard error.
     ///
     /// # Panics
-    /// When it failed, warned or drew a progress bar into the pipe.
+    /// Panics if the run failed, gave a warning or drew a progress bar into the pipe.
     #[track_caller]
     pub fn done(self) -> String {
         assert_eq!(self.code, Some(0), "{}\n{}", self.line, self.err);
@@ -31,22 +31,25 @@ impl Run {
     }
 }
 
-/// Starts `bake` in `folder`.
+/// Runs `bake` in `folder` until it ends.
 pub fn bake<S: AsRef<str>>(folder: &Path, arguments: &[S]) -> Run {
     run("bake", folder, arguments)
 }
 
-/// Starts `fit` in `folder`.
+/// Runs `fit` in `folder` until it ends.
 pub fn fit<S: AsRef<str>>(folder: &Path, arguments: &[S]) -> Run {
     run("fit", folder, arguments)
 }
 
-/// Starts a program of this project in `folder`.
+/// Runs `bake` or `fit`, by name, in `folder` until it ends.
 pub fn run<S: AsRef<str>>(name: &str, folder: &Path, arguments: &[S]) -> Run {
     run_by(&[], name, folder, arguments)
 }
 
-/// Likewise, by another program that takes the command line as its last arguments.
+/// Runs `bake` or `fit` in `folder` through another program.
+///
+/// `starter` is that program with its first arguments. It gets the command line of `bake` or `fit`
+/// as its last arguments. An empty `starter` means that no other program is used.
 pub fn run_by<S: AsRef<str>>(
     starter: &[&OsStr],
     name: &str,
@@ -75,8 +78,11 @@ pub fn run_by<S: AsRef<str>>(
     }
 }
 
-/// The program beside this test's own folder. Cargo builds it in `cargo test --workspace`, and not
-/// in `cargo test -p tests`: a stale one would test yesterday's code.
+/// Returns the path of `bake` or `fit` in the build folder of this test, and checks that the
+/// program is newer than the sources.
+///
+/// `cargo test --workspace` builds the programs, but `cargo test -p tests` does not. Without the
+/// check, a test could run an old program.
 fn fresh(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test is a file");
     let program = test
@@ -86,7 +92,8 @@ fn fresh(name: &str) -> PathBuf {
         .join(name);
     let modified = |path: &Path| path.metadata().and_then(|data| data.modified());
     let built = modified(&program).unwrap_or(SystemTime::UNIX_EPOCH);
-    // Cargo leaves a program alone whose own packages did not change.
+    // Cargo does not rebuild a program if its own packages did not change. So only the sources of
+    // these packages count.
     let packages: &[&str] = match name {
         "bake" => &["meshes", "tables", "bake"],
         _ => &["tables", "fit"],
@@ -106,7 +113,7 @@ fn fresh(name: &str) -> PathBuf {
     program
 }
 
-/// All `.rs` files under a folder.
+/// Returns all `.rs` files in a folder and its subfolders, sorted.
 pub fn sources(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_owned()];
@@ -124,10 +131,10 @@ pub fn sources(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The Python that `make test` sets up.
+/// Returns the Python interpreter that `make test` sets up; AIRR_PYTHON names it.
 ///
 /// # Panics
-/// Without it.
+/// Panics if AIRR_PYTHON is not set.
 pub fn python() -> std::ffi::OsString {
     std::env::var_os("AIRR_PYTHON").expect(
         "AIRR_PYTHON is not set: run `make test`, which sets up a Python with h5py, xarray and \

@@ -1,10 +1,9 @@
-//! Reads which source file of a crate imports which, so that a test can hold the rooms to their
-//! order.
+//! Imports between the source files of a crate, so that a test can check the order of the rooms.
 //!
-//! A room is a folder of `src` with a `mod.rs`. Sources are read as tokens, not as text: an import
-//! counts whether it stands in a `use`, in a path inside an expression or a macro call, begins with
-//! `crate` or `super`, or passes through a re-export of a room's `mod.rs`. Comments, and modules
-//! under `#[cfg(test)]`, do not count.
+//! A room is a folder of `src` with a `mod.rs`. Sources are read as tokens, not as text. An import
+//! counts wherever it stands: in a `use`, in a path inside an expression, or in a macro call. It
+//! may begin with `crate` or `super`, and it may pass through a re-export of a room's `mod.rs`.
+//! Comments, and modules under `#[cfg(test)]`, do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -14,25 +13,25 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 use crate::program::sources;
 
-/// A module: its name, part by part, from the root of the crate.
+/// A module: the parts of its path from the root of the crate.
 type Module = Vec<String>;
 
-/// The sources of one crate: text by file, relative to its `src`.
+/// The sources of one crate: text by file name, relative to `src`.
 pub type Sources = BTreeMap<String, String>;
 
-/// One import: `from` names something that is written in `to`. Both are files relative to `src`.
+/// One import between two files of a crate. Both file names are relative to `src`.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Import {
     /// The file that imports.
     pub from: String,
-    /// The file whose item it names.
+    /// The file that holds the imported item.
     pub to: String,
 }
 
-/// Reads the sources of a crate, those of its tests (`src/tests`) apart.
+/// Reads the sources of a crate, without its unit tests (`tests` folders and `tests.rs`).
 ///
 /// # Panics
-/// When a file cannot be read.
+/// Panics if a file cannot be read.
 pub fn read(src: &Path) -> Sources {
     sources(src)
         .into_iter()
@@ -47,17 +46,18 @@ pub fn read(src: &Path) -> Sources {
         .collect()
 }
 
-/// The room of a file: the first folder of its path; `None` at the root.
+/// Returns the room of a file, which is the first folder of its path, or `None` at the root.
 pub fn room(file: &str) -> Option<&str> {
     file.split_once('/').map(|(room, _)| room)
 }
 
-/// All imports between the files of one crate, sorted. A name of the crate's root that is no
-/// module, such as a public re-export, leads to `lib.rs`: whoever imports it imports the whole
-/// crate.
+/// Returns all imports between the files of one crate, sorted.
+///
+/// A name in the crate's root that is no module, such as a public re-export, counts as an import
+/// of `lib.rs`: such an import depends on the whole crate.
 ///
 /// # Panics
-/// When a file is no Rust.
+/// Panics if a file is not Rust.
 pub fn imports(sources: &Sources) -> Vec<Import> {
     let house = House::new(sources);
     let mut found = BTreeSet::new();
@@ -74,8 +74,10 @@ pub fn imports(sources: &Sources) -> Vec<Import> {
     found.into_iter().collect()
 }
 
-/// Imports that run up: into a room that stands later in `order` than their own, or to the root of
-/// the crate. Each sentence names both files.
+/// Returns one sentence, with both files, for each import that runs up.
+///
+/// An import runs up if it leads to a room that stands later in `order` than the importing file's
+/// own room, or to the root of the crate.
 pub fn upward(sources: &Sources, order: &[&str]) -> Vec<String> {
     let imports = imports(sources);
     let floor = |file: &str| match room(file) {
@@ -90,7 +92,7 @@ pub fn upward(sources: &Sources, order: &[&str]) -> Vec<String> {
             .find(|other| room(&other.from) == room(to) && room(&other.to) == room(from));
         let circle = back.map_or(String::new(), |back| {
             format!(
-                "; that is a circle between rooms, for {} imports {}",
+                "; that is a circle between rooms, because {} imports {}",
                 back.from, back.to
             )
         });
@@ -99,7 +101,7 @@ pub fn upward(sources: &Sources, order: &[&str]) -> Vec<String> {
     imports.iter().filter(runs_up).map(sentence).collect()
 }
 
-/// Groups of files of one room that import each other in a circle, each sorted.
+/// Returns the groups of files of one room that import each other in a circle, each group sorted.
 pub fn circles(sources: &Sources) -> Vec<Vec<String>> {
     let imports = imports(sources);
     let inside = |import: &&Import| room(&import.from) == room(&import.to);
@@ -136,7 +138,7 @@ pub fn circles(sources: &Sources) -> Vec<Vec<String>> {
     found.into_iter().collect()
 }
 
-/// The module that a file is.
+/// Returns the module that a file holds.
 fn module_of(file: &str) -> Module {
     let mut parts: Module = file
         .trim_end_matches(".rs")
@@ -152,11 +154,11 @@ fn module_of(file: &str) -> Module {
     parts
 }
 
-/// The files of a crate by module, and what they re-export.
+/// The files of a crate by module, with their tokens and re-exports.
 struct House {
     tokens: BTreeMap<String, TokenStream>,
     files: BTreeMap<Module, String>,
-    /// By module: name, and the path that it stands for.
+    /// Re-exports by module: each name, and the path for which it stands.
     reexports: BTreeMap<Module, Vec<(String, Module)>>,
 }
 
@@ -194,8 +196,8 @@ impl House {
         }
     }
 
-    /// The file in which the item of a path is written, followed through the re-exports of `mod.rs`
-    /// files.
+    /// Returns the file that holds the item of a path. The re-exports of `mod.rs` files are
+    /// followed.
     fn file_of(&self, path: &[String], depth: usize) -> String {
         let mut length = path.len();
         while !self.files.contains_key(&path[..length]) {
@@ -208,15 +210,15 @@ impl House {
             Some(target)
         });
         match through {
-            // A name that is re-exported a dozen times is a circle of re-exports, which rustc
-            // refuses.
+            // Twelve re-exports of one name can only be a circle, which rustc refuses. The limit
+            // ends the search.
             Some(target) if depth < 12 => self.file_of(target, depth + 1),
             _ => self.files[module].clone(),
         }
     }
 }
 
-/// All paths of the tokens that lead into the crate, from its root.
+/// Returns all paths in the tokens that lead into the crate, each from the crate's root.
 fn paths(tokens: TokenStream, here: &[String], files: &BTreeMap<Module, String>) -> Vec<Module> {
     let mut found = Vec::new();
     uses(tokens.clone(), here, files, &mut |path, _| found.push(path));
@@ -224,15 +226,16 @@ fn paths(tokens: TokenStream, here: &[String], files: &BTreeMap<Module, String>)
     found
 }
 
-/// Whether a module that starts after these attributes is one of tests.
+/// Returns whether these attributes mark a module of tests, such as `#[cfg(test)]`.
 fn is_of_tests(attributes: &[String]) -> bool {
     attributes
         .iter()
         .any(|text| text.starts_with("cfg") && text.contains("test"))
 }
 
-/// Calls `visit` with the tokens of every module that is written in this stream, inner modules
-/// first and those of tests left out, and with the module's name.
+/// Calls `visit` with the tokens and the path of every module that is written in this stream.
+///
+/// Inner modules come first. Modules of tests are left out.
 fn bodies(tokens: TokenStream, here: &[String], visit: &mut dyn FnMut(&[TokenTree], &[String])) {
     let mut flat = Vec::new();
     let mut attributes: Vec<String> = Vec::new();
@@ -270,7 +273,7 @@ fn bodies(tokens: TokenStream, here: &[String], visit: &mut dyn FnMut(&[TokenTre
     visit(&flat, here);
 }
 
-/// Calls `item` with the path and the own name of every leaf of every `use`.
+/// Calls `item` with the path and the local name of every leaf of every `use`.
 fn uses(
     tokens: TokenStream,
     here: &[String],
@@ -313,7 +316,7 @@ fn uses_in(
     }
 }
 
-/// The leaves of one tree of a `use`: path and own name.
+/// Calls `leaf` with the path and the local name of every leaf of one `use` tree.
 fn leaves(trees: &[TokenTree], before: &[String], leaf: &mut dyn FnMut(&[String], &str)) {
     let mut path = before.to_vec();
     let mut name = None;
@@ -349,7 +352,8 @@ fn leaves(trees: &[TokenTree], before: &[String], leaf: &mut dyn FnMut(&[String]
     leaf(&path, &own);
 }
 
-/// Paths in expressions, types and macro calls that begin with `crate`, `super` or `self`.
+/// Collects the paths in expressions, types and macro calls that lead into the crate, with two
+/// parts or more.
 fn inline(
     tokens: TokenStream,
     here: &[String],
@@ -381,7 +385,7 @@ fn inline_in(
                 let inner: Vec<TokenTree> = group.stream().into_iter().collect();
                 inline_in(&inner, at, file, files, found);
             }
-            // The leaves of a `use` are read elsewhere.
+            // `uses` reads the leaves of a `use`.
             TokenTree::Ident(word) if *word == "use" => {
                 let semicolon =
                     |t: &TokenTree| matches!(t, TokenTree::Punct(p) if p.as_char() == ';');
@@ -408,8 +412,9 @@ fn inline_in(
     }
 }
 
-/// A path from the root of the crate; `None` where it leads to another crate or names something of
-/// its own module.
+/// Returns a path from the root of the crate.
+///
+/// Returns `None` if the path leads to another crate or to an item of the file's own module.
 fn absolute(
     path: &[String],
     here: &[String],

@@ -1,14 +1,15 @@
-//! Rules of the project's words: widths of lines, openings of doc comments, links and glossary.
+//! Rules for the project's words: widths of lines, openings of doc comments, links and glossary.
 //!
 //! Each rule is a function from a text to its findings, so that a test can plant a violation.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The most columns of a line.
+/// Greatest number of columns of a line.
 pub const WIDEST: usize = 100;
 
-/// Words that no doc comment begins with: they need the item before it, or say no verb and no noun.
+/// Words with which no doc comment may begin. They point to another item, or are neither verb nor
+/// noun.
 const POINTING: [&str; 26] = [
     "The same", "Same", "As", "Like", "Likewise", "Ditto", "See", "It", "Its", "Their", "Those",
     "That", "Whose", "Which", "Also", "And", "So", "Else", "Too", "Such", "This", "These", "What",
@@ -147,7 +148,7 @@ pub fn links(page: &str) -> Vec<String> {
         .collect()
 }
 
-/// Returns the names that a link into a page may end with: of its headings and of its anchors.
+/// Returns the anchors of a page: the names that may follow `#` in a link to it.
 pub fn anchors(page: &str) -> BTreeSet<String> {
     let of_headings = page
         .lines()
@@ -180,7 +181,7 @@ pub fn dead_links(file: &Path) -> Vec<String> {
     let page = read(file);
     let leads = |target: &str| {
         if target.contains("://") || target.starts_with("mailto:") {
-            return true; // the network is not asked
+            return true; // the test does not use the network
         }
         let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
         let to = if path.is_empty() {
@@ -199,9 +200,9 @@ pub fn dead_links(file: &Path) -> Vec<String> {
 /// A term of the glossary.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// The end of a link to the term.
+    /// Anchor of the term: the part of a link after `#`.
     pub anchor: String,
-    /// The spellings that a page may use.
+    /// Spellings that a page may use.
     pub spellings: Vec<String>,
 }
 
@@ -269,7 +270,7 @@ pub fn read(file: &Path) -> String {
 
 /// Returns all files of the project whose names end in one of `endings`, sorted.
 ///
-/// Folders that hold what was built or brought, or files of tests, are left out.
+/// Hidden folders and folders with built, downloaded or test files are left out.
 pub fn files(root: &Path, endings: &[&str]) -> Vec<PathBuf> {
     const LEFT_OUT: [&str; 8] = [
         "target",

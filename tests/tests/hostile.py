@@ -1,7 +1,10 @@
-"""Writes files that were made to do harm, and prints the command that must refuse each of them.
+"""Writes files that were made to do harm, and prints the commands that must refuse them.
 
-A line of output holds, with tabs between: the name of the case, the program, its arguments, and
-last the words that the refusal must contain.
+    python hostile.py FOLDER
+
+FOLDER must hold table.h5, a table of rays. Each line of output is one case, with tabs between its
+parts: the name of the case, the program, its arguments, and last the text that the refusal must
+contain.
 """
 
 import hashlib
@@ -30,7 +33,10 @@ def written(name, content):
 
 
 def zeros(count):
-    """A zlib stream of so many zeros, made of equal blocks; the Adler-32 of n zeros is known."""
+    """Returns a zlib stream of `count` zeros, made of equal blocks.
+
+    The checksum needs no computation: the Adler-32 of n zeros has a closed form.
+    """
 
     def block(length):
         packer = zlib.compressobj(9, zlib.DEFLATED, -15)
@@ -46,8 +52,8 @@ def zeros(count):
     )
 
 
-# ---- Tables. Each is changed with h5py, and sealed again: whoever wants to do harm can compute a
-# SHA-256.
+# ---- Tables. Each is changed with h5py and gets a new seal, because an attacker can compute a
+# SHA-256 too.
 
 
 def table(name, says, change, base=TABLE):
@@ -87,7 +93,7 @@ def link(name, to):
 
 
 def bomb_in_a_chunk(file):
-    """A chunk of 8 MiB by its shape, of 8 MiB in the file, and of 4 GiB inflated."""
+    """Writes a chunk that has 8 MiB by its shape, 4 MiB in the file, and 4 GiB if inflated."""
     del file["histogram"]
     data = file.create_dataset(
         "histogram",
@@ -102,7 +108,7 @@ def bomb_in_a_chunk(file):
 
 
 def consistent_bomb(file):
-    """All shapes agree: 2 x 1 x 4000 x 4000 bins of zeros, 256 MB in 256 kB."""
+    """Writes 2 x 1 x 4000 x 4000 bins of zeros with consistent shapes: 256 MB in 256 kB."""
     bins = 4000
     for name in ("shift_u", "shift_v"):
         del file[name]
@@ -250,7 +256,7 @@ gltf(
     "bytes of JSON",
 )
 gltf(
-    "a million nodes deep",
+    "a hundred thousand nodes deep",
     "{"
     + HEAD
     + ',"nodes":['
@@ -259,7 +265,7 @@ gltf(
     "no triangles",
 )
 gltf(
-    "ten million empty nodes",
+    "five million empty nodes",
     "{" + HEAD + ',"nodes":[' + ",".join(["{}"] * 5000000) + "]}",
     "JSON objects",
 )
@@ -406,7 +412,8 @@ text("many TOML headings", b"[[capture]]\n" * 80000, ESTIMATE, "")
 text("JSON nested deep", b"[" * 1000000, PREDICT, "")
 text("JSON of 100 MB", b'{"kernel":"' + b"a" * 100_000_000 + b'"}', PREDICT, "longer than")
 
-# ---- What fuzzing found: headers of 1.6 GB and of an exabyte, for which libhdf5 asks at once.
+# ---- Tables found by fuzzing. Their headers claim 1.6 GB and an exabyte, and libhdf5 asks for that
+# much memory at once.
 
 for name in sorted(os.listdir(os.path.join(FOUND, "table"))):
     case(name, ["bake", "inspect", os.path.join(FOUND, "table", name)], "damaged, copy it again")

@@ -1,8 +1,11 @@
 """Opens a table with h5py and with xarray, and checks what they show.
 
-The table is of the single triangular cell with index 1.49. Its retroreflected share has a closed
-form: 2/3 (1 - 2 tan^2 theta) up to 19.47 degrees, where theta is the angle inside. The script uses
-the packages' own calls only, as a user would in a notebook.
+    python read_table.py TABLE.h5 METHOD
+
+METHOD is rays or exact. The table holds a single triangular cube with index 1.49. Its eta (dataset
+retroreflected) has a closed form: 2/3 (1 - 2 tan^2 theta) for theta up to 19.47 degrees, where
+theta is the incidence inside the sheet. The script calls only the packages, as a user does in a
+notebook.
 """
 
 import math
@@ -27,7 +30,8 @@ def check_direction(incidence_deg, histogram, retroreflected, standard_error, fa
     assert (histogram >= 0).all()
     assert abs(fates.sum() - 1) < 1e-9, fates.sum()
     expected = fraction(incidence_deg)
-    # Rays: 4.5 standard errors, never less than one ray in the million launched. Exact: rounding.
+    # Rays: 4.5 standard errors are allowed. A standard error counts as at least one ray of the
+    # million that was launched. Exact: rounding is allowed.
     assert (standard_error == 0) == (method == "exact"), standard_error
     within = 1e-12 if method == "exact" else 4.5 * max(standard_error, 1e-6)
     assert expected is None or abs(retroreflected - expected) < within, (
@@ -86,8 +90,8 @@ with xarray.open_dataset(path, engine="h5netcdf") as table:
                 at.fate.values,
             )
     assert np.array_equal(table.histogram.sel(incidence_deg=10, azimuth_deg=30).values, plain)
-    # The shift of an ideal cube at normal incidence is 2(q - p): its mean is zero by the point
-    # symmetry of the hexagon.
+    # The ray shift of an ideal cube at normal incidence is 2(q - p), with the apex q. Rays enter
+    # through a hexagon, which has point symmetry about q. So the mean of the shift is zero.
     upright = table.histogram.sel(incidence_deg=0, azimuth_deg=0)
     mean = [float((upright * upright[axis]).sum()) for axis in ("shift_u", "shift_v")]
     assert max(map(abs, mean)) < 3e-3, mean

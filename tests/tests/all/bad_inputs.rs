@@ -1,16 +1,18 @@
-//! Bad files and wrong options, end to end: one sentence on standard error, the right exit code,
-//! and what stood at the output's place still stands there, byte for byte, with nothing
-//! half-written beside it.
+//! Bad files and wrong options, given to the real programs.
+//!
+//! Each must end with one sentence on standard error and the right exit code. A file that existed
+//! at the place of the output must be unchanged, byte for byte, and no half-written file may lie
+//! beside it.
 
 use std::path::Path;
 
 use tests::files::{argument, bake_table, project};
 use tests::program::run;
 
-/// What stood at the output's place before.
+/// Content of the file that exists at the place of the output before a run.
 const KEPT: &[u8] = b"an older result that nobody wants to lose";
 
-/// A place to run in, with an output that must survive.
+/// A temporary folder for runs that must be refused, with the failures found so far.
 struct Bench {
     folder: tempfile::TempDir,
     failures: Vec<String>,
@@ -30,8 +32,10 @@ impl Bench {
         self.folder.path()
     }
 
-    /// Runs a command line that must be refused with `code` and a sentence that holds all of
-    /// `parts`. `from` is the folder to run in; the output `OUT` stands for a file that exists
+    /// Runs a command line that must be refused, and records what is wrong with the refusal.
+    ///
+    /// The run must end with the exit code `code` and with one sentence that holds all of `parts`.
+    /// It runs in the folder `from`. The word `OUT` in `arguments` stands for a file that exists
     /// already.
     fn refuses(
         &mut self,
@@ -214,7 +218,7 @@ fn tables() {
         1,
         &["none.h5"],
     );
-    // A good table of another scene.
+    // A good table, but of other directions and another cell.
     let other = bake_table(&here, "triangular", "0:20:10", "5");
     let nearest = ["does not cover incidence", "nearest"];
     bench.refuses(

@@ -1,4 +1,5 @@
-//! Who may depend on whom, and what stays behind one fence: `meshes <- bake -> tables <- fit`.
+//! Dependencies between the packages, `meshes <- bake -> tables <- fit`, and code that may stand
+//! in certain files only: HDF5, the bounding volume hierarchy and `unsafe`.
 
 use std::path::Path;
 
@@ -11,8 +12,8 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names under every heading of dependencies, those of tests, build scripts and single platforms
-/// too.
+/// Returns the names under every heading of dependencies, with those of tests, build scripts and
+/// single platforms.
 fn dependencies(manifest: &toml::Table) -> Vec<String> {
     let mut found = Vec::new();
     for (heading, value) in manifest {
@@ -38,7 +39,7 @@ fn of(package: &str) -> Vec<String> {
     dependencies(&read(&manifest).parse().unwrap())
 }
 
-/// Paths, from the root, of the sources that hold a line of code for which `is` answers yes.
+/// Returns the paths, from the root, of the sources with a line of code for which `is` is true.
 fn files_with(is: impl Fn(&str) -> bool) -> Vec<String> {
     let root = project();
     PACKAGES
@@ -135,8 +136,10 @@ fn unsafe_code_stays_behind_its_fences() {
     }
 }
 
-/// The most lines of code that a file may have. Comments, blank lines and unit tests beside the
-/// code do not count. A longer file holds two subjects: split it, do not raise the limit.
+/// Greatest number of lines of code that a file may have.
+///
+/// Comments, blank lines and unit tests beside the code do not count. A longer file holds two
+/// subjects: split it, do not raise the limit.
 const LONGEST_FILE: usize = 440;
 
 #[test]

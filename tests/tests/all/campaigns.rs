@@ -1,5 +1,5 @@
-//! The whole way with the real programs: a design, its table, and a, c and mu from photographs
-//! whose truth is known.
+//! All steps with the real programs: a design, its table, and a, c and mu from photographs whose
+//! truth is known.
 
 use std::path::Path;
 
@@ -14,11 +14,11 @@ struct Campaign {
     incidence: &'static str,
     azimuth: &'static str,
     lobe: &'static str,
-    /// What is said where nothing is left to `auto`.
+    /// Options that fix the sharing, for the run that leaves no choice to `auto`.
     sharing: [&'static str; 2],
-    /// Largest relative difference of `a`.
+    /// Greatest relative error of a.
     a_within: f64,
-    /// Numbers in the result.
+    /// Count of the numbers in the result.
     numbers: usize,
 }
 
@@ -43,8 +43,8 @@ const CAMPAIGNS: [Campaign; 3] = [
         a_within: 0.005,
         numbers: 3,
     },
-    // One cube off its symmetry axes, edges in four directions: a wrong sign of an axis is seen
-    // here alone.
+    // One cube, lit off its symmetry axes, with edges in four directions. Only this campaign shows
+    // a wrong sign of an axis.
     Campaign {
         name: "public_axes",
         design: "triangular",
@@ -57,10 +57,12 @@ const CAMPAIGNS: [Campaign; 3] = [
     },
 ];
 
-/// 54 numbers are compared. Were they independent and normal, one of them would lie 4.5 standard
-/// errors off in one of 2,700 sets of photographs; these are one fixed set, so the limit rejects
-/// errors that are reported too small, not luck. The table is baked as a user would, by the method
-/// that `auto` takes.
+/// Greatest distance of an estimate from its truth, in reported standard errors.
+///
+/// 54 numbers are compared. If they were independent and normal, one of them would exceed this
+/// limit in one of 2,700 sets of photographs. The photographs are one fixed set. So the limit does
+/// not reject bad luck; it rejects standard errors that are reported too small. The tables are
+/// baked as a user bakes them, with `--method auto`.
 const STANDARD_ERRORS: f64 = 4.5;
 
 #[test]
@@ -105,8 +107,8 @@ fn compare(folder: &Path, campaign: &Campaign, table: &str, options: &[&str]) ->
     ];
     let run = fit(folder, &[&files[..], options].concat());
     assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
-    // Left open at a single distance, the scaling of a with it is guessed, and the user told so;
-    // else nothing is said.
+    // public_axes has a single distance. If the kernel is left open, `fit` guesses how a changes
+    // with the distance, and warns. All other runs are silent.
     let guessed = campaign.name == "public_axes" && !options.contains(&"--kernel");
     let said = run.err.lines().count() == 1 && run.err.contains("one floating distance");
     assert_eq!(
@@ -148,7 +150,7 @@ fn compare(folder: &Path, campaign: &Campaign, table: &str, options: &[&str]) ->
             number.score().abs() < STANDARD_ERRORS,
             "{name} {options:?}: {number:?}"
         );
-        // An error bar that covers anything would pass the line above.
+        // A far too large standard error would pass the check above.
         assert!(
             number.standard_error < within * number.truth,
             "{name} {options:?}: {number:?}"
@@ -165,7 +167,7 @@ fn compare(folder: &Path, campaign: &Campaign, table: &str, options: &[&str]) ->
 
 type Is = fn(&Value) -> bool;
 
-/// What scripts rely on: every key, with the type that it must have.
+/// Checks that a result has the keys on which scripts rely, each with the right type.
 fn has_the_keys_of_a_result(result: &Value) {
     let kinds: [(&str, Is); 19] = [
         ("/kernel", Value::is_string),

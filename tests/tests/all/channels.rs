@@ -1,5 +1,5 @@
-//! One fit per channel of coloured photographs, as the program does it: a result by channel, each
-//! of its own light.
+//! Estimates for each colour channel of coloured photographs (`--channel each`), with the real
+//! program: one result for each channel, from the light of that channel alone.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use tests::files::bake_table;
 use tests::program::{Run, fit};
 
-/// a (1/mm) and mu of the sheets whose photographs become red, green and blue.
+/// a (1/mm) and mu of three sheets. Their photographs become the red, green and blue channels.
 const SHEETS: [(f64, f64); 3] = [(4.0, 0.5), (3.0, 0.6), (5.0, 0.4)];
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
@@ -30,7 +30,7 @@ fn parameters((a, mu): (f64, f64)) -> String {
     )
 }
 
-/// The plane of a photograph that holds one, and its columns and rows.
+/// Reads a photograph of one plane; returns its pixels, columns and rows.
 fn plane(file: &Path) -> (Vec<f32>, usize, usize) {
     let image = exr::prelude::read_first_flat_layer_from_file(file).unwrap();
     let size = image.layer_data.size;
@@ -39,7 +39,9 @@ fn plane(file: &Path) -> (Vec<f32>, usize, usize) {
     (values, size.width(), size.height())
 }
 
-/// Writes the three campaigns, and in `mixed` the one whose photographs hold all three as colours.
+/// Writes the three campaigns, and in the folder `mixed` one campaign of coloured photographs.
+///
+/// Each coloured photograph holds those of the three sheets as its channels.
 fn mix(here: &Path) {
     for (sheet, channel) in SHEETS.into_iter().zip(CHANNELS) {
         std::fs::write(here.join(format!("{channel}.toml")), parameters(sheet)).unwrap();
@@ -102,7 +104,7 @@ fn every_channel_has_a_result_of_its_own() {
         cases += 1;
     }
     assert_eq!(cases, 3);
-    // One channel gives the very result that it has among all.
+    // A channel fitted alone gives exactly the result that it has in `each`.
     let one = run(&["g"]);
     assert_eq!(one.code, Some(0), "{}", one.err);
     let mut one: Value = serde_json::from_str(&one.out).unwrap();
@@ -114,7 +116,7 @@ fn every_channel_has_a_result_of_its_own() {
     assert_eq!(both.code, Some(2), "{}", both.err);
     assert!(both.err.contains("name one --channel"), "{}", both.err);
 
-    // A prediction is of one channel, which must be named.
+    // A prediction is for one channel, which must be named.
     let predict = |more: &[&str]| -> Run {
         let files = ["predict", "colours.json", "--table", &table];
         let place = ["--distance", "200", "--incidence", "10"];

@@ -1,5 +1,6 @@
-//! The kept corpus of the fuzz targets, given to the same functions: each file ends in a value or
-//! an error, without a panic, and none takes long.
+//! Files of `fuzz/corpus`, given to the functions that the fuzz targets call.
+//!
+//! Each file must end in a value or an error, without a panic and within a time limit.
 
 use std::time::{Duration, Instant};
 
@@ -8,8 +9,10 @@ use tests::files::project;
 #[path = "../../../fuzz/src/lib.rs"]
 mod fuzz;
 
-/// A watchdog: what takes a second under the fuzzer is a finding, and a test machine may be ten
-/// times slower.
+/// Greatest time for one file.
+///
+/// A file that takes a second under the fuzzer is a finding, and a test machine may be ten times
+/// slower.
 const MOST: Duration = Duration::from_secs(10);
 
 type Target = (&'static str, fn(&[u8]));

@@ -1,4 +1,4 @@
-//! The same inputs give the same bytes, whatever the number of threads.
+//! Outputs do not depend on the number of threads: equal inputs give equal bytes.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use tests::estimate::json;
 use tests::files::{argument, bake_table};
 use tests::program::{bake, fit};
 
-/// Every file of a folder, by name.
+/// Returns the name and the bytes of every file of a folder, sorted by name.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
         .unwrap()

@@ -1,5 +1,7 @@
-//! Cubes with errors of their right angles, from the mesh to the estimate: tables of beams and of
-//! rays say the same, and photographs of such a sheet give back what was planted.
+//! Cubes with errors of their right angles, from the mesh to the estimate.
+//!
+//! Exact tables (beams) and tables of rays must agree, and photographs of such a sheet must give
+//! back the planted numbers.
 
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
@@ -9,8 +11,9 @@ use tables::Table;
 use tests::estimate::{json, numbers};
 use tests::program::{bake, fit};
 
-/// Bakes the pair with errors of 0.5 and -0.3 mrad, index 1.49, at incidence 0, 20 and 40 and
-/// azimuth 10.
+/// Bakes a pair with dihedral errors of 0.5, 0 and -0.3 mrad and the index 1.49; returns the table.
+///
+/// The directions are incidence 0, 20 and 40 degrees at azimuth 10 degrees.
 fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
     let design = ["design", "triangular-pair", "-o", "uneven.obj"];
     let errors = ["--dihedral-error-mrad", "0.5,0,-0.3"];
@@ -28,8 +31,8 @@ fn baked(here: &Path, file: &str, options: &[&str]) -> Table {
     tables::read(&here.join(file)).expect("a table")
 }
 
-/// The OTF of shift and deviation, by beams and by rays: counting, bins of shift and bins of
-/// deviation part them, no more.
+/// The OTF of shift and deviation is the same by beams and by rays, within the errors of counting
+/// rays, of the bins of shift and of the bins of deviation.
 #[test]
 fn rays_and_beams_have_one_otf() {
     let folder = tempfile::tempdir().unwrap();
@@ -56,13 +59,13 @@ fn rays_and_beams_have_one_otf() {
                 for f in [0.3, 1.0, 2.5] {
                     let of = |line: &ShiftLine| line.otf(c, r, f).0;
                     let off = (of(&beams) - of(&rays)).norm();
-                    // Five standard deviations of a mean of unit phasors, which Sobol points stay
-                    // below.
+                    // Five standard deviations of a mean of independent unit phasors. The scatter
+                    // of Sobol points is smaller.
                     let counting = 5.0 / returned.sqrt();
-                    // Bins blur twice: (pi kappa w)^2/6 along each axis, twice.
+                    // Bins blur twice, each time by (pi kappa w)^2/6 along each axis.
                     let kappa = c * f * width * PI;
                     let of_shift = 2.0 * kappa * kappa / 6.0;
-                    // A spot is up to half a bin off, along both axes.
+                    // A spot lies up to half a bin from its true place along each axis.
                     let of_spots = TAU * f * r * grid.bin_width() / 2.0 * (x.abs() + y.abs());
                     let allowed = counting + of_shift + of_spots + 3e-5;
                     assert!(
@@ -101,7 +104,7 @@ c = 0.24
 mu = 0.5
 ";
 
-/// Six photographs of the sheet of `table`: three incidences at two distances.
+/// Simulates six photographs of the sheet of `table`, at three incidences and two distances each.
 fn photographed(here: &Path, table: &str) {
     let mut params = PARAMS.to_owned();
     for (k, incidence) in [0, 20, 40].into_iter().enumerate() {
@@ -140,13 +143,13 @@ fn estimated(here: &Path, table: &str, options: &[&str]) -> Value {
     ];
     let model = ["--kernel", "eq1", "--lobe", "radial", "--shared", "a,c,mu"];
     let run = fit(here, &[&common[..], &model, options].concat());
-    // It says that the cubes are not exact.
+    // `fit` says on standard error that the cubes are not exact, so only the exit code is checked.
     assert_eq!(run.code, Some(0), "{}", run.err);
     json(&here.join("r.json"))
 }
 
-/// Images of the last result by either table are alike, and unlike those of a table that leaves the
-/// deviations out.
+/// Checks that images of the last result agree by beams and by rays, and differ by a table without
+/// deviations.
 fn images(here: &Path) {
     let place = ["--distance", "250", "--incidence", "20", "--azimuth", "10"];
     for table in ["beams", "rays", "straight"] {
@@ -165,12 +168,12 @@ fn images(here: &Path) {
     println!(
         "images of rays {rays:.0} dB from those of beams, without deviations {straight:.0} dB"
     );
-    // OTFs agree to 2e-3, edges to less: 60 dB at least.
+    // The OTFs agree to 2e-3. Edges agree better than that, which is 60 dB or more.
     assert!(rays > 60.0 && straight < 50.0, "{rays} {straight}");
 }
 
-/// Both kinds of tables give back a, c and mu, in closed form and by samples; a table that leaves
-/// the deviations out does not.
+/// Both kinds of tables give back a, c and mu, in closed form and by samples. A table without
+/// deviations does not.
 #[test]
 fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     let folder = tempfile::tempdir().unwrap();
@@ -197,7 +200,8 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
         let result = estimated(here, table, options);
         for number in numbers(&result, &truth) {
             println!("{table} {options:?} {number:?} score {:.2}", number.score());
-            // Of 12 numbers: one draw of the noise in 25,000; the seed is fixed.
+            // If the 12 numbers were independent, one of them would fail in one of 12,000 draws of
+            // the noise. The seed is fixed.
             assert!(number.score().abs() < 4.5, "{table} {number:?}");
             judged += 1;
         }
@@ -213,7 +217,7 @@ fn photographs_of_uneven_cubes_give_back_what_was_planted() {
     }
     let scores = numbers(&ignored, &truth);
     assert!(scores.iter().any(|number| number.score().abs() > 20.0));
-    // A sheet that is not ideal has no photographs without polygons.
+    // `fit simulate` needs the polygons of an exact table for a sheet that is not ideal.
     let refused = fit(
         here,
         &[

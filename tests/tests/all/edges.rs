@@ -1,5 +1,4 @@
-//! `fit mtf` on edges whose MTF is known: noise-free, so that what is left is the estimator's own
-//! error.
+//! `fit mtf` on edges whose MTF is known. They have no noise, so all error is the estimator's own.
 
 use std::path::Path;
 
@@ -8,7 +7,7 @@ use tests::program::fit;
 
 const PITCH_MM: f64 = 0.05;
 
-/// Frequency (1/mm) and the numbers beside it, in the rows of a CSV.
+/// Returns the numbers of a CSV, row by row: the frequency (1/mm) and the columns after it.
 fn rows(text: &str) -> Vec<Vec<f64>> {
     text.lines()
         .skip(1)
@@ -16,9 +15,11 @@ fn rows(text: &str) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The signed truth between its rows, by the cubic through four of them: its error is 3/128 h^4
-/// f'''' for rows h apart. A mid-air edge 1 mm wide has f'''' of at most (2 pi 0.5 mm)^4 = 97, h =
-/// 0.1 per mm: 2.3e-4 at worst, a tenth of the limit.
+/// Returns the signed truth at a frequency between its rows, by the cubic through four rows.
+///
+/// The error is 3/128 h^4 f'''' for rows that lie h apart. A mid-air edge that is 1 mm wide has
+/// f'''' of at most (2 pi 0.5 mm)^4 = 97, and h is 0.1 per mm. So the error is at most 2.3e-4, a
+/// tenth of the limit.
 fn cubic(truth: &[Vec<f64>], frequency: f64) -> f64 {
     let step = truth[1][0] - truth[0][0];
     let first = ((frequency / step) as usize)
@@ -52,12 +53,12 @@ fn the_mtf_of_every_edge_is_right_to_half_the_sampling_frequency() {
             &["mtf", &image, "--pixel-pitch", &PITCH_MM.to_string()],
         );
         assert_eq!(run.code, Some(0), "{}\n{}", run.line, run.err);
-        // A clean edge gets no warning, and a pipe no remark.
+        // A clean edge gets no warning, and `fit` writes no remark if its output is a pipe.
         assert_eq!(run.err, "", "{name}");
         let object = fit(Path::new("."), &["mtf", &image, "--json"]).done();
         let object: serde_json::Value = serde_json::from_str(&object).unwrap();
         let found = object["edge_angle_deg"].as_f64().unwrap();
-        // 1e-3 deg is 0.004 px at the end of a 256-row edge.
+        // An error of 1e-3 deg is 0.004 px at the end of an edge of 256 rows.
         assert!((found - angle).abs() < 1e-3, "{name}: {found} deg");
         let measured: Vec<_> = rows(&run.out)
             .into_iter()

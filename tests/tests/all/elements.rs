@@ -1,13 +1,15 @@
-//! Elements that are no corner cubes, from outside.
+//! Elements that are not corner cubes (plate of slit mirrors, bead), with the real programs.
 
 use tables::ShiftLine;
 use tests::files::argument;
 use tests::page::commands;
 use tests::program::{bake, run};
 
-/// A plate at azimuth 45: the shifts fill a square whose sides are across the two layers' mirrors,
-/// each 2 w P(s) pitches long (`bake/src/tests/elements/plate.rs`), so that the OTF of the shift is
-/// a product of two sincs of what the image shows of them.
+/// The OTF of the shift of a plate at azimuth 45 is a product of two sincs.
+///
+/// The shifts fill a square. Its sides are perpendicular to the mirrors of the two layers, and each
+/// is 2 w P(s) pitches long (`bake/src/tests/elements/plate.rs`). Each sinc belongs to one side, as
+/// the image shows it.
 #[test]
 fn a_plate_blurs_as_its_slits_do() {
     let folder = tempfile::tempdir().unwrap();
@@ -26,7 +28,7 @@ fn a_plate_blurs_as_its_slits_do() {
 
     let table = tables::read(&here.join("plate.h5")).unwrap();
     assert_eq!(table.provenance.element(), tables::options::Element::Plate);
-    // GLB holds single precision: thicknesses and depths to 6e-8.
+    // GLB holds numbers of single precision, so thicknesses and depths are right to 6e-8.
     let (w, c_mm, mut cases) = (0.98, 0.5, 0);
     for &incidence_deg in &table.axes.incidence_deg {
         let incidence = incidence_deg.to_radians();
@@ -49,7 +51,7 @@ fn a_plate_blurs_as_its_slits_do() {
                 };
                 let turned = std::f64::consts::FRAC_1_SQRT_2;
                 let expected = sinc((kx - ky) * turned) * sinc((kx + ky) * turned);
-                // Tabulated to 1.6e-5; the closed form's numbers are good to 1e-6.
+                // The OTF is tabulated to 1.6e-5. The numbers of the closed form are right to 1e-6.
                 let (otf, _) = line.otf(c_mm, 300.0, frequency);
                 assert!(
                     (otf.norm() - expected.abs()).abs() < 1.7e-5,
@@ -62,7 +64,7 @@ fn a_plate_blurs_as_its_slits_do() {
     assert_eq!(cases, 81, "nine incidences at which light is imaged");
 }
 
-/// The worked examples of the manual, as printed; what they draw is there afterwards.
+/// The worked examples of the manual run as printed and write their pictures.
 #[test]
 fn the_manual_runs_as_printed() {
     let folder = tempfile::tempdir().unwrap();

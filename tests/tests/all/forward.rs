@@ -1,6 +1,8 @@
-//! The published loop by samples, with the real program on photographs whose truth is known: it
-//! lands where the closed form does, within the error that its samples have, whether MTF
-//! differences are weighed by their noise or, as published, all alike.
+//! The published loop by samples (`--forward render`), with the real program on photographs whose
+//! truth is known.
+//!
+//! It must agree with the closed form within its sampling error. Differences of the MTF are
+//! weighted by their noise (`--loss mtf`) or all alike, as published (`--loss mse`).
 
 use serde_json::Value;
 use tests::estimate::{json, numbers};
@@ -32,7 +34,7 @@ const CAMPAIGNS: [Campaign; 2] = [
     },
 ];
 
-/// Values of all parameters in the order of the covariance.
+/// Returns the values of all parameters, in the order of the covariance.
 fn values(result: &Value) -> Vec<f64> {
     let of = |parameter: &Value| -> Vec<f64> {
         match parameter["per_angle"].as_array() {
@@ -46,9 +48,11 @@ fn values(result: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// Five standard deviations, which 8 randomisations tell to 27 %, for 24 numbers (Student's t with
-/// 7 degrees of freedom: 0.0016 each, on samples that are fixed); and 5e-5 for what else the two
-/// models differ by.
+/// Estimates by samples agree with the closed form to five standard deviations of the samples.
+///
+/// 8 randomisations give the standard deviation to 27 %. By Student's t with 7 degrees of freedom,
+/// each of the 24 numbers exceeds five of them with a probability of 0.0016. The samples are fixed.
+/// A further 5e-5 is allowed for all other differences of the two models.
 #[test]
 fn the_render_lands_on_the_closed_form() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,9 +87,9 @@ fn the_render_lands_on_the_closed_form() {
             let truth = argument(&format!("tests/captures/{}/truth.json", campaign.name));
             let scored = numbers(&closed, &json(std::path::Path::new(&truth)));
             for number in &scored {
-                // As in the test of the campaigns: one fixed set of photographs, so a limit for
-                // errors that are reported too small; and one for those that would cover anything
-                // (`mse` has up to 4 times the errors of `mtf`).
+                // The photographs are one fixed set, as in the test of the campaigns. The first
+                // limit rejects standard errors that are reported too small. The second rejects
+                // those that are far too large (`mse` has up to 4 times the errors of `mtf`).
                 assert!(number.score().abs() < 4.5, "{loss}: {number:?}");
                 assert!(
                     number.standard_error < 0.02 * number.truth,
@@ -112,7 +116,7 @@ fn the_render_lands_on_the_closed_form() {
                     "{}: {found} against {exact}, sampling error {error}",
                     campaign.name
                 );
-                // A sampling error that covers anything would pass the line above.
+                // A far too large sampling error would pass the check above.
                 assert!(
                     error < 0.01 * exact,
                     "{}: {error} of {exact}",
@@ -125,7 +129,7 @@ fn the_render_lands_on_the_closed_form() {
     assert_eq!(compared, 2 * 24);
 }
 
-/// What has no samples, or is not the published loss, is wrong usage.
+/// A kernel without samples, and a loss that does not compare MTFs, are refused as wrong usage.
 #[test]
 fn what_the_render_cannot_do_is_refused() {
     let manifest = argument("tests/captures/public_shared/captures.toml");

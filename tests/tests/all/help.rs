@@ -1,5 +1,5 @@
-//! Help that works: every verb shows an example, every example runs as printed, and exit codes mean
-//! what they say.
+//! Help texts and exit codes: every verb shows an example, every example runs as printed, and each
+//! exit code has its documented meaning.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use tests::program::{Run, bake, fit, run};
 
 const PROGRAMS: [&str; 2] = ["bake", "fit"];
 
-/// Names under `Commands:`, without `help` itself.
+/// Returns the verbs of a program: the names under `Commands:`, without `help`.
 fn verbs(program: &str) -> Vec<String> {
     run(program, Path::new("."), &["--help"])
         .done()
@@ -16,7 +16,7 @@ fn verbs(program: &str) -> Vec<String> {
         .skip_while(|line| *line != "Commands:")
         .skip(1)
         .take_while(|line| !line.is_empty())
-        // A wrapped description is indented further than a name.
+        // The lines of a wrapped description have a larger indent than a name.
         .filter(|line| !line.starts_with("   "))
         .filter_map(|line| line.split_whitespace().next())
         .filter(|verb| *verb != "help")
@@ -50,7 +50,7 @@ fn examples(help: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The parameters that the help of `fit simulate` shows, as a file.
+/// Returns the text of the parameter file that the help of `fit simulate` shows.
 fn parameters(help: &str) -> String {
     help.lines()
         .skip_while(|line| !line.contains("PARAMS.toml):"))
@@ -60,7 +60,7 @@ fn parameters(help: &str) -> String {
         .collect()
 }
 
-/// A photograph large enough for the region that the help names, as a 16-bit PNG.
+/// Writes a photograph of an edge as a 16-bit PNG, large enough for the region that the help names.
 fn photograph(file: &Path) {
     let bright = |x: u32, y: u32| f64::from(x) + 0.09 * f64::from(y) > 385.0;
     image::ImageBuffer::from_fn(640, 480, |x, y| {
@@ -88,7 +88,7 @@ fn every_example_runs_as_printed() {
     for name in ["photo.png", "content.png", "photograph.png"] {
         photograph(&here.join(name));
     }
-    // The two tables that `bake compare` is shown with.
+    // The two tables in the example of `bake compare`.
     bake(here, &["design", "triangular", "-o", "cell.obj"]).done();
     for seed in ["1", "2"] {
         let table = format!("seed{seed}.h5");
@@ -99,7 +99,7 @@ fn every_example_runs_as_printed() {
         )
         .done();
     }
-    // What the first examples write, the next ones read.
+    // The examples run in order: later examples read files that earlier ones write.
     let mut helps = Vec::new();
     for program in PROGRAMS {
         helps.push((program.to_owned(), run(program, here, &["--help"]).done()));
@@ -115,7 +115,7 @@ fn every_example_runs_as_printed() {
             std::fs::write(here.join("params.toml"), parameters(help)).unwrap();
         }
         let examples = examples(help);
-        // The program's own page may leave examples to its verbs.
+        // The help of the program itself needs no example, because its verbs have some.
         assert!(
             !examples.is_empty() || !verb.contains(' '),
             "{verb} --help has no example"

@@ -1,4 +1,4 @@
-//! Files that were made to do harm: each ends in one clear error, in little time and memory.
+//! Files that were made to do harm. Each must end in one clear error, in little time and memory.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,21 +7,24 @@ use std::time::Instant;
 use tests::files::{argument, bake_table_with};
 use tests::program::{python, run_by};
 
-/// Most memory of any process of a command, bytes.
+/// Greatest memory of any process of a command, bytes.
 const MOST_BYTES: u64 = 500_000_000;
 
-/// A watchdog against work without end; the target of 2 s is printed, not asserted: the machine may
-/// be busy.
+/// Greatest time of a command, seconds.
+///
+/// This limit only stops work without end. The aim is 2 s, but the machine may be busy. So the time
+/// is printed, and the test does not assert the aim.
 const MOST_SECONDS: f64 = 30.0;
 
-/// Runs its arguments and prints, after what they print, the greatest memory of any of their
-/// processes, KiB.
+/// Python program that runs its arguments as a command.
+///
+/// After the output of the command it prints the greatest memory of any of its processes, KiB.
 const MEASURE: &str = "import resource, subprocess, sys\n\
     code = subprocess.run(sys.argv[1:]).returncode\n\
     print('\\npeak', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)\n\
     sys.exit(code if code >= 0 else 200)";
 
-/// A small table from rays, `table.h5` in `folder`.
+/// Bakes a small table of rays as `table.h5` in `folder`.
 fn table(folder: &Path) {
     let options = ["--method", "rays", "--rays", "16384", "--bins", "16"];
     let table = bake_table_with(folder, "triangular", "0,20", "30", &options);
@@ -96,8 +99,8 @@ fn every_hostile_file_is_refused_in_little_time_and_memory() {
     println!("slowest {slowest:?}, largest {largest:?}");
 }
 
-/// What a stranger can do to the structures that have no checksum: any change ends in a table or in
-/// an error, never in the end of the program by a signal.
+/// Random changes of HDF5 structures without checksums end in a table or in an error. A signal must
+/// never end the program.
 #[test]
 fn a_crash_of_the_hdf5_library_is_an_error() {
     let folder = tempfile::tempdir().unwrap();

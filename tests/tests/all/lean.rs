@@ -1,5 +1,7 @@
-//! The lean fitter, `fit --no-default-features`: photographs, model, estimate, result and
-//! prediction, and nothing that draws, compares pictures or wants a C++ compiler.
+//! The lean fitter, which is `fit` built with `--no-default-features`.
+//!
+//! It has photographs, model, estimate, result and prediction. It has no code that draws, compares
+//! pictures or needs a C++ compiler.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,7 +10,8 @@ use std::time::Instant;
 
 use tests::files::{argument, bake_table, project};
 
-/// What only the features bring: a drawing crate, FLIP in C++, pictures as text, a progress bar.
+/// Crates that only the default features need: for plots, FLIP in C++, pictures as text, and
+/// progress bars.
 const FEATURES_BRING: [&str; 5] = ["kuva", "nv-flip", "nv-flip-sys", "base64", "indicatif"];
 
 fn cargo(arguments: &[&str]) -> Command {
@@ -17,7 +20,9 @@ fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Names of all crates in a build of `fit`, itself and build scripts' own among them.
+/// Returns the names and versions of all crates in a build of `fit`, with `fit` itself.
+///
+/// `edges` says which dependencies count, for example `normal,build`.
 fn crates(features: &[&str], edges: &str) -> BTreeSet<String> {
     let tree = [
         "tree",
@@ -39,7 +44,7 @@ fn crates(features: &[&str], edges: &str) -> BTreeSet<String> {
         String::from_utf8_lossy(&output.stderr)
     );
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    // A crate of two versions is two crates.
+    // Two versions of a crate count as two crates.
     let name = |line: &str| {
         let words: Vec<&str> = line.split_whitespace().take(2).collect();
         words.join(" ")
@@ -70,7 +75,9 @@ fn the_lean_tree_has_no_crate_that_draws_and_no_cpp() {
     );
 }
 
-/// Builds the program into a folder of its own, from nothing, without a C++ compiler.
+/// Builds the lean program from nothing in a folder of its own, without a C++ compiler.
+///
+/// Returns the path of the program and the seconds of the build.
 fn built() -> (PathBuf, f64) {
     let target = project().join("target").join("lean");
     if target.exists() {
@@ -96,7 +103,7 @@ fn built() -> (PathBuf, f64) {
     (program, started.elapsed().as_secs_f64())
 }
 
-/// Exit code and what was said of one run.
+/// Runs a program and returns its exit code, and its standard output followed by standard error.
 fn run(program: &Path, folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = Command::new(program)
         .current_dir(folder)
@@ -194,7 +201,7 @@ fn the_lean_program_does_its_verbs() {
         let (code, said) = run(&program, here, arguments);
         assert_eq!(code, Some(0), "fit {}\n{said}", arguments.join(" "));
     }
-    // What is missing is not offered, and asking for it is wrong usage.
+    // The lean program does not offer missing verbs and options. To ask for one is wrong usage.
     let absent: [&[&str]; 5] = [
         &["render"],
         &["evaluate"],

@@ -1,4 +1,4 @@
-//! Pages that run: every command in a block marked `sh` works as printed, in the order of the page.
+//! Commands of the pages: those in blocks marked `sh` run as printed, in the order of the page.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,7 +7,7 @@ use tests::files::project;
 use tests::page::commands;
 use tests::program::{python, run};
 
-/// The pages, README first: what it writes, the others read.
+/// Pages whose commands are run, in this order, after README.md. They read files that it writes.
 const PAGES: [&str; 13] = [
     "doc/README.md",
     "doc/cells.md",
@@ -24,7 +24,9 @@ const PAGES: [&str; 13] = [
     "fit/doc/baselines.md",
 ];
 
-/// Runs a page in a folder that looks like the project's; returns how many commands ran.
+/// Runs the commands of a page and returns their number.
+///
+/// The folder `here` has links to the folders of the project that the commands use.
 fn run_page(page: &str, here: &Path) -> usize {
     let text = std::fs::read_to_string(project().join(page)).unwrap();
     let mut ran = 0;
@@ -41,7 +43,7 @@ fn run_page(page: &str, here: &Path) -> usize {
     ran
 }
 
-/// Runs a Python command of a page by the interpreter of the tests, which has h5py.
+/// Runs a Python command of a page with the interpreter of the tests, which has h5py.
 fn run_python(page: &str, here: &Path, arguments: &[String]) {
     let run = Command::new(python())
         .args(arguments)
@@ -63,7 +65,8 @@ fn every_page_runs_as_printed() {
     let mut ran = run_page("README.md", here);
     assert_eq!(ran, 5, "README has five commands");
     for page in PAGES {
-        // Pages overwrite files of their own only; README's sheet.h5 and result.json stay as good.
+        // A page overwrites only files that it wrote itself. So sheet.h5 and result.json of README
+        // stay unchanged.
         let of_page = run_page(page, here);
         assert!(of_page > 0, "{page}: no command was found");
         ran += of_page;

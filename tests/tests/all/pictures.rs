@@ -1,5 +1,6 @@
-//! Mid-air images of pictures of every kind with the real program: light is conserved, and both
-//! forward models agree.
+//! Mid-air images of pictures of every kind, made by the real program (`fit render`).
+//!
+//! Light must be conserved, and both forward models must agree.
 
 use std::path::Path;
 
@@ -12,11 +13,14 @@ use tests::program::fit;
 
 const SIZE: [u32; 2] = [224, 192];
 
-/// Wider than the blur: the radial lobe ends 7.54 / a = 2 mm away, the shift of c below 0.5 mm; 64
-/// pixels are 3.2 mm. Blocks of JPEG are 8 x 8, so that its margin is black too.
+/// Black margin of the pictures, pixels.
+///
+/// It is wider than the blur: 64 pixels are 3.2 mm, the radial lobe ends 7.54 / a = 2 mm away, and
+/// the ray shift stays below 0.5 mm. Blocks of JPEG are 8 x 8 pixels, so the margin of the JPEG is
+/// black too.
 const MARGIN: u32 = 64;
 
-/// Light of a pixel in 0..1, black in the margin.
+/// Returns the light of a pixel from 0 to 1; it is 0 in the margin.
 fn content(x: u32, y: u32, channel: u32) -> f64 {
     let inside = |at: u32, size: u32| at >= MARGIN && at + MARGIN < size;
     if !inside(x, SIZE[0]) || !inside(y, SIZE[1]) {
@@ -25,7 +29,9 @@ fn content(x: u32, y: u32, channel: u32) -> f64 {
     f64::from((x * (3 + channel) + y * 7 + (x * y) % 13) % 64) / 63.0
 }
 
-/// Grey and colour, 8 and 16 bits and floats of 40 times white, as files.
+/// Writes pictures in grey and colour, of 8 and 16 bits, and of floats up to 40 times white.
+///
+/// Returns the file names.
 fn sources(folder: &Path) -> [&'static str; 4] {
     let [width, height] = SIZE;
     let code = |x, y, channel| (65_535.0 * content(x, y, channel)) as u16;
@@ -78,7 +84,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
     let predicted = fit(here, &[&predicted[..], &place].concat()).done();
     let predicted: Value = serde_json::from_str(&predicted).unwrap();
     let luminance = predicted["predictions"][0]["luminance"].as_f64().unwrap();
-    // mu times the fraction that the cell returns, by a half mirror of one half.
+    // mu times eta, times T_h R_h = 0.25 of a half mirror that passes and reflects one half each.
     let mu = json(&here.join("sheet.json"))["mu"]["value"]
         .as_f64()
         .unwrap();
@@ -115,7 +121,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
         let given = load_colour(&here.join(source), None).unwrap();
         assert_eq!(given.planes.len(), image.planes.len(), "{source}");
         for (given, seen) in light(&given.planes).iter().zip(light(&image.planes)) {
-            // As stated: to the rounding of f32 in the weights' sum.
+            // Light is conserved up to the rounding of the weights' sum in f32, as documented.
             let off = seen / (energy * given) - 1.0;
             println!("{source}: light {off:+.1e} off");
             assert!(off.abs() < 1e-5, "{source}: {off}");
@@ -133,13 +139,14 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
         let count = (image.planes.len() * image.planes[0].len()) as f64;
         let ratio = (squares / count).sqrt() / error;
         println!("{source}: samples are {ratio:.3} of their error off");
-        // Pixels share 32,768 / 8 blocks of samples: a mean square of 4,096 errors beside one by 8
-        // randomisations is known to sqrt(2/n + 2/7n), its root to half of that, 1.2 %; 4.5 times.
+        // All pixels share 32,768 / 8 = 4,096 blocks of samples. The ratio of a mean square of n =
+        // 4,096 errors to one that 8 randomisations estimate is known to sqrt(2/n + 2/7n). The root
+        // of the ratio is known to half of that, 1.2 %. The limit is 4.5 times as large.
         assert!((ratio - 1.0).abs() < 0.054, "{source}: {ratio}");
         cases += 1;
 
-        // Light from behind is added everywhere, then exposed; the contrast is of the image alone
-        // against it.
+        // The ambient light is added to every pixel, then the sum is multiplied by the exposure.
+        // The contrast compares the image without ambient light to the ambient light.
         let (report, lit) = render("lit.exr", &["--ambient", "0.002", "--exposure", "3"]);
         for (own, lit) in image
             .planes
@@ -148,7 +155,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
             .zip(lit.planes.iter().flatten())
         {
             let expected = 3.0 * (f64::from(*own) + 0.002);
-            // Three roundings of f32.
+            // Three roundings of f32 are allowed.
             assert!(
                 (f64::from(*lit) - expected).abs() <= 1.8e-7 * expected.abs(),
                 "{lit} {expected}"
@@ -161,7 +168,7 @@ fn light_is_conserved_and_samples_scatter_about_the_transforms() {
         let peak = luminance.iter().copied().fold(0.0, f64::max);
         for (key, value) in [("mean", mean), ("peak", peak)] {
             let said = report["contrast"][key].as_f64().unwrap();
-            // Sums of f32 luminances.
+            // The luminances are f32, and so are their sums.
             assert!(
                 (said / (value / 0.002) - 1.0).abs() < 1e-6,
                 "{key}: {said} {value}"

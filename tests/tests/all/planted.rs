@@ -1,14 +1,18 @@
-//! `fit simulate` and then `fit estimate`: photographs made in the spatial domain from the closed
-//! form of the ideal cube, and numbers found in the frequency domain from a traced table. The two
-//! share no formula of blur.
+//! Planted numbers, found again: `fit simulate` and then `fit estimate`.
+//!
+//! `fit simulate` makes the photographs in the spatial domain, from the closed form of the ideal
+//! cube. `fit estimate` works in the frequency domain, with a baked table. The two share no formula
+//! of blur.
 
 use tests::estimate::{json, numbers};
 use tests::files::{argument, bake_table};
 use tests::program::fit;
 
-/// 13 numbers are compared: were they independent and normal, one of them would lie 4.5 standard
-/// errors off in one of 11,000 draws of the noise; the seeds are fixed, so this rejects errors that
-/// are reported too small, not luck.
+/// Greatest distance of an estimate from its truth, in reported standard errors.
+///
+/// 13 numbers are compared. If they were independent and normal, one of them would exceed this
+/// limit in one of 11,000 draws of the noise. The seeds are fixed. So the limit does not reject bad
+/// luck; it rejects standard errors that are reported too small.
 const STANDARD_ERRORS: f64 = 4.5;
 
 #[test]

@@ -1,5 +1,5 @@
-//! A prediction with a table of the fitted cell that holds other directions than the fit's, and
-//! with one of another cell.
+//! Predictions with another table than that of the fit: one of the same cell with other directions,
+//! and one of another cell, which is refused.
 
 use serde_json::Value;
 use tests::files::{argument, bake_table};
@@ -46,7 +46,7 @@ fn any_table_of_the_fitted_cell_predicts() {
     };
     let dense = table("triangular-pair");
     assert_eq!(mtf50(&predict(&dense, "15").done()), mtf50(&own));
-    // Quiet, because no direction is interpolated.
+    // This run gives no warning, because no direction is interpolated.
     let held = predict(&dense, "20").done();
     assert_ne!(mtf50(&held), mtf50(&between.out));
 
@@ -58,7 +58,7 @@ fn any_table_of_the_fitted_cell_predicts() {
         refused.err
     );
 
-    // A model may be named; it must be the result's.
+    // `--model` is allowed if it names the model of the result.
     let named = |model: &str| {
         let places = ["--distance", "300", "--incidence", "15", "--azimuth", "30"];
         let files = ["predict", "r.json", "--table", &fitted, "--model", model];

@@ -1,4 +1,4 @@
-// Measures the page as it is laid out and posts the figures to the parent, as JSON.
+// Measures the page after its layout and posts the figures to the parent frame as JSON.
 addEventListener("load", async () => {
   const all = [...document.body.querySelectorAll("*")].filter((e) => e.tagName !== "SCRIPT");
   const box = (e) => e.getBoundingClientRect();
@@ -11,7 +11,8 @@ addEventListener("load", async () => {
     return parseFloat(getComputedStyle(e).fontSize) * scale;
   };
   const texts = all.filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()));
-  // Relative luminance and contrast as WCAG defines them; a background is that of the nearest ancestor that has one.
+  // Relative luminance and contrast as WCAG defines them. An element without a background has that
+  // of the nearest ancestor with one.
   const parts = (colour) => colour.match(/[\d.]+/g).map(Number);
   const luminance = (colour) => {
     const [r, g, b] = parts(colour).map((v) => {
@@ -30,7 +31,7 @@ addEventListener("load", async () => {
     const [a, b] = [luminance(e.closest("svg") ? style.fill : style.color), luminance(ground(e))];
     return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
   };
-  // The keys of the ellipses carry their colour, and stand beside it in words in the table.
+  // The contrast of colour keys (.key) does not count: the table names the ellipses in words too.
   const read = texts.filter((e) => !e.matches(".key"));
   let broken = 0;
   for (const image of document.querySelectorAll("svg image")) {

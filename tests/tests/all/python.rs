@@ -1,4 +1,4 @@
-//! A freshly baked table, read from Python as a user would: h5py, and xarray through h5netcdf.
+//! A new table, read in Python as a user reads it: with h5py, and with xarray through h5netcdf.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! `fit estimate --report`: the page as a tree, and as a browser shows it.
+//! Page of `fit estimate --report`: its elements, and its look in a browser.
 
 use std::fs;
 use std::path::Path;
@@ -11,12 +11,13 @@ use tests::estimate::json;
 use tests::files::{argument, bake_table};
 use tests::program::fit;
 
-/// A file name that would be markup if it reached the page as it is.
+/// A file name that would become markup if the page did not escape it.
 const HOSTILE: &str = "<script>alert('1')&\"<b>.exr";
 
-/// A campaign of six photographs, each a pair at 0, 20 and 40 degrees, with things to warn about: a
-/// half mirror that makes mu larger than 1; one photograph at 20 degrees has a hostile name and a
-/// region.
+/// Writes a campaign with causes for warnings and returns its manifest.
+///
+/// It has six photographs, two each at 0, 20 and 40 degrees of incidence. The half mirror makes mu
+/// larger than 1. One photograph at 20 degrees has a hostile name and a region.
 fn doubtful_campaign(here: &Path) -> String {
     let parameters = argument("tests/tests/all/planted/eq1.toml");
     fit(
@@ -42,7 +43,7 @@ fn doubtful_campaign(here: &Path) -> String {
     "campaign/captures.toml".into()
 }
 
-/// A report of that campaign, and its result.
+/// Runs `fit estimate --report` on [`doubtful_campaign`]; returns the page and the result.
 fn report(here: &Path, options: &[&str]) -> (String, Value) {
     let table = bake_table(here, "triangular-pair", "0:40:20", "30");
     let manifest = doubtful_campaign(here);
@@ -74,10 +75,10 @@ fn text(node: Node) -> String {
     texts.filter_map(|n| n.text()).collect()
 }
 
-/// What a browser may fetch or run: nothing.
+/// Checks that the page makes a browser fetch nothing and run nothing.
 fn asks_for_nothing(page: &str, tree: &Document) {
     for word in ["http", "//", "url(", "@import", "javascript:"] {
-        // Base64 holds slashes.
+        // Base64 may hold slashes, so the text of pictures is left out.
         let outside = page
             .split("data:image/png;base64,")
             .map(|part| part.split_once('"').map_or(part, |(_, rest)| rest));
@@ -109,7 +110,7 @@ fn the_page_is_whole_and_escaped() {
     let tree = parse(&page);
     asks_for_nothing(&page, &tree);
 
-    // Every photograph has its curves, under its own name.
+    // Every photograph has a figure of its curves with its own name.
     let named: Vec<String> = all(&tree, "figure")
         .filter(|figure| figure.attribute("class") == Some("capture"))
         .map(|figure| {
@@ -126,7 +127,7 @@ fn the_page_is_whole_and_escaped() {
     assert_eq!(named, wanted);
 
     // Every number of the result is in a table: c, and a and mu at three angles. Two digits of the
-    // error are shown, so that rounding takes at most 0.05 of it.
+    // standard error are shown, so rounding changes a number by at most 0.05 of its error.
     let rows: Vec<Vec<String>> = all(&tree, "tr")
         .map(|row| row.children().filter(Node::is_element).map(text).collect())
         .collect();
@@ -173,7 +174,7 @@ fn the_page_is_whole_and_escaped() {
     assert_eq!((counted, warnings.len()), (warnings.len(), counted));
     assert!(counted > 0, "nothing was warned about");
 
-    // Where it comes from.
+    // The page names the table's content hash and the command line.
     for wanted in [
         result["table"]["content_hash"].as_str().unwrap(),
         "--report r.html",
@@ -191,7 +192,7 @@ fn the_page_can_be_read_by_all() {
     let (page, _) = report(folder.path(), &[]);
     let tree = parse(&page);
     assert_eq!(tree.root_element().attribute("lang"), Some("en"));
-    // Words of the trade are explained, once each.
+    // The page explains each technical word exactly once.
     let words = text(tree.root_element());
     for explanation in [
         "this is the ray shift",
@@ -217,7 +218,7 @@ fn the_page_can_be_read_by_all() {
         );
         pictures += 1;
     }
-    // Six photographs, a and mu by angle, the profile of c, the ellipses; crops come on top.
+    // Six photographs, a and mu by angle, the profile of c, and the ellipses. There are crops too.
     assert!(pictures >= 6 + 2 + 2, "{pictures}");
     let headings: Vec<&str> = tree
         .descendants()
@@ -264,8 +265,8 @@ fn a_crop_shows_the_photograph_that_is_warned_about() {
     let crops: Vec<Node> = all(&tree, "svg")
         .filter(|svg| svg.attribute("class") == Some("photo"))
         .collect();
-    // The two photographs at 20 degrees: this table brackets that angle and lacks it, which is
-    // warned about.
+    // The two photographs at 20 degrees have a crop. The table holds 0 and 40 degrees but not 20,
+    // so `fit` interpolates and warns.
     assert_eq!(crops.len(), 2);
     // Blocks of 2 pixels: the region of 240 x 200 at (40, 30) with a margin of 36, and the whole
     // picture of 320 x 256.
@@ -296,7 +297,7 @@ fn what_is_only_bounded_has_a_page_too() {
     let here = folder.path();
     let table = bake_table(here, "triangular-pair", "0:30:30", "30");
     let parameters = fs::read_to_string(argument("tests/tests/all/planted/angular.toml")).unwrap();
-    // The lobe alone: c has no value, only an upper bound.
+    // The truth is the kernel `lobe`, so c has no value, only an upper bound.
     let parameters = parameters
         .replace("kernel = \"angular\"", "kernel = \"lobe\"")
         .replace("a = 900.0", "a = 2.5");
@@ -333,7 +334,7 @@ fn what_is_only_bounded_has_a_page_too() {
         .filter(|label| label.starts_with("Rise of chi-square. c is smaller than"));
     assert_eq!(profiles.count(), 1);
 
-    // Left open, the lobe alone is chosen, and c is bounded without being in the model.
+    // If the kernel is left open, `lobe` is chosen. c is not in this model, but has a bound.
     fit(here, &[&files[..], &["--lobe", "separable"]].concat()).done();
     assert_eq!(json(&here.join("r.json"))["kernel"], "lobe");
     let page = fs::read_to_string(here.join("r.html")).unwrap();
@@ -366,7 +367,7 @@ fn a_page_replaces_no_input_and_no_other_output() {
     assert!(!here.join("same").exists());
 }
 
-/// Widths of a phone and of a desk, in CSS pixels, and whether the person likes it dark.
+/// Width of the window in CSS pixels (phone, desktop), and whether the user prefers dark colours.
 const WINDOWS: [(u32, bool); 4] = [(390, false), (390, true), (1200, false), (1200, true)];
 
 #[test]
@@ -388,11 +389,10 @@ fn a_browser_shows_the_page_at_every_width_and_on_paper() {
                 .unwrap_or_else(|| panic!("{key}: {found}"))
         };
         assert_eq!(number("window"), f64::from(width), "{found}");
-        // Nothing but the tables, which scroll by themselves, is wider than the window.
+        // Only tables may be wider than the window, because they scroll by themselves.
         assert_eq!(number("page"), f64::from(width), "{found}");
         assert_eq!(found["wide"], serde_json::json!([]), "{width}");
-        // The flattest chart is 196 high where it is 360 wide, and a phone leaves 390 - 2 x 16 to
-        // it.
+        // The flattest chart is 196 high if it is 360 wide. On a phone it is 390 - 2 x 16 wide.
         assert!(number("smallest_chart") > 190.0, "{found}");
         assert!(number("smallest_text") >= 9.0, "{found}");
         // WCAG 2.2, 1.4.3 (AA).

@@ -1,11 +1,11 @@
-//! The rooms of each crate: which may import which, and that the check would notice a violation.
+//! Order of the rooms (folders of `src`) of each crate, and checks that a violation would be found.
 
 use std::collections::BTreeSet;
 
 use tests::files::project;
 use tests::rooms::{self, Sources, circles, imports, room, upward};
 
-/// The rooms of each crate, ground first: a room imports only rooms before it.
+/// Rooms of each crate, from the lowest to the highest. A room imports only rooms before it.
 const ORDER: [(&str, &[&str]); 4] = [
     ("meshes", &["mesh", "files", "cell", "design"]),
     (
@@ -84,7 +84,7 @@ fn imports_run_down() {
     }
 }
 
-/// Circles inside a room that remain; ARCHITECTURE.md gives the reason of each.
+/// Allowed circles inside a room. ARCHITECTURE.md gives the reason for each of them.
 const CIRCLES: [(&str, &[&str]); 0] = [];
 
 #[test]
@@ -118,7 +118,7 @@ fn circles_inside_rooms_are_those_that_are_named() {
     assert_eq!(found, named);
 }
 
-/// The simulator is a second opinion: it must not learn of light from the model that it tests.
+/// The simulator tests the model. So it must take no formula of light from the model.
 #[test]
 fn the_simulator_shares_only_names_with_the_model() {
     let sources = sources_of("fit");
@@ -129,12 +129,12 @@ fn the_simulator_shares_only_names_with_the_model() {
         })
         .map(|import| room(&import.to).unwrap_or("the root").to_owned())
         .collect();
-    // Neither files' keys nor nodes of quadrature know of light.
+    // These rooms hold keys of files, names and numerical methods. None has a formula of light.
     let ground = ["document", "names", "numerics"].map(str::to_owned);
     assert_eq!(shared, BTreeSet::from(ground));
 }
 
-/// A house of two rooms, `below` under `above`, with `text` in a file of the lower one.
+/// Returns the findings in a crate of two rooms, with `text` in a file of the lower room `below`.
 fn planted(text: &str) -> Vec<String> {
     let files = [
         ("lib.rs", "mod above;\nmod below;\npub use above::Roof;"),
@@ -163,7 +163,7 @@ fn planted(text: &str) -> Vec<String> {
 #[test]
 fn a_planted_violation_is_found_however_it_is_written() {
     let roof = "below/other.rs imports above/roof.rs, which stands above it; that is a circle \
-    between rooms, for above/roof.rs \
+    between rooms, because above/roof.rs \
                 imports below/ground.rs";
     let tower = roof.replacen("above/roof.rs", "above/tower.rs", 1);
     let root = "below/other.rs imports lib.rs, which stands above it";
@@ -204,7 +204,8 @@ fn a_planted_violation_is_found_however_it_is_written() {
             "{text}: {found:#?}"
         );
     }
-    // What is allowed stays so: the own room by every way, another crate, a test, a comment.
+    // These imports are allowed: of the own room in every form, of another crate, in a test, and in
+    // a comment.
     let allowed = [
         "use crate::below::Ground;",
         "use super::Ground;",

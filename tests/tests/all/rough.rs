@@ -1,13 +1,14 @@
-//! From rough facets to an MTF: their spread of angles blurs the more the farther the image floats.
+//! MTF of rough facets: their blur is a spread of angles, so it grows with the distance.
 
 use serde_json::Value;
 use std::f64::consts::PI;
 use tests::files::{argument, bake_table};
 use tests::program::{bake, fit};
 
+/// The MTF of rough facets is that of smooth facets times exp(-2 (pi s f)^2).
+///
 /// Three perpendicular facets of roughness alpha spread light by s = 2 m alpha R across the plane
-/// of incidence and by cos inside over cos outside times that within it: the MTF of smooth facets
-/// times exp(-2 (pi s f)^2).
+/// of incidence. Within this plane, s is larger by the factor cos(inside) / cos(outside).
 #[test]
 fn the_blur_of_rough_facets_grows_with_the_distance() {
     let folder = tempfile::tempdir().unwrap();
@@ -36,7 +37,8 @@ fn the_blur_of_rough_facets_grows_with_the_distance() {
     ];
     let rough = ["--rays", "1048576", "--roughness", "0.0005"];
     bake(here, &[&files[..], &light, &rough].concat()).done();
-    // The same sheet but for its facets: a result belongs to the options of its table.
+    // A result belongs to the options of its table. The options are changed here, so that this
+    // result can be used with the table of rough facets.
     let result = std::fs::read_to_string(here.join("r.json")).unwrap();
     let mut result: Value = serde_json::from_str(&result).unwrap();
     result["table"]["cell"]["options"] = "--roughness 0.0005".into();
@@ -84,10 +86,10 @@ fn the_blur_of_rough_facets_grows_with_the_distance() {
         }
     }
     println!("{cases} values of 12 curves, within {worst:.4} of the closed form");
-    // The factor exp(-x) changes by x exp(-x) <= 0.37 times what x is off by: the variance of
-    // 700,000 rays by 4.5 sqrt(2 / N) = 0.8 % and some alpha for light near edges; bins of an
-    // eighth of the spread, whose width^2 / 12 is 0.13 % of the variance. In all 1.2 % x 0.37, and
-    // what alpha adds.
+    // A relative error of x changes exp(-x) by x exp(-x) <= 0.37 times that error. x is the
+    // variance, up to a factor. 700,000 rays give it to 4.5 sqrt(2 / N) = 0.8 %. Bins are an eighth
+    // of the spread wide, and their width^2 / 12 is 0.13 % of the variance. Light near edges adds
+    // an error of the order of alpha. So the limit is 1.2 % x 0.37 and what alpha adds.
     assert!(worst < 0.005, "{worst}");
     assert!(cases >= 12 * 50, "{cases}");
 }

@@ -1,5 +1,5 @@
-//! Two bakes to one file at the same time, and readers meanwhile: both end well, the later one
-//! stays.
+//! Two bakes that write one file at the same time, while a reader reads it. Both must succeed, and
+//! the file must always be the whole table of one of them.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -1,5 +1,5 @@
-//! The wave kernel from the command line: estimated, predicted with, and refused where something is
-//! missing.
+//! The kernel `wave` on the command line: estimate, prediction, and refusals if the table or the
+//! wavelength does not allow it.
 
 use serde_json::Value;
 use tests::estimate::{json, numbers};
@@ -14,10 +14,11 @@ fn waves_from_photographs_to_prediction() {
     fit(here, &["simulate", &params, "-o", "waves"]).done();
     let table = bake_table(here, "triangular-pair", "0,30", "30");
     let manifest = "waves/captures.toml";
-    // mu is shared: left to the criterion, two incidences part by chance in 2 of 100 campaigns.
+    // mu is shared by an option. Otherwise BIC gives the two incidences different values of mu by
+    // chance in 2 of 100 campaigns.
     let shared = ["--shared", "mu"];
     let files = ["estimate", manifest, "--table", &table, "-o", "r.json"];
-    // The manifest names the wavelengths, so that auto tries them.
+    // The manifest names the wavelengths, so `--kernel auto` tries `wave`.
     fit(here, &[&files[..], &shared].concat()).done();
     let result = json(&here.join("r.json"));
     assert_eq!(result["kernel"], "wave");
@@ -35,7 +36,8 @@ fn waves_from_photographs_to_prediction() {
     let found = numbers(&result, &json(&here.join("waves/truth.json")));
     assert_eq!(found.len(), 2, "c and mu");
     for number in found {
-        // Two numbers: 4.5 errors are one draw of the noise in 70,000; the seed is fixed.
+        // One of the two numbers would exceed 4.5 standard errors in one of 70,000 draws of the
+        // noise. The seed is fixed.
         println!("{number:?} score {:.2}", number.score());
         assert!(number.score().abs() < 4.5, "{number:?}");
     }
@@ -69,7 +71,7 @@ fn waves_from_photographs_to_prediction() {
         );
     }
 
-    // A table of rays holds no polygons.
+    // A table of rays holds no polygons, which the kernel `wave` needs.
     let sampled = here.join("sampled");
     std::fs::create_dir(&sampled).unwrap();
     let options = ["--method", "rays", "--rays", "65536"];
@@ -96,7 +98,7 @@ fn waves_from_photographs_to_prediction() {
         left_out.err
     );
 
-    // No wavelength: named in the error; given on the command line, it is enough.
+    // Without a wavelength, the error names the option. With the option, the estimate works.
     let text = std::fs::read_to_string(here.join(manifest)).unwrap();
     let without: String = text
         .lines()

@@ -1,4 +1,4 @@
-//! The project's words follow its rules: see CONTRIBUTING.md, "Write".
+//! Checks of the project's words against its rules (CONTRIBUTING.md, "Write").
 
 use std::path::Path;
 
