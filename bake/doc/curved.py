@@ -212,8 +212,8 @@ def main():
         f"[{min(ratio):.2f}-{max(ratio):.2f}]"
     )
     print(
-        f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy and trace "
-        f"{FEW} rays; "
+        f"bake: {statistics.median(columns[4]):.1f} s to read the mesh, build the hierarchy "
+        f"and trace {FEW} rays; "
         f"peak {max(columns[5]):.0f} MB"
     )
     print(f"all: {time.perf_counter() - start:.0f} s")

@@ -3,6 +3,11 @@
 //! The reader must return a value or an error. The fuzz targets call these functions with random
 //! bytes. `tests/tests/all/corpus.rs` calls them with the files of `fuzz/corpus`.
 
+#![allow(
+    unreachable_pub,
+    reason = "the fuzz targets are other crates; the corpus test includes this file"
+)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -33,14 +38,14 @@ fn cell(mesh: Result<meshes::Mesh, meshes::Fault>) {
 }
 
 /// Reads the bytes as a Wavefront OBJ file and makes the cell that `bake` traces.
-pub(super) fn obj(bytes: &[u8]) {
+pub fn obj(bytes: &[u8]) {
     cell(meshes::obj::parse(bytes));
 }
 
 /// Reads the bytes as a glTF or GLB file and makes the cell that `bake` traces.
 ///
 /// The file has no buffers in other files.
-pub(super) fn gltf(bytes: &[u8]) {
+pub fn gltf(bytes: &[u8]) {
     cell(meshes::gltf::parse(bytes, None));
 }
 
@@ -48,7 +53,7 @@ pub(super) fn gltf(bytes: &[u8]) {
 ///
 /// The tables of the corpus have no seal. With a seal, every changed table would be refused before
 /// it reaches the HDF5 library and the check of the content hash.
-pub(super) fn table(bytes: &[u8]) {
+pub fn table(bytes: &[u8]) {
     let path = file("table.h5", bytes);
     let _ = tables::read(&path);
 }
@@ -56,14 +61,14 @@ pub(super) fn table(bytes: &[u8]) {
 /// Reads the bytes as a photograph, and its camera settings from Exif.
 ///
 /// The file name has no ending, so the content decides on the format.
-pub(super) fn photograph(bytes: &[u8]) {
+pub fn photograph(bytes: &[u8]) {
     let path = file("photograph", bytes);
     let _ = fit::load_photo(&path, &fit::Decode::default());
     let _ = fit::Settings::of(&path);
 }
 
 /// Reads the bytes as a manifest, as the ranges of a study and as the parameters of a simulation.
-pub(super) fn toml(bytes: &[u8]) {
+pub fn toml(bytes: &[u8]) {
     let path = file("fuzzed.toml", bytes);
     let _ = fit::load_campaign(&path);
     let _ = fit::StudyRanges::load(&path);

@@ -10,14 +10,14 @@ pub const WIDEST: usize = 100;
 
 /// Words with which no doc comment may begin. They point to another item, or are neither verb nor
 /// noun.
-const POINTING: [&str; 26] = [
+const POINTING: [&str; 28] = [
     "The same", "Same", "As", "Like", "Likewise", "Ditto", "See", "It", "Its", "Their", "Those",
     "That", "Whose", "Which", "Also", "And", "So", "Else", "Too", "Such", "This", "These", "What",
-    "Whether", "How", "Where",
+    "Whether", "How", "Where", "Why", "Who",
 ];
 
 /// Plural nouns that end like a verb of the third person.
-const NOUNS: [&str; 16] = [
+const NOUNS: [&str; 14] = [
     "Rays",
     "Bins",
     "Samples",
@@ -32,8 +32,6 @@ const NOUNS: [&str; 16] = [
     "Corners",
     "Cells",
     "Edges",
-    "Names",
-    "Options",
 ];
 
 /// Returns the lines of a text that are wider than [`WIDEST`], with their numbers from 1.
@@ -104,6 +102,7 @@ fn points_elsewhere(comment: &str) -> bool {
 
 fn is_verb(comment: &str) -> bool {
     let word = comment.split(' ').next().unwrap_or_default();
+    let word = word.trim_end_matches(['.', ',', ':']);
     word.ends_with('s')
         && word.starts_with(char::is_uppercase)
         && word.chars().all(char::is_alphabetic)
@@ -250,10 +249,13 @@ fn without_targets(prose: &str) -> String {
 fn uses(text: &str, word: &str) -> bool {
     let borders = |c: Option<char>| c.is_none_or(|c| !c.is_alphanumeric() && !"_-.".contains(c));
     let ends = |rest: &str| {
-        let rest = rest.strip_prefix('s').unwrap_or(rest);
-        rest.chars()
-            .next()
-            .is_none_or(|c| !c.is_alphanumeric() && !"_-".contains(c))
+        let mut rest = rest.strip_prefix('s').unwrap_or(rest).chars();
+        match rest.next() {
+            None => true,
+            // "baseline." ends a sentence, and "baselines.md" is a file.
+            Some('.') => rest.next().is_none_or(|c| !c.is_alphanumeric()),
+            Some(c) => !c.is_alphanumeric() && !"_-".contains(c),
+        }
     };
     text.match_indices(word)
         .any(|(at, _)| borders(text[..at].chars().next_back()) && ends(&text[at + word.len()..]))

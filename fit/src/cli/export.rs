@@ -34,7 +34,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum)]
     pub to: Form,
     /// Floating distance at which the lobe is nearest, mm.
-    #[arg(long, visible_alias = "floating-distance", value_name = "MM", value_parser = parse::positive)]
+    #[arg(
+        long,
+        visible_alias = "floating-distance",
+        value_name = "MM",
+        value_parser = parse::positive
+    )]
     pub distance: f64,
     /// Incidence at which the lobe is nearest, degrees.
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = parse::incidence)]

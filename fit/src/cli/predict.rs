@@ -54,7 +54,12 @@ pub(crate) struct Arguments {
     /// Floating distances R, mm.
     ///
     /// R is the length of the principal ray from the sheet to the image.
-    #[arg(long, visible_alias = "floating-distance", value_name = "LIST", value_parser = parse::positives)]
+    #[arg(
+        long,
+        visible_alias = "floating-distance",
+        value_name = "LIST",
+        value_parser = parse::positives
+    )]
     pub distance: std::vec::Vec<f64>,
     /// Incidence angles in the air, degrees.
     #[arg(long, value_name = "LIST", value_parser = parse::incidences)]

@@ -9,8 +9,8 @@ use crate::simulate::error::Error;
 use crate::simulate::params::{Params, PlantedShot};
 
 impl Params {
-    /// Replaces the ideal cubes of a campaign by the sheet that `table` describes. `refractive_index` and `pair`
-    /// of its truth then have no effect.
+    /// Replaces the ideal cubes of a campaign by the sheet that `table` describes.
+    /// `refractive_index` and `pair` of its truth then have no effect.
     ///
     /// # Errors
     /// Returns `Error::Sheet` if the table has no polygons for the direction of a capture, if no

@@ -35,7 +35,7 @@ impl Direction {
     /// # let mut probability = Array2::zeros((4, 4));
     /// # probability[[1, 3]] = 0.5;
     /// # let direction = Direction {
-    /// #     incidence_deg: 0.0, azimuth_deg: 0.0, eta: 0.5, probability, range: 2.0,
+    /// #     incidence_deg: 0.0, azimuth_deg: 0.0, retroreflected: 0.5, probability, range: 2.0,
     /// #     standard_error: 0.0, interpolated: false, paths: None, exits: None,
     /// # };
     /// // One bin of width 1 about u = 1.5: a box, shifted.
