@@ -53,6 +53,40 @@ fn crates(features: &[&str], edges: &str) -> BTreeSet<String> {
     lines.map(name).collect()
 }
 
+/// Tests of one crate compile nothing anew after tests of the workspace: each third crate has the
+/// same features in both. What a crate lacks is added to its dev-dependencies.
+#[test]
+fn one_crate_alone_has_the_features_of_the_workspace() {
+    let of = |part: &[&str]| -> BTreeSet<String> {
+        let tree = [
+            "tree",
+            "--locked",
+            "--offline",
+            "--prefix",
+            "none",
+            "-f",
+            "{p} {f}",
+        ];
+        let output = cargo(&[&tree[..], &["-e", "normal,build,dev"], part].concat())
+            .output()
+            .expect("cargo runs");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{part:?}");
+        let lines = text
+            .lines()
+            .map(|line| line.trim_end_matches(" (*)").to_owned());
+        lines.filter(|line| !line.is_empty()).collect()
+    };
+    let all = of(&["--workspace"]);
+    for package in ["fit", "bake"] {
+        let alone = of(&["-p", package]);
+        assert!(alone.len() > 80, "{package}: {}", alone.len());
+        let other: Vec<&String> = alone.difference(&all).collect();
+        assert!(other.is_empty(), "{package} would compile anew: {other:#?}");
+        println!("{package}: {} crates as in the workspace", alone.len());
+    }
+}
+
 #[test]
 fn the_lean_tree_has_no_crate_that_draws_and_no_cpp() {
     let lean = crates(&["--no-default-features"], "normal,build");
