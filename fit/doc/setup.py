@@ -145,14 +145,15 @@ def setup():
     parts.append(
         f'<rect class="face" x="{CAMERA_X}" y="{AXIS_Y - 22}" width="16" height="44" rx="4"/>'
     )
-    text(CAMERA_X - 31, AXIS_Y + 52, "camera", "middle")
+    text(CAMERA_X - 31, AXIS_Y + 52, "camera or", "middle")
+    text(CAMERA_X - 31, AXIS_Y + 70, "viewer", "middle")
     # The half mirror.
     line((MIRROR_X - 62, AXIS_Y + 62), (MIRROR_X + 62, AXIS_Y - 62), "part thin")
     text(MIRROR_X + 56, AXIS_Y - 78, "half mirror", "middle")
     # The source.
     source_y = AXIS_Y + ARM
     line((MIRROR_X - 30, source_y), (MIRROR_X + 30, source_y), "part")
-    text(MIRROR_X, source_y + 22, "source (an edge)", "middle")
+    text(MIRROR_X, source_y + 22, "source: a sign, or an edge to measure", "middle")
     text(MIRROR_X + 40, source_y - 30, "as far from the half mirror", "soft")
     text(MIRROR_X + 40, source_y - 13, "as the image is", "soft")
     # The sheet.
@@ -165,6 +166,7 @@ def setup():
     text(foot[0] - 4, foot[1] - 6, "n", "symbol end")
     arc(centre, 96, pi - THETA, pi)
     text(SHEET_X - 112, AXIS_Y - 18, "θ", "symbol middle")
+    text(SHEET_X - 122, AXIS_Y - 18, "incidence", "soft end")
     end = (SHEET_X + 112 * along[0], AXIS_Y + 112 * along[1])
     arrow((SHEET_X + 86 * along[0], AXIS_Y + 86 * along[1]), end)
     text(end[0] + 8, end[1] + 10, "u", "symbol")
@@ -186,7 +188,7 @@ def setup():
     text(
         0.5 * (IMAGE_X + SHEET_X),
         36,
-        "R: path_mm, or floating_distance_mm where path_mm is left out",
+        "R: path from the sheet to the mid-air image",
         "middle",
     )
     arrow((IMAGE_X, 92), (MIRROR_X, 92), both=True)
@@ -229,17 +231,21 @@ def front_view():
     ]
     for k, sentence in enumerate(words):
         text(300, 430 + 18 * k, sentence, "soft")
-    text(360, 524, "A ray enters at p and leaves at p′.", "soft")
+    text(360, 524, "A ray enters at p and leaves at p′, opposite to q.", "soft")
     text(360, 542, "Its shift p′ − p is measured along u and v,", "soft")
     text(360, 560, "in edge lengths of the cube.", "soft")
-    start = (centre[0] - 26, centre[1] + 30)
-    end = (centre[0] + 34, centre[1] + 12)
+    # q lies on the line from the apex along -u; p and p' lie on opposite sides of it.
+    q = (centre[0] - 20 * cos(AZIMUTH), centre[1] + 20 * sin(AZIMUTH))
+    start = (q[0] - 4, q[1] + 22)
+    end = (2 * q[0] - start[0], 2 * q[1] - start[1])
     line(start, end, "ray")
     tip(end, (end[0] - start[0], end[1] - start[1]), "ray")
     dot(*start)
     dot(*end)
-    text(start[0] - 4, start[1] + 18, "p", "symbol middle")
-    text(end[0] + 4, end[1] + 18, "p′", "symbol")
+    dot(*q, radius=2.2)
+    text(q[0] + 8, q[1] + 12, "q", "symbol")
+    text(start[0] - 8, start[1] + 10, "p", "symbol end")
+    text(end[0] - 8, end[1] - 4, "p′", "symbol end")
 
 
 def main():

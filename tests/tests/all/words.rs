@@ -9,7 +9,7 @@ use tests::words::{
 
 /// Terms of the glossary that are also words of everyday English, or single letters. A page may use
 /// them without a link.
-const EVERYDAY: [&str; 20] = [
+const EVERYDAY: [&str; 26] = [
     "a",
     "c",
     "r",
@@ -30,6 +30,12 @@ const EVERYDAY: [&str; 20] = [
     "triangular-cube",
     "floating-distance",
     "standard-error",
+    "apex",
+    "facet",
+    "loss",
+    "luminance",
+    "normal",
+    "sequence",
 ];
 
 /// Pages that explain the project to its users. Other pages hold measurements or formats.
