@@ -1,15 +1,11 @@
 //! Tests of the wave kernel against the pupil on a raster, its limits, and planted answers.
 
-use crate::tests::planted;
 use std::f64::consts::TAU;
 
 use crate::estimate::Candidates;
-use crate::estimate::Choice;
+use crate::estimate::Kind;
 use crate::estimate::Watch;
-use crate::estimate::estimate;
-use crate::estimate::optimum::optimum;
 use crate::estimate::select::select;
-use crate::estimate::{Kind, Loss};
 use crate::model::Fault;
 use crate::model::wave;
 use crate::names::Kernel;
@@ -481,47 +477,4 @@ fn planted_campaigns_are_recovered() {
         }
     }
     assert_eq!(cases, 8);
-}
-
-/// One evaluation for one pair of cubes takes microseconds. With 1 ms a fit of 20 photographs would
-/// take minutes.
-#[test]
-fn an_evaluation_is_quick() {
-    let table = ideal(&[20.0]);
-    let line = line(
-        &direction(&table, 20.0),
-        [0.9, 0.435_889_894_354_067_4],
-        &spectrum("550"),
-    );
-    let start = std::time::Instant::now();
-    let sum: f64 = (1..=10_000)
-        .map(|i| line.otf(0.2, 150.0, 4e-4 * f64::from(i)).0)
-        .sum();
-    let each = start.elapsed() / 10_000;
-    println!("one OTF value with its derivative: {each:?} ({sum:.3})");
-    assert!(each.as_micros() < 50, "{each:?}");
-    let choice = Choice {
-        kernel: Kernel::Wave,
-        shape: LobeShape::Radial,
-        per_angle_a: false,
-        per_angle_mu: false,
-    };
-    let truth = waves(0.2, "550");
-    let incidence: Vec<f64> = (0..10).map(|i| 5.0 * f64::from(i)).collect();
-    let of_ideal = planted::table(&truth, &incidence, AZIMUTH_DEG);
-    let twenty = scene(
-        &params(9, truth, &incidence, &[150.0, 300.0], camera(4e4)),
-        &of_ideal,
-    );
-    let start = std::time::Instant::now();
-    let fit = estimate(&twenty, &Loss::Mtf(&twenty), optimum(&twenty, choice));
-    println!(
-        "{} photographs: {:?}, {:?}",
-        twenty.shots.len(),
-        start.elapsed(),
-        fit.c_mm
-    );
-    assert_eq!(twenty.shots.len(), 20);
-    // The measured time is 0.2 s on an idle machine.
-    assert!(start.elapsed().as_secs() < 10);
 }
