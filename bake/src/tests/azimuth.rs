@@ -198,6 +198,77 @@ fn unfolded_paths_deviate_as_baked_ones_do() {
     assert!(turned_over > 50, "{turned_over}");
 }
 
+/// The lines of an ideal cube are affine in the tangent of the incidence inside, so polygons
+/// between the directions of a table behind a front face are those of a bake there.
+#[test]
+fn an_ideal_cube_behind_a_front_face_is_exact_between_directions() {
+    let cell = cells::triangular();
+    let index = 1.49;
+    let bake_at = |incidence: &str, azimuth: &str| {
+        let request = Request {
+            incidence: incidence.into(),
+            azimuth: azimuth.into(),
+            bins: 16,
+            refractive_index: Some(index),
+            back: Back::Mirror,
+            ..Request::default()
+        };
+        bake(&cell, &Plan::new(&request).expect("a valid request")).expect("bakes")
+    };
+    let coarse = bake_at("0,14,28", "full:60");
+    let mut compared = 0;
+    for incidence in [4.0, 9.0, 19.0, 25.0] {
+        for azimuth in [7.0, 31.0, 100.0, 250.0] {
+            let alone = bake_at(&incidence.to_string(), &azimuth.to_string());
+            let found = coarse.direction(incidence, Some(azimuth)).unwrap();
+            assert!(found.interpolated);
+            let sine = incidence.to_radians().sin() / index;
+            let squared = sine * sine / (1.0 - sine * sine);
+            let eta = 2.0 / 3.0 * (1.0 - 2.0 * squared);
+            // The ridge of the fit costs 1e-10 of the slopes.
+            let off = (found.retroreflected - eta).abs();
+            assert!(off < 1e-8, "{incidence} {azimuth}: {off:e}");
+            assert!((alone.retroreflected[[0, 0]] - eta).abs() < 1e-12);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 16);
+}
+
+/// Light by shift and deviation between two directions of rays is their mixture: every place holds
+/// the parts of its rays among those launched.
+#[test]
+fn exits_between_directions_are_a_mixture() {
+    let request = Request {
+        incidence: "0,20".into(),
+        azimuth: "10,40".into(),
+        method: tables::options::Method::Rays,
+        rays: Some(4096),
+        bins: 16,
+        ..Request::default()
+    };
+    let plan = Plan::new(&request).expect("a valid request");
+    let table = bake(&cells::uneven_pair([5e-4, 0.0, -3e-4]), &plan).expect("bakes");
+    let held = table.deviations.as_ref().expect("recorded");
+    let found = table.direction(5.0, Some(20.0)).unwrap();
+    let found = found.exits.expect("recorded");
+    let mut expected = std::collections::BTreeMap::new();
+    for (i, along) in [0.75, 0.25].into_iter().enumerate() {
+        for (j, across) in [2.0 / 3.0, 1.0 / 3.0].into_iter().enumerate() {
+            for entry in &held.entries[2 * i + j] {
+                let part = entry.rays as f64 / table.rays[[i, j]] as f64;
+                *expected.entry(entry.place).or_insert(0.0) += along * across * part;
+            }
+        }
+    }
+    assert!(expected.len() > 20);
+    assert_eq!(found.probability.len(), expected.len());
+    for ((place, p), (at, q)) in found.probability.iter().zip(expected) {
+        // Four products of numbers below 1.
+        assert!(*place == at && (p - q).abs() < 1e-15, "{place} {p} {q}");
+    }
+}
+
 /// A cell without symmetry is baked over the whole turn. A table of rays has its sector too.
 #[test]
 fn what_has_no_symmetry_is_baked_all_around() {

@@ -45,6 +45,7 @@ fn fates(cell: &Cell, rules: &Rules, rays: u64) -> Vec<[u64; Fate::ALL.len()]> {
     let mut found = Vec::new();
     for index in [Index::Loop, Index::Hierarchy] {
         let scene = Arc::new(Scene::new(cell, index));
+        assert_eq!(scene.has_hierarchy(), index == Index::Hierarchy);
         let kernel = Kernel::new(&scene, &launch, rules, &bins, 0.0, 0.0);
         assert!(kernel.programs().is_empty(), "programs are not that deep");
         for packets in [false, true] {
