@@ -393,7 +393,8 @@ mod tests {
             bins: 401,
             range: 2e-3,
         };
-        let weight = |k: usize| ((k * 31 + 7) % 17) as f64 / 17.0;
+        // Five stripes across the lobe, so that half of its light adds up at five turns.
+        let weight = |k: usize| 1.0 + (TAU * 5.0 * k as f64 / 400.0).cos();
         let places = (0..401).map(|k| (grid.place([0, 0], [200, k]), weight(k)));
         let exits = Exits {
             grid,
@@ -413,6 +414,7 @@ mod tests {
         let allowed = (TAU * 5.0 / 192.0).powi(4) * 3.0 / 128.0;
         let off = (seen - lobe).norm() / total;
         assert!(off < allowed, "{off:e} {allowed:e}");
+        assert!(lobe.norm() > 0.49 * total, "{lobe}");
         // Lagrange's weights sum to 1, so the row holds all light.
         let power: f64 = row.iter().map(light).sum();
         assert!((power / total - 1.0).abs() < 1e-13, "{power} {total}");
