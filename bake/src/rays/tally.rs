@@ -223,6 +223,44 @@ mod tests {
         }
     }
 
+    /// Makes the sums of randomisations with these counts by bin; the rest of `launched` missed.
+    fn sums(launched: u64, runs: &[[u64; 2]]) -> Sums {
+        let mut sums = Sums::new(&Bins::new(1, 1.0), runs.len());
+        sums.counts = runs.iter().flatten().copied().collect();
+        sums.launched.fill(launched);
+        sums
+    }
+
+    /// Two randomisations of a normal variable differ by sqrt 2 s, and the mean of s is c4 sigma.
+    /// With c4 = sqrt(2/pi) the factors of the estimate cancel. It is half of the difference.
+    #[test]
+    fn l1_error_of_two_randomisations_is_half_of_their_distance() {
+        // Shares 3/8 and 1/8 in one bin, 0 and 1/2 in the other: 1/2 (1/4 + 1/2).
+        let two = sums(8, &[[3, 0], [1, 4]]).l1_error();
+        // The gamma functions, the roots and the quotients round by some ulps of 1.
+        assert!((two - 0.375).abs() < 16.0 * f64::EPSILON, "{two}");
+    }
+
+    /// Shares of 1/8, 2/8 and 3/8 have the variance 1/64, with R - 1 = 2 in its denominator. The
+    /// standard error of their mean is 1/(8 sqrt 3), and c4 of three values is sqrt(pi)/2.
+    #[test]
+    fn l1_error_of_three_randomisations_by_hand() {
+        let three = sums(8, &[[1, 0], [2, 0], [3, 0]]).l1_error();
+        let pi = std::f64::consts::PI;
+        let expected = (2.0 / pi).sqrt() / (pi.sqrt() / 2.0) / (8.0 * 3_f64.sqrt());
+        assert!((three - expected).abs() < 16.0 * f64::EPSILON, "{three}");
+    }
+
+    /// One randomisation has the binomial error sqrt(p (1 - p) / n) in every bin, here with p = 1/4
+    /// and 1/2.
+    #[test]
+    fn l1_error_of_one_randomisation_is_binomial() {
+        let one = sums(16, &[[4, 8]]).l1_error();
+        let bins = (3.0_f64 / 16.0 / 16.0).sqrt() + (1.0_f64 / 4.0 / 16.0).sqrt();
+        let expected = (2.0 / std::f64::consts::PI).sqrt() * bins;
+        assert!((one - expected).abs() < 16.0 * f64::EPSILON, "{one}");
+    }
+
     #[test]
     fn every_ray_is_counted_once() {
         let bins = Bins::new(8, 1.0);

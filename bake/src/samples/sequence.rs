@@ -277,6 +277,86 @@ mod tests {
         assert_eq!(boxes, 11 * 1024);
     }
 
+    /// Computes the second dimension of the Sobol sequence, lowest bit first, from the rows of
+    /// Pascal's triangle modulo 2.
+    fn second_plainly(index: u32) -> u32 {
+        let mut triangle = [[0_u32; 32]; 32];
+        for row in 0..32 {
+            triangle[row][0] = 1;
+            for k in 1..=row {
+                triangle[row][k] = (triangle[row - 1][k - 1] + triangle[row - 1][k]) % 2;
+            }
+        }
+        (0..32).fold(0, |digits, k| {
+            let digit = (0..32).map(|row| triangle[row][k] * ((index >> row) & 1));
+            digits | (digit.sum::<u32>() % 2) << k
+        })
+    }
+
+    /// Computes Vegdahl's hash of `digits`, lowest bit first, by arithmetic modulo 2^32 in 64 bits.
+    fn scrambled_plainly(digits: u32, seed: u32) -> u32 {
+        let modulus = 1_u64 << 32;
+        let mut x = u64::from(digits);
+        x ^= x * 0x3d20_adea % modulus;
+        x = (x + u64::from(seed)) % modulus;
+        x = x * (u64::from(seed >> 16) | 1) % modulus;
+        x ^= x * 0x0552_6c56 % modulus;
+        x ^= x * 0x53a2_2864 % modulus;
+        (0..32).fold(0, |reversed, k| {
+            reversed | (((x >> k) & 1) as u32) << (31 - k)
+        })
+    }
+
+    /// Both axes are computed again plainly, each with the key of its own.
+    #[test]
+    fn each_axis_has_its_own_scramble() {
+        let mut compared = 0;
+        for randomisation in 0..16 {
+            let stream = Stream::new(Sampler::Sobol, 11, 20.0, 30.0, randomisation);
+            let [first, second, ..] = stream.keys;
+            assert_ne!(first, second);
+            for index in (0..64).chain([12_345, 0x8000_0001, u32::MAX]) {
+                let expected = [
+                    scrambled_plainly(index, first),
+                    scrambled_plainly(second_plainly(index), second),
+                ];
+                assert_eq!(stream.pair(u64::from(index)), expected, "point {index}");
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 16 * 67);
+    }
+
+    /// Point 0 of the plain sequence is 0 on both axes, so its coordinates are the digital shifts.
+    /// All their pairs of leading bits are equally frequent over many streams.
+    #[test]
+    fn shifts_of_the_axes_are_independent() {
+        let streams = 4096;
+        let mut seen = [0_i32; 16];
+        for randomisation in 0..streams {
+            let stream = Stream::new(Sampler::Sobol, 1, 0.0, 0.0, randomisation);
+            let [x, y] = stream.pair(0).map(|cell| (cell >> 30) as usize);
+            seen[4 * x + y] += 1;
+        }
+        // 256 are expected of each pair. Five binomial standard deviations are 5 x 15.5.
+        assert!(seen.iter().all(|n| (n - 256).abs() < 78), "{seen:?}");
+    }
+
+    /// Checks the mixer that makes the keys against the first numbers of SplitMix64 with seed 0.
+    #[test]
+    fn keys_are_mixed_as_published() {
+        let step = 0x9e37_79b9_7f4a_7c15_u64;
+        let numbers = [0, step, step.wrapping_mul(2)].map(mix);
+        assert_eq!(
+            numbers,
+            [
+                0xe220_a839_7b1d_cdaf,
+                0x6e78_9e6a_a1b9_65f4,
+                0x06c4_5d18_8009_454f
+            ]
+        );
+    }
+
     #[test]
     fn third_and_fourth_dimension_are_equidistributed() {
         let stream = Stream::new(Sampler::Sobol, 7, 20.0, 0.0, 3);

@@ -80,6 +80,196 @@ fn a_sector_says_what_all_azimuths_are() {
     assert_eq!(compared, 3 * (4 * 6 + 3 * 7 * 3));
 }
 
+/// Returns a cube whose angles are off 90 deg: the ends of its edges lie `stretch` times as far
+/// from the axis as in an ideal cube. Only a mirror plane is left if the first differs.
+fn stretched(stretch: [f64; 3]) -> Cell {
+    let mut cell = cells::triangular();
+    let ideal = cells::edges(0.0).map(|end| end.truncate());
+    let moved = |p: glam::DVec2| {
+        let which = ideal.iter().position(|&end| end == p);
+        which.map_or(p, |k| stretch[k] * p)
+    };
+    for corner in cell.facets.iter_mut().flatten() {
+        *corner = moved(corner.truncate()).extend(corner.z);
+    }
+    for corner in &mut cell.entrance.polygon {
+        *corner = moved(*corner);
+    }
+    cell
+}
+
+/// Sums of all paths of one direction that share a map and a deviation.
+struct Spot {
+    matrix: [[f64; 2]; 2],
+    offset: [f64; 2],
+    deviation: [f64; 2],
+    /// Area and its first moments, weighted by the power.
+    moments: [f64; 3],
+}
+
+impl Spot {
+    /// Returns the largest difference of two spots in all their numbers.
+    fn apart(&self, other: &Spot) -> f64 {
+        let all = |spot: &Spot| {
+            let [[a, b], [c, d]] = spot.matrix;
+            let ([e, f], [g, h]) = (spot.offset, spot.deviation);
+            let [i, j, k] = spot.moments;
+            [a, b, c, d, e, f, g, h, i, j, k]
+        };
+        let pairs = all(self).into_iter().zip(all(other));
+        pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// Adds up the paths that share a map, however their light is cut into polygons.
+fn spots(paths: &[tables::Path]) -> Vec<Spot> {
+    let mut spots: Vec<Spot> = Vec::new();
+    for path in paths {
+        let mut moments = [0.0; 3];
+        let ends = path.polygon.iter().zip(path.polygon.iter().cycle().skip(1));
+        for (a, b) in ends {
+            let cross = path.weight * (a[0] * b[1] - b[0] * a[1]);
+            let parts = [0.5, (a[0] + b[0]) / 6.0, (a[1] + b[1]) / 6.0];
+            for (sum, part) in moments.iter_mut().zip(parts) {
+                *sum += part * cross;
+            }
+        }
+        // The map of a facet sequence is computed once, so equal maps are equal to the last bit.
+        let same = |spot: &&mut Spot| {
+            (spot.matrix, spot.offset, spot.deviation) == (path.matrix, path.offset, path.deviation)
+        };
+        match spots.iter_mut().find(same) {
+            Some(spot) => {
+                for (sum, part) in spot.moments.iter_mut().zip(moments) {
+                    *sum += part;
+                }
+            }
+            None => spots.push(Spot {
+                matrix: path.matrix,
+                offset: path.offset,
+                deviation: path.deviation,
+                moments,
+            }),
+        }
+    }
+    spots
+}
+
+/// A cube with dihedral errors and a mirror plane, baked as a sector and at every image of its
+/// azimuths: maps, light and deviations of the unfolded paths are those of the baked ones.
+#[test]
+fn unfolded_paths_deviate_as_baked_ones_do() {
+    let (mut compared, mut turned_over) = (0, 0);
+    // Azimuths on a mirror plane are their own images, so some lie between two planes.
+    for (stretch, rotations, azimuths) in [
+        ([1.001; 3], 3, "full:20"),
+        ([1.0015, 1.0005, 1.0005], 1, "full:60"),
+    ] {
+        let cell = stretched(stretch);
+        let sector = table(&cell, "0,17", azimuths);
+        let symmetry = sector.provenance.symmetry;
+        assert_eq!(symmetry.rotations, rotations);
+        assert!(symmetry.mirror_deg.is_some());
+        let azimuths = sector.axes.azimuth_deg.iter();
+        let images = azimuths.flat_map(|&own| symmetry.images(own));
+        for (image, mirrored) in images {
+            let alone = table(&cell, "0,17", &format!("{image}"));
+            for &incidence in &sector.axes.incidence_deg {
+                let of = |table: &Table| {
+                    let found = table.direction(incidence, Some(image)).unwrap();
+                    assert!(!found.interpolated);
+                    spots(&found.paths.expect("exact"))
+                };
+                let (found, baked) = (of(&sector), of(&alone));
+                assert_eq!(found.len(), baked.len(), "{incidence} {image}");
+                for spot in &baked {
+                    let apart = found.iter().map(|other| spot.apart(other));
+                    let apart = apart.fold(f64::INFINITY, f64::min);
+                    // Three reflections, a carry and the sums of some ten corners round by some
+                    // tens of ulps of numbers below 4, which is less than 1e-13.
+                    assert!(apart < 1e-13, "{incidence} {image}: {apart}");
+                    compared += 1;
+                    turned_over += usize::from(mirrored && spot.deviation[1].abs() > 1e-4);
+                }
+            }
+        }
+    }
+    println!("{compared} spots, {turned_over} of them with a deviation along v");
+    // The 64 images, half of them mirrored, see all six sequences of facets.
+    assert_eq!((compared, turned_over), (64 * 6, 32 * 6));
+}
+
+/// The lines of an ideal cube are affine in the tangent of the incidence inside, so polygons
+/// between the directions of a table behind a front face are those of a bake there.
+#[test]
+fn an_ideal_cube_behind_a_front_face_is_exact_between_directions() {
+    let cell = cells::triangular();
+    let index = 1.49;
+    let bake_at = |incidence: &str, azimuth: &str| {
+        let request = Request {
+            incidence: incidence.into(),
+            azimuth: azimuth.into(),
+            bins: 16,
+            refractive_index: Some(index),
+            back: Back::Mirror,
+            ..Request::default()
+        };
+        bake(&cell, &Plan::new(&request).expect("a valid request")).expect("bakes")
+    };
+    let coarse = bake_at("0,14,28", "full:60");
+    let mut compared = 0;
+    for incidence in [4.0, 9.0, 19.0, 25.0] {
+        for azimuth in [7.0, 31.0, 100.0, 250.0] {
+            let alone = bake_at(&incidence.to_string(), &azimuth.to_string());
+            let found = coarse.direction(incidence, Some(azimuth)).unwrap();
+            assert!(found.interpolated);
+            let sine = incidence.to_radians().sin() / index;
+            let squared = sine * sine / (1.0 - sine * sine);
+            let eta = 2.0 / 3.0 * (1.0 - 2.0 * squared);
+            // The ridge of the fit costs 1e-10 of the slopes.
+            let off = (found.retroreflected - eta).abs();
+            assert!(off < 1e-8, "{incidence} {azimuth}: {off:e}");
+            assert!((alone.retroreflected[[0, 0]] - eta).abs() < 1e-12);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 16);
+}
+
+/// Light by shift and deviation between two directions of rays is their mixture: every place holds
+/// the parts of its rays among those launched.
+#[test]
+fn exits_between_directions_are_a_mixture() {
+    let request = Request {
+        incidence: "0,20".into(),
+        azimuth: "10,40".into(),
+        method: tables::options::Method::Rays,
+        rays: Some(4096),
+        bins: 16,
+        ..Request::default()
+    };
+    let plan = Plan::new(&request).expect("a valid request");
+    let table = bake(&cells::uneven_pair([5e-4, 0.0, -3e-4]), &plan).expect("bakes");
+    let held = table.deviations.as_ref().expect("recorded");
+    let found = table.direction(5.0, Some(20.0)).unwrap();
+    let found = found.exits.expect("recorded");
+    let mut expected = std::collections::BTreeMap::new();
+    for (i, along) in [0.75, 0.25].into_iter().enumerate() {
+        for (j, across) in [2.0 / 3.0, 1.0 / 3.0].into_iter().enumerate() {
+            for entry in &held.entries[2 * i + j] {
+                let part = entry.rays as f64 / table.rays[[i, j]] as f64;
+                *expected.entry(entry.place).or_insert(0.0) += along * across * part;
+            }
+        }
+    }
+    assert!(expected.len() > 20);
+    assert_eq!(found.probability.len(), expected.len());
+    for ((place, p), (at, q)) in found.probability.iter().zip(expected) {
+        // Four products of numbers below 1.
+        assert!(*place == at && (p - q).abs() < 1e-15, "{place} {p} {q}");
+    }
+}
+
 /// A cell without symmetry is baked over the whole turn. A table of rays has its sector too.
 #[test]
 fn what_has_no_symmetry_is_baked_all_around() {

@@ -5,6 +5,7 @@
 
 mod azimuth;
 mod bakes;
+mod bounces;
 mod cells;
 mod closed_form;
 mod curved;

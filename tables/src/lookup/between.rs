@@ -696,4 +696,115 @@ mod tests {
             "no fixed point"
         );
     }
+
+    /// Weights by hand: on a cross about `tau` the slopes are 0 by symmetry, and the weights are in
+    /// proportion to the inverse fourth power of the distance.
+    #[test]
+    fn weights_fall_with_the_fourth_power_of_the_distance() {
+        let cross = [[1.5, 0.5], [-0.5, 0.5], [0.5, 2.5], [0.5, -1.5]];
+        let found = weights(&cross, [0.5, 0.5]);
+        let expected = [8.0 / 17.0, 8.0 / 17.0, 1.0 / 34.0, 1.0 / 34.0];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+    }
+
+    /// Computes a deviation by Snell's law in three dimensions, from its definition alone: light is
+    /// launched down along (tau, 0, -1) and leaves along (off, 0) less that.
+    #[test]
+    fn deviations_follow_snells_law() {
+        let index = 1.49;
+        let outside = |inside: [f64; 3]| {
+            let length = inside.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let [x, y] = [0, 1].map(|k| index * inside[k] / length);
+            [x, y, (1.0 - x * x - y * y).sqrt()]
+        };
+        let scalar = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut cases = 0;
+        for tangent in [0.0, 0.2, 0.5, 0.8] {
+            let back = outside([-tangent, 0.0, 1.0]);
+            // The axis across the way back, in the plane of incidence, towards u.
+            let across = [back[2], 0.0, -back[0]];
+            for [x, y] in [[3e-3, 0.0], [0.0, -2e-3], [-4e-3, 5e-3]] {
+                // A small rotation keeps the length of the light's direction.
+                let steep = 1.0 + tangent * tangent;
+                let along = [x - tangent, y];
+                let up = (steep - along[0] * along[0] - along[1] * along[1]).sqrt();
+                let left = outside([along[0], along[1], up]);
+                let straight = scalar(left, back);
+                let expected = [scalar(left, across) / straight, left[1] / straight];
+                let tau = [tangent, 0.0];
+                let found = deviation([x, y], tau, index);
+                // Angles of 1e-2 from sums of numbers up to 1, divided by cosines above 0.3.
+                assert!(distance(found, expected) < 1e-14, "{found:?} {expected:?}");
+                assert!(distance(astray(expected, tau, index), [x, y]) < 1e-14);
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 12);
+    }
+
+    /// A direction that lacks a path counts as a jump if the path's lines leave more than a quarter
+    /// of its area there. The area that they leave is known from the closed form.
+    #[test]
+    fn a_path_jumps_away_above_a_quarter_of_its_area() {
+        let area_at = |incidence| path(tau(incidence, 0.0), 0.0).map_or(0.0, |p| area(&p.polygon));
+        let held = area_at(15.0);
+        for (part, expected) in [(0.26, 6.0 / 7.0), (0.24, 1.0)] {
+            let (mut low, mut high) = (20.0, 36.0);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if area_at(middle) > part * held {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let mut nodes = nodes(&[15.0], 60.0, &[0.0]);
+            nodes.push(Node {
+                tau: tau(low, 0.0),
+                azimuth_rad: 0.0,
+                paths: Vec::new(),
+                share: 1.0,
+            });
+            nodes.iter_mut().for_each(|node| node.share = 1.0 / 7.0);
+            let found = paths(&nodes, tau(10.0, 0.0), 0.0, 1.0).unwrap();
+            assert_eq!(found.len(), 1);
+            assert!((found[0].weight - expected).abs() < 1e-15, "{part}");
+        }
+    }
+
+    /// The square of the third direction lacks the edge across a corner that the first two have.
+    /// That edge moves out by too little to clear the corner by itself. In its own direction the
+    /// square stays whole.
+    #[test]
+    fn a_line_keeps_clear_of_a_polygon_that_lacks_it() {
+        let node = |x: f64, cut: f64| {
+            let corner = [[1.0, 1.0 - cut], [1.0 - cut, 1.0]];
+            let mut polygon = vec![[-1.0, -1.0], [1.0, -1.0]];
+            polygon.extend(&corner[..if cut > 0.0 { 2 } else { 1 }]);
+            polygon.push([-1.0, 1.0]);
+            Node {
+                tau: [x, 0.0],
+                azimuth_rad: 0.0,
+                paths: vec![Path {
+                    polygon,
+                    matrix: [[-2.0, 0.0], [0.0, -2.0]],
+                    offset: [0.0; 2],
+                    weight: 1.0,
+                    deviation: [0.0; 2],
+                }],
+                share: 1.0 / 3.0,
+            }
+        };
+        // Continued to 0.2, the edge would cut off 0.3 of both sides.
+        let nodes = [node(0.0, 0.5), node(0.1, 0.4), node(0.2, 0.0)];
+        for (node, expected) in nodes.iter().zip([4.0 - 0.125, 4.0 - 0.08, 4.0]) {
+            let found = paths(&nodes, node.tau, 0.0, 1.0).unwrap();
+            assert_eq!(found.len(), 1);
+            // The cuts of the square round by an ulp of 1000, the size of the first frame.
+            let area = found[0].area();
+            assert!((area - expected).abs() < 1e-12, "{area} {expected}");
+        }
+    }
 }

@@ -103,3 +103,34 @@ impl Ruling {
         Samples::new(self.step(), values, slopes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+
+    /// Two lit bins, 4 edge lengths wide, lie at (6, -6) and (6, 6). Along (0.8, 0.6) their middles
+    /// are at 1.2 and 8.4, and each reaches 2 (0.8 + 0.6) = 2.8 to both sides: -1.6 to 11.2.
+    #[test]
+    fn rulings_of_bins_reach_to_the_corners_of_bins() {
+        let mut probability = Array2::zeros((4, 4));
+        probability[(0, 3)] = 0.25;
+        probability[(3, 3)] = 0.25;
+        let direction = Direction {
+            incidence_deg: 0.0,
+            azimuth_deg: 0.0,
+            retroreflected: 0.5,
+            probability,
+            range: 8.0,
+            standard_error: 0.0,
+            interpolated: false,
+            paths: None,
+            exits: None,
+        };
+        let ruling = Ruling::of_bins(&direction, [0.8, 0.6]);
+        assert!((ruling.middle - 4.8).abs() < 1e-14, "{}", ruling.middle);
+        // Half of 12.8 is 2.26 times 2.83.
+        assert_eq!(ruling.finer, 3.0);
+        assert_eq!(ruling.step(), 1.0 / 192.0);
+    }
+}

@@ -382,4 +382,41 @@ mod tests {
         assert!(worst[1] < 3.5e-2, "{worst:?}");
         assert_eq!(cases, 48);
     }
+
+    /// A lobe of 401 bins becomes a row of spots, and the row turns in phase as the lobe does.
+    ///
+    /// Its width w is seen at f R w = 5, where Lagrange's cubic may lose (2 pi 5/192)^4 x 3/128.
+    #[test]
+    fn a_row_of_spots_is_the_lobe() {
+        let grid = Grid {
+            cells: 1,
+            bins: 401,
+            range: 2e-3,
+        };
+        // Five stripes across the lobe, so that half of its light adds up at five turns.
+        let weight = |k: usize| 1.0 + (TAU * 5.0 * k as f64 / 400.0).cos();
+        let places = (0..401).map(|k| (grid.place([0, 0], [200, k]), weight(k)));
+        let exits = Exits {
+            grid,
+            probability: places.collect(),
+        };
+        let row = along_normal(&exits, [1.0, 0.0]);
+        assert!(row.len() > MOST_SPOTS && row.len() <= 196, "{}", row.len());
+        let [low, high] = [0, 400].map(|k| grid.deviation([200, k])[0]);
+        let turns = 5.0 / (high - low);
+        let turn = |deviation: f64| Complex64::cis(-TAU * turns * deviation);
+        let lobe: Complex64 = (0..401)
+            .map(|k| turn(grid.deviation([200, k])[0]) * weight(k))
+            .sum();
+        let light = |spot: &Spot| spot.light.iter().map(|(_, share)| share).sum::<f64>();
+        let seen: Complex64 = row.iter().map(|s| turn(s.deviation) * light(s)).sum();
+        let total: f64 = (0..401).map(weight).sum();
+        let allowed = (TAU * 5.0 / 192.0).powi(4) * 3.0 / 128.0;
+        let off = (seen - lobe).norm() / total;
+        assert!(off < allowed, "{off:e} {allowed:e}");
+        assert!(lobe.norm() > 0.49 * total, "{lobe}");
+        // Lagrange's weights sum to 1, so the row holds all light.
+        let power: f64 = row.iter().map(light).sum();
+        assert!((power / total - 1.0).abs() < 1e-13, "{power} {total}");
+    }
 }

@@ -182,4 +182,17 @@ mod tests {
         assert_eq!(returned(array![row(0, 0, 0)].view(), true), (0.0, 0.0));
         assert_eq!(returned(array![row(0, 9, 0)].view(), true), (0.0, 0.0));
     }
+
+    /// Three randomisations of 10, 20 and 10 rays return 5, 14 and 9 of them, so eta is 0.7. They
+    /// are off by -0.2, 0 and 0.2, with weights of 1/4, 1/2 and 1/4: the squares sum to 0.005, and
+    /// R/(R - 1) is 3/2.
+    #[test]
+    fn standard_error_of_unequal_randomisations_by_hand() {
+        let row = |back: u64, missed: u64| [back, 0, 0, 0, 0, 0, 0, missed, 0, 0];
+        let three = array![row(5, 5), row(14, 6), row(9, 1)];
+        let (eta, error) = returned(three.view(), false);
+        assert!((eta - 0.7).abs() < 1e-15);
+        // All numbers are below 1 and round by an ulp each.
+        assert!((error - 0.0075_f64.sqrt()).abs() < 1e-15, "{error}");
+    }
 }

@@ -84,3 +84,35 @@ pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
     };
     paths.iter().map(mirrored).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares a mirrored path with the mirror itself: v changes its sign in the entry point, in
+    /// the shift and in the deviation, and nothing else changes.
+    #[test]
+    fn a_mirrored_path_does_what_its_mirror_image_does() {
+        let path = Path {
+            polygon: vec![[0.0, 0.0], [0.5, 0.125], [0.25, 0.75]],
+            matrix: [[-2.0, 0.25], [0.5, -1.5]],
+            offset: [0.125, -0.375],
+            weight: 0.75,
+            deviation: [3e-3, -2e-3],
+        };
+        let mirrored = &mirrored_paths(std::slice::from_ref(&path))[0];
+        assert_eq!(mirrored.deviation, [3e-3, 2e-3]);
+        assert_eq!(mirrored.weight, path.weight);
+        // A positive area means that the corners still run counter-clockwise.
+        assert!(path.area() > 0.0);
+        assert_eq!(mirrored.area(), path.area());
+        for &[u, v] in &path.polygon {
+            assert!(mirrored.polygon.contains(&[u, -v]));
+            // All numbers are short binary fractions, so the products and sums are exact.
+            let [along_u, along_v] = path.shift([u, v]);
+            assert_eq!(mirrored.shift([u, -v]), [along_u, -along_v]);
+        }
+        let twice = mirrored_paths(std::slice::from_ref(mirrored));
+        assert_eq!(twice, [path]);
+    }
+}
