@@ -18,6 +18,7 @@ mod exposure;
 mod forward;
 #[cfg(feature = "images")]
 mod metrics;
+mod noise;
 mod photo_formats;
 mod photographs;
 mod pixels;
