@@ -7,6 +7,7 @@ mod bad_inputs;
 mod baselines;
 mod campaign;
 mod captures_manifest;
+mod carried;
 mod channels;
 #[cfg(feature = "images")]
 mod coating;
