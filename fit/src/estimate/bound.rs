@@ -231,4 +231,19 @@ mod tests {
         // Far below the threshold the bound is not conditional.
         assert!((rise_below(0.0, 10.0) - RISE).abs() < 0.01);
     }
+
+    /// Checks the rise against its definition: a normal number exceeds its square root with a
+    /// probability of 5 %. 1.644854^2 = 2.70554, and the code rounds it to three decimals, which is
+    /// an error of at most 5e-4. The probability then errs by the density 0.1031 over 2 x 1.645,
+    /// times 5e-4.
+    #[test]
+    fn the_rise_is_that_of_a_one_sided_bound_of_95_percent() {
+        let beyond = 0.5 * libm::erfc((0.5 * RISE).sqrt());
+        let allowed = 0.1031 / (2.0 * 1.645) * 5e-4;
+        assert!((beyond - (1.0 - CONFIDENCE)).abs() < allowed, "{beyond}");
+        assert_eq!(CONFIDENCE, 0.95);
+        for rise in [RISE, rise_below(0.0, 12.0)] {
+            assert!((rise - 2.705_54).abs() < 5e-4, "{rise}");
+        }
+    }
 }

@@ -51,6 +51,9 @@ struct Followed {
     bins: Vec<DMatrix<f64>>,
     /// Response to each parameter of the lens.
     lens: Vec<DVector<f64>>,
+    /// Derivatives of ln(step) of each photograph by each parameter of the lens, without those
+    /// that the blur causes.
+    steps: Vec<Vec<f64>>,
 }
 
 impl Linear<'_> {
@@ -63,9 +66,11 @@ impl Linear<'_> {
     pub(crate) fn covariances(&self) -> Covariances {
         let p = self.layout.parameters();
         let answers = self.answers();
+        let (lens, steps) = self.by_lens(&answers).into_iter().unzip();
         let by = Followed {
             bins: self.by_bins(&answers),
-            lens: self.by_lens(&answers),
+            lens,
+            steps,
         };
         let mut blur = DMatrix::zeros(p, p);
         for response in &by.bins {
@@ -119,12 +124,17 @@ impl Linear<'_> {
         responses.collect()
     }
 
-    /// Returns the response of the blur to each parameter of the lens.
-    fn by_lens(&self, answers: &[DMatrix<f64>]) -> Vec<DVector<f64>> {
+    /// Returns the response of the blur to each parameter of the lens, and the derivatives of
+    /// ln(step) of each photograph by this parameter at the same blur.
+    fn by_lens(&self, answers: &[DMatrix<f64>]) -> Vec<(DVector<f64>, Vec<f64>)> {
         let reference = self.scene.reference.as_deref();
         let neighbours = reference.map(Reference::neighbours);
         let follow = |(camera, step): (Camera, f64)| {
-            let changes: Vec<DVector<f64>> = self
+            let slope = |new: &[f64], old: &[f64]| -> Vec<f64> {
+                let pairs = new.iter().zip(old);
+                pairs.map(|(a, b)| (a - b) / step).collect()
+            };
+            let changes: Vec<(DVector<f64>, f64)> = self
                 .scene
                 .shots
                 .par_iter()
@@ -134,14 +144,21 @@ impl Linear<'_> {
                     let blur = self.layout.blur(&self.solution.parameters, shot.group);
                     let curve = curve(shot, Some(&camera), self.layout.choice, blur);
                     let (modelled, _) = shot.view.predict(&curve.bins, &[]);
-                    let pairs = modelled.iter().zip(&part.modelled);
-                    let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / step).collect();
-                    answer * shot.view.weigh(self.weights, &change)
+                    let change = slope(&modelled, &part.modelled);
+                    let contrast = Contrast::fit(&shot.view.profile, &part.curve.bins);
+                    (
+                        answer * shot.view.weigh(self.weights, &change),
+                        contrast.relative_change(&slope(&curve.bins, &part.curve.bins)),
+                    )
                 })
                 .collect();
             // The sum is taken one by one, so that its rounding does not depend on the threads.
             let none = DVector::zeros(self.layout.parameters());
-            changes.iter().fold(none, |sum, change| sum - change)
+            let blur = changes.iter().fold(none, |sum, (change, _)| sum - change);
+            (
+                blur,
+                changes.into_iter().map(|(_, of_step)| of_step).collect(),
+            )
         };
         neighbours.into_iter().flatten().map(follow).collect()
     }
@@ -193,11 +210,15 @@ impl Linear<'_> {
             }
             covariance += &full * full.transpose();
         }
-        let with_mu = |blur: &DVector<f64>| {
-            let mu = &by_blur * blur;
+        // A lens moves mu by the blur, by the steps at the same blur, and by the reference's step.
+        let with_mu = |(k, blur): (usize, &DVector<f64>)| {
+            let mut mu = (&by_blur * blur).add_scalar(-reference.step_by_lens[k]);
+            for (i, shot) in scene.shots.iter().enumerate() {
+                mu[layout.mu_group(shot.group)] += shares[i] * by.steps[k][i];
+            }
             DVector::from_iterator(n, blur.iter().chain(mu.iter()).copied())
         };
-        let lens: Vec<DVector<f64>> = by.lens.iter().map(with_mu).collect();
+        let lens: Vec<DVector<f64>> = by.lens.iter().enumerate().map(with_mu).collect();
         if !lens.is_empty() {
             covariance += self.carried(&lens);
         }

@@ -66,6 +66,8 @@ pub(crate) use optimum::Optimum;
 #[cfg(test)]
 pub(crate) use optimum::residuals_at;
 pub(crate) use optimum::{refined, sum_of_squares_with};
+#[cfg(test)]
+pub(crate) use reference::measure as measured_reference;
 pub(crate) use scene::{Aerial, Scene};
 pub use select::Candidates;
 pub(crate) use select::Ranked;

@@ -144,3 +144,54 @@ pub(crate) fn residuals_at(
     let layout = Layout::new(choice, scene.groups.len());
     Loss::Mtf(scene).evaluate(&layout, parameters)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::select::{CLEAR, own_mu_limit};
+    use crate::names::{Kernel, LobeShape};
+    use crate::numerics::Stop;
+
+    /// Returns an optimum with residuals 3 and 4 (chi-square 25) among 100 numbers.
+    fn of(parameters: usize) -> Optimum {
+        Optimum {
+            choice: Choice {
+                kernel: Kernel::Eq1,
+                shape: LobeShape::Radial,
+                per_angle_a: false,
+                per_angle_mu: false,
+            },
+            solution: Solution {
+                parameters: DVector::zeros(parameters),
+                residuals: DVector::from_vec(vec![3.0, 4.0]),
+                jacobian: DMatrix::zeros(2, parameters),
+                iterations: 1,
+                stop: Stop::Converged,
+            },
+            observations: 100,
+        }
+    }
+
+    /// Compares criteria with chi-square / misfit + k ln n, calculated by hand with ln 100 =
+    /// 4.605170185988091 and ln 8 = 2.079441541679836. Each value has at most four roundings of
+    /// numbers below 64, whose last digit is 7e-15.
+    #[test]
+    fn the_criterion_is_chi_square_plus_a_logarithm_for_each_parameter() {
+        let allowed = 4.0 * 7.2e-15;
+        for (parameters, misfit, expected) in [
+            (0, 1.0, 25.0),
+            (1, 1.0, 29.605_170_185_988_09),
+            (2, 1.0, 34.210_340_371_976_18),
+            (3, 2.5, 23.815_510_557_964_27),
+        ] {
+            let found = of(parameters).criterion(misfit);
+            assert!(
+                (found - expected).abs() < allowed,
+                "{parameters} parameters: {found} {expected}"
+            );
+        }
+        // Three values of mu from eight photographs have two further parameters.
+        let found = own_mu_limit(3, 8) - CLEAR;
+        assert!((found - 4.158_883_083_359_672).abs() < allowed, "{found}");
+    }
+}

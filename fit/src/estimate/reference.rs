@@ -25,6 +25,8 @@ pub struct Reference {
     pub step: f64,
     /// Relative standard error of `step`.
     pub step_relative_error: f64,
+    /// Derivatives of ln(step) by ln(blur) and by the exponent of the lens.
+    pub step_by_lens: [f64; 2],
     /// Whitened sum of squares of the lens fit per degree of freedom. It is about 1 if the lens
     /// model describes the camera.
     pub reduced_chi2: f64,
@@ -61,7 +63,16 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
             .copy_from(&(inverse * reduced_chi2.max(1.0)));
     }
     let camera = camera_of(pitch_mm, &solution.parameters);
-    let contrast = Contrast::fit(&view.profile, &view.edge_of(&camera));
+    let edge = view.edge_of(&camera);
+    let contrast = Contrast::fit(&view.profile, &edge);
+    let of = |(camera, step): (Camera, f64)| {
+        let pairs = view.edge_of(&camera).into_iter().zip(edge.iter());
+        let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / step).collect();
+        contrast.relative_change(&change)
+    };
+    let step_by_lens = camera
+        .lens
+        .map_or([0.0; 2], |lens| neighbours(camera, lens).map(of));
     Reference {
         camera,
         lens_covariance,
@@ -70,6 +81,7 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
         exposure,
         step: contrast.step / exposure,
         step_relative_error: contrast.variance(&view.profile).sqrt() / contrast.step.abs(),
+        step_by_lens,
         reduced_chi2,
     }
 }
@@ -78,29 +90,26 @@ impl Reference {
     /// Returns the cameras that lie one step of a lens parameter away, each with the size of the
     /// step. The covariance of the lens is carried to the estimates with them.
     pub fn neighbours(&self) -> Vec<(Camera, f64)> {
-        let Some(lens) = self.camera.lens else {
-            return Vec::new();
-        };
-        let blur = Lens {
-            blur_mm: lens.blur_mm * STEP.exp(),
-            ..lens
-        };
-        let exponent = Lens {
-            exponent: lens.exponent + STEP,
-            ..lens
-        };
-        [blur, exponent]
-            .map(|lens| {
-                (
-                    Camera {
-                        lens: Some(lens),
-                        ..self.camera
-                    },
-                    STEP,
-                )
-            })
-            .to_vec()
+        let lens = self.camera.lens;
+        lens.map_or_else(Vec::new, |lens| neighbours(self.camera, lens).to_vec())
     }
+}
+
+/// Returns the cameras that lie one step of a lens parameter away, ln(blur) first, each with the
+/// size of the step.
+fn neighbours(camera: Camera, lens: Lens) -> [(Camera, f64); 2] {
+    let blur = Lens {
+        blur_mm: lens.blur_mm * STEP.exp(),
+        ..lens
+    };
+    let exponent = Lens {
+        exponent: lens.exponent + STEP,
+        ..lens
+    };
+    [blur, exponent].map(|lens| {
+        let lens = Some(lens);
+        (Camera { lens, ..camera }, STEP)
+    })
 }
 
 /// Makes a camera from lens parameters: ln(blur / mm), and the exponent if it is not 2.

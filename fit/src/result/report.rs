@@ -424,3 +424,41 @@ fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares values between and beyond the fitted angles with values calculated by hand. All
+    /// numbers are short binary fractions, so the results are exact.
+    #[test]
+    fn a_value_between_two_angles_has_the_weights_of_a_straight_line() {
+        let at = |incidence_deg: f64, value: f64| AtAngle {
+            incidence_deg,
+            value: Some(value),
+            standard_error: None,
+        };
+        let parameter = Parameter::PerAngle {
+            per_angle: vec![at(0.0, 3.0), at(40.0, 7.0), at(50.0, 2.0)],
+        };
+        for (incidence_deg, expected) in [
+            (-5.0, 3.0),
+            (0.0, 3.0),
+            // 3/4 of 3 and 1/4 of 7.
+            (10.0, 4.0),
+            (20.0, 5.0),
+            (35.0, 6.5),
+            (40.0, 7.0),
+            // 3/4 of 7 and 1/4 of 2.
+            (42.5, 5.75),
+            (50.0, 2.0),
+            (60.0, 2.0),
+        ] {
+            assert_eq!(
+                parameter.at(incidence_deg),
+                Some(expected),
+                "{incidence_deg}"
+            );
+        }
+    }
+}

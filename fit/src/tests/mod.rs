@@ -7,6 +7,7 @@ mod bad_inputs;
 mod baselines;
 mod campaign;
 mod captures_manifest;
+mod carried;
 mod channels;
 #[cfg(feature = "images")]
 mod coating;
@@ -18,6 +19,7 @@ mod exposure;
 mod forward;
 #[cfg(feature = "images")]
 mod metrics;
+mod noise;
 mod photo_formats;
 mod photographs;
 mod pixels;

@@ -115,6 +115,18 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
     }
 }
 
+/// Returns an exact table in which the light of path `k` of each direction has the deviation
+/// `of(k)`.
+pub(crate) fn deviating(mut table: Table, of: impl Fn(usize) -> [f64; 2]) -> Table {
+    let directions = table.exact.iter_mut().flat_map(|exact| &mut exact.paths);
+    for paths in directions {
+        for (k, path) in paths.iter_mut().enumerate() {
+            path.deviation = of(k);
+        }
+    }
+    table
+}
+
 /// Returns a camera of few pixels.
 pub(crate) fn camera(full_well_e: f64) -> PlantedCamera {
     PlantedCamera {

@@ -1,0 +1,296 @@
+//! Tests of what follows from an estimate: bounds by the profile of chi-square, and the covariance
+//! by the errors that all photographs share.
+
+use std::sync::Arc;
+
+use crate::compare::{Contrast, View};
+use crate::estimate::optimum::optimum;
+use crate::estimate::scene::Scene;
+use crate::estimate::{Choice, Estimate, Kind, Loss};
+use crate::estimate::{bounds, estimate, measured_reference, refined, sum_of_squares_with};
+use crate::model::Camera;
+use crate::model::Lens;
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::tests::planted::{camera, params, scene, table, truth};
+use nalgebra::{DMatrix, DVector, Matrix2};
+
+const SHARED: Choice = Choice {
+    kernel: Kernel::Eq1,
+    shape: LobeShape::Radial,
+    per_angle_a: false,
+    per_angle_mu: false,
+};
+
+/// Fits `choice` to a scene by a loss.
+fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
+    let start = optimum(scene, choice);
+    let loss = Loss::new(kind, scene, (choice, &start.solution.parameters));
+    estimate(scene, &loss, refined(scene, &loss, start))
+}
+
+/// Returns the logarithms of c, a and mu.
+fn logarithms(fit: &Estimate) -> DVector<f64> {
+    let values = fit.c_mm.iter().chain(&fit.spread);
+    let all = values.chain(fit.mu.iter().flatten());
+    DVector::from_vec(all.map(|v| v.value.ln()).collect())
+}
+
+/// Returns the covariance of the logarithms of c, a and mu.
+fn of_logarithms(fit: &Estimate) -> DMatrix<f64> {
+    let scale = logarithms(fit).map(f64::exp);
+    DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
+        fit.covariance[(i, j)] / (scale[i] * scale[j])
+    })
+}
+
+/// Checks chi-square at the bounds of c (no ray shift was planted) and of a (no lobe was planted),
+/// with the other parameter fitted again. 1.644854^2 = 2.70554 is the square of the normal number
+/// that 5 % exceed, and the code rounds it to 2.706. A bound is the outer end of an interval of 1 %
+/// of the parameter in which chi-square rises beyond this value. The solver ends at changes of
+/// 1e-10 of chi-square, which is below 1000.
+#[test]
+fn chi_square_rises_by_2_7055_at_a_bound() {
+    let incidence = [0.0, 25.0];
+    let mut cases = 0;
+    for (kernel, seed, i, way) in [(Kernel::Lobe, 12, 0, 1.0), (Kernel::Shift, 13, 1, -1.0)] {
+        let planted = truth(kernel, LobeShape::Radial, 2.5, 0.35, 0.6);
+        let of_ideal = table(&planted, &incidence, 20.0);
+        let scene = scene(
+            &params(seed, planted, &incidence, &[150.0, 300.0], camera(4e4)),
+            &of_ideal,
+        );
+        let loss = Loss::Mtf(&scene);
+        let fit = estimate(&scene, &loss, optimum(&scene, SHARED));
+        let bound = bounds(&scene, &loss, &fit)[&fit.parameters[i]];
+        let at = if way > 0.0 {
+            bound.at_most
+        } else {
+            bound.at_least
+        };
+        let at = at.expect("the photographs bound it").ln();
+        let unit = fit.reduced_chi2().max(1.0);
+        let rise = |x: f64| {
+            let from = &fit.solution.parameters;
+            let (squares, _) = sum_of_squares_with(&scene, &loss, SHARED, from, i, x);
+            (squares - fit.chi2) / unit
+        };
+        let (inside, outside) = (rise(at - 0.01 * way), rise(at));
+        println!("{kernel:?}: {inside:.4} {outside:.4}");
+        assert!(fit.chi2 < 1000.0);
+        assert!(inside < 2.706 + 1e-7, "{kernel:?}: {inside}");
+        assert!(outside > 2.705_54 - 1e-7, "{kernel:?}: {outside}");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
+/// Checks the part of mu's covariance that the table's rays cause. All photographs of one
+/// incidence share the error of eta, so it does not average out. By hand, ln mu of one incidence
+/// moves by -1 per ln eta. For one mu the whole estimate is repeated with a changed eta of each
+/// incidence.
+///
+/// The rest of the covariance is that without this error, or somewhat more, because the error makes
+/// the weights of the photographs more even: for variances that differ by a factor of up to 5.8 at
+/// most twice as much (Kantorovich). So the difference is right to the value without the error,
+/// which is a few thousandths here.
+#[test]
+fn photographs_of_one_incidence_share_the_error_of_eta() {
+    let incidence = [5.0, 30.0];
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &incidence, 20.0);
+    let scene = scene(
+        &params(51, planted, &incidence, &[150.0, 220.0, 300.0], camera(4e4)),
+        &of_ideal,
+    );
+    let errors = [0.05, 0.04];
+    let with = |scale: [f64; 2], errors: [f64; 2]| {
+        let mut other = scene.clone();
+        for shot in &mut other.shots {
+            let returned = &mut shot.facing.returned;
+            returned.retroreflected *= scale[shot.group];
+            returned.standard_error = errors[shot.group] * returned.retroreflected;
+        }
+        other
+    };
+    let mut cases = 0;
+    for kind in [Kind::Mtf, Kind::Edge] {
+        for per_angle_mu in [false, true] {
+            let choice = Choice {
+                per_angle_mu,
+                ..SHARED
+            };
+            let fit = |scale, errors| fitted(&with(scale, errors), choice, kind);
+            let exact = of_logarithms(&fit([1.0; 2], [0.0; 2]));
+            let whole = of_logarithms(&fit([1.0; 2], errors));
+            let step = 1e-3_f64;
+            let mut expected = DMatrix::zeros(whole.nrows(), whole.ncols());
+            for group in 0..2 {
+                let moved = |by: f64| {
+                    let mut scale = [1.0; 2];
+                    scale[group] = by.exp();
+                    logarithms(&fit(scale, errors))
+                };
+                let slope = (moved(step) - moved(-step)) / (2.0 * step);
+                expected += &slope * slope.transpose() * errors[group].powi(2);
+                if per_angle_mu {
+                    assert!((slope[2 + group] + 1.0).abs() < 1e-6, "{slope}");
+                }
+            }
+            for i in 2..whole.nrows() {
+                let (found, by_hand) = (whole[(i, i)] - exact[(i, i)], expected[(i, i)]);
+                println!(
+                    "{kind:?} {i}: {found:.4e} {by_hand:.4e}, rest {:.1e}",
+                    exact[(i, i)]
+                );
+                assert!(
+                    (found - by_hand).abs() < exact[(i, i)] && exact[(i, i)] < 0.05 * by_hand,
+                    "{kind:?} {per_angle_mu} {i}: {found:e} {by_hand:e}"
+                );
+                cases += 1;
+            }
+        }
+    }
+    assert_eq!(cases, 2 * (1 + 2));
+}
+
+/// Returns a scene whose photographs are modelled through another lens.
+fn through(scene: &Scene, lens: Lens) -> Scene {
+    let camera = Camera {
+        lens: Some(lens),
+        ..scene.camera
+    };
+    let mut other = scene.clone();
+    other.camera = camera;
+    for shot in &mut other.shots {
+        let view = &shot.view;
+        // The tangential axis of planted photographs is +x.
+        let (line, profile) = (view.line, view.profile.clone());
+        shot.view = Arc::new(View::new(line, profile, camera.pitch_mm, 0.0, &camera));
+    }
+    other
+}
+
+/// Compares the part of the covariance that the lens causes with the whole estimate repeated
+/// through changed lenses: the responses to ln(blur) and to the exponent, times the covariance of
+/// the lens. The step of the reference divides mu, and
+/// `a_planted_lens_and_its_step_are_found` checks how it responds.
+///
+/// The responses of the code are one-sided differences over 1e-4. They err by half of it times the
+/// ratio of the second derivative to the first, which is below 10 for powers and exponentials of
+/// order 1. That is 5e-4, and twice as much in a product.
+#[test]
+fn the_error_of_the_lens_is_carried_to_every_parameter() {
+    let incidence = [5.0, 30.0];
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &incidence, 20.0);
+    let scene = scene(
+        &params(52, planted, &incidence, &[150.0, 300.0], camera(1e9)),
+        &of_ideal,
+    );
+    let covariance = Matrix2::new(1e-4, 3e-5, 3e-5, 4e-4);
+    let with = |lens_covariance: Matrix2<f64>| {
+        let mut other = scene.clone();
+        let mut reference = (**scene.reference.as_ref().expect("there is one")).clone();
+        reference.lens_covariance = lens_covariance;
+        other.reference = Some(Arc::new(reference));
+        of_logarithms(&fitted(&other, SHARED, Kind::Mtf))
+    };
+    let found = with(covariance) - with(Matrix2::zeros());
+    let lens = scene.camera.lens.expect("the reference gives one");
+    let step = 2e-3;
+    let of_step = scene.reference.as_ref().expect("there is one").step_by_lens;
+    let slope = |k: usize, change: &dyn Fn(f64) -> Lens| {
+        let at = |by: f64| logarithms(&fitted(&through(&scene, change(by)), SHARED, Kind::Mtf));
+        let mut slope = (at(step) - at(-step)) / (2.0 * step);
+        slope[2] -= of_step[k];
+        slope
+    };
+    let slopes = [
+        slope(0, &|by| Lens {
+            blur_mm: lens.blur_mm * by.exp(),
+            ..lens
+        }),
+        slope(1, &|by| Lens {
+            exponent: lens.exponent + by,
+            ..lens
+        }),
+    ];
+    let mut expected = DMatrix::zeros(3, 3);
+    for (i, a) in slopes.iter().enumerate() {
+        for (j, b) in slopes.iter().enumerate() {
+            expected += a * b.transpose() * covariance[(i, j)];
+        }
+    }
+    println!("{found:.4e}{expected:.4e}");
+    for i in 0..3 {
+        for j in 0..3 {
+            let scale = f64::sqrt(expected[(i, i)] * expected[(j, j)]);
+            assert!(
+                (found[(i, j)] - expected[(i, j)]).abs() < 1e-3 * scale,
+                "{i} {j}: {found}{expected}"
+            );
+        }
+    }
+}
+
+/// Checks the lens that is measured from a noise-free edge of a planted lens with an exponent other
+/// than 2, and how the step of this edge responds to the lens. The solver ends at changes of 1e-10
+/// of the parameters or of the sum of squares. Derivatives are one-sided differences over 1e-4, of
+/// a step whose second derivative by ln(blur) or exponent is at most a few times the first.
+#[test]
+fn a_planted_lens_and_its_step_are_found() {
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
+    let of_ideal = table(&planted, &[0.0], 20.0);
+    let scene = scene(
+        &params(53, planted, &[0.0], &[150.0], camera(4e4)),
+        &of_ideal,
+    );
+    let pitch_mm = scene.camera.pitch_mm;
+    let pixel = Camera {
+        pitch_mm,
+        lens: None,
+    };
+    let shot = &scene.shots[0];
+    let mut cases = 0;
+    for exponent in [1.0, 1.4, 2.6] {
+        let of = |ln_blur: f64, exponent: f64| Camera {
+            lens: Some(Lens {
+                blur_mm: ln_blur.exp(),
+                exponent,
+            }),
+            ..pixel
+        };
+        let ln_blur = (2.5 * pitch_mm).ln();
+        let mut profile = shot.view.profile.clone();
+        let edge = shot.view.edge_of(&of(ln_blur, exponent));
+        // The model's MTF is raised by the noise of the bins, and these have none.
+        profile.variance.iter_mut().for_each(|v| *v *= 1e-12);
+        profile.mean = edge.iter().map(|unit| 0.02 + 0.8 * unit).collect();
+        let view = View::new(shot.view.line, profile, pitch_mm, 0.0, &pixel);
+        let found = measured_reference(&view, (*shot.pixels).clone(), 2.0);
+        let lens = found.camera.lens.expect("it is measured");
+        println!("{lens:?} {:?} {}", found.step_by_lens, found.step);
+        assert!((lens.exponent - exponent).abs() < 1e-6, "{lens:?}");
+        assert!((lens.blur_mm.ln() - ln_blur).abs() < 1e-6, "{lens:?}");
+        assert!((found.step - 0.4).abs() < 1e-6, "{}", found.step);
+        let h = 1e-3;
+        let step = |ln_blur, exponent| {
+            let edge = view.edge_of(&of(ln_blur, exponent));
+            Contrast::fit(&view.profile, &edge).step.ln()
+        };
+        let expected = [
+            step(ln_blur + h, exponent) - step(ln_blur - h, exponent),
+            step(ln_blur, exponent + h) - step(ln_blur, exponent - h),
+        ];
+        for (slope, change) in found.step_by_lens.into_iter().zip(expected) {
+            let difference = change / (2.0 * h);
+            assert!(
+                (slope - difference).abs() < 1e-3 * difference.abs() + 1e-6,
+                "p {exponent}: {slope} {difference}"
+            );
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 6);
+}
