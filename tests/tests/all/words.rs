@@ -146,6 +146,8 @@ fn planted_violations_are_found() {
     for (source, expected) in [
         ("/// Returns the mean.\npub fn mean() {}", 0),
         ("/// The mean.\npub fn mean() {}", 1),
+        ("/// The mean is 0.\n#[test]\nfn mean_is_zero() {}", 0),
+        ("/// The mean.\n#[must_use]\nfn mean() {}", 1),
         ("/// Rays of a bake.\npub(crate) const fn rays() {}", 1),
         ("/// The mean.\npub mean: f64,", 0),
         ("/// The same over a sheet.\npub mean: f64,", 1),
