@@ -9,7 +9,7 @@ use mpi::{Rank, Threading};
 use crate::run::ranks::Ranks;
 
 /// All processes that were started together.
-pub struct World {
+pub(super) struct World {
     world: SimpleCommunicator,
     // When this is dropped, the process leaves the other ranks and waits until they leave too.
     _universe: Universe,
@@ -19,7 +19,7 @@ impl World {
     /// Joins the other processes, or returns `None` if this process has joined before.
     ///
     /// Only the thread that calls this function may use MPI.
-    pub fn start() -> Option<Self> {
+    pub(super) fn start() -> Option<Self> {
         let (universe, _) = mpi::initialize_with_threading(Threading::Funneled)?;
         Some(World {
             world: universe.world(),
