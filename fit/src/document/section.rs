@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeString, DeTable, DeValue};
 
 use crate::document::bounds::Bounds;
 use crate::document::error::Error;
@@ -69,14 +69,6 @@ const RENAMED: [(&str, &str); 2] = [
     ("ior", "refractive_index"),
     ("distance_mm", "floating_distance_mm"),
 ];
-
-/// Returns the name of today of a key.
-fn renamed(key: &str) -> &str {
-    RENAMED
-        .iter()
-        .find(|(old, _)| *old == key)
-        .map_or(key, |(_, new)| new)
-}
 
 /// One table of a document. All its keys are known.
 #[derive(Debug)]
@@ -153,13 +145,10 @@ impl<'d> Section<'d> {
 
     /// Returns the place of `key`, or of the table if `key` is not set.
     pub(crate) fn place_of(&self, key: &str) -> FileLine {
-        self.table
-            .iter()
-            .find(|(name, _)| renamed(name.get_ref()) == renamed(key))
-            .map_or_else(
-                || self.place.clone(),
-                |(name, _)| self.document.place(name.span().start),
-            )
+        self.entry(key).map_or_else(
+            || self.place.clone(),
+            |(name, _)| self.document.place(name.span().start),
+        )
     }
 
     /// Returns the value of a key that must be set.
@@ -174,10 +163,15 @@ impl<'d> Section<'d> {
         })
     }
 
-    fn get(&self, key: &str) -> Option<&'d Spanned<DeValue<'d>>> {
+    /// Returns the key as the file has it, by its name of today or by its old name, and its value.
+    fn entry(&self, key: &str) -> Option<(&'d Spanned<DeString<'d>>, &'d Spanned<DeValue<'d>>)> {
         let old = RENAMED.iter().find(|(_, new)| *new == key);
-        let by_old = || old.and_then(|(old, _)| self.table.get(*old));
-        self.table.get(key).or_else(by_old)
+        let by_old = || old.and_then(|(old, _)| self.table.get_key_value(*old));
+        self.table.get_key_value(key).or_else(by_old)
+    }
+
+    fn get(&self, key: &str) -> Option<&'d Spanned<DeValue<'d>>> {
+        self.entry(key).map(|(_, value)| value)
     }
 
     fn wrong_type(&self, key: &str, expected: &'static str, found: &DeValue<'_>) -> Error {

@@ -7,27 +7,13 @@ use crate::compare::{Contrast, View};
 use crate::estimate::optimum::optimum;
 use crate::estimate::scene::Scene;
 use crate::estimate::{Choice, Estimate, Kind, Loss};
-use crate::estimate::{bounds, estimate, measured_reference, refined, sum_of_squares_with};
+use crate::estimate::{bounds, estimate, measured_reference, sum_of_squares_with};
 use crate::model::Camera;
 use crate::model::Lens;
 use crate::names::Kernel;
 use crate::names::LobeShape;
-use crate::tests::planted::{camera, params, scene, table, truth};
+use crate::tests::planted::{SHARED, camera, fitted, params, scene, table, truth};
 use nalgebra::{DMatrix, DVector, Matrix2};
-
-const SHARED: Choice = Choice {
-    kernel: Kernel::Eq1,
-    shape: LobeShape::Radial,
-    per_angle_a: false,
-    per_angle_mu: false,
-};
-
-/// Fits `choice` to a scene by a loss.
-fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
-    let start = optimum(scene, choice);
-    let loss = Loss::new(kind, scene, (choice, &start.solution.parameters));
-    estimate(scene, &loss, refined(scene, &loss, start))
-}
 
 /// Returns the logarithms of c, a and mu.
 fn logarithms(fit: &Estimate) -> DVector<f64> {

@@ -4,10 +4,9 @@
 use crate::compare::{Nuisances, Photograph};
 use crate::estimate::Choice;
 use crate::estimate::Layout;
-use crate::estimate::Scene;
+use crate::estimate::estimate;
 use crate::estimate::optimum::optimum;
 use crate::estimate::refined;
-use crate::estimate::{Estimate, estimate};
 use crate::estimate::{Joint, Used};
 use crate::estimate::{Kind, Loss};
 use crate::model::Blur;
@@ -16,21 +15,8 @@ use crate::names::LobeShape;
 use crate::photographs::PixelNoise;
 use crate::simulate::Params;
 use crate::simulate::photograph as simulate;
-use crate::tests::planted::{Stream, camera, params, scene, table, truth};
+use crate::tests::planted::{SHARED, Stream, camera, fitted, params, scene, table, truth};
 use nalgebra::{DMatrix, DVector};
-
-const SHARED: Choice = Choice {
-    kernel: Kernel::Eq1,
-    shape: LobeShape::Radial,
-    per_angle_a: false,
-    per_angle_mu: false,
-};
-
-fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
-    let start = optimum(scene, choice);
-    let loss = Loss::new(kind, scene, (choice, &start.solution.parameters));
-    estimate(scene, &loss, refined(scene, &loss, start))
-}
 
 /// Residuals and nuisance derivatives of a photograph's rows, stacked.
 fn rows(photograph: &Photograph, curves: &crate::compare::Curves, at: &Nuisances) -> DMatrix<f64> {

@@ -3,7 +3,8 @@
 
 #![allow(dead_code, reason = "each test uses its part")]
 
-use crate::estimate::Scene;
+use crate::estimate::optimum::optimum;
+use crate::estimate::{Choice, Estimate, Kind, Loss, Scene, estimate, refined};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::names::Spectrum;
@@ -205,4 +206,19 @@ pub(crate) fn scene(params: &Params, table: &Table) -> Scene {
     let campaign =
         captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
     Scene::load(&campaign, table).expect("the photographs hold edges")
+}
+
+/// One a and one mu for all angles, by the literal Eq. (1) with a radial lobe.
+pub(crate) const SHARED: Choice = Choice {
+    kernel: Kernel::Eq1,
+    shape: LobeShape::Radial,
+    per_angle_a: false,
+    per_angle_mu: false,
+};
+
+/// Fits `choice` to a scene by a loss.
+pub(crate) fn fitted(scene: &Scene, choice: Choice, kind: Kind) -> Estimate {
+    let start = optimum(scene, choice);
+    let loss = Loss::new(kind, scene, (choice, &start.solution.parameters));
+    estimate(scene, &loss, refined(scene, &loss, start))
 }

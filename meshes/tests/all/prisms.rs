@@ -64,7 +64,7 @@ fn a_prism_is_its_hollow_cell_with_a_front_face() {
                         "{:?}",
                         found.warnings
                     );
-                    // The same numbers are used in the same order, so nothing is rounded on the
+                    // All numbers are used in one and the same order, so nothing is rounded on the
                     // way.
                     assert_eq!(found.facets, expected.facets, "{shape:?} {cant_rad}");
                     assert_eq!(found.entrance, expected.entrance);
