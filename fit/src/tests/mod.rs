@@ -23,12 +23,13 @@ mod noise;
 mod photo_formats;
 mod photographs;
 mod pixels;
-mod planted;
+pub(crate) mod planted;
 #[cfg(feature = "raw")]
 mod raw;
 #[cfg(feature = "images")]
 mod render;
 mod sample;
 mod simulate_campaign;
+mod statistics;
 mod study;
 mod wave;

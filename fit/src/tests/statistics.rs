@@ -1,0 +1,207 @@
+//! Tests of stated errors over many drawn campaigns. Each is ignored by `cargo test`, and
+//! `make test` runs them by name.
+//!
+//! All limits have two sides: error bars that are too large fail as well as those that are too
+//! small. A figure of n draws may leave its expectation by 4 of its own standard errors, which a
+//! right program does once in 16,000 figures. The seeds are fixed, so a run repeats.
+
+use rayon::prelude::*;
+
+use crate::compare::Weights;
+use crate::estimate::Kind;
+use crate::estimate::optimum::optimum;
+use crate::estimate::{Estimate, Loss, Scene, Value, estimate, refined};
+use crate::names::Kernel;
+use crate::names::LobeShape;
+use crate::study::{LOSSES, PARAMETERS, Summary, Trial, tells};
+use crate::tests::planted::{SHARED, Stream, camera, fitted, params, scene, table, truth};
+use crate::tests::study::trials;
+
+/// Standard errors by which a figure may leave its expectation.
+const WIDE: f64 = 4.0;
+
+/// Checks pulls: errors of estimates, in units of their stated standard errors.
+///
+/// The sum of squares of n normal pulls is chi-square with n degrees of freedom. Its limits are the
+/// quantiles at 4 standard deviations, by the cube root of Wilson and Hilferty (1931), which is
+/// exact to 1e-3 from n = 100. The mean of n pulls has the standard error 1/sqrt(n). `bias` is what
+/// the curvature of the model may add to the mean.
+fn check(what: &str, pulls: &[f64], bias: f64) {
+    let n = pulls.len() as f64;
+    let square = pulls.iter().map(|p| p * p).sum::<f64>() / n;
+    let mean = pulls.iter().sum::<f64>() / n;
+    let held = pulls.iter().filter(|p| p.abs() < 1.959_964).count() as f64 / n;
+    let quantile = |z: f64| (1.0 - 2.0 / (9.0 * n) + z * (2.0 / (9.0 * n)).sqrt()).powi(3);
+    let limits = [quantile(-WIDE), quantile(WIDE)];
+    println!(
+        "{what}: {n} draws, mean square pull {square:.3} ({:.3} to {:.3}), mean pull {mean:+.3}, \
+         coverage {held:.3}",
+        limits[0], limits[1]
+    );
+    assert!(
+        (limits[0]..limits[1]).contains(&square),
+        "{what}: mean square pull {square}"
+    );
+    assert!(
+        mean.abs() < bias + WIDE / n.sqrt(),
+        "{what}: mean pull {mean}"
+    );
+    let scatter = (0.95 * 0.05 / n).sqrt();
+    assert!(
+        (held - 0.95).abs() < WIDE * scatter,
+        "{what}: coverage {held}"
+    );
+}
+
+/// One drawn campaign.
+struct Draw<const N: usize> {
+    /// Pulls of c, a and mu by each fit.
+    pulls: [[f64; 3]; N],
+    /// Number of photographs whose dark pixels the camera cut off at 0.
+    cut_off: usize,
+    /// True if a photograph was taken for unevenly lit, and corrected. The light is even.
+    corrected: bool,
+}
+
+/// Draws campaigns of two photographs with electrons in a range, and fits them.
+fn drawn<const N: usize>(
+    count: u64,
+    electrons: [f64; 2],
+    fits: impl Fn(&Scene) -> [Estimate; N] + Sync,
+) -> Vec<Draw<N>> {
+    let draw = |seed: u64| {
+        let mut stream = Stream(0x5eed << 20 | seed);
+        let a = stream.between(2.0, 6.0);
+        let c = stream.between(0.2, 0.5);
+        let mu = stream.between(0.3, 0.8);
+        let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
+        let incidence = [5.0, 30.0];
+        let table = table(&planted, &incidence, 20.0);
+        let camera = camera(stream.between(electrons[0], electrons[1]));
+        let scene = scene(&params(seed, planted, &incidence, &[200.0], camera), &table);
+        let pull = |v: Value, truth: f64| (v.value - truth) / v.standard_error;
+        Draw {
+            pulls: fits(&scene).map(|fit| {
+                [
+                    pull(fit.c_mm.expect("eq1 has c"), c),
+                    pull(fit.spread[0], a),
+                    pull(fit.mu.as_ref().expect("there is a reference")[0], mu),
+                ]
+            }),
+            cut_off: scene.shots.iter().filter(|s| s.pixels.cut_off).count(),
+            corrected: scene
+                .shots
+                .iter()
+                .flat_map(|shot| &shot.warnings)
+                .any(|warning| warning.contains("the light varies")),
+        }
+    };
+    (0..count).into_par_iter().map(draw).collect()
+}
+
+/// Standard errors are true: of the MTFs weighted by their noise, of the MTFs weighted equally, and
+/// of the pixels.
+///
+/// The rule that looks for uneven light corrects even light in about one photograph of 400. The mu
+/// of the MTFs is then 3 to 10 standard errors off, so these campaigns are left out for it.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn standard_errors_are_true() {
+    const DRAWS: u64 = 250;
+    let draws = drawn(DRAWS, [5e3, 4e4], |scene| {
+        let near = optimum(scene, SHARED);
+        let by_mtf = |weights| {
+            let loss = Loss::of_mtfs(scene, weights);
+            estimate(scene, &loss, refined(scene, &loss, near.clone()))
+        };
+        [
+            by_mtf(Weights::Noise),
+            by_mtf(Weights::Even),
+            fitted(scene, SHARED, Kind::Edge),
+        ]
+    });
+    let corrected = draws.iter().filter(|draw| draw.corrected).count();
+    println!("light corrected in {corrected} of {DRAWS} campaigns");
+    assert!(corrected < 5, "{corrected}");
+    let mut figures = 0;
+    for (k, loss) in ["mtf", "mse", "edge"].into_iter().enumerate() {
+        for (i, parameter) in PARAMETERS.into_iter().enumerate() {
+            let counts = |draw: &&Draw<3>| !(draw.corrected && loss != "edge" && i == 2);
+            let counted = draws.iter().filter(counts);
+            let pulls: Vec<f64> = counted.map(|draw| draw.pulls[k][i]).collect();
+            check(&format!("{loss} {parameter}"), &pulls, 0.1);
+            figures += 1;
+        }
+    }
+    assert_eq!(figures, 9);
+}
+
+/// Standard errors of the pixels are true where the camera cuts dark pixels off at 0: 500 to 2,000
+/// electrons at full scale.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn standard_errors_are_true_in_low_light() {
+    const DRAWS: u64 = 250;
+    let draws = drawn(DRAWS, [5e2, 2e3], |scene| {
+        [fitted(scene, SHARED, Kind::Edge)]
+    });
+    let cut_off: usize = draws.iter().map(|draw| draw.cut_off).sum();
+    assert!(cut_off as u64 > DRAWS, "{cut_off} photographs");
+    for (i, parameter) in PARAMETERS.into_iter().enumerate() {
+        let pulls: Vec<f64> = draws.iter().map(|draw| draw.pulls[0][i]).collect();
+        assert_eq!(pulls.len() as u64, DRAWS);
+        check(&format!("cut off, edge {parameter}"), &pulls, 0.1);
+    }
+}
+
+/// Errors reach the Cramer-Rao bound, and intervals hold, over campaigns as `fit study` draws them.
+/// No unbiased estimate has smaller errors than the bound. So the loss `edge`, which is to reach
+/// it, has a limit on either side, and the loss `mtf`, which leaves out phases and tails, has a
+/// lower one. Its mu has none: it takes the light as even, which the bound does not.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn drawn_campaigns_reach_the_bound() {
+    const CAMPAIGNS: u64 = 300;
+    let all = trials(7, CAMPAIGNS);
+    let summary = Summary::new(&all, Vec::new());
+    let counted: Vec<&Trial> = all.iter().filter(|t| tells(t)).collect();
+    assert_eq!(counted.len(), summary.counted);
+    assert!(summary.counted >= 200, "{} counted", summary.counted);
+    let n = summary.counted as f64;
+    let mut rows = 0;
+    for row in &summary.rows {
+        let (k, i) = (
+            LOSSES
+                .iter()
+                .position(|&loss| loss == row.loss)
+                .expect("a loss"),
+            PARAMETERS
+                .iter()
+                .position(|&p| p == row.parameter)
+                .expect("a parameter"),
+        );
+        let pulls: Vec<f64> = counted
+            .iter()
+            .map(|t| (t.found[k][i][0] - t.truth[i]) / t.found[k][i][1])
+            .collect();
+        let ratio = row.rmse_over_bound.value;
+        println!("{} {:?}: rmse / bound {ratio:.3}", row.parameter, row.loss);
+        check(&format!("{:?} {}", row.loss, row.parameter), &pulls, 0.1);
+        // The root mean square of n normal errors scatters by sqrt(1 / 2n).
+        let scatter = (0.5 / n).sqrt();
+        if (row.loss, row.parameter) != (Kind::Mtf, "mu") {
+            assert!(ratio > 1.0 - WIDE * scatter, "{row:?}");
+        }
+        if row.loss == Kind::Edge {
+            assert!(ratio < 1.0 + WIDE * scatter, "{row:?}");
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 6);
+    // Campaigns that are not counted have little information on c.
+    assert!(
+        all.iter()
+            .filter(|t| !tells(t))
+            .all(|t| t.bound[0] >= 0.1 * t.truth[0])
+    );
+}
