@@ -111,7 +111,7 @@ fn closed_form_meets_the_pupil_on_a_raster() {
     let (mut cases, mut worst) = (0, 0.0_f64);
     for incidence_deg in incidence {
         let direction = direction(&table, incidence_deg);
-        for normal_deg in [0.0_f64, 5.0, 97.0] {
+        for normal_deg in [5.0_f64, 97.0] {
             let normal = [normal_deg.to_radians().cos(), normal_deg.to_radians().sin()];
             for (c, nm, r) in [
                 (0.2, 550.0, 150.0),
@@ -119,7 +119,7 @@ fn closed_form_meets_the_pupil_on_a_raster() {
                 (0.35, 620.0, 60.0),
             ] {
                 let line = line(&direction, normal, &spectrum(&format!("{nm}")));
-                for share in [0.01, 0.03, 0.1, 0.3, 0.55] {
+                for share in [0.03, 0.1, 0.55] {
                     let (f, expected) = raster(&direction, normal, c, nm * 1e-6 * r, share);
                     let (found, _) = line.otf(c, r, f);
                     worst = worst.max((found - expected).abs());
@@ -129,7 +129,7 @@ fn closed_form_meets_the_pupil_on_a_raster() {
         }
     }
     println!("{cases} cases, largest difference {worst:.2e}");
-    assert_eq!(cases, 3 * 3 * 3 * 5);
+    assert_eq!(cases, 3 * 2 * 3 * 3);
     assert!(worst < 2e-5, "{worst:e}");
 }
 
