@@ -45,6 +45,8 @@ pub struct Pixels {
     pub line: EdgeLine,
     /// Bins in ascending order of distance.
     pub bins: Vec<Bin>,
+    /// Mean of t^2 over all pixels.
+    pub square_along: f64,
     /// Index of the first bin. Bin j is centred at (first + j) x [`BIN_PX`].
     pub first: i64,
     /// True if the camera cut its noise off at 0.
@@ -59,18 +61,21 @@ impl Pixels {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as i64
             + (line.offset_px.abs() / BIN_PX) as i64;
         let mut sums = vec![Sums::default(); 2 * limit as usize + 1];
-        let (sin, cos) = line.normal_rad.sin_cos();
+        let ruler = line.ruler();
         for p in window.pixels() {
-            let d = p.x * cos + p.y * sin - line.offset_px;
+            let (d, t) = ruler.place(p.x, p.y);
             let j = (d / BIN_PX).round();
-            sums[(j as i64 + limit) as usize].add(d - j * BIN_PX, p.y * cos - p.x * sin, p.value);
+            sums[(j as i64 + limit) as usize].add(d - j * BIN_PX, t, p.value);
         }
+        let all: f64 = sums.iter().map(|sum| sum.count).sum();
+        let squares: f64 = sums.iter().map(|sum| sum.tt).sum();
         let filled = |sum: &Sums| sum.count > 0.0;
         let start = sums.iter().position(filled).unwrap_or(0);
         let end = sums.iter().rposition(filled).map_or(0, |last| last + 1);
         Pixels {
             line: *line,
             bins: sums[start..end.max(start)].iter().map(Sums::bin).collect(),
+            square_along: squares / all.max(1.0),
             first: start as i64 - limit,
             cut_off: window.cuts_off_at_zero(),
             raster: window.raster(),

@@ -84,6 +84,13 @@ impl<'a> Joint<'a> {
         }
     }
 
+    /// Estimates all terms of the light of each photograph.
+    #[cfg(test)]
+    pub(crate) fn estimate_all_light(&mut self) {
+        let all = self.shots.iter_mut().chain(&mut self.reference);
+        all.for_each(Photograph::estimate_all_light);
+    }
+
     /// Appends the parameters of the lens to those of the blur.
     pub fn start(&self, blur: &DVector<f64>) -> DVector<f64> {
         let all = blur.iter().chain(&self.lens).copied();
@@ -102,7 +109,7 @@ impl<'a> Joint<'a> {
     /// Returns the number of independent numbers in the photographs, less those of the nuisances
     /// and of the lens.
     pub fn observations(&self) -> usize {
-        let of = |p: &Photograph| p.observations().saturating_sub(NUISANCES);
+        let of = |p: &Photograph| p.observations().saturating_sub(p.nuisances());
         let all: usize = self.shots.iter().chain(&self.reference).map(of).sum();
         all.saturating_sub(self.lens.len())
     }

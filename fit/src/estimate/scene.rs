@@ -392,13 +392,13 @@ fn measure(
         fault,
     };
     let Measurement {
-        window,
+        as_lit,
         line,
         profile,
         warnings,
         ..
     } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
-    let pixels = Pixels::new(&window, &line);
+    let pixels = Pixels::new(&as_lit, &line);
     Ok((
         View::new(line, profile, pitch_mm, tangential_rad, camera),
         pixels,

@@ -26,7 +26,7 @@ pub(crate) fn exclude_gross(window: &mut Window) -> usize {
 }
 
 /// Excludes pixels that are off the profile from the window, and returns their number. A pixel is
-/// off if neither noise, nor its place in a bin, nor an arc of `arc_px` pixels explains its
+/// off if neither noise, nor its place in a bin, nor waves of `wave_px` pixels explains its
 /// distance.
 ///
 /// The distance is that from the medians of the bins, which a few wild pixels do not move. The
@@ -35,7 +35,7 @@ pub(crate) fn exclude(
     window: &mut Window,
     line: &EdgeLine,
     profile: &Profile,
-    arc_px: f64,
+    wave_px: f64,
 ) -> usize {
     let (dark, bright) = profile.plateaus();
     let least = LEAST_STEPS * (bright - dark);
@@ -43,7 +43,7 @@ pub(crate) fn exclude(
         .map(|j| {
             let noise = (profile.variance[j] * profile.count[j].max(1.0)).sqrt();
             // At an angle of a simple fraction the pixels of a bin may all lie at one of its ends.
-            let astray_px = 1.5 * arc_px + 0.5 * BIN_PX;
+            let astray_px = 1.5 * wave_px + 0.5 * BIN_PX;
             least + DEVIATIONS * noise + astray_px * profile.slope(j, 2).abs()
         })
         .collect();

@@ -1,7 +1,8 @@
-//! Search for the slanted edge of a window: its direction, its place, and whether there is only
-//! one.
+//! Search for the slanted edge of a window: its direction, its place, the curve that it follows,
+//! and whether there is only one.
 
 pub(crate) mod accepted;
+pub(crate) mod curve;
 pub(crate) mod fault;
 pub(crate) mod line;
 pub(crate) mod shape;
@@ -25,8 +26,12 @@ pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
         match locate(&window.reduced(side)) {
             Ok(small) => {
-                let offset_px = small.offset_px * side as f64;
-                return refine(window, EdgeLine { offset_px, ..small });
+                let start = EdgeLine {
+                    offset_px: small.offset_px * side as f64,
+                    bend: None,
+                    ..small
+                };
+                return refine(window, start);
             }
             Err(Fault::TooSmall) => {}
             Err(fault) => return Err(fault),
@@ -36,16 +41,17 @@ pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
         normal_rad: first_direction(window)?,
         offset_px: 0.0,
         normal_standard_error_rad: 0.0,
+        bend: None,
     };
     refine(window, start)
 }
 
-/// Refines the direction and the place of an edge until the pixels scatter least about their common
-/// profile.
+/// Refines the direction, the place and the curve of an edge until the pixels scatter least about
+/// their common profile.
 ///
-/// The angle is refined by Gauss-Newton steps; the place is the half level of the profile. The
-/// accuracy is limited by noise, see `normal_standard_error_rad`; without noise the error is below
-/// 2e-5 rad.
+/// The angle and the curve are refined by Gauss-Newton steps; the place is the half level of the
+/// profile. The accuracy is limited by noise, see `normal_standard_error_rad`; without noise the
+/// error is below 2e-5 rad.
 pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
     let mut profile = centre(window, &mut line)?;
     // A shift of 1e-4 px at the end of the edge does not change the MTF.
@@ -54,6 +60,15 @@ pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fa
         let step = turn(window, &mut line, &profile);
         profile = centre(window, &mut line)?;
         if step.abs() < least.max(0.01 * line.normal_standard_error_rad) {
+            break;
+        }
+    }
+    for _ in 0..12 {
+        let Some(farthest) = curve::step(window, &mut line, &profile) else {
+            break;
+        };
+        profile = centre(window, &mut line)?;
+        if farthest < 1e-3 {
             break;
         }
     }
@@ -149,14 +164,14 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
 /// Makes one Gauss-Newton step of the angle and returns it, radians. The distances of the pixels
 /// from the common profile are regressed on its slope times the position along the edge.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
-    let (sin, cos) = line.normal_rad.sin_cos();
+    let ruler = line.ruler();
     let smooth = smoothed(&profile.mean, 2);
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
     let last = (profile.len() - 1) as f64;
     let (mut w, mut wt, mut wtt, mut wr, mut wtr, mut scatter, mut n) =
         (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     for p in window.pixels() {
-        let s = p.x * cos + p.y * sin - line.offset_px;
+        let (s, t) = ruler.place(p.x, p.y);
         let at = s / BIN_PX + profile.reach as f64;
         if !(0.0..last).contains(&at) {
             continue;
@@ -164,7 +179,7 @@ fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
         let (j, part) = (at as usize, at.fract());
         let expected = smooth[j] + (smooth[j + 1] - smooth[j]) * part;
         let slope = slopes[j] + (slopes[j + 1] - slopes[j]) * part;
-        let (t, r) = (p.y * cos - p.x * sin, p.value - expected);
+        let r = p.value - expected;
         w += slope * slope;
         wt += slope * slope * t;
         wtt += slope * slope * t * t;

@@ -35,6 +35,8 @@ pub struct Measurement {
     pub region: Roi,
     /// The pixels of the region, repaired.
     pub window: Window,
+    /// The same pixels in the light that the camera saw: uneven light is not evened out.
+    pub as_lit: Window,
     /// The edge, in the window's coordinates.
     pub line: EdgeLine,
     /// The profile of the edge: its pixels, sorted into bins.
@@ -52,7 +54,7 @@ pub struct Measurement {
 ///
 /// # Errors
 /// Fails if there is no edge, if there are several, or if something would make the result wrong,
-/// such as clipped pixels, uneven light or a curved or doubled edge.
+/// such as clipped pixels, uneven light or a wavy or doubled edge.
 pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Measurement, Fault> {
     let region = |photo, roi| region(photo, roi, accepted);
     if roi.is_some() {
@@ -115,6 +117,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     warnings.extend(saturation::check(photo, &window)?);
     let pixels = window.pixels().count() as f64;
     let mut off = defects::exclude_gross(&mut window);
+    let as_lit = window.clone();
     let mut lights: Vec<Light> = Vec::new();
     let mut line = edge::locate(&window)?;
     let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
@@ -129,8 +132,8 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
             window.change(|pixel| pixel.value / light.at(pixel));
             (line, profile) = refined(&window, line)?;
         }
-        let arc = shape::arc(&window, &line, &profile)?;
-        let taken_out = defects::exclude(&mut window, &line, &profile, arc);
+        let waves = shape::waves(&window, &line, &profile)?;
+        let taken_out = defects::exclude(&mut window, &line, &profile, waves.most_px);
         if taken_out > 0 {
             off += taken_out;
             (line, profile) = refined(&window, line)?;
@@ -160,6 +163,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     warnings.extend(profile.warnings(&line));
     Ok(Measurement {
         region,
+        as_lit: as_lit.without_those_of(&window),
         window,
         line,
         profile,

@@ -54,9 +54,9 @@ impl Profile {
     pub fn new(window: &Window, line: &EdgeLine) -> Option<Profile> {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as usize;
         let mut sums = vec![Sums::default(); 2 * limit + 1];
-        let (sin, cos) = line.normal_rad.sin_cos();
+        let ruler = line.ruler();
         for p in window.pixels() {
-            let s = p.x * cos + p.y * sin - line.offset_px;
+            let (s, _) = ruler.place(p.x, p.y);
             let j = (s / BIN_PX).round();
             let d = s - j * BIN_PX;
             let bin = &mut sums[(j + limit as f64) as usize];

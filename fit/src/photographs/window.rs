@@ -126,6 +126,16 @@ impl Window {
         out.get()
     }
 
+    /// Excludes the pixels that `other`, a window of the same size, excludes.
+    pub fn without_those_of(mut self, other: &Window) -> Window {
+        for (value, other) in self.values.iter_mut().zip(&other.values) {
+            if other.is_nan() {
+                *value = f32::NAN;
+            }
+        }
+        self
+    }
+
     /// Returns positions along the border, in steps of an eighth of a side. The values of these
     /// pixels are 0.
     pub fn outline(&self) -> impl Iterator<Item = Pixel> {

@@ -164,10 +164,10 @@ impl Sampled {
         tile: impl FnOnce(usize) -> Tile,
     ) -> Sampled {
         let reach = profile.reach as f64;
-        let (sin, cos) = line.normal_rad.sin_cos();
+        let ruler = line.ruler();
         let mut bins = vec![Vec::new(); profile.len()];
         for [x, y] in raster.positions() {
-            let d = x * cos + y * sin - line.offset_px;
+            let (d, _) = ruler.place(x, y);
             let bin = (d / BIN_PX).round() + reach;
             if (0.0..=2.0 * reach).contains(&bin) {
                 bins[bin as usize].push(d as f32);

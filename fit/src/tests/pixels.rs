@@ -50,11 +50,12 @@ fn nuisance_derivatives_match_differences() {
         place_px: 0.3,
         turn_rad: 3e-4,
         dark: 0.01,
-        gradient: [2e-4, -1e-4],
+        light: [2e-4, -1e-4, 1e-6, -2e-6, 1.5e-6],
         step: 0.4,
     };
+    photograph.estimate_all_light();
     let here = rows(&photograph, &curves, &at);
-    let steps = [1e-3, 1e-5, 1e-4, 1e-6, 1e-6, 1e-4];
+    let steps = [1e-3, 1e-5, 1e-4, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8, 1e-4];
     let mut cases = 0;
     for (column, h) in steps.into_iter().enumerate() {
         let moved = |h: f64| {
@@ -63,8 +64,7 @@ fn nuisance_derivatives_match_differences() {
                 0 => at.place_px += h,
                 1 => at.turn_rad += h,
                 2 => at.dark += h,
-                3 => at.gradient[0] += h,
-                4 => at.gradient[1] += h,
+                3..8 => at.light[column - 3] += h,
                 _ => at.step *= h.exp(),
             }
             rows(&photograph, &curves, &at)
@@ -76,7 +76,7 @@ fn nuisance_derivatives_match_differences() {
         assert!(error < 1e-3, "nuisance {column}: {error:.1e}");
         cases += 1;
     }
-    assert_eq!(cases, 6);
+    assert_eq!(cases, 9);
 }
 
 /// The gradient of the sum of squares, with the nuisances at their optimum, is 2 J^T r. Central
@@ -147,20 +147,22 @@ fn derivatives_of_the_likelihood_match_differences() {
 /// sigma of the lens; then place, angle, ln step, dark and gradient of every photograph, the
 /// reference first.
 struct Plain {
+    /// Number of parameters of each photograph: step, dark, place, turn and light.
+    own: usize,
     params: Params,
     photographs: Vec<Vec<f32>>,
 }
 
 const SHARED_PLAIN: usize = 3;
-const OWN: usize = 6;
 
 impl Plain {
-    fn new(params: &Params) -> Plain {
+    fn new(params: &Params, own: usize) -> Plain {
         let indices = std::iter::once(None).chain((0..params.captures.len()).map(Some));
         let photographs = indices
             .map(|index| simulate::photograph(params, index).expect("the truth is complete"))
             .collect();
         Plain {
+            own,
             params: params.clone(),
             photographs,
         }
@@ -174,13 +176,14 @@ impl Plain {
         params.camera.sigma_px = at[2].exp();
         params.camera.veil = 0.0;
         params.camera.dark_ratio = 0.0;
-        let own = at.rows(SHARED_PLAIN + OWN * photograph, OWN);
+        let own = at.rows(SHARED_PLAIN + self.own * photograph, self.own);
         let edge = match photograph {
             0 => params.reference.as_mut().expect("there is a reference"),
             k => &mut params.captures[k - 1].edge,
         };
         // The step is that at the edge, where the gradient starts.
         let from_edge = edge.offset_px;
+        let planted_normal = edge.normal_deg;
         edge.offset_px += own[0];
         edge.normal_deg += own[1].to_degrees();
         let unit = simulate::light(&params, photograph.checked_sub(1)).expect("complete");
@@ -189,9 +192,21 @@ impl Plain {
             0.5 * (camera.width as f64 - 1.0),
             0.5 * (camera.height as f64 - 1.0),
         );
+        let (sin, cos) = planted_normal.to_radians().sin_cos();
+        // The mean of t^2 over the photograph.
+        let of = |n: usize| (n.pow(2) as f64 - 1.0) / 12.0;
+        let square = cos * cos * of(camera.height) + sin * sin * of(camera.width);
         let gradient = |pixel: usize| {
             let (x, y) = (pixel % camera.width, pixel / camera.width);
-            1.0 + own[4] * (x as f64 - cx + from_edge) + own[5] * (y as f64 - cy)
+            let (x, y) = (x as f64 - cx, y as f64 - cy);
+            let (d, t) = (x * cos + y * sin + from_edge, y * cos - x * sin);
+            let second = match own.as_slice() {
+                &[.., by_dd, by_dt, by_tt] if own.len() > 6 => {
+                    by_dd * d * d + by_dt * d * t + by_tt * (t * t - square)
+                }
+                _ => 0.0,
+            };
+            1.0 + own[4] * d + own[5] * t + second
         };
         unit.iter()
             .enumerate()
@@ -207,16 +222,17 @@ impl Plain {
             let light = self.light(at, k);
             let columns: Vec<usize> = (0..SHARED_PLAIN)
                 .filter(|&i| k > 0 || i == 2)
-                .chain((0..OWN).map(|i| SHARED_PLAIN + OWN * k + i))
+                .chain((0..self.own).map(|i| SHARED_PLAIN + self.own * k + i))
                 .collect();
             // Steps of a thousandth of a pixel or of a parameter: the error is h^2/6 = 1e-7 of
             // third derivatives.
             let derivatives: Vec<Vec<f64>> = columns
                 .iter()
                 .map(|&column| {
-                    let own = column.wrapping_sub(SHARED_PLAIN) % OWN;
+                    let own = column.wrapping_sub(SHARED_PLAIN) % self.own;
                     let h = match (column < SHARED_PLAIN, own) {
                         (false, 1 | 4 | 5) => 1e-5,
+                        (false, 6..) => 1e-7,
                         _ => 1e-3,
                     };
                     let (mut low, mut high) = (at.clone(), at.clone());
@@ -252,6 +268,16 @@ impl Plain {
 /// share. The limits are 0.35 % and 0.05.
 #[test]
 fn bins_tell_what_all_pixels_tell() {
+    bins_tell_all(6);
+}
+
+/// The same with light of second order.
+#[test]
+fn bins_tell_all_of_uneven_light() {
+    bins_tell_all(9);
+}
+
+fn bins_tell_all(own: usize) {
     let (a, c, mu) = (3.1_f64, 0.36_f64, 0.55);
     let incidence = [5.0, 30.0];
     let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
@@ -268,6 +294,9 @@ fn bins_tell_what_all_pixels_tell() {
     let start = optimum(&scene, SHARED);
     let mut joint = Joint::new(&scene, SHARED, &start.solution.parameters);
     let near = joint.start(&start.solution.parameters);
+    if own > 6 {
+        joint.estimate_all_light();
+    }
     joint.with_noise(SHARED, &near, noise);
     let loss = Loss::Edge(Box::new(joint));
     let fit = estimate(&scene, &loss, refined(&scene, &loss, start));
@@ -277,9 +306,9 @@ fn bins_tell_what_all_pixels_tell() {
     let layout = Layout::new(SHARED, scene.groups.len());
     let bound = joint.information(&layout, &fit.solution.parameters, 1.0, Used::ByAnyEstimate);
 
-    let plain = Plain::new(&params);
+    let plain = Plain::new(&params, own);
     let photographs = params.captures.len() + 1;
-    let mut at = DVector::zeros(SHARED_PLAIN + OWN * photographs);
+    let mut at = DVector::zeros(SHARED_PLAIN + own * photographs);
     (at[0], at[1], at[2]) = (c.ln(), a.ln(), camera.sigma_px.ln());
     let mut covariance = DMatrix::zeros(0, 0);
     for _ in 0..3 {
@@ -318,7 +347,7 @@ fn bins_tell_what_all_pixels_tell() {
     // mu is the generalised least-squares mean of the steps, which `light` gives relative to the
     // planted mu.
     let steps: Vec<usize> = (0..photographs)
-        .map(|k| SHARED_PLAIN + OWN * k + 2)
+        .map(|k| SHARED_PLAIN + own * k + 2)
         .collect();
     let shots = photographs - 1;
     let ratio = DVector::from_fn(shots, |k, _| at[steps[k + 1]] - at[steps[0]]);

@@ -70,8 +70,8 @@ pub enum Fault {
     },
     /// Pixels that do not follow the edge, too many to be left out.
     #[error(
-        "{:.1} % of its pixels do not follow one straight edge: another mark, dirt, or a bent or \
-        damaged edge; give the roi of a clean straight part",
+        "{:.1} % of its pixels do not follow one smooth edge: another mark, dirt, or a damaged edge; \
+        give the roi of a clean part",
         100.0 * share
     )]
     NotAlone {
@@ -87,14 +87,18 @@ pub enum Fault {
         /// Ratio of the largest to the smallest light in the window, less 1.
         unevenness: f64,
     },
-    /// A curved edge.
+    /// An edge that follows no smooth curve.
     #[error(
-        "the edge is bowed by {sagitta_px:.2} pixels; give a shorter roi, or correct the lens \
-        distortion"
+        "the edge is wavy: {rms_px:.2} pixels (root mean square) are left about a smooth curve, \
+        which lowers the MTF by {:.0} % where it is one half (10 % is the limit); give a roi of a \
+        smoother part",
+        100.0 * loss
     )]
-    Bowed {
-        /// Height of the arc over its chord, pixels.
-        sagitta_px: f64,
+    Wavy {
+        /// Root mean square of the waves, pixels.
+        rms_px: f64,
+        /// Share by which they lower the MTF where it is one half.
+        loss: f64,
     },
     /// A second edge beside the first, a ghost.
     #[error(
@@ -134,7 +138,7 @@ impl Fault {
             Fault::CutOff { .. } => "cut off at 0",
             Fault::NotAlone { .. } => "not alone",
             Fault::Uneven { .. } => "uneven light",
-            Fault::Bowed { .. } => "bowed",
+            Fault::Wavy { .. } => "wavy",
             Fault::Doubled { .. } => "doubled",
             Fault::Blurred { .. } => "blur wider than the window",
         }

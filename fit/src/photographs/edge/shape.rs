@@ -1,6 +1,8 @@
-//! Checks that the edge of a window is one straight edge, and sharp enough for the window.
+//! Checks that the edge of a window is one smooth edge, and sharp enough for the window.
 
 use crate::photographs::edge::accepted::Accepted;
+use crate::photographs::edge::curve;
+use crate::photographs::edge::curve::Waves;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
@@ -19,13 +21,12 @@ const VALLEY: f64 = 0.7;
 /// whole window takes 0.8.
 const LONGEST_RISE: f64 = 0.55;
 
-/// Height of an arc (pixels) that causes a warning, and height that causes a refusal. An arc of 0.1
-/// px, spread over the pixels, lowers the MTF at half the sampling frequency by 0.4 %; one of 1 px
-/// lowers it by a third.
-const BOW: [f64; 2] = [0.1, 1.0];
+/// Share by which waves of the edge lower the MTF where it is one half: the one that causes a
+/// warning, and the one that causes a refusal.
+const WAVY: [f64; 2] = [0.005, 0.1];
 
-/// Refuses doubled, bowed and wide edges, and returns warnings about accepted faults and small
-/// arcs.
+/// Refuses doubled, wavy and wide edges, and returns warnings about accepted faults and small
+/// waves.
 pub(crate) fn check(
     window: &Window,
     line: &EdgeLine,
@@ -33,14 +34,7 @@ pub(crate) fn check(
     accepted: &[Accepted],
 ) -> Result<Vec<String>, Fault> {
     let mut warnings = Vec::new();
-    let smooth = smoothed(&profile.mean, 2);
-    let (dark, bright) = profile.plateaus();
-    let step = bright - dark;
-    let last_below = |level: f64| smooth.iter().rposition(|&v| v <= dark + level * step);
-    let first_above = |level: f64| smooth.iter().position(|&v| v >= dark + level * step);
-    // The inner of the two crossings counts, so that noise on a plateau does not lengthen the rise.
-    if let (Some(start), Some(end)) = (last_below(0.1), first_above(0.9)) {
-        let rise_px = end.saturating_sub(start) as f64 * BIN_PX;
+    if let Some(rise_px) = rise_px(profile) {
         let length_px = profile.len() as f64 * BIN_PX;
         if rise_px > LONGEST_RISE * length_px {
             return Err(Fault::Blurred { rise_px, length_px });
@@ -56,30 +50,42 @@ pub(crate) fn check(
             100.0 * share
         ));
     }
-    let arc_px = arc(window, line, profile)?;
-    if arc_px > BOW[0] {
+    let waves = waves(window, line, profile)?;
+    if waves.loss > WAVY[0] {
         warnings.push(format!(
-            "the edge is bowed by {arc_px:.2} pixels, which lowers the MTF; give a shorter roi, \
-            or correct the lens distortion"
+            "the edge is wavy: {:.2} pixels (root mean square) are left about a smooth curve, \
+            which lowers the MTF by {:.1} % where it is one half",
+            waves.rms_px,
+            100.0 * waves.loss
         ));
     }
     Ok(warnings)
 }
 
-/// Returns the height of the edge's arc (pixels), or 0 if noise explains it.
+/// Measures the waves of an edge about its curve.
 ///
 /// # Errors
-/// Returns [`Fault::Bowed`] if the arc is higher than 1 pixel and noise does not explain it.
-pub(crate) fn arc(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<f64, Fault> {
-    let (sagitta_px, error) = bow(window, line, profile);
-    let sagitta_px = sagitta_px.abs();
-    if sagitta_px <= 5.0 * error {
-        return Ok(0.0);
+/// Returns [`Fault::Wavy`] if they lower the MTF by more than 10 % where it is one half.
+pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<Waves, Fault> {
+    let waves = curve::waves(window, line, profile, rise_px(profile).unwrap_or(0.0));
+    if waves.loss > WAVY[1] {
+        return Err(Fault::Wavy {
+            rms_px: waves.rms_px,
+            loss: waves.loss,
+        });
     }
-    if sagitta_px > BOW[1] {
-        return Err(Fault::Bowed { sagitta_px });
-    }
-    Ok(sagitta_px)
+    Ok(waves)
+}
+
+/// Returns the distance over which the profile rises from 10 to 90 % of its step, pixels. The inner
+/// of several crossings count, so that noise on a plateau does not lengthen the rise.
+fn rise_px(profile: &Profile) -> Option<f64> {
+    let smooth = smoothed(&profile.mean, 2);
+    let (dark, bright) = profile.plateaus();
+    let step = bright - dark;
+    let start = smooth.iter().rposition(|&v| v <= dark + 0.1 * step)?;
+    let end = smooth.iter().position(|&v| v >= dark + 0.9 * step)?;
+    Some(end.saturating_sub(start) as f64 * BIN_PX)
 }
 
 /// Returns the steepness of a second edge, relative to the first, and its distance from the first
@@ -124,36 +130,4 @@ fn double(profile: &Profile) -> Option<(f64, f64)> {
         .flatten()
         .max_by(|a, b| a.0.total_cmp(&b.0));
     steepest.filter(|&(share, _)| share > DOUBLED)
-}
-
-/// Returns the height of the edge's arc over the chord of the window and its standard error,
-/// pixels. The distances of the pixels from the profile are regressed on its slope times the square
-/// of the place along the edge.
-fn bow(window: &Window, line: &EdgeLine, profile: &Profile) -> (f64, f64) {
-    let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
-    let mut sums = [0.0; 6];
-    let mut farthest = 0.0_f64;
-    for pixel in window.pixels() {
-        let (s, t) = line.place(&pixel);
-        let Some(expected) = profile.at(s) else {
-            continue;
-        };
-        let j = (s / BIN_PX).round() + profile.reach as f64;
-        let slope = slopes[j as usize];
-        let (w, r, tt) = (slope * slope, pixel.value - expected, t * t);
-        let terms = [w, w * tt, w * tt * tt, slope * r, slope * r * tt, r * r * w];
-        sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += x);
-        farthest = farthest.max(tt);
-    }
-    let [w, wt, wtt, r, rt, scatter] = sums;
-    let spread = wtt - wt * wt / w;
-    if spread.is_nan() || spread <= 0.0 {
-        return (0.0, f64::INFINITY);
-    }
-    let curvature = (rt - r * wt / w) / spread;
-    // The scatter is weighted with the slope, so it is that of the pixels on the edge.
-    let error = (scatter / w / spread).sqrt();
-    let height = wt / w * 3.0;
-    let height = height.min(farthest);
-    (curvature * height, error * height)
 }

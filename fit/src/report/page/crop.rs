@@ -129,9 +129,18 @@ fn drawn_edge(line: EdgeLine, [x, y, width, height]: Rectangle) -> String {
         0.5 * height as f64 + line.offset_px * sin,
     ];
     let half = (width + height) as f64;
-    let end = |way: f64| (centre[0] - way * half * sin, centre[1] + way * half * cos);
-    let ((x1, y1), (x2, y2)) = (end(-1.0), end(1.0));
-    let path = format!("M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}");
+    // A straight edge has two points, a curved one follows its curve.
+    let pieces = if line.bend.is_some() { 128 } else { 1 };
+    let points: Vec<String> = (0..=pieces)
+        .map(|k| {
+            let along = half * (2.0 * f64::from(k) / f64::from(pieces) - 1.0);
+            let across = line.bend.map_or(0.0, |bend| bend.at(along).0);
+            let x = centre[0] - along * sin + across * cos;
+            let y = centre[1] + along * cos + across * sin;
+            format!("{x:.1} {y:.1}")
+        })
+        .collect();
+    let path = format!("M{}", points.join("L"));
     format!(
         "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\">\
          <path class=\"edge under\" d=\"{path}\"/><path class=\"edge\" d=\"{path}\"/></svg>"
@@ -186,6 +195,7 @@ mod tests {
         let line = EdgeLine {
             normal_rad: 0.0,
             offset_px: 10.0,
+            bend: None,
             normal_standard_error_rad: 0.0,
         };
         let drawn = drawn_edge(line, [30, 5, 100, 40]);

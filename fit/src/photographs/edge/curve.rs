@@ -1,0 +1,262 @@
+//! The smooth curve that an edge follows, and what is left of its waves.
+//!
+//! ISO 12233:2023 allows a polynomial along the edge; the order of this one is chosen by the data.
+//! The distances of the pixels from the common profile, over the slope of the profile, are how far
+//! the edge lies off at their place. They are regressed on Legendre polynomials of the place.
+
+use nalgebra::DMatrix;
+
+use crate::numerics::factor;
+use crate::photographs::edge::line::{Bend, EdgeLine, ORDERS, legendre};
+use crate::photographs::profile::{BIN_PX, Profile, smoothed};
+use crate::photographs::window::Window;
+
+/// Fall of chi-square that an order has to bring beyond that of Bayes' criterion. Noise reaches it
+/// once in 3,000 straight edges.
+const CLEAR: f64 = 4.0;
+
+/// Height below which an edge counts as straight, pixels. Such a bow lowers the MTF at half the
+/// sampling frequency by less than 1e-4.
+const STRAIGHT_PX: f64 = 0.01;
+
+/// Slope of the profile below which pixels say nothing of the edge's place, as a share of the
+/// steepest.
+const STEEP: f64 = 0.05;
+
+/// Steepness of the profile, and what it says of the places of pixels.
+struct Steepness {
+    smooth: Vec<f64>,
+    slopes: Vec<f64>,
+    least: f64,
+    reach: f64,
+}
+
+/// One pixel on the steep part of the edge.
+struct Told {
+    /// Place along the edge, pixels.
+    along_px: f64,
+    /// Slope of the profile at the pixel, per pixel.
+    slope: f64,
+    /// Distance of the pixel's value from the profile.
+    off: f64,
+}
+
+impl Steepness {
+    fn new(profile: &Profile) -> Steepness {
+        let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
+        let steepest = slopes.iter().copied().fold(0.0, f64::max);
+        Steepness {
+            smooth: smoothed(&profile.mean, 2),
+            slopes,
+            least: STEEP * steepest,
+            reach: profile.reach as f64,
+        }
+    }
+
+    /// Returns the pixels on the steep part of the edge.
+    fn pixels<'a>(
+        &'a self,
+        window: &'a Window,
+        line: &EdgeLine,
+    ) -> impl Iterator<Item = Told> + 'a {
+        let ruler = line.ruler();
+        let last = self.smooth.len() as f64 - 1.0;
+        window.pixels().filter_map(move |pixel| {
+            let (s, along_px) = ruler.place(pixel.x, pixel.y);
+            let at = s / BIN_PX + self.reach;
+            if !(0.0..last).contains(&at) {
+                return None;
+            }
+            let (j, part) = (at as usize, at.fract());
+            let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
+            let slope = between(&self.slopes);
+            (slope > self.least).then(|| Told {
+                along_px,
+                slope,
+                off: pixel.value - between(&self.smooth),
+            })
+        })
+    }
+}
+
+/// Columns of light that varies along the edge, which looks like a bend. They are an additive light
+/// and a factor, both of first and second order, and a factor that turns across the edge.
+const LIGHT: usize = 5;
+
+/// First column of the curve. Its columns are the orders 0 to 9.
+const CURVE: usize = LIGHT;
+
+/// Column of the distances from the profile.
+const OFF: usize = CURVE + ORDERS + 1;
+
+/// Farthest that a term of the curve may move in one step, pixels.
+const FARTHEST_PX: f64 = 4.0;
+
+/// Moves the curve of an edge towards the pixels by one Gauss-Newton step, and raises its order if
+/// the data ask for it. Returns how far the edge moved at most, pixels, or `None` if it is
+/// straight.
+pub(crate) fn step(window: &Window, line: &mut EdgeLine, profile: &Profile) -> Option<f64> {
+    let steepness = Steepness::new(profile);
+    let mut bend = match line.bend {
+        Some(bend) => bend,
+        None => span(&steepness, window, line)?,
+    };
+    let (normal, pixels) = steepness.normal(window, line, &bend);
+    let factor = factor::of(normal);
+    let falls = factor.column(OFF);
+    let variance = falls[OFF].powi(2) / pixels.max(1.0);
+    let order = order(&falls.as_slice()[CURVE..OFF], variance, pixels).max(bend.order);
+    if order < 2 {
+        return None;
+    }
+    // Columns beyond the chosen order do not touch the rows before them.
+    let found = factor::back_substituted(&factor, CURVE + order + 1, OFF);
+    // Where pixels are too bright the edge lies further towards the dark side.
+    let mut farthest = 0.0_f64;
+    for (term, k) in bend.terms_px.iter_mut().zip(2..=order) {
+        let step = found[CURVE + k].clamp(-FARTHEST_PX, FARTHEST_PX);
+        *term -= step;
+        farthest += step.abs();
+    }
+    let straight = *line;
+    bend.order = order;
+    line.bend = Some(bend);
+    if straight.bend.is_none() && line.bow_px() < STRAIGHT_PX {
+        *line = straight;
+        return None;
+    }
+    line.normal_rad += (found[CURVE + 1] / bend.half_px).clamp(-0.1, 0.1);
+    Some(farthest)
+}
+
+/// Returns a straight curve that spans the steep pixels of an edge, or `None` if there are too few.
+fn span(steepness: &Steepness, window: &Window, line: &EdgeLine) -> Option<Bend> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for told in steepness.pixels(window, line) {
+        (low, high) = (low.min(told.along_px), high.max(told.along_px));
+    }
+    (high > low).then(|| Bend {
+        middle_px: 0.5 * (low + high),
+        half_px: 0.5 * (high - low),
+        terms_px: [0.0; ORDERS - 1],
+        order: 1,
+    })
+}
+
+impl Steepness {
+    /// Returns the normal matrix of light, curve and distances over all pixels of the profile, and
+    /// the number of pixels.
+    fn normal(&self, window: &Window, line: &EdgeLine, bend: &Bend) -> (DMatrix<f64>, f64) {
+        let ruler = line.ruler();
+        let last = self.smooth.len() as f64 - 1.0;
+        let mut normal = DMatrix::zeros(OFF + 1, OFF + 1);
+        let mut pixels = 0.0;
+        for pixel in window.pixels() {
+            let (s, along_px) = ruler.place(pixel.x, pixel.y);
+            let at = s / BIN_PX + self.reach;
+            if !(0.0..last).contains(&at) {
+                continue;
+            }
+            let (j, part) = (at as usize, at.fract());
+            let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
+            let (level, slope) = (between(&self.smooth), between(&self.slopes));
+            let t = (along_px - bend.middle_px) / bend.half_px;
+            let across = level * t * s / bend.half_px;
+            let mut row = [0.0; OFF + 1];
+            row[..LIGHT].copy_from_slice(&[t, t * t, level * t, level * t * t, across]);
+            if slope > self.least {
+                let (values, _) = legendre(t.clamp(-1.0, 1.0));
+                for (column, value) in row[CURVE..].iter_mut().zip(values) {
+                    *column = slope * value;
+                }
+            }
+            row[OFF] = pixel.value - level;
+            factor::add(&mut normal, &row);
+            pixels += 1.0;
+        }
+        (normal, pixels)
+    }
+}
+
+/// Returns the order at which Bayes' criterion is least. `falls` are the roots of the falls of the
+/// sum of squares by each order.
+fn order(falls: &[f64], variance: f64, pixels: f64) -> usize {
+    let price = pixels.max(1.0).ln() + CLEAR;
+    let (mut best, mut least, mut sum) = (1, 0.0, 0.0);
+    for (k, fall) in falls.iter().enumerate().skip(2) {
+        sum += price - fall * fall / variance.max(f64::MIN_POSITIVE);
+        if sum < least {
+            (best, least) = (k, sum);
+        }
+    }
+    best
+}
+
+/// What is left of the waves of an edge about its curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Waves {
+    /// Root mean square of the waves that noise does not explain, pixels.
+    pub rms_px: f64,
+    /// Largest distance of a piece of the edge from the curve, pixels.
+    pub most_px: f64,
+    /// Share by which the waves lower the MTF where it is one half.
+    pub loss: f64,
+}
+
+/// Least length of a piece of the edge, pixels, and largest number of pieces.
+const PIECE_PX: f64 = 8.0;
+const PIECES: usize = 32;
+
+/// Measures the waves that are left about the curve of an edge: it is cut into pieces, and the
+/// place of each is measured. Noise is taken off. Waves shorter than two pieces count as blur.
+///
+/// `rise_px` is the distance from 10 to 90 % of the step. Waves with the variance v on a blur of
+/// variance b, both taken as normal, lower the MTF to 2^-(v/b) of itself where it is one half.
+pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile, rise_px: f64) -> Waves {
+    let none = Waves {
+        rms_px: 0.0,
+        most_px: 0.0,
+        loss: 0.0,
+    };
+    let steepness = Steepness::new(profile);
+    let Some(span) = line.bend.or_else(|| span(&steepness, window, line)) else {
+        return none;
+    };
+    let pieces = ((2.0 * span.half_px / PIECE_PX) as usize).clamp(1, PIECES);
+    let mut sums = vec![[0.0_f64; 3]; pieces];
+    for told in steepness.pixels(window, line) {
+        let place = 0.5 * ((told.along_px - span.middle_px) / span.half_px + 1.0);
+        let piece = ((place * pieces as f64).max(0.0) as usize).min(pieces - 1);
+        let terms = [
+            told.slope * told.slope,
+            told.slope * told.off,
+            told.off * told.off,
+        ];
+        sums[piece].iter_mut().zip(terms).for_each(|(s, x)| *s += x);
+    }
+    let filled: Vec<&[f64; 3]> = sums.iter().filter(|[w, ..]| *w > 0.0).collect();
+    let (mut weight, mut square, mut noise, mut most) = (0.0, 0.0, 0.0, 0.0_f64);
+    let (mut scatter, mut freedom) = (0.0, -(filled.len() as f64));
+    for [w, r, rr] in &filled {
+        scatter += rr - r * r / w;
+        weight += w;
+        square += r * r / w;
+        most = most.max((r / w).abs());
+    }
+    freedom += steepness.pixels(window, line).count() as f64;
+    let variance = scatter / freedom.max(1.0);
+    let free = filled.len().saturating_sub(2).max(1) as f64;
+    noise += variance * free;
+    // Chance exceeds this once in 10^6 edges.
+    if square <= noise + 5.0 * variance * (2.0 * free).sqrt() || rise_px <= 0.0 {
+        return none;
+    }
+    let rms2 = (square - noise) / weight;
+    // The rise of a normal edge is 2.563 standard deviations.
+    let blur2 = (rise_px / 2.563).powi(2);
+    Waves {
+        rms_px: rms2.sqrt(),
+        most_px: most,
+        loss: 1.0 - (-std::f64::consts::LN_2 * rms2 / blur2).exp(),
+    }
+}
