@@ -119,6 +119,9 @@ struct Report {
     edge_angle_deg: f64,
     edge_angle_standard_error_deg: f64,
     edge_offset_px: f64,
+    /// Height of the curve that the edge follows, and its order; 0 and 1 for a straight edge.
+    edge_bow_px: f64,
+    edge_order: usize,
     contrast: f64,
     pixel_noise: [f64; 2],
     frequency_unit: &'static str,
@@ -195,6 +198,8 @@ fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
         edge_angle_deg: line.normal_rad.to_degrees(),
         edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
         edge_offset_px: line.offset_px,
+        edge_bow_px: line.bow_px(),
+        edge_order: line.bend.map_or(1, |bend| bend.order),
         contrast: bright - dark,
         pixel_noise: profile.noise,
         frequency_unit: if arguments.pixel_pitch.is_some() {

@@ -54,6 +54,9 @@ Keys that may be left out, with the values that they then have:
   exposure = 1
   light_to_right = 0                # gain of light from centre to right border
   light_to_bottom = 0               # gain of light from centre to lower border
+  vignetting = 0                    # fall of light from centre to corners
+  bow_px = 0                        # height of the arc that the edge follows
+  ripple_px = 0                     # amplitude of a wave of the edge
 The keys of [reference] exist in [[capture]] too; edge_normal_deg is then 5 and
 exposure 6. [[capture]] further takes azimuth_deg (0), tangential_axis_deg (0)
 and path_mm.

@@ -42,15 +42,18 @@ const TRUTH: [&str; 9] = [
     "mu",
 ];
 /// Keys of the table `[reference]`.
-const REFERENCE: [&str; 5] = [
+const REFERENCE: [&str; 8] = [
     "edge_normal_deg",
     "offset_px",
     "exposure",
     "light_to_right",
     "light_to_bottom",
+    "vignetting",
+    "bow_px",
+    "ripple_px",
 ];
 /// Keys of a table `[[capture]]`.
-const CAPTURE: [&str; 10] = [
+const CAPTURE: [&str; 13] = [
     "floating_distance_mm",
     "path_mm",
     "incidence_deg",
@@ -61,6 +64,9 @@ const CAPTURE: [&str; 10] = [
     "exposure",
     "light_to_right",
     "light_to_bottom",
+    "vignetting",
+    "bow_px",
+    "ripple_px",
 ];
 
 /// The camera, and the light that reaches it.
@@ -148,6 +154,15 @@ pub struct PlantedEdge {
     /// Uneven light: its increase from the middle of the picture to the right and to the lower
     /// border, relative to the middle. The light varies linearly.
     pub light: [f64; 2],
+    /// Vignetting: the fall of the light from the middle of the picture to its corners, as
+    /// cos^4 of the field angle.
+    pub vignetting: f64,
+    /// Height of the arc of a circle that the edge follows over the height of the picture, pixels;
+    /// positive where its ends lie towards the bright side.
+    pub bow_px: f64,
+    /// Amplitude of a sinusoidal wave of the edge, one period over the height of the picture,
+    /// pixels.
+    pub ripple_px: f64,
 }
 
 impl PlantedEdge {
@@ -157,6 +172,9 @@ impl PlantedEdge {
         offset_px: 0.0,
         exposure: 1.0,
         light: [0.0; 2],
+        vignetting: 0.0,
+        bow_px: 0.0,
+        ripple_px: 0.0,
     };
     /// A mid-air edge of a file that does not describe it.
     pub const AERIAL: PlantedEdge = PlantedEdge {
@@ -164,6 +182,9 @@ impl PlantedEdge {
         offset_px: 0.0,
         exposure: 6.0,
         light: [0.0; 2],
+        vignetting: 0.0,
+        bow_px: 0.0,
+        ripple_px: 0.0,
     };
 }
 
@@ -377,9 +398,20 @@ fn edge(keys: &Section<'_>, default: PlantedEdge) -> Result<PlantedEdge, Error> 
         words: "between -0.5 and 0.5",
         holds: |x| (-0.5..=0.5).contains(&x),
     };
+    const FALL: Bounds = Bounds {
+        words: "at least 0 and below 0.9",
+        holds: |x| (0.0..0.9).contains(&x),
+    };
+    const BENT: Bounds = Bounds {
+        words: "between -10 and 10",
+        holds: |x| (-10.0..=10.0).contains(&x),
+    };
     let gain = |key| Ok::<f64, Error>(keys.number(key, GAIN)?.unwrap_or(0.0));
     Ok(PlantedEdge {
         light: [gain("light_to_right")?, gain("light_to_bottom")?],
+        vignetting: keys.number("vignetting", FALL)?.unwrap_or(0.0),
+        bow_px: keys.number("bow_px", BENT)?.unwrap_or(0.0),
+        ripple_px: keys.number("ripple_px", BENT)?.unwrap_or(0.0),
         normal_deg: keys
             .number("edge_normal_deg", Bounds::TURN)?
             .unwrap_or(default.normal_deg),

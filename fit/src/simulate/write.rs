@@ -214,6 +214,9 @@ fn truth(params: &Params) -> String {
                 "exposure": shot.edge.exposure,
                 "light_to_right": shot.edge.light[0],
                 "light_to_bottom": shot.edge.light[1],
+                "vignetting": shot.edge.vignetting,
+                "bow_px": shot.edge.bow_px,
+                "ripple_px": shot.edge.ripple_px,
             })
         })
         .collect();

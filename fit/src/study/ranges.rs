@@ -17,7 +17,7 @@ use crate::simulate::{
     ByIncidence, CAMERA, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
 };
 
-const ROOT: [&str; 17] = [
+const ROOT: [&str; 20] = [
     "refractive_index",
     "ior",
     "pair",
@@ -30,6 +30,9 @@ const ROOT: [&str; 17] = [
     "floating_distance_mm",
     "distance_mm",
     "light",
+    "vignetting",
+    "bow_px",
+    "ripple_px",
     "kernels",
     "wavelength_nm",
     "a_fall",
@@ -70,6 +73,12 @@ pub struct Ranges {
     /// Uneven light: relative gain from the middle to the border of a photograph, in a random
     /// direction for each photograph. The light is even if this is `None`.
     pub light: Option<[f64; 2]>,
+    /// Vignetting: fall of the light to the corners of each photograph, relative to the middle.
+    pub vignetting: Option<[f64; 2]>,
+    /// Height of the arc that the edge of each photograph follows, pixels, of either sign.
+    pub bow_px: Option<[f64; 2]>,
+    /// Amplitude of a sinusoidal wave of each edge, pixels.
+    pub ripple_px: Option<[f64; 2]>,
     /// Kernels of [`Ranges::open_campaign`], all with equal probability.
     pub kernels: Vec<Kernel>,
     /// Wavelengths of the source, for the `wave` kernel.
@@ -95,6 +104,9 @@ impl Default for Ranges {
             electrons: [500.0, 40_000.0],
             floating_distance_mm: [100.0, 400.0],
             light: None,
+            vignetting: None,
+            bow_px: None,
+            ripple_px: None,
             kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
             spectrum: None,
             a_fall: [0.005, 1.5],
@@ -126,6 +138,10 @@ impl Ranges {
         const GAIN: Bounds = Bounds {
             words: "greater than 0 and at most 0.5",
             holds: |x| x > 0.0 && x <= 0.5,
+        };
+        const BENT: Bounds = Bounds {
+            words: "greater than 0 and at most 10",
+            holds: |x| x > 0.0 && x <= 10.0,
         };
         let document = Document::read(file)?;
         let table = document.parse()?;
@@ -161,6 +177,9 @@ impl Ranges {
                 default.floating_distance_mm,
             )?,
             light: named_range(&root, "light", GAIN)?,
+            vignetting: named_range(&root, "vignetting", GAIN)?,
+            bow_px: named_range(&root, "bow_px", BENT)?,
+            ripple_px: named_range(&root, "ripple_px", BENT)?,
             kernels,
             spectrum,
             a_fall: range("a_fall", Bounds::POSITIVE, default.a_fall)?,
@@ -212,7 +231,7 @@ impl Ranges {
                 normal_deg: quarter + sign * tilt,
                 offset_px: 2.0 * draw.uniform() - 1.0,
                 exposure,
-                light: [0.0; 2],
+                ..PlantedEdge::AERIAL
             }
         };
         let reference = edge(&mut draw, BRIGHT / camera.source_level);
@@ -249,15 +268,32 @@ impl Ranges {
             reference: Some(reference),
             captures,
         };
-        if let Some(range) = self.light {
-            let mut draw = PixelNoise::new(seed, index, u64::MAX - 1);
-            let captures = params.captures.iter_mut().map(|shot| &mut shot.edge);
-            for edge in captures.chain(&mut params.reference) {
-                let (gain, turn) = (log(&mut draw, range), TAU * draw.uniform());
+        self.disturb(&mut params, seed, index);
+        params
+    }
+
+    /// Draws uneven light and bent edges. Each kind has a stream of its own, so that it does not
+    /// change the others.
+    fn disturb(&self, params: &mut Params, seed: u64, index: u64) {
+        let mut draws = [1, 3, 4, 5].map(|k| PixelNoise::new(seed, index, u64::MAX - k));
+        let [light, vignetting, bow, ripple] = &mut draws;
+        let captures = params.captures.iter_mut().map(|shot| &mut shot.edge);
+        for edge in captures.chain(&mut params.reference) {
+            if let Some(range) = self.light {
+                let (gain, turn) = (log(light, range), TAU * light.uniform());
                 edge.light = [gain * turn.cos(), gain * turn.sin()];
             }
+            if let Some(range) = self.vignetting {
+                edge.vignetting = log(vignetting, range);
+            }
+            if let Some(range) = self.bow_px {
+                let sign = if bow.uniform() < 0.5 { -1.0 } else { 1.0 };
+                edge.bow_px = sign * log(bow, range);
+            }
+            if let Some(range) = self.ripple_px {
+                edge.ripple_px = log(ripple, range);
+            }
         }
-        params
     }
 
     /// Draws a campaign as [`Ranges::campaign`] does, and its terms too: one of the kernels, and
