@@ -5,7 +5,7 @@
 .SUFFIXES:
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
-	clean test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
+	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
 	test-wheel
 
 CARGO = cargo
@@ -186,6 +186,14 @@ manual: build
 	@$(BIN)/bake manual target/manual && $(BIN)/fit manual target/manual
 	@for program in bake fit; do $(BIN)/$$program completions $(or $(SHELL_NAME),bash) \
 		> target/manual/$$program.$(or $(SHELL_NAME),bash); done
+
+# Random small changes to the code of the rooms that compute (.cargo/mutants.toml), each tried by
+# its crate's own tests. SHARD: which sample is taken, 0 to 399; 24 changes each.
+mutants: tools
+	@$(CARGO) mutants --version >/dev/null 2>&1 && $(CARGO) nextest --version >/dev/null 2>&1 || { \
+		echo "mutants: needs cargo install --locked cargo-mutants cargo-nextest" >&2; exit 1; }
+	@CARGO_TARGET_DIR="$(CURDIR)/target/mutants" $(CARGO) mutants --shard $(or $(SHARD),0)/400 \
+		--sharding round-robin --baseline skip --timeout 240 --output target
 
 bench: tools
 	@if ls */benches/*.rs >/dev/null 2>&1; then $(CARGO) bench --workspace --locked --bench '*'; \

@@ -3,11 +3,14 @@
 //! A pixel at distance d from the edge, and t along it, has the expected light
 //!
 //! ```text
-//! dark + step (1 + g_d d + g_t t + g_dd d^2 + g_dt d t + g_tt (t^2 - m)) E(d)
+//! dark + lit (L - 1) + step L E(d),
+//! L = 1 + g_d d + g_t t + g_dd d^2 + g_dt d t + g_tt (t^2 - m)
 //! ```
 //!
-//! E is the unit edge through blur and camera. The polynomial is the unevenness of the light: it
-//! multiplies the light of the edge, not the camera's offset. m is the mean of t^2 over the window,
+//! E is the unit edge through blur and camera. The polynomial L is the unevenness of the light. It
+//! multiplies the light of the edge, and that part of the dark plateau which is light of the same
+//! lamp. The rest is a veil or the camera's offset. The lit part is taken for anything between
+//! nothing and all of the dark plateau: its prior is that mean and that deviation. m is the mean of t^2 over the window,
 //! so that the step is a mean along the edge; bins of equal range along the edge cannot tell g_tt
 //! from the step.
 //!
@@ -47,6 +50,8 @@ pub(crate) struct Nuisances {
     pub dark: f64,
     /// Unevenness of the light: coefficients of d and t (per pixel), and of d^2, d t and t^2.
     pub light: [f64; LIGHT],
+    /// Part of the dark plateau that the uneven light multiplies.
+    pub lit: f64,
     /// Bright minus dark plateau, > 0. Its column is the derivative by ln(step).
     pub step: f64,
 }
@@ -65,8 +70,11 @@ const UNEVEN: f64 = 16.27;
 /// First column of the light.
 const FIRST_LIGHT: usize = 3;
 
+/// Column of the lit part of the dark plateau.
+const LIT: usize = FIRST_LIGHT + LIGHT;
+
 /// Number of columns of the nuisances. The last is that of ln(step).
-pub(crate) const NUISANCES: usize = FIRST_LIGHT + LIGHT + 1;
+pub(crate) const NUISANCES: usize = LIT + 2;
 
 /// Column of ln(step).
 pub(crate) const STEP: usize = NUISANCES - 1;
@@ -129,6 +137,8 @@ pub(crate) struct Photograph<'a> {
     pub noise: PixelNoise,
     /// Number of terms of the light that are estimated: those of first order, or all.
     light_terms: usize,
+    /// Dark plateau of the last round, which sets the prior of its lit part.
+    dark: f64,
     grid: Grid,
     weights: Vec<Weight>,
     start: Nuisances,
@@ -145,6 +155,7 @@ impl<'a> Photograph<'a> {
                 gain: 0.0,
             },
             light_terms: FIRST_ORDER,
+            dark: 0.0,
             grid: Grid::new(2 * pixels.reach() + 1, pitch_mm),
             weights: Vec::new(),
             start: Nuisances {
@@ -152,6 +163,7 @@ impl<'a> Photograph<'a> {
                 turn_rad: 0.0,
                 dark: 0.0,
                 light: [0.0; LIGHT],
+                lit: 0.0,
                 step: 1.0,
             },
         }
@@ -258,6 +270,7 @@ impl<'a> Photograph<'a> {
     pub(crate) fn settle(&mut self, curves: &Curves) {
         let rounds = if self.pixels.cut_off { 5 } else { 2 };
         self.start = self.first_guess(curves);
+        self.start.lit = self.lit_prior()[0];
         let squares = self.settled(curves, rounds);
         if self.is_uneven(curves, squares) {
             self.settled(curves, rounds);
@@ -272,6 +285,7 @@ impl<'a> Photograph<'a> {
             self.weigh(curves);
             let fitted = self.fit(curves);
             self.start = fitted.nuisances;
+            self.dark = self.start.dark;
             squares = unexplained(&fitted);
         }
         squares
@@ -295,9 +309,18 @@ impl<'a> Photograph<'a> {
         self.light_terms = LIGHT;
     }
 
-    /// Returns the number of nuisances that are estimated.
+    /// Returns the number of nuisances that the pixels alone determine. The lit part of the dark
+    /// plateau has its prior.
     pub(crate) fn nuisances(&self) -> usize {
-        NUISANCES - LIGHT + self.light_terms
+        NUISANCES - 1 - LIGHT + self.light_terms
+    }
+
+    /// Returns mean and standard deviation of the lit part of the dark plateau, of which nothing is
+    /// known but that it lies between 0 and the plateau.
+    fn lit_prior(&self) -> [f64; 2] {
+        let dark = self.dark.max(0.0);
+        let least = 1e-6 * self.start.step.abs() + f64::MIN_POSITIVE;
+        [0.5 * dark, (dark / 12.0_f64.sqrt()).max(least)]
     }
 
     /// Replaces the noise by a known one, as bounds at a planted truth need it.
@@ -348,7 +371,7 @@ impl<'a> Photograph<'a> {
             let lit = self.lit(bin, self.pixels.centre_px(j), &start.light);
             let [unit, _, across, _] = place.of(&curves.value);
             [
-                start.dark + start.step * lit.value * unit,
+                start.dark + start.lit * (lit.value - 1.0) + start.step * lit.value * unit,
                 start.step * lit.value * across,
             ]
         })
@@ -459,7 +482,8 @@ impl<'a> Photograph<'a> {
             let of_slope = |curve: [f64; 4]| lit.slope(curve);
             let unit = place.of(&curves.value);
             let [_, _, across, bend] = unit;
-            let expected = at.dark + at.step * of_mean(unit);
+            let unlit = lit.value - 1.0;
+            let expected = at.dark + at.lit * unlit + at.step * of_mean(unit);
             let (expected, passed) = if self.pixels.cut_off {
                 let (mean, passed, _) = clip::clipped(expected, weight.sigma);
                 (mean, passed)
@@ -476,21 +500,28 @@ impl<'a> Photograph<'a> {
             slope[2] = 0.0;
             let terms = self.terms(bin, d).into_iter();
             for (i, term) in (FIRST_LIGHT..STEP).zip(terms.take(self.light_terms)) {
-                mean[i] = step_m * term.mean(unit);
-                slope[i] = step_s * term.slope(unit);
+                mean[i] = step_m * term.mean(unit) + at.lit * m * term.value;
+                slope[i] = step_s * term.slope(unit) + at.lit * s * term.by_t;
             }
+            (mean[LIT], slope[LIT]) = (m * unlit, s * lit.by_t);
             (mean[STEP], slope[STEP]) = (step_m * of_mean(unit), step_s * of_slope(unit));
             for (i, curve) in (NUISANCES..).zip(&curves.by) {
                 let change = place.of(curve);
                 (mean[i], slope[i]) = (step_m * of_mean(change), step_s * of_slope(change));
             }
             mean[size - 1] = weight.root[0] * (expected - bin.mean);
-            slope[size - 1] = step_s * of_slope(unit) - weight.root[1] * bin.slope;
+            let along = step_s * of_slope(unit) + at.lit * s * lit.by_t;
+            slope[size - 1] = along - weight.root[1] * bin.slope;
             take(&mean);
             if weight.root[1] > 0.0 {
                 take(&slope);
             }
         }
+        let [lit, deviation] = self.lit_prior();
+        let mut prior = vec![0.0; size];
+        prior[LIT] = 1.0 / deviation;
+        prior[size - 1] = (at.lit - lit) / deviation;
+        take(&prior);
     }
 
     /// Returns the factor of a fitted photograph with the full information of pixels that were cut
@@ -548,6 +579,7 @@ impl Nuisances {
             turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
             dark: self.dark - step[2],
             light: std::array::from_fn(|i| self.light[i] - step[FIRST_LIGHT + i]),
+            lit: self.lit - step[LIT],
             step: self.step * (-step[STEP].clamp(-1.0, 1.0)).exp(),
         }
     }

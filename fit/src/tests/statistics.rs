@@ -261,23 +261,23 @@ fn terms_are_chosen_where_they_can_be_told() {
     }
 }
 
-/// Errors stay true where the edges are bent: arcs of circles of up to 3 pixels and sines of up to
-/// 1 pixel. The estimator follows polynomials, which neither of them is. A campaign may be refused
-/// for a named reason; one in 50 at most is.
-#[test]
-#[ignore = "minutes: `make test` runs it"]
-fn statistics_of_bent_edges() {
-    const CAMPAIGNS: u64 = 180;
-    let ranges = Ranges {
+/// Ranges of short campaigns whose edges follow arcs and waves of up to these heights, pixels.
+fn bent_by([bow, ripple]: [f64; 2]) -> Ranges {
+    Ranges {
         photographs: [2.0, 6.0],
-        bow_px: Some([0.1, 3.0]),
-        ripple_px: Some([0.1, 1.0]),
+        bow_px: Some([0.03 * bow, bow]),
+        ripple_px: Some([0.1 * ripple, ripple]),
         ..Ranges::default()
-    };
+    }
+}
+
+/// Draws campaigns and returns the pulls by loss and parameter. A campaign may be refused for a
+/// named reason; one in 50 at most is.
+fn pulls_of(ranges: &Ranges, campaigns: u64) -> Vec<Vec<Vec<f64>>> {
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
     let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
     let directions = ranges.directions(&table);
-    let all: Vec<_> = (0..CAMPAIGNS)
+    let all: Vec<_> = (0..campaigns)
         .into_par_iter()
         .map(|index| {
             let params = ranges.campaign(17, index, &directions);
@@ -287,21 +287,51 @@ fn statistics_of_bent_edges() {
     let (all, refused) = refused::part(all);
     println!("{}", refused::line(&refused));
     assert!(
-        50 * refused::total(&refused) as u64 <= CAMPAIGNS,
+        50 * refused::total(&refused) as u64 <= campaigns,
         "{refused:?}"
     );
     let counted: Vec<&Trial> = all.iter().filter(|t| tells(t)).collect();
-    assert!(counted.len() > 100, "{} counted", counted.len());
+    assert!(2 * counted.len() as u64 > campaigns, "{}", counted.len());
+    let pull = |t: &Trial, k: usize, i: usize| {
+        let [value, error] = t.found[k][i];
+        (value - t.truth[i]) / error
+    };
+    let of = |k: usize, i: usize| counted.iter().map(|t| pull(t, k, i)).collect();
+    (0..LOSSES.len())
+        .map(|k| (0..PARAMETERS.len()).map(|i| of(k, i)).collect())
+        .collect()
+}
+
+/// Errors stay true where the edges are bent: arcs of circles of up to 3 pixels and sines of up to
+/// 1 pixel. The estimator follows polynomials, which neither of them is.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn statistics_of_bent_edges() {
+    let pulls = pulls_of(&bent_by([3.0, 1.0]), 180);
     let mut figures = 0;
-    for (k, loss) in LOSSES.into_iter().enumerate() {
-        for (i, parameter) in PARAMETERS.into_iter().enumerate() {
-            let pulls: Vec<f64> = counted
-                .iter()
-                .map(|t| (t.found[k][i][0] - t.truth[i]) / t.found[k][i][1])
-                .collect();
-            check(&format!("bent, {loss:?} {parameter}"), &pulls, 0.1);
+    for (loss, pulls) in LOSSES.into_iter().zip(&pulls) {
+        for (parameter, pulls) in PARAMETERS.into_iter().zip(pulls) {
+            check(&format!("bent, {loss:?} {parameter}"), pulls, 0.1);
             figures += 1;
         }
     }
     assert_eq!(figures, 6);
+}
+
+/// Errors of c and a by the loss `edge` stay true where the light varies linearly by up to 30 %
+/// from border to border, half of them more than 8 %, over a dark side of which a veil is not lit.
+/// mu is not judged: it is that of the light on the edge, and the planted one that of the light in
+/// the middle of the picture.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn statistics_of_uneven_light() {
+    const CAMPAIGNS: u64 = 180;
+    let ranges = Ranges {
+        light: Some([0.01, 0.15]),
+        ..bent_by([1e-3, 1e-3])
+    };
+    let pulls = pulls_of(&ranges, CAMPAIGNS);
+    for (i, parameter) in PARAMETERS.into_iter().enumerate().take(2) {
+        check(&format!("uneven, edge {parameter}"), &pulls[1][i], 0.1);
+    }
 }
