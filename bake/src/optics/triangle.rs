@@ -294,4 +294,25 @@ mod tests {
     fn no_area_no_facet() {
         assert_eq!(Triangle::new([DVec3::ZERO, DVec3::X, DVec3::X * 2.0]), None);
     }
+
+    /// Checks the weights of points on the facet and beside it. The coordinates are sums of a few
+    /// eighths, so the weights are exact but for one division by the doubled area 1.
+    #[test]
+    fn weights_are_those_of_the_corners_and_never_negative() {
+        let facet = unit();
+        let cases = [
+            ([0.25, 0.5], [0.25, 0.25, 0.5]),
+            ([0.0, 0.0], [1.0, 0.0, 0.0]),
+            ([0.5, 0.5], [0.0, 0.5, 0.5]),
+            // Beside an edge, a point is brought back to it.
+            ([-0.125, 0.5], [0.5, 0.0, 0.5]),
+            ([0.5, -0.125], [0.5, 0.5, 0.0]),
+            ([0.625, 0.5], [0.0, 0.625, 0.375]),
+            ([1.125, 0.5], [0.0, 1.0, 0.0]),
+        ];
+        for ([x, y], expected) in cases {
+            assert_eq!(facet.weights(DVec3::new(x, y, 0.0)), expected, "({x}, {y})");
+        }
+        assert_eq!(cases.len(), 7);
+    }
 }

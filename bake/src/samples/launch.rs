@@ -288,4 +288,25 @@ mod tests {
         ];
         moments(l, p(5. / 6., 5. / 6.), 1.0, 2.4e-4);
     }
+
+    /// Checks that an entrance that stands for three gets three quarters of the samples. The first
+    /// coordinates of 2^12 Sobol points are one in each of 2^12 equal cells, so the numbers are
+    /// exact.
+    #[test]
+    fn an_entrance_that_stands_for_more_gets_more_samples() {
+        let square = Entrance {
+            height: 0.5,
+            polygon: vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
+            lattice: None,
+        };
+        let stream = Stream::new(Sampler::Sobol, 1, 0.0, 0.0, 0);
+        let mut cases = 0;
+        for (counts, expected) in [([1, 3], 1024), ([3, 1], 3072), ([7, 7], 2048)] {
+            let launch = Launch::among(&counts.map(|count| (&square, count)));
+            let first = (0..1 << 12).filter(|&i| launch.entry(&stream, i).0 == 0);
+            assert_eq!(first.count(), expected, "{counts:?}");
+            cases += 1;
+        }
+        assert_eq!(cases, 3);
+    }
 }

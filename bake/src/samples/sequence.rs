@@ -402,4 +402,23 @@ mod tests {
         assert_eq!(centred(u32::MAX), 0.5 - 0.5 / 4_294_967_296.0);
         assert_eq!(centred(0x8000_0000), 0.5 / 4_294_967_296.0);
     }
+
+    /// Checks that no random number is used twice: those of the launch, of the losses and of every
+    /// reflection differ. Philox maps counters one to one, so equal pairs would be equal counters.
+    #[test]
+    fn launch_and_reflections_share_no_random_number() {
+        let mut seen = std::collections::HashSet::new();
+        let mut cases = 0;
+        let stream = Stream::new(Sampler::Random, 5, 20.0, 10.0, 0);
+        for index in [0, 1, 77, 1 << 20, (1 << 40) + 3] {
+            seen.insert(stream.pair(index));
+            seen.insert([stream.third(index), stream.fourth(index)]);
+            cases += 2;
+            for bounce in 0..64 {
+                seen.insert(stream.at_bounce(index, bounce));
+                cases += 1;
+            }
+        }
+        assert_eq!((cases, seen.len()), (5 * 66, 5 * 66));
+    }
 }

@@ -200,3 +200,17 @@ fn scatter(vectors: &[DVector<f64>]) -> DMatrix<f64> {
     }
     sum / (n - 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks the covariance of three vectors by hand. Their mean is (3, 1), and they are off by
+    /// (-2, -1), (-1, 1) and (3, 0). All numbers are exact.
+    #[test]
+    fn scatter_of_three_vectors_by_hand() {
+        let vectors = [[1.0, 0.0], [2.0, 2.0], [6.0, 1.0]];
+        let found = scatter(&vectors.map(|vector| DVector::from_row_slice(&vector)));
+        assert_eq!(found, DMatrix::from_row_slice(2, 2, &[7.0, 0.5, 0.5, 1.0]));
+    }
+}

@@ -48,9 +48,7 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
     }
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
-    // With three standard errors 1 sheet in 700 whose mu is 1 gets this warning.
-    let above_one = |mu: &&Value| mu.value - 3.0 * mu.standard_error > 1.0;
-    if let Some(mu) = best.mu.iter().flatten().find(above_one) {
+    if let Some(mu) = best.mu.iter().flatten().find(|mu| is_above_one(mu)) {
         warnings.push(format!(
             "mu {:.3} means more light than falls on the sheet: check the exposures, the half \
             mirror and the table's cell",
@@ -69,6 +67,12 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
         ));
     }
     warnings
+}
+
+/// Returns whether mu is above 1 by more than three standard errors. 1 sheet in 700 whose mu is 1
+/// gets this warning.
+fn is_above_one(mu: &Value) -> bool {
+    mu.value - 3.0 * mu.standard_error > 1.0
 }
 
 /// Returns a warning if the covariance is not finite. Then the photographs have no information on a
@@ -115,4 +119,31 @@ pub(crate) fn of_azimuth(found: &Azimuth) -> Vec<String> {
         )
     });
     said.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks the limit on both sides of three standard errors. The numbers are eighths, so the
+    /// comparison is exact.
+    #[test]
+    fn mu_is_above_one_beyond_three_standard_errors() {
+        let cases = [
+            (1.5, 0.125, true),
+            (1.375, 0.125, false),
+            (1.25, 0.125, false),
+            (1.125, 0.0, true),
+            (1.0, 0.0, false),
+            (0.5, 0.125, false),
+        ];
+        for (value, standard_error, above) in cases {
+            let mu = Value {
+                value,
+                standard_error,
+            };
+            assert_eq!(is_above_one(&mu), above, "{value} +- {standard_error}");
+        }
+        assert_eq!(cases.len(), 6);
+    }
 }

@@ -273,3 +273,36 @@ impl Window {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks the outline of a window of 9 x 17 pixels: on each side nine positions, one every
+    /// eighth of the side, from corner to corner. All are exact in binary.
+    #[test]
+    fn the_outline_goes_along_all_sides_from_corner_to_corner() {
+        let window = Window {
+            width: 9,
+            height: 17,
+            values: vec![0.5; 9 * 17],
+        };
+        let along = |held: fn(&Pixel) -> bool, place: fn(&Pixel) -> f64| {
+            let mut places: Vec<f64> = window.outline().filter(held).map(|p| place(&p)).collect();
+            places.sort_by(f64::total_cmp);
+            places.dedup();
+            places
+        };
+        let expected = |step: f64| -> Vec<f64> { (-4..=4).map(|k| step * f64::from(k)).collect() };
+        let sides = [
+            (along(|p| p.y == -8.0, |p| p.x), 1.0),
+            (along(|p| p.y == 8.0, |p| p.x), 1.0),
+            (along(|p| p.x == -4.0, |p| p.y), 2.0),
+            (along(|p| p.x == 4.0, |p| p.y), 2.0),
+        ];
+        for (found, step) in &sides {
+            assert_eq!(*found, expected(*step));
+        }
+        assert_eq!(window.outline().count(), 36);
+    }
+}

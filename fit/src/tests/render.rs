@@ -217,6 +217,36 @@ fn spots_of_deviating_light_meet_the_otf_of_the_table() {
     assert!(worst < 1.6e-5, "{worst}");
 }
 
+/// Checks the reach of a separable lobe by the integral of sinc^2: the share [`TAIL`] lies beyond
+/// it along an axis, both sides together. The share beyond X = a x is 1/(pi X) times a number
+/// between 1 - 1/X and 1 + 1/X, because sin^2 has the mean 1/2 and its wave integrates to at most
+/// 1/(2 X^2). Simpson's rule with steps of 0.01 errs by less than 160 x 0.01^4 x 16 / 180 = 1.4e-7.
+#[test]
+fn a_separable_lobe_has_its_tail_beyond_the_reach() {
+    let truth = truth(Kernel::Lobe, LobeShape::Separable, 4.9, 0.24, 0.25);
+    let table = table(&truth, &[0.0, 20.0], 20.0);
+    let result = result("lobe", Some("separable"), &table);
+    let sheet = Fitted::new(&result, &table).unwrap();
+    let reach_mm = sheet.spot(&place(150.0, 20.0), 6.0).unwrap().reach_mm();
+    let end = 4.9 * reach_mm;
+    let pairs = (end / 0.02).ceil() as usize;
+    let step = end / (2 * pairs) as f64;
+    let sum: f64 = (0..=2 * pairs)
+        .map(|k| {
+            let weight = match k {
+                0 => 1.0,
+                k if k == 2 * pairs => 1.0,
+                k if k % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            weight * sinc(k as f64 * step).powi(2)
+        })
+        .sum();
+    let beyond = 1.0 - 2.0 / std::f64::consts::PI * sum * step / 3.0;
+    println!("X {end:.1}: {beyond:.6} beyond");
+    assert!((beyond / TAIL - 1.0).abs() < 1.0 / end + 1e-4, "{beyond}");
+}
+
 #[test]
 fn energy_is_kept_by_every_kernel() {
     let truth = truth(Kernel::Eq1, LobeShape::Radial, 4.9, 0.24, 0.25);

@@ -115,4 +115,34 @@ mod tests {
         let twice = mirrored_paths(std::slice::from_ref(mirrored));
         assert_eq!(twice, [path]);
     }
+
+    /// Checks the sector by the images: of every azimuth exactly one image lies within it, and it
+    /// begins at a mirror if there is one. The azimuths are odd tenths of a degree, so none lies on
+    /// the ends, which are whole or half degrees.
+    #[test]
+    fn every_azimuth_has_one_image_in_the_sector() {
+        let mut cases = 0;
+        for (rotations, mirror_deg, sector) in [
+            (1, None, (0.0, 360.0)),
+            (3, None, (0.0, 120.0)),
+            (1, Some(25.0), (25.0, 180.0)),
+            (3, Some(10.0), (10.0, 60.0)),
+            (6, Some(15.0), (15.0, 30.0)),
+        ] {
+            let symmetry = Symmetry {
+                rotations,
+                mirror_deg,
+            };
+            assert_eq!(symmetry.sector_deg(), sector);
+            let (first, width) = sector;
+            for tenth in (1..3600).step_by(34) {
+                let azimuth = 0.1 * f64::from(tenth);
+                let images = symmetry.images(azimuth);
+                let inside = images.filter(|(image, _)| (image - first).rem_euclid(360.0) < width);
+                assert_eq!(inside.count(), 1, "{symmetry:?} {azimuth}");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 5 * 106);
+    }
 }

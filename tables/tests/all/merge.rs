@@ -62,6 +62,8 @@ fn deviations_are_merged() {
     let whole = sample::deviations(7);
     let parts = [whole.part(&[2], &[0, 1]), whole.part(&[0, 1], &[0, 1])];
     assert_eq!(merge(&parts).unwrap(), whole);
+    let sides = [whole.part(&[0, 1, 2], &[1]), whole.part(&[0, 1, 2], &[0])];
+    assert_eq!(merge(&sides).unwrap(), whole);
     let next = sample::deviations(9);
     let sum = merge(&[next.clone(), whole.clone()]).unwrap();
     let [sums, a, b] = [&sum, &whole, &next].map(|table| table.deviations.clone().unwrap());

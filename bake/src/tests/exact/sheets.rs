@@ -95,6 +95,9 @@ fn kinds_count_as_often_as_they_occur() {
         }
         let weights: Vec<f64> = found.paths.iter().map(|path| path.weight).collect();
         assert!(weights.iter().all(|weight| [1.0, 0.5].contains(weight)));
+        let stored = found.paths.iter().map(|path| path.weight * path.area());
+        let stored = stored.sum::<f64>() / triangle.entrance_area();
+        assert!((stored - eta).abs() < 1e-12, "{stored} {eta}");
         cases += bins;
     }
     assert_eq!(cases, 4 * 64 * 64);
