@@ -135,7 +135,7 @@ fn span(steepness: &Steepness, window: &Window, line: &EdgeLine) -> Option<Bend>
     for told in steepness.pixels(window, line) {
         (low, high) = (low.min(told.along_px), high.max(told.along_px));
     }
-    (high > low).then(|| Bend {
+    (high > low).then_some(Bend {
         middle_px: 0.5 * (low + high),
         half_px: 0.5 * (high - low),
         terms_px: [0.0; ORDERS - 1],
