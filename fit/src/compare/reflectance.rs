@@ -73,7 +73,7 @@ impl Contrast {
 mod tests {
     use super::*;
 
-    /// Three bins with 1, 2 and 5 pixels. Their weighted mean of the unit edge is 0.7.
+    /// Returns three bins with 1, 2 and 5 pixels. Their weighted mean of the unit edge is 0.7.
     fn profile() -> Profile {
         Profile {
             reach: 1,

@@ -35,7 +35,7 @@ pub struct Measurement {
     pub region: Roi,
     /// The pixels of the region, repaired.
     pub window: Window,
-    /// The same pixels in the light that the camera saw: uneven light is not evened out.
+    /// Pixels of the region in the light that the camera saw: uneven light is not evened out.
     pub as_lit: Window,
     /// The edge, in the window's coordinates.
     pub line: EdgeLine,

@@ -216,7 +216,8 @@ fn selection_finds_the_planted_terms() {
                 &table,
             );
             let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
-            // A parameter that was left out has a bound in the direction in which its blur vanishes.
+            // A parameter that was left out has a bound in the direction in which its blur
+            // vanishes.
             let bound = absent(&scene, &selection);
             println!("{kernel:?} {shape:?} {bound:?}");
             let expected = match kernel {

@@ -408,8 +408,8 @@ fn an_accepted_doubled_edge_is_measured() {
     assert!(matches!(fault, Err(Fault::Blurred { .. })), "{fault:?}");
 }
 
-/// Lesser faults cause warnings: 2 % of the bright pixels clipped at the tail of their noise, slight
-/// waves, wide tails.
+/// Lesser faults cause warnings: 2 % of the bright pixels clipped at the tail of their noise,
+/// slight waves, wide tails.
 #[test]
 fn lesser_faults_are_warnings() {
     let mut clipped = degraded(5.0, SIGMA_PX, 4, |_, _, v| v + 1.0 - BRIGHT - 2.05 * NOISE);

@@ -313,7 +313,7 @@ fn bins_tell_what_all_pixels_tell() {
     bins_tell_all(7);
 }
 
-/// The same with light of second order.
+/// Bins tell all of uneven light too: its terms of second order are estimated.
 #[test]
 fn bins_tell_all_of_uneven_light() {
     bins_tell_all(10);

@@ -1,4 +1,4 @@
-//! The smooth curve that an edge follows, and what is left of its waves.
+//! The smooth curve that an edge follows, and the waves that are left about it.
 //!
 //! ISO 12233:2023 allows a polynomial along the edge; the order of this one is chosen by the data.
 //! The distances of the pixels from the common profile, over the slope of the profile, are how far
@@ -192,7 +192,7 @@ fn order(falls: &[f64], variance: f64, pixels: f64) -> usize {
     best
 }
 
-/// What is left of the waves of an edge about its curve.
+/// Waves of an edge that are left about its curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Waves {
     /// Root mean square of the waves that noise does not explain, pixels.

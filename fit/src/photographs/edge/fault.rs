@@ -70,8 +70,8 @@ pub enum Fault {
     },
     /// Pixels that do not follow the edge, too many to be left out.
     #[error(
-        "{:.1} % of its pixels do not follow one smooth edge: another mark, dirt, or a damaged edge; \
-        give the roi of a clean part",
+        "{:.1} % of its pixels do not follow one smooth edge: another mark, dirt, or a damaged \
+        edge; give the roi of a clean part",
         100.0 * share
     )]
     NotAlone {
