@@ -11,8 +11,8 @@
 //! multiplies the light of the edge, and the part of the dark plateau that is light of the same
 //! lamp. The rest is a veil or the camera's offset. The lit part may be anything between nothing
 //! and all of the dark plateau. Its prior has the mean and the deviation of that range. m is the
-//! mean of t^2 over the window, so that the step is a mean along the edge: bins of equal range along
-//! the edge cannot tell g_tt from the step.
+//! mean of t^2 over the window, so that the step is a mean along the edge: bins of equal range
+//! along the edge cannot tell g_tt from the step.
 //!
 //! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts
 //! it off at 0, the mean and the variance after the cut are used. Both noise numbers are the most
