@@ -1,18 +1,18 @@
 //! Correction of uneven light (vignetting, gradients of the source): it is found beside the edge.
 //!
-//! The light is a factor on everything, as vignetting and an uneven source are: a polynomial of
-//! second order, 1 + g1 s + g2 t + g3 s^2 + g4 s t + g5 t^2. s is the distance from the edge and t
-//! the place along it.
+//! The light is a factor on everything, as vignetting and an uneven source are: 1 + g1 s + g2 t +
+//! g3 (s^2 + t^2). s is the distance from the edge and t the place along it. It has one curvature,
+//! as a lens has. On real photographs a curvature of its own across the edge, or a twist, takes the
+//! asymmetric tails of a blur for light of 100 % and more.
 //!
-//! - g2, g4 and g5: an edge is the same all along t, so they show in pixels of equal s. Only pixels
-//!   on the plateaus are used, because a bowed edge has the same effect near the edge.
-//! - g1 and g3: along s, light and blur are told apart by symmetry. About its middle a blurred edge
-//!   is odd, however far its tails reach. Light adds an even part: g1 s times the odd part of the
-//!   edge, and g3 s^2 times its middle. A wrong place of the edge adds an even part too, its slope,
-//!   which is fitted beside them. The blur itself may have an even part (coma); it is left out with
-//!   the middle quarter of the profile.
+//! - g2 and g3: an edge is the same all along t, so both show in pixels of equal s. Only pixels on
+//!   the plateaus are used, because a bowed edge has the same effect near the edge.
+//! - g1: along s, light and blur are told apart by symmetry. About its middle a blurred edge is
+//!   odd, however far its tails reach. g1 adds an even part, s times the odd part of the edge. The
+//!   blur itself may have an even part (coma); it is left out with the middle quarter of the
+//!   profile.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use crate::numerics::factor;
 use crate::photographs::edge::line::EdgeLine;
@@ -23,8 +23,8 @@ use crate::photographs::window::{Pixel, Window};
 /// like unevenness of this size.
 const LEAST: f64 = 0.01;
 
-/// Least fall of chi-square (5 terms) for which unevenness is corrected. Noise reaches it once in
-/// 10^9 photographs.
+/// Least fall of chi-square (3 terms) for which unevenness is corrected. Noise reaches it once in
+/// 10^10 photographs.
 const BELIEVED: f64 = 50.0;
 
 /// The light about an edge. It is 1 on the edge abreast of the window's centre. Lengths are in
@@ -32,16 +32,16 @@ const BELIEVED: f64 = 50.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light {
     line: EdgeLine,
-    /// Coefficients of s, t, s^2, s t and t^2.
-    terms: [f64; 5],
+    /// Coefficients of s, t and s^2 + t^2.
+    terms: [f64; 3],
 }
 
 impl Light {
     /// Returns the light at a pixel.
     pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
         let (s, t) = self.line.place(pixel);
-        let [by_s, by_t, by_ss, by_st, by_tt] = self.terms;
-        1.0 + by_s * s + by_t * t + by_ss * s * s + by_st * s * t + by_tt * t * t
+        let [by_s, by_t, curvature] = self.terms;
+        1.0 + by_s * s + by_t * t + curvature * (s * s + t * t)
     }
 }
 
@@ -62,11 +62,11 @@ pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
 /// Finds the light of a window. Returns `None` if the light is even, or if noise explains the
 /// unevenness.
 pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
-    let (profile, [by_t, by_tt, by_st], fall_along) = along(window, line, profile)?;
-    let ([by_s, by_ss], fall_across) = across(&profile);
+    let (profile, [by_t, curvature], fall_along) = along(window, line, profile)?;
+    let (by_s, fall_across) = across(&profile, curvature);
     let light = Light {
         line: *line,
-        terms: [by_s, by_t, by_ss, by_st, by_tt],
+        terms: [by_s, by_t, curvature],
     };
     (fall_along + fall_across > BELIEVED && unevenness(&[light], window) > LEAST).then_some(light)
 }
@@ -81,10 +81,10 @@ struct Bin {
     rt: [f64; 2],
 }
 
-/// Returns the coefficients of t, t^2 and s t, and the fall of chi-square that they bring. Within
-/// each bin of equal s the pixels are regressed on level x (t, t^2, s t). The profile that is
-/// returned is that at t = 0: the bins at its ends hold pixels of one corner of the window.
-fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<(Profile, [f64; 3], f64)> {
+/// Returns the coefficients of t and t^2, and the fall of chi-square that they bring. Within each
+/// bin of equal s the pixels are regressed on level x (t, t^2). The profile that is returned is
+/// that at t = 0: the bins at its ends hold pixels of one corner of the window.
+fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<(Profile, [f64; 2], f64)> {
     let unit = 0.5 * (window.width() as f64).hypot(window.height() as f64);
     let mut bins = vec![Bin::default(); profile.len()];
     let ruler = line.ruler();
@@ -105,59 +105,53 @@ fn along(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<(Profile
         bin.rt[0] += r * t;
         bin.rt[1] += r * t * t;
     }
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
     for (j, b) in bins.iter().enumerate() {
         if j.abs_diff(profile.reach) < profile.reach / 4 || b.n < 2.0 {
             continue;
         }
-        let (level, s) = (profile.mean[j], profile.distance_px(j) / unit);
+        let level = profile.mean[j];
         let weight = 1.0 / (profile.variance[j] * profile.count[j]).max(f64::MIN_POSITIVE);
         let t2 = b.t[1] - b.t[0] * b.t[0] / b.n;
         let t3 = b.t[2] - b.t[0] * b.t[1] / b.n;
         let t4 = b.t[3] - b.t[1] * b.t[1] / b.n;
         let (rt, rtt) = (b.rt[0] - b.r * b.t[0] / b.n, b.rt[1] - b.r * b.t[1] / b.n);
-        let products = Matrix3::new(t2, t3, s * t2, t3, t4, s * t3, s * t2, s * t3, s * s * t2);
-        normal += products * (weight * level * level);
-        right += Vector3::new(rt, rtt, s * rt) * (weight * level);
+        normal += Matrix2::new(t2, t3, t3, t4) * (weight * level * level);
+        right += Vector2::new(rt, rtt) * (weight * level);
     }
-    let terms: Vector3<f64> = normal.try_inverse()? * right;
+    let terms: Vector2<f64> = normal.try_inverse()? * right;
     let fall = terms.dot(&right);
     let mut at_middle = profile.clone();
-    for (j, (mean, b)) in at_middle.mean.iter_mut().zip(&bins).enumerate() {
+    for (mean, b) in at_middle.mean.iter_mut().zip(&bins) {
         if b.n > 0.0 {
-            let s = profile.distance_px(j) / unit;
-            let light = terms[0] * b.t[0] + terms[1] * b.t[1] + terms[2] * s * b.t[0];
+            let light = terms[0] * b.t[0] + terms[1] * b.t[1];
             *mean /= 1.0 + light / b.n;
         }
     }
-    let square = unit * unit;
-    let terms = [terms[0] / unit, terms[1] / square, terms[2] / square];
+    let terms = [terms[0] / unit, terms[1] / (unit * unit)];
     Some((at_middle, terms, fall))
 }
 
-/// Returns the coefficients of s and s^2, and the fall of chi-square that they bring. Both come
-/// from the even part of the profile, beside its level and its slope.
-fn across(profile: &Profile) -> ([f64; 2], f64) {
+/// Returns the coefficient of s, and the fall of chi-square that it brings. It comes from the even
+/// part of the profile, less its level and the even part that `curvature` makes.
+fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
     let (dark, bright) = profile.plateaus();
     let middle = 0.5 * (dark + bright);
     let reach = profile.reach;
-    let unit = reach as f64 * BIN_PX;
-    let mut normal = DMatrix::zeros(5, 5);
+    let mut normal = DMatrix::zeros(3, 3);
     for k in reach / 4..=reach {
         let (low, high) = (reach - k, reach + k);
         if profile.count[low] == 0.0 || profile.count[high] == 0.0 {
             continue;
         }
-        let s = k as f64 * BIN_PX / unit;
+        let s = k as f64 * BIN_PX;
         let even = 0.5 * (profile.mean[low] + profile.mean[high]);
         let odd = 0.5 * (profile.mean[high] - profile.mean[low]);
-        let slope = 0.5 * (profile.slope(low, 8) + profile.slope(high, 8));
         let root = (4.0 / (profile.variance[low] + profile.variance[high])).sqrt();
-        let row = [1.0, slope * unit, s * odd, s * s * middle, even - middle];
+        let row = [1.0, s * odd, even - middle * (1.0 + curvature * s * s)];
         factor::add(&mut normal, &row.map(|v| v * root));
     }
     let factor = factor::of(normal);
-    let terms = factor::back_substituted(&factor, 4, 4);
-    let fall = factor[(2, 4)].powi(2) + factor[(3, 4)].powi(2);
-    ([terms[2] / unit, terms[3] / (unit * unit)], fall)
+    let terms = factor::back_substituted(&factor, 2, 2);
+    (terms[1], factor[(1, 2)].powi(2))
 }
