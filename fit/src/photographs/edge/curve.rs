@@ -99,6 +99,7 @@ pub(crate) fn step(window: &Window, line: &mut EdgeLine, profile: &Profile) -> O
     let steepness = Steepness::new(profile);
     let mut bend = match line.bend {
         Some(bend) => bend,
+        None if steepness.looks_straight(window, line) => return None,
         None => span(&steepness, window, line)?,
     };
     let (normal, pixels) = steepness.normal(window, line, &bend);
@@ -144,6 +145,40 @@ fn span(steepness: &Steepness, window: &Window, line: &EdgeLine) -> Option<Bend>
 }
 
 impl Steepness {
+    /// Returns whether no order is worth its price by the places of pieces of the edge alone, which
+    /// take a fraction of the time of the whole regression. Light that varies along the edge can
+    /// only make a straight edge look bent here.
+    fn looks_straight(&self, window: &Window, line: &EdgeLine) -> bool {
+        let half_px = 0.5 * (window.width() as f64).hypot(window.height() as f64);
+        let place = |piece: f64| (piece + 0.5) / PIECES as f64 * 2.0 - 1.0;
+        let mut sums = [[0.0_f64; 2]; PIECES];
+        let (mut squares, mut pixels) = (0.0, 0.0);
+        for told in self.pixels(window, line) {
+            let piece = 0.5 * (told.along_px / half_px + 1.0) * PIECES as f64;
+            let sum = &mut sums[(piece.max(0.0) as usize).min(PIECES - 1)];
+            sum[0] += told.slope * told.slope;
+            sum[1] += told.slope * told.off;
+            squares += told.off * told.off;
+            pixels += 1.0;
+        }
+        const COLUMNS: usize = ORDERS + 2;
+        let mut normal = DMatrix::zeros(COLUMNS, COLUMNS);
+        for (piece, [weight, off]) in sums.iter().enumerate().filter(|(_, [w, _])| *w > 0.0) {
+            let (values, _) = legendre(place(piece as f64));
+            let mut row = [0.0; COLUMNS];
+            for (column, value) in row.iter_mut().zip(values) {
+                *column = weight.sqrt() * value;
+            }
+            row[COLUMNS - 1] = off / weight.sqrt();
+            factor::add(&mut normal, &row);
+        }
+        let factor = factor::of(normal);
+        let falls = factor.column(COLUMNS - 1);
+        let explained: f64 = falls.iter().take(ORDERS + 1).map(|fall| fall * fall).sum();
+        let variance = (squares - explained).max(0.0) / f64::max(pixels, 1.0);
+        order(&falls.as_slice()[..=ORDERS], variance, pixels) < 2
+    }
+
     /// Returns the normal matrix of light, curve and distances over all pixels of the profile, and
     /// the number of pixels.
     fn normal(&self, window: &Window, line: &EdgeLine, bend: &Bend) -> (DMatrix<f64>, f64) {
