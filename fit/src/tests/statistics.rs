@@ -14,9 +14,9 @@ use crate::estimate::{Estimate, Loss, Scene, Value, estimate, refined};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::names::Spectrum;
-use crate::study::{LOSSES, PARAMETERS, Ranges, Summary, Trial, choice, refused, tells, trial};
+use crate::study::{LOSSES, PARAMETERS, Ranges, Summary, Trial, choice, refused, tells};
 use crate::tests::planted::{SHARED, Stream, camera, fitted, params, scene, table, truth};
-use crate::tests::study::trials;
+use crate::tests::study::{run, trials};
 
 /// Standard errors by which a figure may leave its expectation.
 const WIDE: f64 = 4.0;
@@ -52,6 +52,12 @@ fn check(what: &str, pulls: &[f64], bias: f64) {
         (held - 0.95).abs() < WIDE * scatter,
         "{what}: coverage {held}"
     );
+}
+
+/// Returns the pull of a parameter `i` by loss number `k`.
+fn pull(trial: &Trial, k: usize, i: usize) -> f64 {
+    let [value, error] = trial.found[k][i];
+    (value - trial.truth[i]) / error
 }
 
 /// One drawn campaign.
@@ -181,10 +187,7 @@ fn drawn_campaigns_reach_the_bound() {
                 .position(|&p| p == row.parameter)
                 .expect("a parameter"),
         );
-        let pulls: Vec<f64> = counted
-            .iter()
-            .map(|t| (t.found[k][i][0] - t.truth[i]) / t.found[k][i][1])
-            .collect();
+        let pulls: Vec<f64> = counted.iter().map(|t| pull(t, k, i)).collect();
         let ratio = row.rmse_over_bound.value;
         println!("{} {:?}: rmse / bound {ratio:.3}", row.parameter, row.loss);
         check(&format!("{:?} {}", row.loss, row.parameter), &pulls, 0.1);
@@ -261,30 +264,10 @@ fn terms_are_chosen_where_they_can_be_told() {
     }
 }
 
-/// Ranges of short campaigns whose edges follow arcs and waves of up to these heights, pixels.
-fn bent_by([bow, ripple]: [f64; 2]) -> Ranges {
-    Ranges {
-        photographs: [2.0, 6.0],
-        bow_px: Some([0.03 * bow, bow]),
-        ripple_px: Some([0.1 * ripple, ripple]),
-        ..Ranges::default()
-    }
-}
-
 /// Draws campaigns and returns the pulls by loss and parameter. A campaign may be refused for a
 /// named reason; one in 50 at most is.
 fn pulls_of(ranges: &Ranges, campaigns: u64) -> Vec<Vec<Vec<f64>>> {
-    let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5);
-    let table = table(&planted, &[0.0, 15.0, 30.0], 20.0);
-    let directions = ranges.directions(&table);
-    let all: Vec<_> = (0..campaigns)
-        .into_par_iter()
-        .map(|index| {
-            let params = ranges.campaign(17, index, &directions);
-            trial::run(&params, index, &table)
-        })
-        .collect();
-    let (all, refused) = refused::part(all);
+    let (all, refused) = refused::part(run(ranges, 17, campaigns));
     println!("{}", refused::line(&refused));
     assert!(
         50 * refused::total(&refused) as u64 <= campaigns,
@@ -292,10 +275,6 @@ fn pulls_of(ranges: &Ranges, campaigns: u64) -> Vec<Vec<Vec<f64>>> {
     );
     let counted: Vec<&Trial> = all.iter().filter(|t| tells(t)).collect();
     assert!(2 * counted.len() as u64 > campaigns, "{}", counted.len());
-    let pull = |t: &Trial, k: usize, i: usize| {
-        let [value, error] = t.found[k][i];
-        (value - t.truth[i]) / error
-    };
     let of = |k: usize, i: usize| counted.iter().map(|t| pull(t, k, i)).collect();
     (0..LOSSES.len())
         .map(|k| (0..PARAMETERS.len()).map(|i| of(k, i)).collect())
@@ -307,7 +286,13 @@ fn pulls_of(ranges: &Ranges, campaigns: u64) -> Vec<Vec<Vec<f64>>> {
 #[test]
 #[ignore = "minutes: `make test` runs it"]
 fn statistics_of_bent_edges() {
-    let pulls = pulls_of(&bent_by([3.0, 1.0]), 180);
+    let ranges = Ranges {
+        photographs: [2.0, 6.0],
+        bow_px: Some([0.09, 3.0]),
+        ripple_px: Some([0.1, 1.0]),
+        ..Ranges::default()
+    };
+    let pulls = pulls_of(&ranges, 180);
     let mut figures = 0;
     for (loss, pulls) in LOSSES.into_iter().zip(&pulls) {
         for (parameter, pulls) in PARAMETERS.into_iter().zip(pulls) {
@@ -327,8 +312,9 @@ fn statistics_of_bent_edges() {
 fn statistics_of_uneven_light() {
     const CAMPAIGNS: u64 = 180;
     let ranges = Ranges {
+        photographs: [2.0, 6.0],
         light: Some([0.01, 0.15]),
-        ..bent_by([1e-3, 1e-3])
+        ..Ranges::default()
     };
     let pulls = pulls_of(&ranges, CAMPAIGNS);
     for (i, parameter) in PARAMETERS.into_iter().enumerate().take(2) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::estimate::Candidates;
+use crate::estimate::Error;
 use crate::estimate::Kind;
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -15,12 +16,8 @@ use crate::study::trial;
 use crate::tests::planted::{camera, params, scene, table, truth};
 use rayon::prelude::*;
 
-pub(crate) fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
-    // Small campaigns make the study short.
-    let ranges = Ranges {
-        photographs: [2.0, 6.0],
-        ..Ranges::default()
-    };
+/// Draws campaigns and runs them over the closed form of the pair at three angles.
+pub(crate) fn run(ranges: &Ranges, seed: u64, campaigns: u64) -> Vec<Result<Trial, Error>> {
     let incidence = [0.0, 15.0, 30.0];
     let table = table(
         &truth(Kernel::Eq1, LobeShape::Radial, 3.0, 0.3, 0.5),
@@ -33,8 +30,19 @@ pub(crate) fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
         .into_par_iter()
         .map(|index| {
             let params = ranges.campaign(seed, index, &directions);
-            trial::run(&params, index, &table).expect("the edges are visible")
+            trial::run(&params, index, &table)
         })
+        .collect()
+}
+
+pub(crate) fn trials(seed: u64, campaigns: u64) -> Vec<Trial> {
+    // Small campaigns make the study short.
+    let ranges = Ranges {
+        photographs: [2.0, 6.0],
+        ..Ranges::default()
+    };
+    let all = run(&ranges, seed, campaigns).into_iter();
+    all.map(|trial| trial.expect("the edges are visible"))
         .collect()
 }
 

@@ -31,11 +31,13 @@ struct Steepness {
     reach: f64,
 }
 
-/// One pixel on the steep part of the edge.
+/// One pixel beside the profile.
 struct Told {
-    /// Place along the edge, pixels.
+    /// Distance from the edge and place along it, pixels.
+    across_px: f64,
     along_px: f64,
-    /// Slope of the profile at the pixel, per pixel.
+    /// Value of the profile at the pixel, and its slope, per pixel.
+    level: f64,
     slope: f64,
     /// Distance of the pixel's value from the profile.
     off: f64,
@@ -53,30 +55,68 @@ impl Steepness {
         }
     }
 
-    /// Returns the pixels on the steep part of the edge.
-    fn pixels<'a>(
-        &'a self,
-        window: &'a Window,
-        line: &EdgeLine,
-    ) -> impl Iterator<Item = Told> + 'a {
+    /// Returns the pixels in the reach of the profile.
+    fn all<'a>(&'a self, window: &'a Window, line: &EdgeLine) -> impl Iterator<Item = Told> + 'a {
         let ruler = line.ruler();
         let last = self.smooth.len() as f64 - 1.0;
         window.pixels().filter_map(move |pixel| {
-            let (s, along_px) = ruler.place(pixel.x, pixel.y);
-            let at = s / BIN_PX + self.reach;
+            let (across_px, along_px) = ruler.place(pixel.x, pixel.y);
+            let at = across_px / BIN_PX + self.reach;
             if !(0.0..last).contains(&at) {
                 return None;
             }
             let (j, part) = (at as usize, at.fract());
             let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
-            let slope = between(&self.slopes);
-            (slope > self.least).then(|| Told {
+            let level = between(&self.smooth);
+            Some(Told {
+                across_px,
                 along_px,
-                slope,
-                off: pixel.value - between(&self.smooth),
+                level,
+                slope: between(&self.slopes),
+                off: pixel.value - level,
             })
         })
     }
+
+    /// Returns the pixels on the steep part of the edge.
+    fn steep<'a>(&'a self, window: &'a Window, line: &EdgeLine) -> impl Iterator<Item = Told> + 'a {
+        let is_steep = |told: &Told| told.slope > self.least;
+        self.all(window, line).filter(is_steep)
+    }
+
+    /// Cuts the steep part of an edge into `count` pieces of equal length, and sums squares and
+    /// products over the pixels of each.
+    fn pieces(
+        &self,
+        window: &Window,
+        line: &EdgeLine,
+        [middle_px, half_px]: [f64; 2],
+        count: usize,
+    ) -> Vec<Piece> {
+        let mut pieces = vec![Piece::default(); count];
+        for told in self.steep(window, line) {
+            let place = 0.5 * ((told.along_px - middle_px) / half_px + 1.0) * count as f64;
+            let piece = &mut pieces[(place.max(0.0) as usize).min(count - 1)];
+            piece.weight += told.slope * told.slope;
+            piece.off += told.slope * told.off;
+            piece.squares += told.off * told.off;
+            piece.pixels += 1.0;
+        }
+        pieces
+    }
+}
+
+/// Sums over the pixels of one piece of the edge.
+#[derive(Debug, Clone, Copy, Default)]
+struct Piece {
+    /// Sum of the squares of the slope.
+    weight: f64,
+    /// Sum of the products of slope and distance from the profile.
+    off: f64,
+    /// Sum of the squares of the distances.
+    squares: f64,
+    /// Number of pixels.
+    pixels: f64,
 }
 
 /// Columns of light that varies along the edge, which looks like a bend. They are an additive light
@@ -133,7 +173,7 @@ pub(crate) fn step(window: &Window, line: &mut EdgeLine, profile: &Profile) -> O
 /// Returns a straight curve that spans the steep pixels of an edge, or `None` if there are too few.
 fn span(steepness: &Steepness, window: &Window, line: &EdgeLine) -> Option<Bend> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for told in steepness.pixels(window, line) {
+    for told in steepness.steep(window, line) {
         (low, high) = (low.min(told.along_px), high.max(told.along_px));
     }
     (high > low).then_some(Bend {
@@ -150,28 +190,22 @@ impl Steepness {
     /// only make a straight edge look bent here.
     fn looks_straight(&self, window: &Window, line: &EdgeLine) -> bool {
         let half_px = 0.5 * (window.width() as f64).hypot(window.height() as f64);
-        let place = |piece: f64| (piece + 0.5) / PIECES as f64 * 2.0 - 1.0;
-        let mut sums = [[0.0_f64; 2]; PIECES];
-        let (mut squares, mut pixels) = (0.0, 0.0);
-        for told in self.pixels(window, line) {
-            let piece = 0.5 * (told.along_px / half_px + 1.0) * PIECES as f64;
-            let sum = &mut sums[(piece.max(0.0) as usize).min(PIECES - 1)];
-            sum[0] += told.slope * told.slope;
-            sum[1] += told.slope * told.off;
-            squares += told.off * told.off;
-            pixels += 1.0;
-        }
+        let pieces = self.pieces(window, line, [0.0, half_px], PIECES);
         const COLUMNS: usize = ORDERS + 2;
         let mut normal = DMatrix::zeros(COLUMNS, COLUMNS);
-        for (piece, [weight, off]) in sums.iter().enumerate().filter(|(_, [w, _])| *w > 0.0) {
-            let (values, _) = legendre(place(piece as f64));
+        for (k, piece) in pieces.iter().enumerate().filter(|(_, p)| p.weight > 0.0) {
+            let place = (k as f64 + 0.5) / PIECES as f64 * 2.0 - 1.0;
+            let (values, _) = legendre(place);
+            let root = piece.weight.sqrt();
             let mut row = [0.0; COLUMNS];
             for (column, value) in row.iter_mut().zip(values) {
-                *column = weight.sqrt() * value;
+                *column = root * value;
             }
-            row[COLUMNS - 1] = off / weight.sqrt();
+            row[COLUMNS - 1] = piece.off / root;
             factor::add(&mut normal, &row);
         }
+        let squares: f64 = pieces.iter().map(|piece| piece.squares).sum();
+        let pixels: f64 = pieces.iter().map(|piece| piece.pixels).sum();
         let factor = factor::of(normal);
         let falls = factor.column(COLUMNS - 1);
         let explained: f64 = falls.iter().take(ORDERS + 1).map(|fall| fall * fall).sum();
@@ -182,21 +216,12 @@ impl Steepness {
     /// Returns the normal matrix of light, curve and distances over all pixels of the profile, and
     /// the number of pixels.
     fn normal(&self, window: &Window, line: &EdgeLine, bend: &Bend) -> (DMatrix<f64>, f64) {
-        let ruler = line.ruler();
-        let last = self.smooth.len() as f64 - 1.0;
         let mut normal = DMatrix::zeros(OFF + 1, OFF + 1);
         let mut pixels = 0.0;
-        for pixel in window.pixels() {
-            let (s, along_px) = ruler.place(pixel.x, pixel.y);
-            let at = s / BIN_PX + self.reach;
-            if !(0.0..last).contains(&at) {
-                continue;
-            }
-            let (j, part) = (at as usize, at.fract());
-            let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
-            let (level, slope) = (between(&self.smooth), between(&self.slopes));
-            let t = (along_px - bend.middle_px) / bend.half_px;
-            let across = level * t * s / bend.half_px;
+        for told in self.all(window, line) {
+            let (level, slope) = (told.level, told.slope);
+            let t = (told.along_px - bend.middle_px) / bend.half_px;
+            let across = level * t * told.across_px / bend.half_px;
             let mut row = [0.0; OFF + 1];
             row[..LIGHT].copy_from_slice(&[t, t * t, level * t, level * t * t, across]);
             if slope > self.least {
@@ -205,7 +230,7 @@ impl Steepness {
                     *column = slope * value;
                 }
             }
-            row[OFF] = pixel.value - level;
+            row[OFF] = told.off;
             factor::add(&mut normal, &row);
             pixels += 1.0;
         }
@@ -257,31 +282,23 @@ pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile, rise_px
     let Some(span) = line.bend.or_else(|| span(&steepness, window, line)) else {
         return none;
     };
-    let pieces = ((2.0 * span.half_px / PIECE_PX) as usize).clamp(1, PIECES);
-    let mut sums = vec![[0.0_f64; 3]; pieces];
-    for told in steepness.pixels(window, line) {
-        let place = 0.5 * ((told.along_px - span.middle_px) / span.half_px + 1.0);
-        let piece = ((place * pieces as f64).max(0.0) as usize).min(pieces - 1);
-        let terms = [
-            told.slope * told.slope,
-            told.slope * told.off,
-            told.off * told.off,
-        ];
-        sums[piece].iter_mut().zip(terms).for_each(|(s, x)| *s += x);
+    let count = ((2.0 * span.half_px / PIECE_PX) as usize).clamp(1, PIECES);
+    let extent = [span.middle_px, span.half_px];
+    let mut pieces = steepness.pieces(window, line, extent, count);
+    pieces.retain(|piece| piece.weight > 0.0);
+    let (mut weight, mut square, mut most) = (0.0, 0.0, 0.0_f64);
+    let (mut scatter, mut freedom) = (0.0, 0.0);
+    for piece in &pieces {
+        let explained = piece.off * piece.off / piece.weight;
+        scatter += piece.squares - explained;
+        freedom += piece.pixels - 1.0;
+        weight += piece.weight;
+        square += explained;
+        most = most.max((piece.off / piece.weight).abs());
     }
-    let filled: Vec<&[f64; 3]> = sums.iter().filter(|[w, ..]| *w > 0.0).collect();
-    let (mut weight, mut square, mut noise, mut most) = (0.0, 0.0, 0.0, 0.0_f64);
-    let (mut scatter, mut freedom) = (0.0, -(filled.len() as f64));
-    for [w, r, rr] in &filled {
-        scatter += rr - r * r / w;
-        weight += w;
-        square += r * r / w;
-        most = most.max((r / w).abs());
-    }
-    freedom += steepness.pixels(window, line).count() as f64;
-    let variance = scatter / freedom.max(1.0);
-    let free = filled.len().saturating_sub(2).max(1) as f64;
-    noise += variance * free;
+    let variance = scatter / f64::max(freedom, 1.0);
+    let free = pieces.len().saturating_sub(2).max(1) as f64;
+    let noise = variance * free;
     // Chance exceeds this once in 10^6 edges.
     if square <= noise + 5.0 * variance * (2.0 * free).sqrt() || rise_px <= 0.0 {
         return none;
