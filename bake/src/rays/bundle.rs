@@ -318,3 +318,34 @@ pub(crate) struct Boxes {
     /// Upper ends of the boxes, by axis.
     pub high: [[f32; 8]; 3],
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks the bound against the corners of boxes: no corner may lie beyond it. All numbers are
+    /// exact in binary. The last box is reached along the third axis alone.
+    #[test]
+    fn no_origin_lies_beyond_the_farthest() {
+        let boxes = [
+            ([-1.0, -0.5, 2.0], [0.5, 3.0, 4.0]),
+            ([-8.0, 0.25, -1.0], [-2.0, 0.5, 0.5]),
+            ([0.0, 0.0, -4.0], [0.0, 0.0, 2.0]),
+        ];
+        let mut cases = 0;
+        for (low, high) in boxes {
+            let bounds = Bounds {
+                low,
+                high,
+                inverse: [1.0; 3],
+            };
+            for corner in 0..8 {
+                let at = |axis: usize| [low, high][corner >> axis & 1][axis];
+                let distance = at(0).hypot(at(1)).hypot(at(2));
+                assert!(distance <= bounds.farthest(), "{corner}: {distance}");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 24);
+    }
+}

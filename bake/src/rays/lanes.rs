@@ -494,3 +494,35 @@ fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, M
     }
     (x, y, chosen)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks integers, their neighbours below and above, and halves against the library's floor.
+    #[test]
+    fn floors_are_exact() {
+        let mut cases = 0;
+        for whole in [
+            0.0,
+            1.0,
+            2.0,
+            3.0,
+            127.0,
+            128.0,
+            1e6,
+            2.0_f64.powi(51) - 1.0,
+        ] {
+            for value in [
+                whole,
+                whole.next_up(),
+                whole + 0.5,
+                (whole + 1.0).next_down(),
+            ] {
+                assert_eq!(floor(value), value.floor(), "{value}");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 32);
+    }
+}

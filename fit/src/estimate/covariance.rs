@@ -127,8 +127,6 @@ impl Linear<'_> {
     /// Returns the response of the blur to each parameter of the lens, and the derivatives of
     /// ln(step) of each photograph by this parameter at the same blur.
     fn by_lens(&self, answers: &[DMatrix<f64>]) -> Vec<(DVector<f64>, Vec<f64>)> {
-        let reference = self.scene.reference.as_deref();
-        let neighbours = reference.map(Reference::neighbours);
         let follow = |(camera, step): (Camera, f64)| {
             let slope = |new: &[f64], old: &[f64]| -> Vec<f64> {
                 let pairs = new.iter().zip(old);
@@ -160,18 +158,17 @@ impl Linear<'_> {
                 changes.into_iter().map(|(_, of_step)| of_step).collect(),
             )
         };
-        neighbours.into_iter().flatten().map(follow).collect()
+        let neighbours = self.scene.optics.neighbours().into_iter();
+        neighbours.map(follow).collect()
     }
 
     /// Carries the covariance of the lens to the parameters that respond to it.
     fn carried(&self, by_lens: &[DVector<f64>]) -> DMatrix<f64> {
         let n = by_lens.first().map_or(0, DVector::len);
         let mut sum = DMatrix::zeros(n, n);
-        if let Some(reference) = &self.scene.reference {
-            for (i, a) in by_lens.iter().enumerate() {
-                for (j, b) in by_lens.iter().enumerate() {
-                    sum += a * b.transpose() * reference.lens_covariance[(i, j)];
-                }
+        for (i, a) in by_lens.iter().enumerate() {
+            for (j, b) in by_lens.iter().enumerate() {
+                sum += a * b.transpose() * self.scene.optics.covariance[(i, j)];
             }
         }
         sum

@@ -103,7 +103,7 @@ impl Renders<'_> {
             &shot.pixels.raster,
             &view.profile,
             &view.line,
-            &self.scene.camera,
+            &self.scene.optics.camera,
             tile,
         ))
     }

@@ -9,7 +9,7 @@ use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu};
 use crate::estimate::layout::Layout;
-use crate::estimate::reference::camera_of;
+use crate::estimate::optics::camera_of;
 use crate::estimate::scene::Scene;
 use crate::model::Camera;
 use crate::numerics::Evaluation;
@@ -20,7 +20,8 @@ pub struct Joint<'a> {
     scene: &'a Scene,
     shots: Vec<Photograph<'a>>,
     reference: Option<Photograph<'a>>,
-    /// Parameters of the lens: ln(blur / mm) and, if the reference needed it, the exponent.
+    /// Parameters of the lens: ln(blur / mm) and, if the reference needed it, the exponent. Without
+    /// a reference the assumption counts as one number beside the pixels.
     lens: DVector<f64>,
 }
 
@@ -38,7 +39,7 @@ impl<'a> Joint<'a> {
     /// Finds noise and nuisances of each photograph under the model of `choice` at `parameters`
     /// (logarithms of c and of the spreads), which should be near the truth.
     pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
-        let pitch_mm = scene.camera.pitch_mm;
+        let pitch_mm = scene.optics.camera.pitch_mm;
         let layout = Layout::new(choice, scene.groups.len());
         let shots = scene
             .shots
@@ -47,25 +48,21 @@ impl<'a> Joint<'a> {
                 let mut photograph = Photograph::new(&shot.pixels, pitch_mm);
                 let model = model(shot, choice);
                 let blur = layout.blur(parameters, shot.group);
-                let curves = photograph.curves(Some((&model, blur)), &scene.camera, 0);
+                let curves = photograph.curves(Some((&model, blur)), &scene.optics.camera, 0);
                 photograph.settle(&curves);
                 photograph
             })
             .collect();
         let reference = scene.reference.as_ref().map(|reference| {
             let mut photograph = Photograph::new(&reference.pixels, pitch_mm);
-            photograph.settle(&photograph.curves(None, &scene.camera, 0));
+            photograph.settle(&photograph.curves(None, &scene.optics.camera, 0));
             photograph
         });
-        let lens = scene
-            .reference
-            .as_ref()
-            .map_or(DVector::zeros(0), |r| r.lens.clone());
         Joint {
             scene,
             shots,
             reference,
-            lens,
+            lens: scene.optics.lens.clone(),
         }
     }
 
@@ -99,11 +96,8 @@ impl<'a> Joint<'a> {
 
     /// Returns the camera at these parameters.
     pub fn camera(&self, layout: &Layout, at: &DVector<f64>) -> Camera {
-        if self.lens.is_empty() {
-            return self.scene.camera;
-        }
         let lens = at.rows(layout.parameters(), self.lens.len()).into_owned();
-        camera_of(self.scene.camera.pitch_mm, &lens)
+        camera_of(self.scene.optics.camera.pitch_mm, &lens)
     }
 
     /// Returns the number of independent numbers in the photographs, less those of the nuisances
@@ -111,7 +105,8 @@ impl<'a> Joint<'a> {
     pub fn observations(&self) -> usize {
         let of = |p: &Photograph| p.observations().saturating_sub(p.nuisances());
         let all: usize = self.shots.iter().chain(&self.reference).map(of).sum();
-        all.saturating_sub(self.lens.len())
+        let assumed = self.scene.optics.prior().iter().count();
+        (all + assumed).saturating_sub(self.lens.len())
     }
 
     /// Evaluates residuals and derivatives at a point, with the nuisances at their optimum. Each
@@ -123,7 +118,9 @@ impl<'a> Joint<'a> {
             .map(|(fitted, _)| fitted.factor)
             .collect();
         let width = layout.parameters() + self.lens.len();
+        let prior = self.scene.optics.prior();
         let rows: usize = factors.iter().map(|f| f.nrows() - NUISANCES).sum();
+        let rows = rows + prior.iter().count();
         let (mut residuals, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, width));
         let mut row = 0;
         for (i, factor) in factors.iter().enumerate() {
@@ -137,6 +134,11 @@ impl<'a> Joint<'a> {
                     .copy_from(&factor.view((NUISANCES, NUISANCES + k), (n, 1)));
             }
             row += n;
+        }
+        if let Some([mean, deviation]) = prior {
+            let blur = layout.parameters();
+            residuals[row] = (at[blur] - mean) / deviation;
+            jacobian[(row, blur)] = 1.0 / deviation;
         }
         (residuals, jacobian)
     }
@@ -215,6 +217,9 @@ impl<'a> Joint<'a> {
             let columns = self.columns(layout, i);
             let free = factor.view((1, 1), (factor.nrows() - 1, columns.len()));
             scatter(&mut normal, &columns, &(free.transpose() * free));
+        }
+        if let Some([_, deviation]) = self.scene.optics.prior() {
+            normal[(p, p)] += deviation.powi(-2);
         }
         let blur = inverse(&normal).view((0, 0), (p, p)) * inflation;
         let mu = self

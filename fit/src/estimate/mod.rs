@@ -29,6 +29,7 @@ pub(crate) mod forward;
 mod joint;
 mod layout;
 mod loss;
+pub(crate) mod optics;
 pub(crate) mod optimum;
 mod reference;
 mod remarks;

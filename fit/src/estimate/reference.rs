@@ -5,18 +5,13 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 use crate::compare::Contrast;
 use crate::compare::Pixels;
 use crate::compare::View;
-use crate::model::{Camera, Lens};
+use crate::estimate::optics::{Optics, STEP, camera_of, ln_blur, neighbours};
+use crate::model::Camera;
 use crate::numerics::{CONVERGED, Solution, least_squares};
 
 /// Measured reference photograph.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// Camera with its lens.
-    pub camera: Camera,
-    /// Covariance of ln(blur) and of the exponent.
-    pub lens_covariance: Matrix2<f64>,
-    /// Fitted parameters of the lens: ln(blur / mm), and the exponent if it is not 2.
-    pub lens: DVector<f64>,
     /// Pixels of the reference.
     pub pixels: Pixels,
     /// Exposure of the reference.
@@ -36,14 +31,10 @@ pub struct Reference {
 /// in 1 of 1000 cases.
 const KEEP_EXPONENT: f64 = 10.8;
 
-/// Step of the lens parameters for numerical derivatives.
-const STEP: f64 = 1e-4;
-
 /// Measures the camera by a photograph of the source edge.
-pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
+pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> (Reference, Optics) {
     let pitch_mm = view.pitch_mm();
-    // A Gaussian with sigma of half a pixel has 1/f0 = sqrt 2 pi sigma.
-    let start = (std::f64::consts::SQRT_2 * std::f64::consts::PI * 0.5 * pitch_mm).ln();
+    let start = ln_blur(0.5, pitch_mm);
     let gaussian = fit(view, pitch_mm, DVector::from_vec(vec![start]));
     let free = fit(
         view,
@@ -72,56 +63,22 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> Reference {
     };
     let step_by_lens = camera
         .lens
-        .map_or([0.0; 2], |lens| neighbours(camera, lens).map(of));
-    Reference {
-        camera,
-        lens_covariance,
-        lens: solution.parameters,
+        .map_or([0.0; 2], |lens| neighbours(camera, lens, STEP).map(of));
+    let reference = Reference {
         pixels,
         exposure,
         step: contrast.step / exposure,
         step_relative_error: contrast.variance(&view.profile).sqrt() / contrast.step.abs(),
         step_by_lens,
         reduced_chi2,
-    }
-}
-
-impl Reference {
-    /// Returns the cameras that lie one step of a lens parameter away, each with the size of the
-    /// step. The covariance of the lens is carried to the estimates with them.
-    pub fn neighbours(&self) -> Vec<(Camera, f64)> {
-        let lens = self.camera.lens;
-        lens.map_or_else(Vec::new, |lens| neighbours(self.camera, lens).to_vec())
-    }
-}
-
-/// Returns the cameras that lie one step of a lens parameter away, ln(blur) first, each with the
-/// size of the step.
-fn neighbours(camera: Camera, lens: Lens) -> [(Camera, f64); 2] {
-    let blur = Lens {
-        blur_mm: lens.blur_mm * STEP.exp(),
-        ..lens
     };
-    let exponent = Lens {
-        exponent: lens.exponent + STEP,
-        ..lens
+    let optics = Optics {
+        camera,
+        lens: solution.parameters,
+        covariance: lens_covariance,
+        assumed: false,
     };
-    [blur, exponent].map(|lens| {
-        let lens = Some(lens);
-        (Camera { lens, ..camera }, STEP)
-    })
-}
-
-/// Makes a camera from lens parameters: ln(blur / mm), and the exponent if it is not 2.
-pub(crate) fn camera_of(pitch_mm: f64, parameters: &DVector<f64>) -> Camera {
-    let exponent = parameters.get(1).copied().unwrap_or(2.0).clamp(0.5, 4.0);
-    // The blur is at least a thousandth of a pixel, which is no blur, and at most 100 pixels, which
-    // is no camera.
-    let blur_mm = parameters[0].exp().clamp(1e-3 * pitch_mm, 100.0 * pitch_mm);
-    Camera {
-        pitch_mm,
-        lens: Some(Lens { blur_mm, exponent }),
-    }
+    (reference, optics)
 }
 
 fn fit(view: &View, pitch_mm: f64, start: DVector<f64>) -> Solution {

@@ -14,6 +14,7 @@ use tables::{Direction, Table};
 use crate::compare::Pixels;
 use crate::compare::View;
 use crate::estimate::facing::{Along, Facing, Returned};
+use crate::estimate::optics::Optics;
 use crate::estimate::reference;
 use crate::estimate::reference::Reference;
 use crate::estimate::remarks;
@@ -130,8 +131,8 @@ pub struct Scene {
     pub groups: Vec<f64>,
     /// Measured reference: the photograph of the source edge.
     pub reference: Option<Arc<Reference>>,
-    /// Camera: box of a pixel, and the lens if there is a reference.
-    pub camera: Camera,
+    /// Camera: box of a pixel, and the lens. Without a reference the lens is assumed.
+    pub optics: Optics,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
     /// Wavelengths of the source, if the campaign names them.
@@ -181,19 +182,12 @@ impl Scene {
         let setup = &campaign.setup;
         let mut warnings = campaign.warnings.clone();
         warnings.extend(remarks::of_table(table, campaign));
-        let reference = source_edge(campaign, photo, &mut warnings)?;
-        let camera = reference.as_ref().map_or_else(
-            || Camera {
-                pitch_mm: setup.pixel_pitch_mm,
-                lens: None,
-            },
-            |r| r.camera,
-        );
+        let (reference, optics) = source_edge(campaign, photo, &mut warnings)?;
         let measuring = Measuring {
             campaign,
             table,
             photo,
-            camera,
+            camera: optics.camera,
         };
         let (done, of) = (AtomicUsize::new(0), campaign.captures.len());
         let read: Vec<Option<Aerial>> = campaign
@@ -229,7 +223,7 @@ impl Scene {
             shots,
             groups,
             reference: reference.map(Arc::new),
-            camera,
+            optics,
             half_mirror: setup.half_mirror_transmittance * setup.half_mirror_reflectance,
             spectrum: setup.spectrum.clone(),
             warnings,
@@ -242,9 +236,10 @@ impl Scene {
             shots,
             groups: self.groups.clone(),
             reference: self.reference.clone(),
+            optics: self.optics.clone(),
+            half_mirror: self.half_mirror,
             spectrum: self.spectrum.clone(),
             warnings: self.warnings.clone(),
-            ..*self
         }
     }
 
@@ -345,7 +340,7 @@ fn group(shots: &mut [Aerial]) -> Vec<f64> {
     groups
 }
 
-/// Measures the reference, if the campaign has one; otherwise adds a warning.
+/// Measures the reference, if the campaign has one; otherwise assumes a lens and adds a warning.
 ///
 /// # Errors
 /// Fails if the photograph cannot be read or has no usable edge.
@@ -353,17 +348,17 @@ fn source_edge(
     campaign: &Campaign,
     photo: &Source,
     warnings: &mut Vec<String>,
-) -> Result<Option<Reference>, Error> {
+) -> Result<(Option<Reference>, Optics), Error> {
+    let pitch_mm = campaign.setup.pixel_pitch_mm;
     let Some(shot) = &campaign.reference else {
         if !warnings.iter().any(|said| said.contains(NO_REFERENCE)) {
             warnings.push(format!(
-                "{NO_REFERENCE} photograph: the lens is left out of the model, and mu cannot be \
+                "{NO_REFERENCE} photograph: the blur of the lens is assumed, and mu cannot be \
                 found; photograph the source edge too"
             ));
         }
-        return Ok(None);
+        return Ok((None, Optics::assumed(pitch_mm)));
     };
-    let pitch_mm = campaign.setup.pixel_pitch_mm;
     let pixel = Camera {
         pitch_mm,
         lens: None,
@@ -371,7 +366,8 @@ fn source_edge(
     let (view, pixels, notes) = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
     let name = name(&shot.image);
     warnings.extend(notes.into_iter().map(|note| format!("{name}: {note}")));
-    Ok(Some(reference::measure(&view, pixels, shot.exposure)))
+    let (reference, optics) = reference::measure(&view, pixels, shot.exposure);
+    Ok((Some(reference), optics))
 }
 
 /// Decodes a photograph, finds its edge and sorts its pixels.

@@ -99,7 +99,7 @@ impl<'a> Search<'a> {
             let step = frequencies.len().div_ceil(24);
             let sample = |k: usize| {
                 let frequency = frequencies[k];
-                let camera = scene.camera.otf(frequency, view.line.normal_rad);
+                let camera = scene.optics.camera.otf(frequency, view.line.normal_rad);
                 let lobe = |&spread: &f64| (model.lobe_otf(spread, frequency)[0] * camera).abs();
                 Sample {
                     frequency,

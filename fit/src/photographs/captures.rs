@@ -224,7 +224,7 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
         }
         None => {
             warnings.push(format!(
-                "{} has no [reference]: the lens is left out of the model, and mu cannot be found; \
+                "{} has no [reference]: the blur of the lens is assumed, and mu cannot be found; \
                 photograph the source edge too.",
                 file.display()
             ));

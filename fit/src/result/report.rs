@@ -154,10 +154,13 @@ pub struct CameraResult {
     pub pixel_pitch_mm: f64,
     /// Blur of the lens, mm, in its OTF exp(-(f blur)^exponent).
     ///
-    /// It is null without a reference photograph.
+    /// It is null in results of earlier versions that had no reference photograph.
     pub lens_blur_mm: Option<f64>,
-    /// Exponent of the lens' OTF; null without a reference photograph.
+    /// Exponent of the lens' OTF; null like the blur.
     pub lens_exponent: Option<f64>,
+    /// True if there is no reference photograph, so that the lens was assumed.
+    #[serde(default)]
+    pub lens_assumed: bool,
 }
 
 /// Samples of a rendered model.
@@ -279,9 +282,10 @@ impl ResultFile {
             candidates: estimated.compared.iter().map(candidate).collect(),
             captures: captures(scene, best),
             camera: CameraResult {
-                pixel_pitch_mm: scene.camera.pitch_mm,
+                pixel_pitch_mm: scene.optics.camera.pitch_mm,
                 lens_blur_mm: lens.map(|l| l.blur_mm),
                 lens_exponent: lens.map(|l| l.exponent),
+                lens_assumed: scene.optics.assumed,
             },
             half_mirror: scene.half_mirror,
             table,

@@ -96,9 +96,7 @@ fn a_misfit_raises_the_covariance_by_its_factor() {
         &params(54, planted, &incidence, &[150.0], camera(4e4)),
         &of_ideal,
     );
-    let mut reference = (**scene.reference.as_ref().expect("there is one")).clone();
-    reference.lens_covariance = Matrix2::zeros();
-    scene.reference = Some(Arc::new(reference));
+    scene.optics.covariance = Matrix2::zeros();
     let start = optimum(&scene, SHARED);
     let mut cases = 0;
     for (kind, raised) in [(Kind::Mtf, 2), (Kind::Edge, 3)] {
@@ -198,10 +196,10 @@ fn photographs_of_one_incidence_share_the_error_of_eta() {
 fn through(scene: &Scene, lens: Lens) -> Scene {
     let camera = Camera {
         lens: Some(lens),
-        ..scene.camera
+        ..scene.optics.camera
     };
     let mut other = scene.clone();
-    other.camera = camera;
+    other.optics.camera = camera;
     for shot in &mut other.shots {
         let view = &shot.view;
         // The tangential axis of planted photographs is +x.
@@ -231,13 +229,11 @@ fn the_error_of_the_lens_is_carried_to_every_parameter() {
     let covariance = Matrix2::new(1e-4, 3e-5, 3e-5, 4e-4);
     let with = |lens_covariance: Matrix2<f64>| {
         let mut other = scene.clone();
-        let mut reference = (**scene.reference.as_ref().expect("there is one")).clone();
-        reference.lens_covariance = lens_covariance;
-        other.reference = Some(Arc::new(reference));
+        other.optics.covariance = lens_covariance;
         of_logarithms(&fitted(&other, SHARED, Kind::Mtf))
     };
     let found = with(covariance) - with(Matrix2::zeros());
-    let lens = scene.camera.lens.expect("the reference gives one");
+    let lens = scene.optics.camera.lens.expect("the reference gives one");
     let step = 2e-3;
     let of_step = scene.reference.as_ref().expect("there is one").step_by_lens;
     let slope = |k: usize, change: &dyn Fn(f64) -> Lens| {
@@ -286,7 +282,7 @@ fn a_planted_lens_and_its_step_are_found() {
         &params(53, planted, &[0.0], &[150.0], camera(4e4)),
         &of_ideal,
     );
-    let pitch_mm = scene.camera.pitch_mm;
+    let pitch_mm = scene.optics.camera.pitch_mm;
     let pixel = Camera {
         pitch_mm,
         lens: None,
@@ -308,8 +304,8 @@ fn a_planted_lens_and_its_step_are_found() {
         profile.variance.iter_mut().for_each(|v| *v *= 1e-12);
         profile.mean = edge.iter().map(|unit| 0.02 + 0.8 * unit).collect();
         let view = View::new(shot.view.line, profile, pitch_mm, 0.0, &pixel);
-        let found = measured_reference(&view, (*shot.pixels).clone(), 2.0);
-        let lens = found.camera.lens.expect("it is measured");
+        let (found, optics) = measured_reference(&view, (*shot.pixels).clone(), 2.0);
+        let lens = optics.camera.lens.expect("it is measured");
         println!("{lens:?} {:?} {}", found.step_by_lens, found.step);
         assert!((lens.exponent - exponent).abs() < 1e-6, "{lens:?}");
         assert!((lens.blur_mm.ln() - ln_blur).abs() < 1e-6, "{lens:?}");

@@ -38,13 +38,13 @@ fn nuisance_derivatives_match_differences() {
         &table,
     );
     let shot = &scene.shots[0];
-    let mut photograph = Photograph::new(&shot.pixels, scene.camera.pitch_mm);
+    let mut photograph = Photograph::new(&shot.pixels, scene.optics.camera.pitch_mm);
     let model = crate::estimate::model(shot, SHARED);
     let blur = Blur {
         spread: 3.4,
         c_mm: 0.31,
     };
-    let curves = photograph.curves(Some((&model, blur)), &scene.camera, 1);
+    let curves = photograph.curves(Some((&model, blur)), &scene.optics.camera, 1);
     photograph.settle(&curves);
     let at = Nuisances {
         place_px: 0.3,
@@ -99,8 +99,8 @@ fn noise_is_the_scatter_over_the_degrees_of_freedom() {
         for bin in &mut pixels.bins {
             bin.scatter = [(bin.count - 1.0) * v, 0.0, 0.0];
         }
-        let mut photograph = Photograph::new(&pixels, scene.camera.pitch_mm);
-        photograph.settle(&photograph.curves(None, &scene.camera, 0));
+        let mut photograph = Photograph::new(&pixels, scene.optics.camera.pitch_mm);
+        photograph.settle(&photograph.curves(None, &scene.optics.camera, 0));
         for light in [0.0, 0.1, 0.5] {
             let found = photograph.noise.variance(light);
             assert!((found / v - 1.0).abs() < 1e-9, "{light}: {found} {v}");

@@ -14,6 +14,7 @@ use crate::estimate::{Estimate, Loss, Scene, Value, estimate, refined};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::names::Spectrum;
+use crate::simulate::PlantedCamera;
 use crate::study::{LOSSES, PARAMETERS, Ranges, Summary, Trial, choice, refused, tells};
 use crate::tests::planted::{SHARED, Stream, camera, fitted, params, scene, table, truth};
 use crate::tests::study::{run, trials};
@@ -320,4 +321,53 @@ fn statistics_of_uneven_light() {
     for (i, parameter) in PARAMETERS.into_iter().enumerate().take(2) {
         check(&format!("uneven, edge {parameter}"), &pulls[1][i], 0.1);
     }
+}
+
+/// Without a reference the errors of c and a hold the blur of an unknown lens: sigma is drawn as
+/// `fit` assumes it, half a pixel times or over 2 as one standard deviation.
+///
+/// The effect of the blur grows with its square, which makes the pulls lean to one side. So the
+/// test limits the share of truths within 1.96 errors. For n draws it scatters by
+/// sqrt(0.95 x 0.05 / n); the limit is 4 of these.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn statistics_without_a_reference() {
+    const DRAWS: u64 = 200;
+    let draw = |seed: u64| {
+        let mut stream = Stream(0x1e45 << 20 | seed);
+        let (a, c) = (stream.between(2.0, 6.0), stream.between(0.1, 0.4));
+        let (radius, turn) = (stream.between(0.0, 1.0), stream.between(0.0, 1.0));
+        let normal = (-2.0 * (1.0 - radius).ln()).sqrt() * (std::f64::consts::TAU * turn).cos();
+        let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, 0.6);
+        let incidence = [5.0, 30.0];
+        let table = table(&planted, &incidence, 20.0);
+        let camera = PlantedCamera {
+            // The simulator makes no sharper lens.
+            sigma_px: (0.5 * 2.0_f64.powf(normal)).max(0.1),
+            ..camera(4e4)
+        };
+        let mut params = params(seed, planted, &incidence, &[200.0], camera);
+        params.reference = None;
+        let scene = scene(&params, &table);
+        let pull = |v: Value, truth: f64| (v.value - truth) / v.standard_error;
+        [Kind::Mtf, Kind::Edge].map(|kind| {
+            let fit = fitted(&scene, SHARED, kind);
+            assert!(fit.mu.is_none());
+            let c_mm = fit.c_mm.expect("eq1 has c");
+            [pull(c_mm, c), pull(fit.spread[0], a)]
+        })
+    };
+    let draws: Vec<[[f64; 2]; 2]> = (0..DRAWS).into_par_iter().map(draw).collect();
+    let scatter = (0.95 * 0.05 / DRAWS as f64).sqrt();
+    let mut figures = 0;
+    for (k, loss) in ["mtf", "edge"].into_iter().enumerate() {
+        for (i, parameter) in PARAMETERS.into_iter().enumerate().take(2) {
+            let held = draws.iter().filter(|draw| draw[k][i].abs() < 1.96).count();
+            let share = held as f64 / DRAWS as f64;
+            println!("{loss} {parameter}: {share:.3} of {DRAWS} truths within 1.96 errors");
+            assert!((share - 0.95).abs() < 4.0 * scatter, "{loss} {parameter}");
+            figures += 1;
+        }
+    }
+    assert_eq!(figures, 4);
 }

@@ -80,10 +80,15 @@ fn settings(page: &Page) -> Vec<Entry> {
     let lens = match (camera.lens_blur_mm, camera.lens_exponent) {
         (Some(blur), Some(exponent)) => format!(
             "At the frequency f, the lens keeps the share \
-             exp(\u{2212}(f \u{b7} {} mm)<sup>{}</sup>) of the contrast. This was measured in the \
-             reference photograph, which shows the source itself.",
+             exp(\u{2212}(f \u{b7} {} mm)<sup>{}</sup>) of the contrast. {}",
             significant(blur, 3),
-            significant(exponent, 3)
+            significant(exponent, 3),
+            if camera.lens_assumed {
+                "There is no reference photograph, so this was assumed. Its uncertainty, a factor \
+                 of 2, is in the errors below."
+            } else {
+                "This was measured in the reference photograph, which shows the source itself."
+            }
         ),
         _ => "The blur of the lens is left out, because there is no reference photograph.".into(),
     };
