@@ -413,6 +413,7 @@ impl<'a> Photograph<'a> {
                 } else {
                     variance
                 };
+                let left = left * self.pixels.excess;
                 // The model's own error is one number for a bin, however many pixels the bin has.
                 let root = |amount: f64| {
                     if amount > 0.0 {

@@ -49,6 +49,9 @@ pub struct Pixels {
     pub square_along: f64,
     /// Index of the first bin. Bin j is centred at (first + j) x [`BIN_PX`].
     pub first: i64,
+    /// Factor by which means over many pixels scatter more, as a variance, than those of
+    /// independent pixels.
+    pub excess: f64,
     /// True if the camera cut its noise off at 0.
     pub cut_off: bool,
     /// Positions of the pixels in the window.
@@ -77,6 +80,7 @@ impl Pixels {
             bins: sums[start..end.max(start)].iter().map(Sums::bin).collect(),
             square_along: squares / all.max(1.0),
             first: start as i64 - limit,
+            excess: window.excess(),
             cut_off: window.cuts_off_at_zero(),
             raster: window.raster(),
         }

@@ -14,7 +14,7 @@ use crate::photographs::photo::plane::Photo;
 use crate::photographs::profile::Profile;
 use crate::photographs::roi::Roi;
 use crate::photographs::window::Window;
-use crate::photographs::{chart, defects, saturation};
+use crate::photographs::{chart, correlation, defects, saturation};
 
 /// Largest share of a window's pixels that may be off the edge's profile. More of them are no
 /// defects of a sensor.
@@ -115,8 +115,56 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     } = region;
     let mut window = Window::of(photo, Some([x, y, width, height])).ok_or(Fault::TooSmall)?;
     warnings.extend(saturation::check(photo, &window)?);
-    let pixels = window.pixels().count() as f64;
-    let mut off = defects::exclude_gross(&mut window);
+    let gross = defects::exclude_gross(&mut window);
+    let mut repaired = repaired(window.clone(), gross)?;
+    // Noise that neighbours share is seen only where the light is even. Once it is known, curve and
+    // light are judged by it.
+    let excess = correlation::excess(&repaired.window, &repaired.line, &repaired.profile);
+    if excess > 1.0 {
+        window.set_excess(excess);
+        repaired = self::repaired(window, gross)?;
+        warnings.push(format!(
+            "the noise of neighbouring pixels is correlated (demosaicing, smoothing or JPEG): it \
+            counts {excess:.1} times, as a variance, in all standard errors"
+        ));
+    }
+    warnings.extend(repaired.warnings());
+    let Repaired {
+        window,
+        as_lit,
+        line,
+        profile,
+        ..
+    } = repaired;
+    warnings.extend(shape::check(&window, &line, &profile, accepted)?);
+    warnings.extend(profile.warnings(&line));
+    Ok(Measurement {
+        region,
+        as_lit: as_lit.without_those_of(&window),
+        window,
+        line,
+        profile,
+        warnings,
+    })
+}
+
+/// A window without defects, in even light, and its edge.
+struct Repaired {
+    window: Window,
+    /// The window before uneven light was evened out.
+    as_lit: Window,
+    line: EdgeLine,
+    profile: Profile,
+    lights: Vec<Light>,
+    /// Number of pixels that were left out, and of all pixels.
+    off: usize,
+    pixels: usize,
+}
+
+/// Leaves defects out and evens the light out, until neither is found any more. `off` pixels are
+/// left out already.
+fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
+    let pixels = window.pixels().count() + off;
     let as_lit = window.clone();
     let mut lights: Vec<Light> = Vec::new();
     let mut line = edge::locate(&window)?;
@@ -138,7 +186,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
             off += taken_out;
             (line, profile) = refined(&window, line)?;
         }
-        let share = off as f64 / pixels;
+        let share = off as f64 / pixels as f64;
         if share > MOST_OFF {
             return Err(Fault::NotAlone { share });
         }
@@ -146,29 +194,36 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
             break;
         }
     }
-    if off > 0 {
-        warnings.push(format!(
-            "{off} hot, dead or dirty pixels ({:.3} %) were left out",
-            100.0 * off as f64 / pixels
-        ));
-    }
-    if !lights.is_empty() {
-        warnings.push(format!(
-            "the light varies by {:.1} % over the window (vignetting or an uneven source), which \
-            was corrected; the luminance is that of the edge in the middle of the window",
-            100.0 * illumination::unevenness(&lights, &window)
-        ));
-    }
-    warnings.extend(shape::check(&window, &line, &profile, accepted)?);
-    warnings.extend(profile.warnings(&line));
-    Ok(Measurement {
-        region,
-        as_lit: as_lit.without_those_of(&window),
+    Ok(Repaired {
         window,
+        as_lit,
         line,
         profile,
-        warnings,
+        lights,
+        off,
+        pixels,
     })
+}
+
+impl Repaired {
+    /// Returns warnings about what was repaired.
+    fn warnings(&self) -> Vec<String> {
+        let Repaired { off, pixels, .. } = self;
+        let defects = (*off > 0).then(|| {
+            format!(
+                "{off} hot, dead or dirty pixels ({:.3} %) were left out",
+                100.0 * *off as f64 / *pixels as f64
+            )
+        });
+        let light = (!self.lights.is_empty()).then(|| {
+            format!(
+                "the light varies by {:.1} % over the window (vignetting or an uneven source), \
+                which was corrected; the luminance is that of the edge in the middle of the window",
+                100.0 * illumination::unevenness(&self.lights, &self.window)
+            )
+        });
+        defects.into_iter().chain(light).collect()
+    }
 }
 
 fn refined(window: &Window, line: EdgeLine) -> Result<(EdgeLine, Profile), Fault> {

@@ -7,6 +7,7 @@
 
 pub(crate) mod captures;
 mod chart;
+mod correlation;
 mod defects;
 pub(crate) mod edge;
 mod illumination;

@@ -92,7 +92,7 @@ impl Profile {
             noise: [0.0; 2],
         };
         profile.bridge_means();
-        profile.estimate_noise(sums);
+        profile.estimate_noise(sums, window.excess());
         Some(profile)
     }
 
@@ -229,8 +229,8 @@ impl Profile {
 
     /// Estimates the pixel noise from the scatter within bins. The variance of a pixel is a
     /// straight line in the level (read and shot noise); the variance of a bin's mean is that
-    /// divided by its count.
-    fn estimate_noise(&mut self, sums: &[Sums]) {
+    /// divided by its count, times the `excess` of correlated pixels.
+    fn estimate_noise(&mut self, sums: &[Sums], excess: f64) {
         let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (j, b) in sums.iter().enumerate().filter(|(_, b)| b.n >= 6.0) {
             // Scatter about the local slope: the part of the variance that the slope makes is
@@ -274,7 +274,7 @@ impl Profile {
             .mean
             .iter()
             .zip(&self.count)
-            .map(|(&m, &n)| pixel(m) / if n > 0.0 { n } else { 1.0 })
+            .map(|(&m, &n)| excess * pixel(m) / if n > 0.0 { n } else { 1.0 })
             .collect();
         self.noise = [pixel(low).sqrt(), pixel(high).sqrt()];
     }

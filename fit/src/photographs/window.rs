@@ -10,6 +10,8 @@ pub struct Window {
     width: usize,
     height: usize,
     values: Vec<f32>,
+    /// Factor of [`Window::excess`].
+    excess: f64,
 }
 
 /// One pixel: its position (pixels, from the window's centre) and its value.
@@ -70,7 +72,19 @@ impl Window {
             width,
             height,
             values,
+            excess: 1.0,
         })
+    }
+
+    /// Returns the factor by which means over many pixels scatter more, as a variance, than those
+    /// of independent pixels. It is 1 unless [`Window::set_excess`] has set another one.
+    pub(crate) fn excess(&self) -> f64 {
+        self.excess
+    }
+
+    /// Sets the factor of [`Window::excess`].
+    pub(crate) fn set_excess(&mut self, excess: f64) {
+        self.excess = excess;
     }
 
     /// Returns the width, pixels.
@@ -197,6 +211,7 @@ impl Window {
             width,
             height,
             values: sums.into_iter().map(|(sum, count)| sum / count).collect(),
+            excess: self.excess,
         }
     }
 
@@ -286,6 +301,7 @@ mod tests {
             width: 9,
             height: 17,
             values: vec![0.5; 9 * 17],
+            excess: 1.0,
         };
         let along = |held: fn(&Pixel) -> bool, place: fn(&Pixel) -> f64| {
             let mut places: Vec<f64> = window.outline().filter(held).map(|p| place(&p)).collect();

@@ -11,6 +11,7 @@ mod carried;
 mod channels;
 #[cfg(feature = "images")]
 mod coating;
+mod correlation;
 mod curves;
 mod edge;
 mod estimate;

@@ -28,7 +28,7 @@ const WIDE: f64 = 4.0;
 /// quantiles at 4 standard deviations, by the cube root of Wilson and Hilferty (1931), which is
 /// exact to 1e-3 from n = 100. The mean of n pulls has the standard error 1/sqrt(n). `bias` is what
 /// the curvature of the model may add to the mean.
-fn check(what: &str, pulls: &[f64], bias: f64) {
+pub(crate) fn check(what: &str, pulls: &[f64], bias: f64) {
     let n = pulls.len() as f64;
     let square = pulls.iter().map(|p| p * p).sum::<f64>() / n;
     let mean = pulls.iter().sum::<f64>() / n;
@@ -71,6 +71,12 @@ struct Draw<const N: usize> {
     corrected: bool,
 }
 
+/// Returns whether a photograph of a scene was taken for unevenly lit.
+pub(crate) fn is_corrected(scene: &Scene) -> bool {
+    let mut warnings = scene.shots.iter().flat_map(|shot| &shot.warnings);
+    warnings.any(|warning| warning.contains("the light varies"))
+}
+
 /// Draws campaigns of two photographs with electrons in a range, and fits them.
 fn drawn<const N: usize>(
     count: u64,
@@ -97,11 +103,7 @@ fn drawn<const N: usize>(
                 ]
             }),
             cut_off: scene.shots.iter().filter(|s| s.pixels.cut_off).count(),
-            corrected: scene
-                .shots
-                .iter()
-                .flat_map(|shot| &shot.warnings)
-                .any(|warning| warning.contains("the light varies")),
+            corrected: is_corrected(&scene),
         }
     };
     (0..count).into_par_iter().map(draw).collect()

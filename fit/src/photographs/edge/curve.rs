@@ -145,7 +145,7 @@ pub(crate) fn step(window: &Window, line: &mut EdgeLine, profile: &Profile) -> O
     let (normal, pixels) = steepness.normal(window, line, &bend);
     let factor = factor::of(normal);
     let falls = factor.column(OFF);
-    let variance = falls[OFF].powi(2) / pixels.max(1.0);
+    let variance = window.excess() * falls[OFF].powi(2) / pixels.max(1.0);
     let order = order(&falls.as_slice()[CURVE..OFF], variance, pixels).max(bend.order);
     if order < 2 {
         return None;
@@ -210,6 +210,7 @@ impl Steepness {
         let falls = factor.column(COLUMNS - 1);
         let explained: f64 = falls.iter().take(ORDERS + 1).map(|fall| fall * fall).sum();
         let variance = (squares - explained).max(0.0) / f64::max(pixels, 1.0);
+        let variance = window.excess() * variance;
         order(&falls.as_slice()[..=ORDERS], variance, pixels) < 2
     }
 
@@ -296,7 +297,7 @@ pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile, rise_px
         square += explained;
         most = most.max((piece.off / piece.weight).abs());
     }
-    let variance = scatter / f64::max(freedom, 1.0);
+    let variance = window.excess() * scatter / f64::max(freedom, 1.0);
     let free = pieces.len().saturating_sub(2).max(1) as f64;
     let noise = variance * free;
     // Chance exceeds this once in 10^6 edges.
