@@ -48,6 +48,8 @@ Keys that may be left out, with the values that they then have:
   full_well_e = 40000               # electrons at full scale, which is level 1
   read_noise_e = 3                  # electrons, standard deviation
   bits = 14
+  hot_share = 0                     # share of pixels that are at full scale
+  jpeg_quality                      # 1 to 100: 8-bit sRGB JPEG instead of EXR
   [reference]
   edge_normal_deg = 4               # from dark to bright: 0 right, 90 down
   offset_px = 0                     # of the edge, from the centre to the left

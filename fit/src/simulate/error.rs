@@ -101,4 +101,11 @@ pub enum Error {
         /// The encoder's error.
         source: exr::error::Error,
     },
+    /// A photograph that cannot be packed as JPEG.
+    #[error("a photograph cannot be packed as JPEG ({source}); make it smaller")]
+    Jpeg {
+        /// The encoder's or decoder's error.
+        #[from]
+        source: image::ImageError,
+    },
 }

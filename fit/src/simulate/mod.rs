@@ -8,6 +8,7 @@
 
 pub(crate) mod cell;
 pub(crate) mod error;
+mod jpeg;
 mod lobe_edge;
 mod noise;
 mod params;

@@ -15,7 +15,7 @@ use crate::simulate::error::Error;
 /// Keys and tables of the top level.
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
 /// Keys of the table `[camera]`.
-pub(crate) const CAMERA: [&str; 12] = [
+pub(crate) const CAMERA: [&str; 14] = [
     "width",
     "height",
     "pixel_pitch_mm",
@@ -28,6 +28,8 @@ pub(crate) const CAMERA: [&str; 12] = [
     "full_well_e",
     "read_noise_e",
     "bits",
+    "hot_share",
+    "jpeg_quality",
 ];
 /// Keys of the table `[truth]`.
 const TRUTH: [&str; 9] = [
@@ -96,6 +98,11 @@ pub struct PlantedCamera {
     pub read_noise_e: f64,
     /// Number of bits of the converter: levels are whole multiples of 1/(2^bits - 1).
     pub bits: u32,
+    /// Share of the pixels that are at full scale whatever light they see.
+    pub hot_share: f64,
+    /// Quality of the JPEG as which photographs are saved, 1 to 100: 8 bits, sRGB-coded. `None`
+    /// stands for EXR.
+    pub jpeg_quality: Option<u8>,
 }
 
 /// One number for all incidences, or one for each.
@@ -278,6 +285,8 @@ impl Default for PlantedCamera {
             full_well_e: 40_000.0,
             read_noise_e: 3.0,
             bits: 14,
+            hot_share: 0.0,
+            jpeg_quality: None,
         }
     }
 }
@@ -299,6 +308,14 @@ pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<PlantedCamera, Error>
     const BITS: Bounds = Bounds {
         words: "between 1 and 24",
         holds: |x| (1.0..=24.0).contains(&x),
+    };
+    const HOT: Bounds = Bounds {
+        words: "at least 0 and at most 0.1",
+        holds: |x| (0.0..=0.1).contains(&x),
+    };
+    const QUALITY: Bounds = Bounds {
+        words: "a whole number between 1 and 100",
+        holds: |x| (1.0..=100.0).contains(&x) && x.fract() == 0.0,
     };
     let default = PlantedCamera::default();
     let Some(keys) = keys else { return Ok(default) };
@@ -328,6 +345,10 @@ pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<PlantedCamera, Error>
         full_well_e: number("full_well_e", Bounds::POSITIVE, default.full_well_e)?,
         read_noise_e: number("read_noise_e", Bounds::NOT_NEGATIVE, default.read_noise_e)?,
         bits: whole("bits", BITS, default.bits.into())? as u32,
+        hot_share: number("hot_share", HOT, default.hot_share)?,
+        jpeg_quality: keys
+            .number("jpeg_quality", QUALITY)?
+            .map(|quality| quality as u8),
     })
 }
 

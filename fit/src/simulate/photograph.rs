@@ -11,7 +11,7 @@
 //! The level of a pixel is veil + exposure x contrast x light x (dark_ratio + (1 - dark_ratio)
 //! E(s)). The contrast is source_level for the reference, and source_level x mu x eta x T x R of
 //! the half mirror for a capture. The photograph then gets shot noise and read noise in electrons,
-//! is rounded to the converter's steps, and is clipped to [0, 1].
+//! is rounded to the converter's steps, and is clipped to [0, 1]. It may then go through JPEG.
 
 use crate::document::FileLine;
 use crate::names::Kernel;
@@ -20,6 +20,7 @@ use crate::names::{SpectralLine, Spectrum};
 use crate::simulate::cell;
 use crate::simulate::cell::CubeShift;
 use crate::simulate::error::Error;
+use crate::simulate::jpeg;
 use crate::simulate::noise::PixelNoise;
 use crate::simulate::params::{ByIncidence, Params, PlantedCamera, PlantedEdge};
 use crate::simulate::profile::{EdgeBlur, EdgeProfile, STEPS_PER_PIXEL, Spread};
@@ -132,13 +133,31 @@ pub(crate) fn photograph(params: &Params, index: Option<usize>) -> Result<Vec<f3
         let mut noise = PixelNoise::new(params.seed, number, pixel as u64);
         let electrons =
             noise.poisson(level * camera.full_well_e) + camera.read_noise_e * noise.normal();
-        ((electrons / camera.full_well_e).clamp(0.0, 1.0) * steps).round() / steps
+        let is_hot = camera.hot_share > 0.0 && noise.uniform() < camera.hot_share;
+        let level = if is_hot {
+            1.0
+        } else {
+            electrons / camera.full_well_e
+        };
+        (level.clamp(0.0, 1.0) * steps).round() / steps
     };
-    Ok(light(params, index)?
-        .into_iter()
-        .enumerate()
-        .map(|pixel| expose(pixel) as f32)
-        .collect())
+    let pixels = light(params, index)?.into_iter().enumerate();
+    Ok(pixels.map(|pixel| expose(pixel) as f32).collect())
+}
+
+/// Returns the pixels of a photograph as its file has them: those of [`photograph`], through JPEG
+/// if the camera saves JPEG.
+///
+/// # Errors
+/// Returns the errors of [`photograph`], and [`Error::Jpeg`] if JPEG cannot hold the photograph.
+pub(crate) fn saved(params: &Params, index: Option<usize>) -> Result<Vec<f32>, Error> {
+    let pixels = photograph(params, index)?;
+    let camera = &params.camera;
+    let Some(quality) = camera.jpeg_quality else {
+        return Ok(pixels);
+    };
+    let bytes = jpeg::packed(&pixels, [camera.width, camera.height], quality)?;
+    Ok(jpeg::unpacked(&bytes)?)
 }
 
 fn source_blur(camera: &PlantedCamera, edge: &PlantedEdge) -> EdgeBlur {

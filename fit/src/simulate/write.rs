@@ -9,6 +9,7 @@ use exr::prelude::{
 use serde_json::{Value, json};
 
 use crate::simulate::error::Error;
+use crate::simulate::jpeg;
 use crate::simulate::params::{ByIncidence, Params, PlantedShot};
 use crate::simulate::photograph::photograph;
 
@@ -65,16 +66,16 @@ pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report,
     };
     let mut names = Vec::new();
     if params.reference.is_some() {
-        names.push("source.exr".to_owned());
+        names.push(source_name(params));
         save(
             params,
             None,
-            &scratch.path().join("source.exr"),
+            &scratch.path().join(source_name(params)),
             &mut report,
         )?;
     }
     for (index, shot) in params.captures.iter().enumerate() {
-        let name = image_name(index, shot);
+        let name = image_name(params, index, shot);
         save(
             params,
             Some(index),
@@ -114,6 +115,14 @@ fn save(
     let pixels = photograph(params, index)?;
     report.photographs += 1;
     report.clipped += pixels.iter().filter(|&&value| value >= 1.0).count();
+    if let Some(quality) = params.camera.jpeg_quality {
+        let size = [params.camera.width, params.camera.height];
+        let bytes = jpeg::packed(&pixels, size, quality)?;
+        return std::fs::write(file, bytes).map_err(|source| Error::Write {
+            file: file.to_owned(),
+            source,
+        });
+    }
     let channel = AnyChannel::new("Y", FlatSamples::F32(pixels));
     let size = (params.camera.width, params.camera.height);
     let channels = AnyChannels::sort(std::iter::once(channel).collect());
@@ -134,7 +143,19 @@ fn save(
         .map_err(cannot)
 }
 
-fn image_name(index: usize, shot: &PlantedShot) -> String {
+/// Returns the extension of the photographs.
+fn extension(params: &Params) -> &'static str {
+    match params.camera.jpeg_quality {
+        Some(_) => "jpg",
+        None => "exr",
+    }
+}
+
+fn source_name(params: &Params) -> String {
+    format!("source.{}", extension(params))
+}
+
+fn image_name(params: &Params, index: usize, shot: &PlantedShot) -> String {
     let from_axis = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
     let axis = if from_axis.cos().abs() >= from_axis.sin().abs() {
         "tan"
@@ -142,10 +163,11 @@ fn image_name(index: usize, shot: &PlantedShot) -> String {
         "sag"
     };
     format!(
-        "aerial_{:03}_{}mm_{:02}deg_{axis}.exr",
+        "aerial_{:03}_{}mm_{:02}deg_{axis}.{}",
         index + 1,
         shot.floating_distance_mm,
-        shot.incidence_deg
+        shot.incidence_deg,
+        extension(params)
     )
 }
 
@@ -163,7 +185,8 @@ fn manifest(params: &Params) -> String {
     if let Some(edge) = params.reference {
         let _ = write!(
             text,
-            "\n[reference]\nimage = \"source.exr\"\nexposure = {}\n",
+            "\n[reference]\nimage = \"{}\"\nexposure = {}\n",
+            source_name(params),
             edge.exposure
         );
     }
@@ -172,7 +195,7 @@ fn manifest(params: &Params) -> String {
             text,
             "\n[[capture]]\nimage = \"{}\"\nfloating_distance_mm = {}\nincidence_deg = {}\n\
             azimuth_deg = {}\nexposure = {}\n",
-            image_name(index, shot),
+            image_name(params, index, shot),
             shot.floating_distance_mm,
             shot.incidence_deg,
             shot.azimuth_deg,
@@ -235,6 +258,8 @@ fn truth(params: &Params) -> String {
             "full_well_e": camera.full_well_e,
             "read_noise_e": camera.read_noise_e,
             "bits": camera.bits,
+            "hot_share": camera.hot_share,
+            "jpeg_quality": camera.jpeg_quality,
         },
         "truth": {
             "kernel": truth.kernel.name(),

@@ -17,7 +17,7 @@ use crate::simulate::{
     ByIncidence, CAMERA, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot,
 };
 
-const ROOT: [&str; 20] = [
+const ROOT: [&str; 24] = [
     "refractive_index",
     "ior",
     "pair",
@@ -33,6 +33,10 @@ const ROOT: [&str; 20] = [
     "vignetting",
     "bow_px",
     "ripple_px",
+    "veil",
+    "hot_share",
+    "bits",
+    "jpeg_quality",
     "kernels",
     "wavelength_nm",
     "a_fall",
@@ -79,6 +83,14 @@ pub struct Ranges {
     pub bow_px: Option<[f64; 2]>,
     /// Amplitude of a sinusoidal wave of each edge, pixels.
     pub ripple_px: Option<[f64; 2]>,
+    /// Light that is added everywhere, full scale 1.
+    pub veil: Option<[f64; 2]>,
+    /// Share of the pixels that are at full scale whatever light they see.
+    pub hot_share: Option<[f64; 2]>,
+    /// Bits of the converter.
+    pub bits: Option<[f64; 2]>,
+    /// Quality of the JPEG as which the photographs are saved. They are not if this is `None`.
+    pub jpeg_quality: Option<[f64; 2]>,
     /// Kernels of [`Ranges::open_campaign`], all with equal probability.
     pub kernels: Vec<Kernel>,
     /// Wavelengths of the source, for the `wave` kernel.
@@ -107,6 +119,10 @@ impl Default for Ranges {
             vignetting: None,
             bow_px: None,
             ripple_px: None,
+            veil: None,
+            hot_share: None,
+            bits: None,
+            jpeg_quality: None,
             kernels: vec![Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe],
             spectrum: None,
             a_fall: [0.005, 1.5],
@@ -142,6 +158,22 @@ impl Ranges {
         const BENT: Bounds = Bounds {
             words: "greater than 0 and at most 10",
             holds: |x| x > 0.0 && x <= 10.0,
+        };
+        const VEIL: Bounds = Bounds {
+            words: "greater than 0 and at most 0.15",
+            holds: |x| x > 0.0 && x <= 0.15,
+        };
+        const HOT: Bounds = Bounds {
+            words: "greater than 0 and at most 0.1",
+            holds: |x| x > 0.0 && x <= 0.1,
+        };
+        const BITS: Bounds = Bounds {
+            words: "between 8 and 24",
+            holds: |x| (8.0..=24.0).contains(&x),
+        };
+        const QUALITY: Bounds = Bounds {
+            words: "between 1 and 100",
+            holds: |x| (1.0..=100.0).contains(&x),
         };
         let document = Document::read(file)?;
         let table = document.parse()?;
@@ -180,6 +212,10 @@ impl Ranges {
             vignetting: named_range(&root, "vignetting", GAIN)?,
             bow_px: named_range(&root, "bow_px", BENT)?,
             ripple_px: named_range(&root, "ripple_px", BENT)?,
+            veil: named_range(&root, "veil", VEIL)?,
+            hot_share: named_range(&root, "hot_share", HOT)?,
+            bits: named_range(&root, "bits", BITS)?,
+            jpeg_quality: named_range(&root, "jpeg_quality", QUALITY)?,
             kernels,
             spectrum,
             a_fall: range("a_fall", Bounds::POSITIVE, default.a_fall)?,
@@ -272,11 +308,25 @@ impl Ranges {
         params
     }
 
-    /// Draws uneven light and bent edges. Each kind has a stream of its own, so that it does not
+    /// Draws uneven light, bent edges and faults of the camera. Each kind has a stream of its own, so that it does not
     /// change the others.
     fn disturb(&self, params: &mut Params, seed: u64, index: u64) {
-        let mut draws = [1, 3, 4, 5].map(|k| PixelNoise::new(seed, index, u64::MAX - k));
-        let [light, vignetting, bow, ripple] = &mut draws;
+        let mut draws = [1, 3, 4, 5, 6].map(|k| PixelNoise::new(seed, index, u64::MAX - k));
+        let [light, vignetting, bow, ripple, camera] = &mut draws;
+        let saved = [self.veil, self.hot_share, self.bits, self.jpeg_quality]
+            .map(|range| range.map(|range| log(camera, range)));
+        if let Some(veil) = saved[0] {
+            params.camera.veil = veil;
+        }
+        if let Some(share) = saved[1] {
+            params.camera.hot_share = share;
+        }
+        if let Some(bits) = saved[2] {
+            params.camera.bits = bits.round() as u32;
+        }
+        if let Some(quality) = saved[3] {
+            params.camera.jpeg_quality = Some(quality.round() as u8);
+        }
         let captures = params.captures.iter_mut().map(|shot| &mut shot.edge);
         for edge in captures.chain(&mut params.reference) {
             if let Some(range) = self.light {

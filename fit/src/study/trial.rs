@@ -56,7 +56,7 @@ pub(crate) struct Trial {
 /// Fails if [`Scene::of`] fails, for example because a photograph is so noisy that its edge is not
 /// found.
 pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, Error> {
-    let photographs = source(params, simulate::photograph::photograph);
+    let photographs = source(params, simulate::photograph::saved);
     let scene = Scene::of(&campaign(params, &[]), table, &photographs)?;
     let choice = Choice {
         kernel: Kernel::Eq1,

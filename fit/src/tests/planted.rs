@@ -143,6 +143,8 @@ pub(crate) fn camera(full_well_e: f64) -> PlantedCamera {
         full_well_e,
         read_noise_e: 3.0,
         bits: 14,
+        hot_share: 0.0,
+        jpeg_quality: None,
     }
 }
 

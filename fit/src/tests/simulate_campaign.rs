@@ -241,3 +241,50 @@ fn deviating_light_meets_the_image_off_by_distance_times_angle() {
     }
     assert!(cases >= 3 * 3, "{cases} corners");
 }
+
+/// Checks a photograph that goes through JPEG against the one that does not. At quality 100 a
+/// coefficient is rounded to whole codes, so a pixel errs by 8 x 0.5 codes at most and by 0.29 x
+/// sqrt 2 codes as a standard deviation: once by the coefficients, once by its own code. A code is
+/// 1/255 of the coded light; its slope d light / d code is at most 2.28. Hot pixels are as many as
+/// planted, within 5 deviations of their number.
+#[test]
+fn photographs_go_through_jpeg_and_have_hot_pixels() {
+    let mut plain = params();
+    plain.camera.full_well_e = 1e9;
+    plain.camera.read_noise_e = 0.0;
+    let mut packed = plain.clone();
+    packed.camera.jpeg_quality = Some(100);
+    let of = |params: &Params| simulate::saved(params, Some(0)).expect("it can be simulated");
+    let (linear, through) = (of(&plain), of(&packed));
+    let squares = linear
+        .iter()
+        .zip(&through)
+        .map(|(a, b)| f64::from(a - b).powi(2));
+    let rms = (squares.sum::<f64>() / linear.len() as f64).sqrt();
+    println!("{rms:.5} root mean square");
+    assert!(
+        rms > 0.0 && rms < 0.29 * 2.0_f64.sqrt() * 2.28 / 255.0,
+        "{rms}"
+    );
+    plain.camera.hot_share = 0.01;
+    let hot = of(&plain).iter().filter(|&&value| value == 1.0).count() as f64;
+    let expected = 0.01 * linear.len() as f64;
+    println!("{hot} hot pixels for {expected}");
+    assert!((hot - expected).abs() < 5.0 * expected.sqrt(), "{hot}");
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    crate::simulate::run(&packed, folder.path(), true).expect("the campaign can be written");
+    let campaign =
+        captures::load(&folder.path().join("captures.toml")).expect("the manifest is valid");
+    let photo = campaign.captures[0]
+        .shot
+        .load()
+        .expect("it is a photograph");
+    // The decoder is the same, and both compute the curve of sRGB in f32.
+    let worst = photo
+        .luminance
+        .iter()
+        .zip(&through)
+        .map(|(a, b)| (a - b).abs());
+    assert!(worst.fold(0.0, f32::max) < 1e-6);
+}
