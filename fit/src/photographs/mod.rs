@@ -7,6 +7,7 @@
 
 pub(crate) mod captures;
 mod chart;
+pub(crate) mod crossing;
 mod defects;
 pub(crate) mod edge;
 mod illumination;

@@ -18,6 +18,7 @@ mod estimate;
 mod export;
 mod exposure;
 mod forward;
+mod known;
 #[cfg(feature = "images")]
 mod metrics;
 mod noise;

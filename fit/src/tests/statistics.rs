@@ -27,7 +27,7 @@ const WIDE: f64 = 4.0;
 /// quantiles at 4 standard deviations, by the cube root of Wilson and Hilferty (1931), which is
 /// exact to 1e-3 from n = 100. The mean of n pulls has the standard error 1/sqrt(n). `bias` is what
 /// the curvature of the model may add to the mean.
-fn check(what: &str, pulls: &[f64], bias: f64) {
+pub(crate) fn check(what: &str, pulls: &[f64], bias: f64) {
     let n = pulls.len() as f64;
     let square = pulls.iter().map(|p| p * p).sum::<f64>() / n;
     let mean = pulls.iter().sum::<f64>() / n;
