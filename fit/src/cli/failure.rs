@@ -73,6 +73,38 @@ pub(crate) enum Failure {
         /// Fault of the edge.
         fault: edge::fault::Fault,
     },
+    /// Folder without a photograph.
+    #[error("{}: {message}; name a photograph, or a folder that holds some", folder.display())]
+    Folder {
+        /// Folder that was named.
+        folder: PathBuf,
+        /// Reason, in words.
+        message: String,
+    },
+    /// Photographs that were refused, while others were measured.
+    #[error(
+        "{refused} of {of} photographs were refused; the lines above and the column `error` \
+    say why; mend them or leave them out"
+    )]
+    Refused {
+        /// Number of photographs that were refused.
+        refused: usize,
+        /// Number of all photographs.
+        of: usize,
+    },
+    /// Frequency at which there is no curve.
+    #[error(
+        "--at {frequency}: lies above the sampling frequency, where no curve is; name at most \
+    {most} {unit}"
+    )]
+    Frequency {
+        /// Frequency that was named.
+        frequency: f64,
+        /// Sampling frequency.
+        most: f64,
+        /// Unit of both.
+        unit: &'static str,
+    },
     /// Region of interest that does not lie in the photograph.
     #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}); give \
     x,y,width,height in pixels",
@@ -150,6 +182,7 @@ impl Failure {
             #[cfg(feature = "report")]
             Failure::Plot(plot::Error::Format(_)) => 2,
             Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
+            Failure::Frequency { .. } => 2,
             #[cfg(feature = "images")]
             Failure::Render(render::Error::Ending { .. }) => 2,
             _ => 1,

@@ -1,32 +1,30 @@
-//! `fit mtf`: measures the slanted-edge MTF of one photograph.
+//! `fit mtf`: measures the slanted-edge MTF of photographs.
 
-use std::fmt::Write;
+mod files;
+mod report;
+mod table;
+
 use std::path::PathBuf;
+
+use rayon::prelude::*;
+use tables::Outputs;
 use tables::cli as terminal;
 
-use serde::Serialize;
-use tables::Outputs;
-
 use crate::cli::failure::Failure;
-use crate::cli::output;
-use crate::cli::parse;
-use crate::photographs::Measurement;
+use crate::cli::mtf::report::{Report, Request, measured};
+use crate::cli::mtf::table::{Entry, Photographs};
+use crate::cli::{output, parse};
 use crate::photographs::Roi;
 use crate::photographs::edge::accepted::Accepted;
-use crate::photographs::measure;
-use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
-use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::transfer::Transfer;
-use crate::photographs::sfr;
-use crate::photographs::{Estimator, crossing};
+#[cfg(feature = "report")]
+use crate::report::{curves, plot};
 
-/// Number of points of the curve, from frequency 0 to the sampling frequency.
-const POINTS: usize = 512;
-
-/// Measures the MTF of one photograph of a slanted edge, as CSV or JSON.
+/// Measures the MTF of photographs of a slanted edge, as CSV or JSON.
 ///
-/// The method follows ISO 12233.
+/// The method follows ISO 12233. One photograph gives its curve. Several photographs, or a folder,
+/// give one row each.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Conventions:
@@ -36,23 +34,33 @@ Conventions:
 - The effects of averaging in bins and of the difference are divided out.
   This is +5 % at half the sampling frequency.
 - The window is a Tukey window, flat over 70 %.
-fit/doc/mtf.md describes the accuracy.
+- MTF50 and MTF10 are read off a smooth curve through the MTF about them.
+- An edge that is aligned with the pixels is refused. Tilt it by 2 to 10
+  degrees, best by 5.
+fit/doc/mtf.md describes the accuracy, and what sfrmat5 does otherwise.
+
+Several photographs, or a folder: a photograph that is refused has the reason
+in the column `error`. The others are measured, and the exit code is 1.
 
 Examples:
   fit mtf edge.exr --pixel-pitch 0.05
   fit mtf photo.png --roi 200,150,320,256 --accept doubled --json -o mtf.json
+  fit mtf edge.exr --at 0.1,0.25,0.5 --plot edge.svg -o edge.csv
+  fit mtf edge.exr photo.png --at 0.1,0.25 -o edges.csv
 
 Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
-    /// Photograph of an edge: EXR, PNG, TIFF or JPEG.
+    /// Photographs of an edge: EXR, PNG, TIFF or JPEG; or folders of them.
     ///
     /// EXR and 16-bit files are read as linear light, 8-bit files as sRGB. Camera raw needs a
-    /// `fit` that was built with the feature raw.
-    pub image: PathBuf,
+    /// `fit` that was built with the feature raw. The pictures of a folder are taken in the order
+    /// of their names; other files in it are left out.
+    #[arg(required = true)]
+    pub image: Vec<PathBuf>,
     /// Region that holds one edge, in pixels.
     ///
     /// X and Y are its upper left corner. Without this option, `fit` finds the edge, which must be
-    /// the only slanted edge of the picture.
+    /// the only slanted edge of the picture. The region holds for every photograph.
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<Roi>,
     /// Side of a pixel, mm, so that frequencies are in 1/mm.
@@ -60,6 +68,11 @@ pub(crate) struct Arguments {
     /// Without this option, frequencies are in cycles per pixel.
     #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
+    /// Frequencies at which the MTF is named too.
+    ///
+    /// They are in 1/mm with --pixel-pitch, else in cycles per pixel. A list, or start:stop:step.
+    #[arg(long, value_name = "F,F,...", value_parser = parse::positives)]
+    pub at: Option<std::vec::Vec<f64>>,
     /// Meaning of integers in the file: linear or srgb.
     ///
     /// Give it if the rule of the format (8 bits: sRGB, 16 bits: linear) does not hold.
@@ -78,7 +91,11 @@ pub(crate) struct Arguments {
     /// Writes one JSON object in place of CSV.
     #[arg(long)]
     pub json: bool,
-    /// File that receives the curve, in place of standard output.
+    /// File that receives the curves as a picture, .svg or .png.
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// File that receives the curve or the rows, in place of standard output.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
@@ -113,135 +130,119 @@ fn roi(text: &str) -> Result<Roi, String> {
     }
 }
 
-#[derive(Serialize)]
-struct Report {
-    image: String,
-    edge_angle_deg: f64,
-    edge_angle_standard_error_deg: f64,
-    edge_offset_px: f64,
-    /// Height of the curve that the edge follows, and its order; 0 and 1 for a straight edge.
-    edge_bow_px: f64,
-    edge_order: usize,
-    contrast: f64,
-    pixel_noise: [f64; 2],
-    frequency_unit: &'static str,
-    /// In `frequency_unit`.
-    mtf50: Option<f64>,
-    /// Only with a pixel pitch.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    mtf50_per_mm: Option<f64>,
-    frequency: Vec<f64>,
-    mtf: Vec<f64>,
-    standard_error: Vec<f64>,
-    warnings: Vec<String>,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
-/// Fails if the photograph cannot be read or holds no edge, or if the output cannot be written.
+/// Fails if a photograph cannot be read or holds no edge, or if an output cannot be written. Of
+/// several photographs, all others are measured and written first.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let output = terminal::reserve(
-        arguments.output.as_deref(),
-        &mut Outputs::beside([arguments.image.as_path()]),
-    )?;
-    let decode = Decode {
-        transfer: arguments.transfer,
-        channel: arguments.channel.clone(),
-    };
-    let photo = photo::load(&arguments.image, &decode)?;
-    if let Some(roi) = arguments
-        .roi
-        .filter(|roi| !roi.fits(photo.width, photo.height))
-    {
-        return Err(Failure::Roi {
-            image: arguments.image.clone(),
-            roi,
-            width: photo.width,
-            height: photo.height,
-        });
-    }
-    let report = measured(&photo, arguments)?;
-    let text = if arguments.json {
-        output::json(&report)
-    } else {
-        for warning in &report.warnings {
-            terminal::warn([format!("{}: {warning}", arguments.image.display())]);
-        }
-        terminal::note(report.line());
-        report.csv(arguments.pixel_pitch.is_some())
-    };
-    Ok(terminal::deliver(&text, output)?)
-}
-
-/// Measures the edge of a photograph and its MTF, up to the sampling frequency.
-fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
-    let Measurement {
-        line,
-        profile,
-        warnings,
-        ..
-    } = measure::edge(photo, arguments.roi, &arguments.accept).map_err(|fault| Failure::Edge {
-        image: arguments.image.clone(),
-        fault,
-    })?;
-    let pitch = arguments.pixel_pitch.unwrap_or(1.0);
-    // The curve ends at the sampling frequency, a quarter of the period of the spectrum.
-    let estimator = Estimator::new(&profile, pitch, 4 * POINTS, POINTS);
-    let mtf = estimator.measure(&profile).modulus;
-    let standard_error = sfr::standard_error(&estimator.response(&profile), &profile);
-    let frequency = estimator.frequencies_per_mm;
-    let (dark, bright) = profile.plateaus();
-    let mtf50 = crossing(&frequency, &mtf, 0.5);
-    Ok(Report {
-        image: arguments.image.display().to_string(),
-        edge_angle_deg: line.normal_rad.to_degrees(),
-        edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
-        edge_offset_px: line.offset_px,
-        edge_bow_px: line.bow_px(),
-        edge_order: line.bend.map_or(1, |bend| bend.order),
-        contrast: bright - dark,
-        pixel_noise: profile.noise,
-        frequency_unit: if arguments.pixel_pitch.is_some() {
-            "1/mm"
-        } else {
-            "cycles/pixel"
+    let request = Request {
+        decode: Decode {
+            transfer: arguments.transfer,
+            channel: arguments.channel.clone(),
         },
-        mtf50,
-        mtf50_per_mm: mtf50.filter(|_| arguments.pixel_pitch.is_some()),
-        frequency,
-        mtf,
-        standard_error,
-        warnings,
-    })
+        roi: arguments.roi,
+        accept: arguments.accept.clone(),
+        pitch_mm: arguments.pixel_pitch,
+        at: arguments.at.clone().unwrap_or_default(),
+    };
+    request.check()?;
+    let images = files::photographs(&arguments.image)?;
+    let mut outputs = Outputs::beside(images.iter().map(PathBuf::as_path));
+    let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
+    #[cfg(feature = "report")]
+    let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
+    if let [image] = &arguments.image[..]
+        && !image.is_dir()
+    {
+        let report = measured(image, &request)?;
+        #[cfg(feature = "report")]
+        if let Some((path, output)) = picture {
+            output.commit(&drawn(&[&report], &request, path)?)?;
+        }
+        let text = if arguments.json {
+            output::json(&report)
+        } else {
+            warn(&report);
+            terminal::note(report.summary());
+            report.csv()
+        };
+        return Ok(terminal::deliver(&text, output)?);
+    }
+    let entries = all(&images, &request);
+    #[cfg(feature = "report")]
+    if let Some((path, output)) = picture {
+        let reports: Vec<&Report> = entries.iter().filter_map(Entry::report).collect();
+        if !reports.is_empty() {
+            output.commit(&drawn(&reports, &request, path)?)?;
+        }
+    }
+    let text = if arguments.json {
+        output::json(&Photographs {
+            photographs: &entries,
+        })
+    } else {
+        table::csv(&entries, &request)
+    };
+    terminal::deliver(&text, output)?;
+    match entries.iter().filter(|e| e.report().is_none()).count() {
+        0 => Ok(()),
+        refused => Err(Failure::Refused {
+            refused,
+            of: entries.len(),
+        }),
+    }
 }
 
-impl Report {
-    /// Returns the edge in one line, for a reader.
-    fn line(&self) -> String {
-        let (angle, contrast) = (self.edge_angle_deg, self.contrast);
-        let unit = self.frequency_unit;
-        let half = self
-            .mtf50
-            .map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
-        format!("edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}")
-    }
-
-    fn csv(&self, in_mm: bool) -> String {
-        let column = if in_mm {
-            "frequency_per_mm"
-        } else {
-            "cycles_per_pixel"
-        };
-        let mut csv = format!("{column},mtf,standard_error\n");
-        let rows = self
-            .frequency
-            .iter()
-            .zip(&self.mtf)
-            .zip(&self.standard_error);
-        for ((f, m), e) in rows {
-            let _ = writeln!(csv, "{f:.6},{m:.6},{e:.6}");
+/// Measures all photographs, in parallel, and prints the warnings and refusals in their order.
+fn all(images: &[PathBuf], request: &Request) -> Vec<Entry> {
+    let found: Vec<Result<Report, Failure>> = images
+        .par_iter()
+        .map(|image| measured(image, request))
+        .collect();
+    let entries = images.iter().zip(found).map(|(image, found)| match found {
+        Ok(report) => {
+            warn(&report);
+            Entry::Measured(Box::new(report))
         }
-        csv
+        Err(failure) => {
+            let error = failure.to_string();
+            terminal::warn([format!("refused: {error}")]);
+            Entry::Refused {
+                image: image.display().to_string(),
+                error,
+            }
+        }
+    });
+    entries.collect()
+}
+
+fn warn(report: &Report) {
+    for warning in &report.warnings {
+        terminal::warn([format!("{}: {warning}", report.image)]);
     }
+}
+
+/// Draws the curves of photographs.
+#[cfg(feature = "report")]
+fn drawn(
+    reports: &[&Report],
+    request: &Request,
+    path: &std::path::Path,
+) -> Result<Vec<u8>, plot::Error> {
+    let shown: Vec<curves::Shown> = reports
+        .iter()
+        .map(|report| curves::Shown {
+            name: std::path::Path::new(&report.image)
+                .file_name()
+                .map_or(report.image.clone(), |name| {
+                    name.to_string_lossy().into_owned()
+                }),
+            frequency: &report.frequency,
+            mtf: &report.mtf,
+            standard_error: &report.standard_error,
+            half: report.mtf50,
+        })
+        .collect();
+    curves::measured(&shown, request.unit(), path)
 }

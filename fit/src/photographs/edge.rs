@@ -6,6 +6,7 @@ pub(crate) mod curve;
 pub(crate) mod fault;
 pub(crate) mod line;
 pub(crate) mod shape;
+pub(crate) mod slant;
 
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::EdgeLine;

@@ -8,6 +8,7 @@
 pub(crate) mod captures;
 mod chart;
 mod correlation;
+pub(crate) mod crossing;
 mod defects;
 pub(crate) mod edge;
 mod illumination;

@@ -4,6 +4,7 @@
 //! nothing that a result does not hold, except the profiles of the likelihood. It may touch every
 //! room but `cli`.
 
+pub(crate) mod curves;
 pub(crate) mod page;
 pub(crate) mod picture;
 pub(crate) mod plot;

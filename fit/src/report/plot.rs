@@ -27,7 +27,7 @@ pub(crate) enum Error {
 }
 
 /// Colours of the curves of one panel, by photograph.
-const COLOURS: [&str; 6] = [
+pub(crate) const COLOURS: [&str; 6] = [
     "#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf",
 ];
 
@@ -362,12 +362,21 @@ pub(crate) fn draw(
 ) -> Result<Vec<u8>, Error> {
     let columns = panels.len().clamp(1, if panels.len() > 4 { 5 } else { 2 });
     let rows = panels.len().div_ceil(columns);
-    let scene = Figure::new(rows, columns)
+    let figure = Figure::new(rows, columns)
         .with_title(title)
         .with_plots(panels)
         .with_layouts(layouts)
-        .with_cell_size(380.0, 320.0)
-        .render();
+        .with_cell_size(380.0, 320.0);
+    encoded(figure, path)
+}
+
+/// Draws a figure in the format that the ending of the file names.
+///
+/// # Errors
+/// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
+/// ending of the file is no format of plots.
+pub(crate) fn encoded(figure: Figure, path: &Path) -> Result<Vec<u8>, Error> {
+    let scene = figure.render();
     match PlotFormat::of(path)? {
         PlotFormat::Svg => Ok(SvgBackend.render_scene(&scene).into_bytes()),
         PlotFormat::Png => {

@@ -19,6 +19,7 @@ mod estimate;
 mod export;
 mod exposure;
 mod forward;
+mod known;
 #[cfg(feature = "images")]
 mod metrics;
 mod noise;

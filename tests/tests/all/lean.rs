@@ -253,7 +253,7 @@ fn the_lean_program_does_its_verbs() {
             "{said}"
         );
     }
-    for verb in ["estimate", "predict", "study"] {
+    for verb in ["estimate", "mtf", "predict", "study"] {
         let (_, help) = run(&program, here, &[verb, "--help"]);
         for option in ["--plot", "--report", "--against"] {
             assert!(!help.contains(option), "fit {verb} --help names {option}");

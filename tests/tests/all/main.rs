@@ -17,6 +17,7 @@ mod forward;
 mod help;
 mod hostile;
 mod lean;
+mod many_edges;
 mod pages;
 mod pictures;
 mod planted;

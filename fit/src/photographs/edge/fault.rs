@@ -113,6 +113,19 @@ pub enum Fault {
         /// Distance between the two edges, pixels.
         distance_px: f64,
     },
+    /// An edge along the rows or columns of pixels.
+    #[error(
+        "the edge is aligned with the pixel grid: it is tilted by {tilt_deg:.2} degrees and \
+        crosses {crossed_px:.2} pixels in the window (1 is needed), so pixels lie at too few \
+        distances from it; tilt it by 2 to 10 degrees, best by 5 (ISO 12233), or give a roi that \
+        is longer along the edge"
+    )]
+    Aligned {
+        /// Angle between the edge and the nearer of rows and columns, degrees.
+        tilt_deg: f64,
+        /// Number of columns, or rows, that the edge crosses, pixels.
+        crossed_px: f64,
+    },
     /// A blur as wide as the window.
     #[error(
         "the blur (10 to 90 % over {rise_px:.0} pixels) fills the window ({length_px:.0} pixels \
@@ -140,6 +153,7 @@ impl Fault {
             Fault::Uneven { .. } => "uneven light",
             Fault::Wavy { .. } => "wavy",
             Fault::Doubled { .. } => "doubled",
+            Fault::Aligned { .. } => "aligned with the pixels",
             Fault::Blurred { .. } => "blur wider than the window",
         }
     }
