@@ -46,13 +46,13 @@ Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
     /// Photograph of an edge: EXR, PNG, TIFF or JPEG.
     ///
-    /// EXR and 16-bit files are read as linear light, 8-bit files as sRGB. Camera raw needs a
-    /// `fit` that was built with the feature raw.
+    /// Camera raw needs a `fit` that was built with the feature raw.
     pub image: PathBuf,
     /// Region that holds one edge, in pixels.
     ///
-    /// X and Y are its upper left corner. Without this option, `fit` finds the edge, which must be
-    /// the only slanted edge of the picture.
+    /// X and Y are its upper left corner in the picture as shown, which is turned by its Exif
+    /// orientation. Without this option, `fit` finds the edge, which must be the only slanted edge
+    /// of the picture.
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<Roi>,
     /// Side of a pixel, mm, so that frequencies are in 1/mm.
@@ -60,9 +60,10 @@ pub(crate) struct Arguments {
     /// Without this option, frequencies are in cycles per pixel.
     #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
     pub pixel_pitch: Option<f64>,
-    /// Meaning of integers in the file: linear or srgb.
+    /// Relation of the file's values to light: linear or srgb.
     ///
-    /// Give it if the rule of the format (8 bits: sRGB, 16 bits: linear) does not hold.
+    /// Without this option, EXR is linear. Other files are read as their cICP chunk, ICC profile,
+    /// sRGB chunk or gAMA chunk says; without these, 8 bits are sRGB and 16 bits are linear.
     #[arg(long, value_parser = transfer)]
     pub transfer: Option<Transfer>,
     /// Channel: luminance, red, green, blue or a name.
@@ -116,6 +117,9 @@ fn roi(text: &str) -> Result<Roi, String> {
 #[derive(Serialize)]
 struct Report {
     image: String,
+    /// Relation of the file's values to light that was taken, and what named it.
+    transfer: String,
+    transfer_from: String,
     edge_angle_deg: f64,
     edge_angle_standard_error_deg: f64,
     edge_offset_px: f64,
@@ -159,6 +163,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             roi,
             width: photo.width,
             height: photo.height,
+            turned: photo.is_turned(),
         });
     }
     let report = measured(&photo, arguments)?;
@@ -195,6 +200,8 @@ fn measured(photo: &Photo, arguments: &Arguments) -> Result<Report, Failure> {
     let mtf50 = crossing(&frequency, &mtf, 0.5);
     Ok(Report {
         image: arguments.image.display().to_string(),
+        transfer: photo.transfer.name.clone(),
+        transfer_from: photo.transfer.from.clone(),
         edge_angle_deg: line.normal_rad.to_degrees(),
         edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
         edge_offset_px: line.offset_px,
@@ -224,7 +231,11 @@ impl Report {
         let half = self
             .mtf50
             .map_or("not reached".into(), |f| format!("{f:.4} {unit}"));
-        format!("edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}")
+        let (name, from) = (&self.transfer, &self.transfer_from);
+        format!(
+            "edge normal {angle:.3} deg, MTF50 {half}, contrast {contrast:.5}, read as {name} \
+            ({from})"
+        )
     }
 
     fn csv(&self, in_mm: bool) -> String {

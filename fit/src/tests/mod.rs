@@ -18,6 +18,7 @@ mod estimate;
 mod export;
 mod exposure;
 mod forward;
+mod jpeg;
 #[cfg(feature = "images")]
 mod metrics;
 mod noise;
@@ -33,4 +34,5 @@ mod sample;
 mod simulate_campaign;
 mod statistics;
 mod study;
+mod transfers;
 mod wave;

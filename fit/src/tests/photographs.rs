@@ -12,6 +12,7 @@ use crate::photographs::measure::edge;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::{Estimator, standard_error};
 
@@ -50,6 +51,7 @@ pub(crate) fn photo(width: usize, height: usize, light: impl Fn(f64, f64) -> f64
         height,
         luminance: (0..width * height).map(at).collect(),
         clip_level: Some(1.0),
+        transfer: Taken::default(),
         warnings: Vec::new(),
     }
 }
