@@ -123,6 +123,7 @@ pub use crate::photographs::photo::load_colour;
 pub use crate::photographs::photo::picture::{Picture, Writing};
 pub use crate::photographs::photo::plane::Photo;
 pub use crate::photographs::photo::settings::Settings;
+pub use crate::photographs::photo::taken::Taken;
 pub use crate::photographs::photo::transfer::Transfer;
 pub use crate::photographs::{Campaign, Capture, Setup, Shot};
 pub use crate::photographs::{Estimator, crossing};

@@ -9,6 +9,7 @@ use crate::estimate::scene;
 #[cfg(feature = "images")]
 use crate::images::{metrics, render};
 use crate::names::Family;
+use crate::photographs::photo::plane::as_shown;
 use crate::photographs::{captures, edge, photo};
 use crate::predict::error as predict;
 #[cfg(feature = "report")]
@@ -106,9 +107,9 @@ pub(crate) enum Failure {
         unit: &'static str,
     },
     /// Region of interest that does not lie in the photograph.
-    #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}); give \
-    x,y,width,height in pixels",
-        image.display(), roi.x, roi.y, roi.width, roi.height)]
+    #[error("{}: --roi {},{},{},{} does not lie in the picture ({width} x {height}{}); \
+    give x,y,width,height in pixels",
+        image.display(), roi.x, roi.y, roi.width, roi.height, as_shown(*turned))]
     Roi {
         /// File of the photograph.
         image: PathBuf,
@@ -118,6 +119,8 @@ pub(crate) enum Failure {
         width: usize,
         /// Height of the photograph, pixels.
         height: usize,
+        /// True if the photograph was turned upright.
+        turned: bool,
     },
     /// File that is no JSON, or JSON of another kind.
     #[error("{}: {message}; give a file that {expected}", path.display())]

@@ -52,15 +52,15 @@ Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
     /// Photographs of an edge: EXR, PNG, TIFF or JPEG; or folders of them.
     ///
-    /// EXR and 16-bit files are read as linear light, 8-bit files as sRGB. Camera raw needs a
-    /// `fit` that was built with the feature raw. The pictures of a folder are taken in the order
-    /// of their names; other files in it are left out.
+    /// Camera raw needs a `fit` that was built with the feature raw. The pictures of a folder are
+    /// taken in the order of their names; other files in it are left out.
     #[arg(required = true)]
     pub image: Vec<PathBuf>,
     /// Region that holds one edge, in pixels.
     ///
-    /// X and Y are its upper left corner. Without this option, `fit` finds the edge, which must be
-    /// the only slanted edge of the picture. The region holds for every photograph.
+    /// X and Y are its upper left corner in the picture as shown, which is turned by its Exif
+    /// orientation. Without this option, `fit` finds the edge, which must be the only slanted edge
+    /// of the picture. The region holds for every photograph.
     #[arg(long, value_name = "X,Y,W,H", value_parser = roi)]
     pub roi: Option<Roi>,
     /// Side of a pixel, mm, so that frequencies are in 1/mm.
@@ -73,9 +73,10 @@ pub(crate) struct Arguments {
     /// They are in 1/mm with --pixel-pitch, else in cycles per pixel. A list, or start:stop:step.
     #[arg(long, value_name = "F,F,...", value_parser = parse::positives)]
     pub at: Option<std::vec::Vec<f64>>,
-    /// Meaning of integers in the file: linear or srgb.
+    /// Relation of the file's values to light: linear or srgb.
     ///
-    /// Give it if the rule of the format (8 bits: sRGB, 16 bits: linear) does not hold.
+    /// Without this option, EXR is linear. Other files are read as their cICP chunk, ICC profile,
+    /// sRGB chunk or gAMA chunk says; without these, 8 bits are sRGB and 16 bits are linear.
     #[arg(long, value_parser = transfer)]
     pub transfer: Option<Transfer>,
     /// Channel: luminance, red, green, blue or a name.

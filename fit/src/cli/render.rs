@@ -169,8 +169,8 @@ pub(crate) struct Arguments {
     pub exposure: f64,
     /// Meaning of integers in the source: linear or srgb.
     ///
-    /// A PNG that is written has the same meaning. Without this option, 8-bit files are sRGB and
-    /// 16-bit files are linear.
+    /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk or gAMA chunk;
+    /// without these, 8 bits are sRGB and 16 bits are linear.
     #[arg(long, value_name = "NAME", value_parser = parse::transfer, help_heading = "Picture")]
     pub transfer: Option<Transfer>,
     /// Forward model.
@@ -196,7 +196,8 @@ pub(crate) struct Arguments {
     pub json: bool,
     /// File that receives the image, .exr or .png.
     ///
-    /// An .exr is linear, in 32-bit floats. A .png has 16 bits, with the transfer of the source.
+    /// An .exr is linear, in 32-bit floats. A .png has 16 bits. It is linear
+    /// if the source is, else sRGB, and names this in a chunk.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 }

@@ -8,6 +8,7 @@ use crate::compare::View;
 use crate::estimate::optics::{Optics, STEP, camera_of, ln_blur, neighbours};
 use crate::model::Camera;
 use crate::numerics::{CONVERGED, Solution, least_squares};
+use crate::photographs::photo::taken::Taken;
 
 /// Measured reference photograph.
 #[derive(Debug, Clone)]
@@ -25,6 +26,8 @@ pub struct Reference {
     /// Whitened sum of squares of the lens fit per degree of freedom. It is about 1 if the lens
     /// model describes the camera.
     pub reduced_chi2: f64,
+    /// Relation between stored values and light that was taken for the photograph.
+    pub transfer: Taken,
 }
 
 /// Fall of the sum of squares for which a free exponent is kept. A superfluous exponent reaches it
@@ -71,6 +74,7 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> (Reference,
         step_relative_error: contrast.variance(&view.profile).sqrt() / contrast.step.abs(),
         step_by_lens,
         reduced_chi2,
+        transfer: Taken::default(),
     };
     let optics = Optics {
         camera,

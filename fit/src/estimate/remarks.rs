@@ -4,6 +4,7 @@ use tables::Table;
 use tables::options::Element;
 
 use crate::photographs::Campaign;
+use crate::photographs::photo::taken::Taken;
 
 /// Returns the largest angle of the table's light off the exact way back, rad, or `None` if the
 /// table records none or it is too small to see.
@@ -76,4 +77,17 @@ pub(crate) fn of_table(table: &Table, campaign: &Campaign) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Returns a warning if the reference and a capture were not read with the same relation between
+/// stored values and light. `captures` holds the name and the relation of each.
+pub(crate) fn of_transfers<'a>(
+    reference: &Taken,
+    mut captures: impl Iterator<Item = (&'a str, &'a Taken)>,
+) -> Option<String> {
+    let (image, other) = captures.find(|(_, taken)| taken.name != reference.name)?;
+    Some(format!(
+        "the reference was read as {reference}, but {image} as {other}: mu compares the two; set \
+        `transfer` if this is wrong"
+    ))
 }

@@ -28,6 +28,7 @@ use crate::photographs::captures;
 use crate::photographs::edge;
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::photographs::{Campaign, Capture};
 use crate::samples::Sampled;
 
@@ -87,6 +88,8 @@ pub struct Aerial {
     pub group: usize,
     /// Exposure relative to that of the reference.
     pub exposure: f64,
+    /// Relation between stored values and light that was taken for the photograph.
+    pub transfer: Taken,
     /// Measured edge, shared by all scenes of this photograph.
     pub view: Arc<View>,
     /// Pixels of the photograph, shared by all its scenes.
@@ -113,6 +116,7 @@ impl Aerial {
             r_mm: self.r_mm,
             group: self.group,
             exposure: self.exposure,
+            transfer: self.transfer.clone(),
             view: Arc::clone(&self.view),
             pixels: Arc::clone(&self.pixels),
             warnings: self.warnings.clone(),
@@ -219,6 +223,10 @@ impl Scene {
             });
         }
         let groups = group(&mut shots);
+        if let Some(reference) = &reference {
+            let read = shots.iter().map(|shot| (&*shot.image, &shot.transfer));
+            warnings.extend(remarks::of_transfers(&reference.transfer, read));
+        }
         Ok(Scene {
             shots,
             groups,
@@ -363,11 +371,24 @@ fn source_edge(
         pitch_mm,
         lens: None,
     };
-    let (view, pixels, notes) = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
+    let measured = measure(shot, photo, pitch_mm, 0.0, &pixel)?;
     let name = name(&shot.image);
-    warnings.extend(notes.into_iter().map(|note| format!("{name}: {note}")));
-    let (reference, optics) = reference::measure(&view, pixels, shot.exposure);
+    let notes = measured.warnings.into_iter();
+    warnings.extend(notes.map(|note| format!("{name}: {note}")));
+    let (reference, optics) = reference::measure(&measured.view, measured.pixels, shot.exposure);
+    let reference = Reference {
+        transfer: measured.transfer,
+        ..reference
+    };
     Ok((Some(reference), optics))
+}
+
+/// A measured photograph.
+struct Measured {
+    view: View,
+    pixels: Pixels,
+    transfer: Taken,
+    warnings: Vec<String>,
 }
 
 /// Decodes a photograph, finds its edge and sorts its pixels.
@@ -381,7 +402,7 @@ fn measure(
     pitch_mm: f64,
     tangential_rad: f64,
     camera: &Camera,
-) -> Result<(View, Pixels, Vec<String>), Error> {
+) -> Result<Measured, Error> {
     let photo = photo(shot)?;
     let fault = |fault| Error::Edge {
         image: shot.image.clone(),
@@ -394,12 +415,12 @@ fn measure(
         warnings,
         ..
     } = measure::edge(&photo, shot.roi, &shot.accepted).map_err(fault)?;
-    let pixels = Pixels::new(&as_lit, &line);
-    Ok((
-        View::new(line, profile, pitch_mm, tangential_rad, camera),
-        pixels,
+    Ok(Measured {
+        pixels: Pixels::new(&as_lit, &line),
+        view: View::new(line, profile, pitch_mm, tangential_rad, camera),
+        transfer: photo.transfer,
         warnings,
-    ))
+    })
 }
 
 /// Inputs that the measurement of each photograph of a campaign needs.
@@ -430,7 +451,12 @@ impl Measuring<'_> {
             return Ok(None);
         }
         let setup = &self.campaign.setup;
-        let (view, pixels, mut warnings) = measure(
+        let Measured {
+            view,
+            pixels,
+            transfer,
+            mut warnings,
+        } = measure(
             &capture.shot,
             self.photo,
             setup.pixel_pitch_mm,
@@ -450,6 +476,7 @@ impl Measuring<'_> {
             r_mm: capture.range_mm(),
             group: 0,
             exposure: capture.shot.exposure,
+            transfer,
             view: Arc::new(view),
             pixels: Arc::new(pixels),
             warnings,

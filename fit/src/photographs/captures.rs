@@ -116,6 +116,7 @@ impl Shot {
                 image: self.image.clone(),
                 width: photo.width,
                 height: photo.height,
+                turned: photo.is_turned(),
             }),
             _ => Ok(photo),
         }

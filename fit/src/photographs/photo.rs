@@ -1,17 +1,27 @@
 //! Reading of photographs: a file of any supported format becomes one plane of linear light.
 //!
-//! - EXR (half, float, uint) is linear.
-//! - 16-bit PNG and TIFF are linear, unless the manifest says otherwise.
-//! - 8-bit PNG, TIFF and JPEG are sRGB. They are linearised, with a warning.
+//! What relates the values of a file to light is decided by the first of these that there is:
+//! 1. the key or option `transfer`;
+//! 2. for EXR: it is linear;
+//! 3. what the file says of itself: the chunks cICP, iCCP, sRGB and gAMA of a PNG, in this order,
+//!    or the ICC profile of a TIFF or JPEG;
+//! 4. the default of the format: sRGB for 8 bits, linear for 16 bits and floats.
+//!
+//! Values of 8 bits cause a warning. What was taken stands in [`Photo::transfer`].
 //!
 //! The first bytes of a file decide its format, not its name. The only exception is camera raw
 //! (with the feature `raw`), because much of it is TIFF inside. Row 0 is the top of the picture;
 //! `x` runs along columns to the right, `y` along rows downward, as in the manifest.
 
 pub(crate) mod channel;
+mod chunks;
+mod curve;
+mod entropy;
 pub(crate) mod error;
 pub(crate) mod exposure;
 pub(crate) mod format;
+mod icc;
+mod jpeg;
 pub(crate) mod limits;
 mod openexr;
 pub(crate) mod picture;
@@ -20,6 +30,8 @@ mod raster;
 #[cfg_attr(not(feature = "raw"), path = "photo/no_raw.rs")]
 mod raw;
 pub(crate) mod settings;
+mod statement;
+pub(crate) mod taken;
 pub(crate) mod transfer;
 
 use std::fs::File;

@@ -1,5 +1,5 @@
-//! Detection of clipped highlights and cut-off darks: many pixels at exactly the same extreme
-//! value.
+//! Detection of clipped highlights, cut-off darks and black regions: many pixels at exactly the
+//! same extreme value.
 //!
 //! A clipped pixel gives less information than it seems to. If it were left out, only the dark half
 //! of the noise would remain. So clipping causes a warning where it is harmless and a refusal where
@@ -21,14 +21,25 @@ const MOST_CLIPPED: f64 = 0.05;
 /// Noise about a dark of 0 is cut off in half of the pixels.
 const MOST_ZERO: f64 = 2.0 / 3.0;
 
+/// Light below which the brightest pixels of a black region lie, in units of full scale. It is the
+/// sixth step of 8 bits in sRGB.
+const DARKEST: f64 = 0.002;
+
 /// Approximate number of pixels that are looked at, evenly spaced.
 const SAMPLE: usize = 65_536;
 
-/// Refuses a window whose plateaus are clipped, and returns warnings about lesser clipping.
+/// Refuses a window that is black or all alike, or whose plateaus are clipped, and returns warnings
+/// about lesser clipping.
 pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault> {
     let (low, high) = window.bulk();
     let middle = (0.5 * (low + high)) as f32;
     let values = window.sample(SAMPLE);
+    let integers = photo.clip_level == Some(1.0);
+    let zeros = values.iter().filter(|&&v| v == 0.0).count() as f64 / values.len().max(1) as f64;
+    let dark_codes = integers && low >= 0.0 && high < DARKEST && zeros > MOST_ZERO;
+    if !values.is_empty() && (low == 0.0 && high == 0.0 || dark_codes) {
+        return Err(Fault::Black { share: zeros });
+    }
     let (mut dark, mut bright): (Vec<f32>, Vec<f32>) =
         values.into_iter().partition(|&v| v < middle);
     dark.sort_unstable_by(f32::total_cmp);
@@ -44,6 +55,12 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
                 level: f64::from(level),
             });
         }
+    }
+    if low == high {
+        return Err(Fault::NoContrast {
+            contrast: 0.0,
+            noise: 0.0,
+        });
     }
     let (darks, brights) = (common(&dark), common(&bright));
     // The camera's own ceiling, below that of the format. It shows as many pixels of one value with
@@ -61,7 +78,6 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
         });
     }
     let zero = share(&dark, &|v| v == 0.0);
-    let integers = photo.clip_level == Some(1.0);
     if zero > MOST_ZERO && low >= 0.0 && high > 0.0 && (integers || brights[0].share < 0.5) {
         return Err(Fault::CutOff { share: zero });
     }

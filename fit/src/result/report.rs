@@ -133,6 +133,14 @@ pub struct CaptureResult {
     pub incidence_deg: f64,
     /// Distance R: optical path from the sheet to the image, mm.
     pub floating_distance_mm: f64,
+    /// Relation of the file's values to light that was taken, such as `linear` or `sRGB`; empty in
+    /// older results.
+    #[serde(default)]
+    pub transfer: String,
+    /// Origin of this relation: the key `transfer`, a part of the file, or the default of the
+    /// format; empty in older results.
+    #[serde(default)]
+    pub transfer_from: String,
     /// Direction of the edge normal, degrees: 0 is right (+x), 90 is down (+y).
     pub edge_angle_deg: f64,
     /// Frequency at which the measured MTF falls to one half, 1/mm.
@@ -226,6 +234,13 @@ pub struct ResultFile {
     pub bounds: Bounds,
     /// Models that were compared, with the best criterion first.
     pub candidates: Vec<Candidate>,
+    /// Relation of the reference's values to light that was taken, such as `linear` or `sRGB`;
+    /// absent without a reference photograph and from older results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_transfer: Option<String>,
+    /// Origin of this relation; absent together with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_transfer_from: Option<String>,
     /// Photographs in the order of the manifest.
     pub captures: Vec<CaptureResult>,
     /// Camera that was used.
@@ -247,6 +262,7 @@ impl ResultFile {
         let written = Written { estimated };
         let is_rough = kernel.is_baseline();
         let lens = best.camera.lens;
+        let reference = scene.reference.as_ref().map(|own| &own.transfer);
         ResultFile {
             model: kernel.family(),
             kernel,
@@ -280,6 +296,8 @@ impl ResultFile {
             covariance: covariance(best),
             bounds: estimated.bounds.clone(),
             candidates: estimated.compared.iter().map(candidate).collect(),
+            reference_transfer: reference.map(|taken| taken.name.clone()),
+            reference_transfer_from: reference.map(|taken| taken.from.clone()),
             captures: captures(scene, best),
             camera: CameraResult {
                 pixel_pitch_mm: scene.optics.camera.pitch_mm,
@@ -416,6 +434,8 @@ fn capture(shot: &Aerial, modelled: &[f64], loss: f64) -> CaptureResult {
         image: shot.image.clone(),
         incidence_deg: shot.incidence_deg,
         floating_distance_mm: shot.r_mm,
+        transfer: shot.transfer.name.clone(),
+        transfer_from: shot.transfer.from.clone(),
         edge_angle_deg: view.line.normal_rad.to_degrees(),
         mtf50_per_mm: view.mtf50_per_mm(),
         loss,

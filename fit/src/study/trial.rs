@@ -21,6 +21,7 @@ use crate::photographs::PixelNoise;
 use crate::photographs::captures;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::photographs::{Campaign, Capture, Setup};
 use crate::simulate;
 use crate::simulate::{Params, PlantedCamera};
@@ -189,6 +190,7 @@ pub(crate) fn source(
             // The truth of a drawn campaign has an entry for each of its angles.
             luminance: photograph(params, index).unwrap_or_default(),
             clip_level: None,
+            transfer: Taken::default(),
             warnings: Vec::new(),
         })
     }

@@ -18,6 +18,7 @@ use crate::names::LobeShape;
 use crate::names::{Family, Kernel};
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::photographs::{Campaign, Capture, Setup, Shot};
 
 use crate::tests::planted::Stream;
@@ -464,6 +465,7 @@ impl Sheet {
             height,
             luminance,
             clip_level: None,
+            transfer: Taken::default(),
             warnings: Vec::new(),
         }
     }

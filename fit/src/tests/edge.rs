@@ -9,6 +9,7 @@ use crate::photographs::Window;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::locate;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::simulate::PlantedEdge;
 use crate::simulate::photograph as simulate;
 use crate::tests::planted::{Stream, camera, params, truth};
@@ -19,6 +20,7 @@ fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
         height,
         luminance,
         clip_level: None,
+        transfer: Taken::default(),
         warnings: Vec::new(),
     }
 }

@@ -12,6 +12,7 @@ use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::slant::Slant;
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::tests::planted::Stream;
 use crate::tests::statistics::check;
 
@@ -190,6 +191,7 @@ impl Known {
             height: self.size_px[1],
             luminance: light.collect(),
             clip_level: None,
+            transfer: Taken::default(),
             warnings: Vec::new(),
         }
     }

@@ -19,6 +19,7 @@ mod estimate;
 mod export;
 mod exposure;
 mod forward;
+mod jpeg;
 mod known;
 #[cfg(feature = "images")]
 mod metrics;
@@ -35,4 +36,5 @@ mod sample;
 mod simulate_campaign;
 mod statistics;
 mod study;
+mod transfers;
 mod wave;

@@ -12,6 +12,7 @@ use crate::photographs::measure::edge;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::Taken;
 use crate::photographs::photo::transfer::Transfer;
 use crate::photographs::{Estimator, standard_error};
 
@@ -50,6 +51,7 @@ pub(crate) fn photo(width: usize, height: usize, light: impl Fn(f64, f64) -> f64
         height,
         luminance: (0..width * height).map(at).collect(),
         clip_level: Some(1.0),
+        transfer: Taken::default(),
         warnings: Vec::new(),
     }
 }
@@ -406,6 +408,61 @@ fn an_accepted_doubled_edge_is_measured() {
     let wide = degraded(5.0, 60.0, 1, |_, _, v| v);
     let fault = edge(&wide, None, &[Accepted::Doubled]).map(|m| m.warnings);
     assert!(matches!(fault, Err(Fault::Blurred { .. })), "{fault:?}");
+}
+
+/// A region is called by its fault: black, clipped or without contrast. The file is 8-bit, linear.
+#[test]
+fn regions_of_one_value_are_called_by_it() {
+    let mut cases = 0;
+    let mut check = |what: &str, light: &dyn Fn(f64, f64) -> f64, kind: &str, words: &str| {
+        let fault = edge(&photo(240, 200, light), None, &[]).expect_err(what);
+        assert_eq!(fault.kind(), kind, "{what}: {fault}");
+        assert!(fault.to_string().contains(words), "{what}: {fault}");
+        cases += 1;
+    };
+    let hot = |x: f64, y: f64, light: f64| if x == 7.0 && y == 9.0 { light } else { 0.0 };
+    check(
+        "black",
+        &|_, _| 0.0,
+        "black",
+        "the region is black: 100.0 % of its pixels",
+    );
+    check(
+        "black but one",
+        &|x, y| hot(x, y, 0.9),
+        "black",
+        "check the roi",
+    );
+    let few = |x: f64, _: f64| {
+        if x % 5.0 == 0.0 {
+            1.0 / 255.0 / 12.92
+        } else {
+            0.0
+        }
+    };
+    check(
+        "black with a step of noise",
+        &few,
+        "black",
+        "80.0 % of its pixels are exactly 0",
+    );
+    check("white", &|_, _| 1.0, "clipped", "expose less");
+    check(
+        "grey",
+        &|_, _| 0.3,
+        "no contrast",
+        "give the roi of the edge",
+    );
+    check(
+        "dark grey",
+        &|_, _| 0.001,
+        "no contrast",
+        "give the roi of the edge",
+    );
+    // An edge between black and little light is an edge whose darks are cut off.
+    let edge = |x: f64, y: f64| 0.01 * f64::from(u8::from(x > 140.0 + 0.1 * y));
+    check("dim", &edge, "cut off at 0", "black offset");
+    assert_eq!(cases, 7);
 }
 
 /// Lesser faults cause warnings: 2 % of the bright pixels clipped at the tail of their noise,

@@ -98,6 +98,9 @@ pub(crate) struct At {
 pub(crate) struct Report {
     /// File of the photograph, as it was named.
     pub image: String,
+    /// Relation of the file's values to light that was taken, and what named it.
+    pub transfer: String,
+    pub transfer_from: String,
     pub edge_angle_deg: f64,
     pub edge_angle_standard_error_deg: f64,
     /// Angle between the edge and the nearer of rows and columns.
@@ -147,15 +150,15 @@ pub(crate) fn measured(image: &Path, request: &Request) -> Result<Report, Failur
             roi,
             width: photo.width,
             height: photo.height,
+            turned: photo.is_turned(),
         });
     }
     let edge = |fault| Failure::Edge {
         image: PathBuf::from(image),
         fault,
     };
-    let mut measurement = slanted(&photo, request).map_err(edge)?;
-    let warnings = std::mem::take(&mut measurement.warnings);
-    Ok(report(image, &measurement, request, warnings))
+    let measurement = slanted(&photo, request).map_err(edge)?;
+    Ok(report(image, &photo, measurement, request))
 }
 
 /// Measures the edge, and refuses one that is aligned with the pixels.
@@ -166,13 +169,8 @@ fn slanted(photo: &Photo, request: &Request) -> Result<Measurement, Fault> {
     Ok(measurement)
 }
 
-fn report(
-    image: &Path,
-    measurement: &Measurement,
-    request: &Request,
-    warnings: Vec<String>,
-) -> Report {
-    let Measurement { line, profile, .. } = measurement;
+fn report(image: &Path, photo: &Photo, measurement: Measurement, request: &Request) -> Report {
+    let Measurement { line, profile, .. } = &measurement;
     let pitch = request.pitch_mm.unwrap_or(1.0);
     let curve = Curve::new(profile, pitch, POINTS);
     let (dark, bright) = profile.plateaus();
@@ -199,6 +197,8 @@ fn report(
     let [half, tenth] = found;
     Report {
         image: image.display().to_string(),
+        transfer: photo.transfer.name.clone(),
+        transfer_from: photo.transfer.from.clone(),
         edge_angle_deg: line.normal_rad.to_degrees(),
         edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
         edge_tilt_deg: Slant::of(line, &measurement.window).tilt_deg,
@@ -221,7 +221,7 @@ fn report(
         frequency: curve.frequency,
         mtf: curve.modulus,
         standard_error: curve.standard_error,
-        warnings,
+        warnings: measurement.warnings,
         levels,
     }
 }
@@ -258,11 +258,12 @@ impl Report {
             "edge      normal {:.3} deg, {:.2} deg off the pixel grid, {bow}",
             self.edge_angle_deg, self.edge_tilt_deg
         );
-        let _ = write!(
+        let _ = writeln!(
             text,
             "contrast  {:.5}, signal-to-noise ratio {:.0}",
             self.contrast, self.signal_to_noise
         );
+        let _ = write!(text, "read as   {} ({})", self.transfer, self.transfer_from);
         text
     }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::document::FileLine;
 use crate::document::error as document;
 use crate::photographs::photo::error as photo;
+use crate::photographs::photo::plane::as_shown;
 use crate::photographs::roi::Roi;
 
 /// A reason why a manifest cannot be used.
@@ -45,7 +46,9 @@ pub enum Error {
     },
     /// A region that reaches beyond the picture.
     #[error(
-        "{place}: {roi} reaches beyond {image}, which is {width} x {height} pixels; correct `roi`"
+        "{place}: {roi} reaches beyond {image}, which is {width} x {height} pixels{}; correct \
+        `roi`",
+        as_shown(*turned)
     )]
     RoiOutside {
         /// Line that names the photograph.
@@ -58,6 +61,8 @@ pub enum Error {
         width: usize,
         /// Number of rows of the photograph.
         height: usize,
+        /// True if the photograph was turned upright.
+        turned: bool,
     },
     /// A photograph that cannot be used.
     #[error(transparent)]

@@ -46,6 +46,15 @@ pub enum Fault {
         "fewer than 8 pixels lie on one side of the edge; give a larger roi, centred on the edge"
     )]
     TooSmall,
+    /// A window without light.
+    #[error(
+        "the region is black: {:.1} % of its pixels are exactly 0; check the roi, or expose more",
+        100.0 * share
+    )]
+    Black {
+        /// Share of the pixels that are exactly 0.
+        share: f64,
+    },
     /// A bright plateau with too many clipped pixels.
     #[error(
         "{:.1} % of its bright pixels are clipped (exactly {level}): the bright plateau is lost; \
@@ -147,6 +156,7 @@ impl Fault {
             Fault::SeveralEdges { .. } | Fault::Choice { .. } => "several edges",
             Fault::NoSlantedEdge { .. } => "no slanted edge",
             Fault::TooSmall => "too small",
+            Fault::Black { .. } => "black",
             Fault::Clipped { .. } => "clipped",
             Fault::CutOff { .. } => "cut off at 0",
             Fault::NotAlone { .. } => "not alone",

@@ -53,8 +53,8 @@ impl std::fmt::Display for Channel {
 /// Options for the decoding of a photograph.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct Decode {
-    /// Relation of stored values to light. `None` means linear for EXR, floats and 16-bit integers,
-    /// and sRGB for 8-bit integers.
+    /// Relation of stored values to light. With `None` the file decides, and if it says nothing,
+    /// its format: linear for EXR, floats and 16-bit integers, and sRGB for 8-bit integers.
     pub transfer: Option<Transfer>,
     /// The plane that is used.
     pub channel: Channel,

@@ -118,6 +118,27 @@ pub enum Error {
         /// The decoder's error.
         source: image::ImageError,
     },
+    /// A JPEG that lacks a part of its data.
+    #[error("{file}: is cut short or damaged ({reason}); copy the photograph again")]
+    CutShort {
+        /// Path of the photograph.
+        file: PathBuf,
+        /// Missing part, in words.
+        reason: String,
+    },
+    /// A part of the file that names a transfer which cannot be followed.
+    #[error(
+        "{file}: its {part} cannot be followed ({reason}); convert the photograph to sRGB or to \
+        linear light, or set `transfer` to linear or srgb"
+    )]
+    Tone {
+        /// Path of the photograph.
+        file: PathBuf,
+        /// Name of the part.
+        part: &'static str,
+        /// Reason, in words.
+        reason: String,
+    },
     /// An EXR of deep samples, which have more than one value per pixel.
     #[error("{file}: holds deep data; flatten it to one value per pixel")]
     Deep {

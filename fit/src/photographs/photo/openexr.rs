@@ -12,10 +12,12 @@ use exr::meta::header::Header;
 use exr::prelude::f16;
 
 use crate::photographs::photo::channel::{Channel, Decode, REC709};
+use crate::photographs::photo::curve::Curve;
 use crate::photographs::photo::error::Error;
 use crate::photographs::photo::limits::{check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::Photo;
+use crate::photographs::photo::taken::{Curves, GIVEN, Taken};
 use crate::photographs::photo::transfer::Transfer;
 
 /// Bit of the version field that means "deep data inside" (OpenEXR file layout, version field).
@@ -72,6 +74,10 @@ pub(crate) fn read(
         height,
         luminance,
         clip_level,
+        transfer: match options.transfer {
+            Some(given) => Curves::one(Curve::Named(given), GIVEN).taken(),
+            None => Taken::linear("EXR"),
+        },
         warnings,
     })
 }

@@ -7,7 +7,10 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Vec2,
     WritableImage,
 };
-use image::{ExtendedColorType, ImageEncoder};
+use png::{
+    BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, ScaledFloat,
+    SrgbRenderingIntent,
+};
 use rayon::prelude::*;
 
 use crate::photographs::photo::channel::REC709;
@@ -23,7 +26,8 @@ pub struct Picture {
     /// Linear light, each plane row-major from the top left, `width * height` finite values. For
     /// integer formats 1 is full scale.
     pub planes: Vec<Vec<f32>>,
-    /// Relation between the values of the file and light.
+    /// Relation between light and the values of a PNG that is written. For a picture that was read
+    /// it is linear if the file is linear, else sRGB.
     pub transfer: Transfer,
     /// Warnings about what was assumed or repaired, one sentence each.
     pub warnings: Vec<String>,
@@ -132,6 +136,8 @@ impl Picture {
         Ok(bytes.into_inner())
     }
 
+    /// Encodes the picture as PNG. The file says which transfer it has: sRGB by the chunk of this
+    /// name, linear light by a gAMA chunk of 1.
     fn png(&self) -> Result<Vec<u8>, String> {
         let count = self.planes.len();
         let mut samples = vec![0_u8; 2 * count * self.width * self.height];
@@ -139,19 +145,27 @@ impl Picture {
         pixels.for_each(|(index, pixel)| {
             for (plane, sample) in self.planes.iter().zip(pixel.chunks_exact_mut(2)) {
                 let stored = self.transfer.to_stored(plane[index]).clamp(0.0, 1.0);
-                // The encoder takes samples in the byte order of the machine.
-                sample.copy_from_slice(&((stored * 65535.0).round() as u16).to_ne_bytes());
+                sample.copy_from_slice(&((stored * 65535.0).round() as u16).to_be_bytes());
             }
         });
-        let colour = if count == 3 {
-            ExtendedColorType::Rgb16
-        } else {
-            ExtendedColorType::L16
-        };
         let mut bytes = Vec::new();
-        image::codecs::png::PngEncoder::new(&mut bytes)
-            .write_image(&samples, self.width as u32, self.height as u32, colour)
-            .map_err(|error| error.to_string())?;
+        let mut encoder = Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(if count == 3 {
+            ColorType::Rgb
+        } else {
+            ColorType::Grayscale
+        });
+        encoder.set_depth(BitDepth::Sixteen);
+        encoder.set_compression(Compression::Fast);
+        encoder.set_filter(Filter::Adaptive);
+        match self.transfer {
+            Transfer::Linear => encoder.set_source_gamma(ScaledFloat::new(1.0)),
+            Transfer::Srgb => encoder.set_source_srgb(SrgbRenderingIntent::Perceptual),
+        }
+        let text = |error: EncodingError| error.to_string();
+        let mut writer = encoder.write_header().map_err(text)?;
+        writer.write_image_data(&samples).map_err(text)?;
+        writer.finish().map_err(text)?;
         Ok(bytes)
     }
 }

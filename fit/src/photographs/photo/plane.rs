@@ -1,5 +1,7 @@
 //! A photograph in memory.
 
+use crate::photographs::photo::taken::Taken;
+
 /// A photograph: one plane of linear light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
@@ -16,6 +18,8 @@ pub struct Photo {
     /// any EXR it is 1 if the largest value is exactly 1, as in a clipped, normalised image of a
     /// sensor. For other half-float EXR, read as linear, it is 65504.
     pub clip_level: Option<f32>,
+    /// Relation between stored values and light that was taken.
+    pub transfer: Taken,
     /// Warnings about what was assumed or repaired, one sentence each.
     pub warnings: Vec<String>,
 }
@@ -28,6 +32,11 @@ impl Photo {
         } else {
             None
         }
+    }
+
+    /// Returns whether the picture was turned upright when it was read.
+    pub(crate) fn is_turned(&self) -> bool {
+        self.warnings.iter().any(|warning| warning == TURNED)
     }
 
     /// Returns the number of pixels at or above [`Photo::clip_level`]; 0 if there is no such level.
@@ -44,3 +53,12 @@ impl Photo {
 /// Warning about a picture that was turned upright.
 pub(crate) const TURNED: &str =
     "turned upright as its Exif orientation asks; x, y and `roi` refer to the upright picture";
+
+/// Returns words for a message that gives the size of a picture.
+pub(crate) fn as_shown(turned: bool) -> &'static str {
+    if turned {
+        " as shown, turned by its Exif orientation"
+    } else {
+        ""
+    }
+}

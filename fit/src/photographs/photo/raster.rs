@@ -5,20 +5,35 @@ use std::io::BufReader;
 use std::path::Path;
 
 use image::metadata::Orientation;
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{
+    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader, Limits,
+};
 
 use rayon::prelude::*;
 
 use crate::photographs::photo::channel::{Channel, Decode, REC709};
+use crate::photographs::photo::curve::Curve;
 use crate::photographs::photo::error::Error;
 use crate::photographs::photo::format::Format;
+use crate::photographs::photo::icc;
+use crate::photographs::photo::jpeg;
+use crate::photographs::photo::jpeg::Whole;
 use crate::photographs::photo::limits::{MAX_PIXELS, check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::{Photo, TURNED};
+use crate::photographs::photo::statement;
+use crate::photographs::photo::taken::{Curves, GIVEN};
 use crate::photographs::photo::transfer::Transfer;
 
 /// Memory that a decoder may allocate, bytes: that of the largest picture as four 16-bit channels.
 const MAX_BYTES: u64 = MAX_PIXELS * 8;
+
+/// A decoded picture, upright, and all that its file says of it.
+struct Decoded {
+    picture: DynamicImage,
+    curves: Curves,
+    warnings: Vec<String>,
+}
 
 /// Reads the plane that `options` ask for.
 pub(crate) fn read(
@@ -27,8 +42,8 @@ pub(crate) fn read(
     format: Format,
     options: &Decode,
 ) -> Result<Photo, Error> {
-    let (picture, warnings) = decode(path, reader, format)?;
-    plane(path, picture, options, warnings)
+    let decoded = decode(path, reader, format, options.transfer)?;
+    plane(path, decoded, &options.channel)
 }
 
 /// Reads red, green and blue, or grey if there is no colour. `transfer` has the meaning of
@@ -39,52 +54,59 @@ pub(crate) fn read_colour(
     format: Format,
     transfer: Option<Transfer>,
 ) -> Result<Picture, Error> {
-    let (picture, warnings) = decode(path, reader, format)?;
+    let Decoded {
+        picture,
+        curves,
+        warnings,
+    } = decode(path, reader, format, transfer)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = picture.color();
-    let transfer = transfer.unwrap_or_else(|| default_transfer(&picture));
     // The number of stored channels includes alpha; the number of used ones does not.
     let stored = usize::from(colour.channel_count());
     let used = if colour.has_color() { 3 } else { 1 };
     let planes = match &picture {
-        DynamicImage::ImageLuma8(p) => split8(p, stored, used, transfer),
-        DynamicImage::ImageLumaA8(p) => split8(p, stored, used, transfer),
-        DynamicImage::ImageRgb8(p) => split8(p, stored, used, transfer),
-        DynamicImage::ImageRgba8(p) => split8(p, stored, used, transfer),
-        DynamicImage::ImageLuma16(p) => split16(p, stored, used, transfer),
-        DynamicImage::ImageLumaA16(p) => split16(p, stored, used, transfer),
-        DynamicImage::ImageRgb16(p) => split16(p, stored, used, transfer),
-        DynamicImage::ImageRgba16(p) => split16(p, stored, used, transfer),
-        other => split(&other.to_rgb32f(), 3, 3, |value: f32| {
-            transfer.to_linear(value)
+        DynamicImage::ImageLuma8(p) => split8(p, stored, used, &curves),
+        DynamicImage::ImageLumaA8(p) => split8(p, stored, used, &curves),
+        DynamicImage::ImageRgb8(p) => split8(p, stored, used, &curves),
+        DynamicImage::ImageRgba8(p) => split8(p, stored, used, &curves),
+        DynamicImage::ImageLuma16(p) => split16(p, stored, used, &curves),
+        DynamicImage::ImageLumaA16(p) => split16(p, stored, used, &curves),
+        DynamicImage::ImageRgb16(p) => split16(p, stored, used, &curves),
+        DynamicImage::ImageRgba16(p) => split16(p, stored, used, &curves),
+        other => split(&other.to_rgb32f(), 3, 3, |channel, value: f32| {
+            curves.of(channel).light(value)
         }),
     };
     Ok(Picture {
         width,
         height,
         planes,
-        transfer,
+        transfer: if curves.are_linear() {
+            Transfer::Linear
+        } else {
+            Transfer::Srgb
+        },
         warnings,
     })
 }
 
-fn default_transfer(picture: &DynamicImage) -> Transfer {
-    let colour = picture.color();
-    if colour.bits_per_pixel() / u16::from(colour.channel_count()) == 8 {
-        Transfer::Srgb
-    } else {
-        Transfer::Linear
-    }
+/// Returns the number of bits of a channel.
+fn bits(colour: ColorType) -> u16 {
+    colour.bits_per_pixel() / u16::from(colour.channel_count())
 }
 
-fn split8(samples: &[u8], stored: usize, used: usize, transfer: Transfer) -> Vec<Vec<f32>> {
-    let light = light8(transfer);
-    split(samples, stored, used, |code| light[usize::from(code)])
+fn split8(samples: &[u8], stored: usize, used: usize, curves: &Curves) -> Vec<Vec<f32>> {
+    let light = light8(curves);
+    split(samples, stored, used, |channel, code| {
+        light.of(channel)[usize::from(code)]
+    })
 }
 
-fn split16(samples: &[u16], stored: usize, used: usize, transfer: Transfer) -> Vec<Vec<f32>> {
-    let light = light16(transfer);
-    split(samples, stored, used, |code| light[usize::from(code)])
+fn split16(samples: &[u16], stored: usize, used: usize, curves: &Curves) -> Vec<Vec<f32>> {
+    let light = light16(curves);
+    split(samples, stored, used, |channel, code| {
+        light.of(channel)[usize::from(code)]
+    })
 }
 
 /// Returns one plane for each of the first `used` of `stored` channels.
@@ -92,21 +114,23 @@ fn split<S: Copy + Sync>(
     samples: &[S],
     stored: usize,
     used: usize,
-    light: impl Fn(S) -> f32 + Sync,
+    light: impl Fn(usize, S) -> f32 + Sync,
 ) -> Vec<Vec<f32>> {
     let plane = |channel| {
         let pixels = samples.chunks_exact(stored);
-        pixels.map(|pixel| light(pixel[channel])).collect()
+        pixels.map(|pixel| light(channel, pixel[channel])).collect()
     };
     (0..used).into_par_iter().map(plane).collect()
 }
 
-/// Decodes the whole picture, turns it upright and returns it with warnings.
+/// Decodes the whole picture and turns it upright. `transfer` has the meaning of
+/// [`Decode::transfer`].
 fn decode(
     path: &Path,
     reader: BufReader<File>,
     format: Format,
-) -> Result<(DynamicImage, Vec<String>), Error> {
+    transfer: Option<Transfer>,
+) -> Result<Decoded, Error> {
     let broken = |source| Error::Raster {
         file: path.to_owned(),
         format,
@@ -141,44 +165,82 @@ fn decode(
         });
     }
     let orientation = decoder.orientation().map_err(broken)?;
+    let whole = if format == Format::Jpeg {
+        whole(path)?
+    } else {
+        Whole::default()
+    };
+    let mut warnings: Vec<String> = whole.warning.into_iter().collect();
+    let curves = match transfer {
+        Some(given) => Curves::one(Curve::Named(given), GIVEN),
+        None => {
+            let colour = decoder.color_type();
+            let profile = || match decoder.icc_profile() {
+                Ok(None) if !whole.has_profile => Ok(None),
+                Ok(Some(bytes)) => Ok(Some(bytes)),
+                _ => Err(icc::DAMAGED.to_owned()),
+            };
+            let named = statement::curves(path, format, colour.has_color(), profile)?;
+            named.unwrap_or_else(|| of_format(bits(colour)))
+        }
+    };
     let mut picture = DynamicImage::from_decoder(decoder).map_err(broken)?;
-    let mut warnings = Vec::new();
     if orientation != Orientation::NoTransforms {
         picture.apply_orientation(orientation);
         warnings.push(TURNED.into());
     }
-    Ok((picture, warnings))
+    Ok(Decoded {
+        picture,
+        curves,
+        warnings,
+    })
+}
+
+/// Returns the curve of a format whose file says nothing of it.
+fn of_format(bits: u16) -> Curves {
+    match bits {
+        8 => Curves::one(Curve::Named(Transfer::Srgb), "default of 8 bits"),
+        16 => Curves::one(Curve::Named(Transfer::Linear), "default of 16 bits"),
+        _ => Curves::one(Curve::Named(Transfer::Linear), "default of floats"),
+    }
+}
+
+/// Refuses a JPEG that is not whole.
+fn whole(path: &Path) -> Result<Whole, Error> {
+    let bytes = std::fs::read(path).map_err(|source| Error::Io {
+        file: path.to_owned(),
+        source,
+    })?;
+    jpeg::check(&bytes).map_err(|reason| Error::CutShort {
+        file: path.to_owned(),
+        reason,
+    })
 }
 
 /// Computes the plane from the picture, and adds warnings about what was assumed.
-fn plane(
-    path: &Path,
-    picture: DynamicImage,
-    options: &Decode,
-    mut warnings: Vec<String>,
-) -> Result<Photo, Error> {
+fn plane(path: &Path, decoded: Decoded, channel: &Channel) -> Result<Photo, Error> {
+    let Decoded {
+        picture,
+        curves,
+        mut warnings,
+    } = decoded;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let colour = picture.color();
-    let bits = colour.bits_per_pixel() / u16::from(colour.channel_count());
-    let transfer = options
-        .transfer
-        .unwrap_or_else(|| default_transfer(&picture));
-    if bits == 8 {
-        warnings.push(match transfer {
-            Transfer::Srgb => {
-                "8-bit values, linearised from sRGB, limit the accuracy; prefer linear 16-bit or \
-                EXR"
-                .into()
-            }
-            Transfer::Linear => {
-                "8-bit values limit the accuracy; prefer linear 16-bit or EXR".into()
-            }
-        });
+    let transfer = curves.taken();
+    if bits(colour) == 8 {
+        let from = if curves.are_linear() {
+            String::new()
+        } else {
+            format!(", linearised from {},", transfer.name)
+        };
+        warnings.push(format!(
+            "8-bit values{from} limit the accuracy; prefer linear 16-bit or EXR"
+        ));
     }
     if colour.has_alpha() {
         warnings.push("the alpha channel was ignored".into());
     }
-    let (weights, found): (&[f32], &[&str]) = match (colour.has_color(), &options.channel) {
+    let (weights, found): (&[f32], &[&str]) = match (colour.has_color(), channel) {
         (false, Channel::Luminance) => (&[1.0], &[]),
         (true, Channel::Luminance) => (&REC709, &[]),
         (true, Channel::Red) => (&[1.0, 0.0, 0.0], &[]),
@@ -190,70 +252,87 @@ fn plane(
     if weights.is_empty() {
         return Err(Error::NoChannel {
             file: path.to_owned(),
-            wanted: options.channel.clone(),
+            wanted: channel.clone(),
             found: found.iter().map(ToString::to_string).collect(),
         });
     }
     let channels = usize::from(colour.channel_count());
+    let mut clip_level = Some(1.0);
     let luminance = match picture {
-        DynamicImage::ImageLuma8(pixels) => bytes(&pixels, channels, weights, transfer),
-        DynamicImage::ImageLumaA8(pixels) => bytes(&pixels, channels, weights, transfer),
-        DynamicImage::ImageRgb8(pixels) => bytes(&pixels, channels, weights, transfer),
-        DynamicImage::ImageRgba8(pixels) => bytes(&pixels, channels, weights, transfer),
-        DynamicImage::ImageLuma16(pixels) => words(&pixels, channels, weights, transfer),
-        DynamicImage::ImageLumaA16(pixels) => words(&pixels, channels, weights, transfer),
-        DynamicImage::ImageRgb16(pixels) => words(&pixels, channels, weights, transfer),
-        DynamicImage::ImageRgba16(pixels) => words(&pixels, channels, weights, transfer),
+        DynamicImage::ImageLuma8(pixels) => bytes(&pixels, channels, weights, &curves),
+        DynamicImage::ImageLumaA8(pixels) => bytes(&pixels, channels, weights, &curves),
+        DynamicImage::ImageRgb8(pixels) => bytes(&pixels, channels, weights, &curves),
+        DynamicImage::ImageRgba8(pixels) => bytes(&pixels, channels, weights, &curves),
+        DynamicImage::ImageLuma16(pixels) => words(&pixels, channels, weights, &curves),
+        DynamicImage::ImageLumaA16(pixels) => words(&pixels, channels, weights, &curves),
+        DynamicImage::ImageRgb16(pixels) => words(&pixels, channels, weights, &curves),
+        DynamicImage::ImageRgba16(pixels) => words(&pixels, channels, weights, &curves),
         // All other pictures hold floats, which have no full scale.
         other => {
+            clip_level = None;
             let pixels = other.into_rgb32f();
-            let luminance = weigh(&pixels, 3, weights, None, |value: f32| {
-                transfer.to_linear(value)
-            });
-            return Ok(Photo {
-                width,
-                height,
-                luminance,
-                clip_level: None,
-                warnings,
-            });
+            let light = |channel, value: f32| curves.of(channel).light(value);
+            weigh(&pixels, 3, weights, None, light)
         }
     };
     Ok(Photo {
         width,
         height,
         luminance,
-        clip_level: Some(1.0),
+        clip_level,
+        transfer,
         warnings,
     })
 }
 
+/// Light of every code: one table for all channels, or one for each of red, green and blue.
+struct Tables(Vec<Vec<f32>>);
+
+impl Tables {
+    /// Makes the tables for codes from 0 to `last`.
+    fn new(curves: &Curves, last: u16) -> Tables {
+        let light = |curve: &Curve| {
+            let stored = (0..=last).map(|code| f32::from(code) / f32::from(last));
+            stored.map(|stored| curve.light(stored)).collect()
+        };
+        Tables(curves.each.iter().map(light).collect())
+    }
+
+    fn of(&self, channel: usize) -> &[f32] {
+        &self.0[channel.min(self.0.len() - 1)]
+    }
+}
+
 /// Returns the light of every 8-bit code.
-fn light8(transfer: Transfer) -> Vec<f32> {
-    (0..=u8::MAX)
-        .map(|code| transfer.to_linear(f32::from(code) / 255.0))
-        .collect()
+fn light8(curves: &Curves) -> Tables {
+    Tables::new(curves, u8::MAX.into())
 }
 
 /// Returns the light of every 16-bit code.
-fn light16(transfer: Transfer) -> Vec<f32> {
-    (0..=u16::MAX)
-        .map(|code| transfer.to_linear(f32::from(code) / 65535.0))
-        .collect()
+fn light16(curves: &Curves) -> Tables {
+    Tables::new(curves, u16::MAX)
 }
 
-fn bytes(samples: &[u8], channels: usize, weights: &[f32], transfer: Transfer) -> Vec<f32> {
-    let light = light8(transfer);
-    weigh(samples, channels, weights, Some(u8::MAX), |code| {
-        light[usize::from(code)]
-    })
+fn bytes(samples: &[u8], channels: usize, weights: &[f32], curves: &Curves) -> Vec<f32> {
+    let light = light8(curves);
+    weigh(
+        samples,
+        channels,
+        weights,
+        Some(u8::MAX),
+        |channel, code| light.of(channel)[usize::from(code)],
+    )
 }
 
-fn words(samples: &[u16], channels: usize, weights: &[f32], transfer: Transfer) -> Vec<f32> {
-    let light = light16(transfer);
-    weigh(samples, channels, weights, Some(u16::MAX), |code| {
-        light[usize::from(code)]
-    })
+fn words(samples: &[u16], channels: usize, weights: &[f32], curves: &Curves) -> Vec<f32> {
+    let light = light16(curves);
+    weigh(
+        samples,
+        channels,
+        weights,
+        Some(u16::MAX),
+        |channel, code| light.of(channel)[usize::from(code)],
+    )
 }
 
 /// Returns the weighted sum of the channels of each pixel. If one of the channels used is
@@ -264,17 +343,16 @@ fn weigh<S: Copy + PartialEq>(
     channels: usize,
     weights: &[f32],
     full: Option<S>,
-    light: impl Fn(S) -> f32,
+    light: impl Fn(usize, S) -> f32,
 ) -> Vec<f32> {
     let pixel = |pixel: &[S]| {
-        let used = pixel
-            .iter()
-            .zip(weights)
-            .filter(|&(_, &weight)| weight != 0.0);
-        if used.clone().any(|(&sample, _)| full == Some(sample)) {
+        let samples = pixel.iter().zip(weights).enumerate();
+        let used = samples.filter(|&(_, (_, &weight))| weight != 0.0);
+        if used.clone().any(|(_, (&sample, _))| full == Some(sample)) {
             1.0
         } else {
-            used.map(|(&sample, &weight)| weight * light(sample)).sum()
+            used.map(|(channel, (&sample, &weight))| weight * light(channel, sample))
+                .sum()
         }
     };
     samples.chunks_exact(channels).map(pixel).collect()

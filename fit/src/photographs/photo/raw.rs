@@ -26,6 +26,7 @@ use crate::photographs::photo::limits::check_size;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::settings as camera;
 use crate::photographs::photo::settings::Settings;
+use crate::photographs::photo::taken::Taken;
 
 /// The colours of a filter, in the order of rawler's indices.
 const COLOURS: [Channel; 3] = Channel::PRIMARIES;
@@ -92,6 +93,7 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
         height: plane.height() as usize,
         luminance: plane.into_raw(),
         clip_level: Some(1.0),
+        transfer: Taken::linear("camera raw"),
         warnings,
     })
 }

@@ -150,6 +150,7 @@ fn drawn_edge(line: EdgeLine, [x, y, width, height]: Rectangle) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::photographs::photo::taken::Taken;
 
     fn photo() -> Photo {
         // 500 x 300: dark left of column 250, bright right of it, the last column saturated.
@@ -165,6 +166,7 @@ mod tests {
             height: 300,
             luminance,
             clip_level: Some(1.0),
+            transfer: Taken::default(),
             warnings: Vec::new(),
         }
     }

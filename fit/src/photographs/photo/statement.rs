@@ -1,0 +1,67 @@
+//! The transfer that a PNG, TIFF or JPEG states.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use tiff::decoder::Decoder;
+use tiff::tags::Tag;
+
+use crate::photographs::photo::error::Error;
+use crate::photographs::photo::format::Format;
+use crate::photographs::photo::taken::Curves;
+use crate::photographs::photo::{chunks, icc};
+
+/// Name of the profile of a JPEG or TIFF.
+const PROFILE: &str = "ICC profile";
+
+/// Returns the curves that a file states, or `None` if it states none.
+///
+/// `colour` says whether the picture has colours. `jpeg` returns the profile of a JPEG, and fails,
+/// in words, if the profile is damaged.
+///
+/// # Errors
+/// Returns [`Error::Tone`] if the statement cannot be followed, and [`Error::Io`] if the file
+/// cannot be read.
+pub(crate) fn curves(
+    path: &Path,
+    format: Format,
+    colour: bool,
+    jpeg: impl FnOnce() -> Result<Option<Vec<u8>>, String>,
+) -> Result<Option<Curves>, Error> {
+    let tone = |(part, reason)| Error::Tone {
+        file: path.to_owned(),
+        part,
+        reason,
+    };
+    let open = || {
+        let file = File::open(path).map_err(|source| Error::Io {
+            file: path.to_owned(),
+            source,
+        })?;
+        Ok(BufReader::new(file))
+    };
+    let profile = match format {
+        Format::Png => return chunks::curves(&mut open()?, colour).map_err(tone),
+        Format::Tiff => in_tiff(open()?),
+        Format::Jpeg => jpeg(),
+        Format::Exr | Format::Raw => Ok(None),
+    };
+    let curves = profile.and_then(|profile| {
+        let read = profile.map(|bytes| icc::curves(&bytes, PROFILE, colour));
+        read.transpose()
+    });
+    curves.map_err(|reason| tone((PROFILE, reason)))
+}
+
+/// Returns the profile of a TIFF. The decoder of the pixels drops a profile that is large beside
+/// the picture.
+fn in_tiff(reader: BufReader<File>) -> Result<Option<Vec<u8>>, String> {
+    // A directory that cannot be read is refused when the pixels are.
+    let Ok(mut decoder) = Decoder::new(reader) else {
+        return Ok(None);
+    };
+    let tag = decoder.find_tag(Tag::IccProfile);
+    let bytes = tag.and_then(|tag| tag.map(|value| value.into_u8_vec()).transpose());
+    bytes.map_err(|_| icc::DAMAGED.to_owned())
+}
