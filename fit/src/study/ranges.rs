@@ -53,6 +53,39 @@ const TILT_DEG: [f64; 2] = [4.0, 40.0];
 /// Smallest retroreflected fraction at which a direction of the table is photographed.
 const LEAST_ETA: f64 = 0.02;
 
+const INDEX: Bounds = Bounds {
+    words: "at least 1",
+    holds: |x| x >= 1.0,
+};
+const COUNT: Bounds = Bounds {
+    words: "between 1 and 1000",
+    holds: |x| (1.0..=1000.0).contains(&x),
+};
+const GAIN: Bounds = Bounds {
+    words: "greater than 0 and at most 0.5",
+    holds: |x| x > 0.0 && x <= 0.5,
+};
+const BENT: Bounds = Bounds {
+    words: "greater than 0 and at most 10",
+    holds: |x| x > 0.0 && x <= 10.0,
+};
+const VEIL: Bounds = Bounds {
+    words: "greater than 0 and at most 0.15",
+    holds: |x| x > 0.0 && x <= 0.15,
+};
+const HOT: Bounds = Bounds {
+    words: "greater than 0 and at most 0.1",
+    holds: |x| x > 0.0 && x <= 0.1,
+};
+const BITS: Bounds = Bounds {
+    words: "between 8 and 24",
+    holds: |x| (8.0..=24.0).contains(&x),
+};
+const QUALITY: Bounds = Bounds {
+    words: "between 1 and 100",
+    holds: |x| (1.0..=100.0).contains(&x),
+};
+
 /// Ranges from which campaigns are drawn, each as its two ends and evenly in the logarithm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranges {
@@ -143,38 +176,6 @@ impl Ranges {
     /// # Errors
     /// Returns the first fault of the file, with its line.
     pub fn load(file: &Path) -> Result<Ranges, Error> {
-        const INDEX: Bounds = Bounds {
-            words: "at least 1",
-            holds: |x| x >= 1.0,
-        };
-        const COUNT: Bounds = Bounds {
-            words: "between 1 and 1000",
-            holds: |x| (1.0..=1000.0).contains(&x),
-        };
-        const GAIN: Bounds = Bounds {
-            words: "greater than 0 and at most 0.5",
-            holds: |x| x > 0.0 && x <= 0.5,
-        };
-        const BENT: Bounds = Bounds {
-            words: "greater than 0 and at most 10",
-            holds: |x| x > 0.0 && x <= 10.0,
-        };
-        const VEIL: Bounds = Bounds {
-            words: "greater than 0 and at most 0.15",
-            holds: |x| x > 0.0 && x <= 0.15,
-        };
-        const HOT: Bounds = Bounds {
-            words: "greater than 0 and at most 0.1",
-            holds: |x| x > 0.0 && x <= 0.1,
-        };
-        const BITS: Bounds = Bounds {
-            words: "between 8 and 24",
-            holds: |x| (8.0..=24.0).contains(&x),
-        };
-        const QUALITY: Bounds = Bounds {
-            words: "between 1 and 100",
-            holds: |x| (1.0..=100.0).contains(&x),
-        };
         let document = Document::read(file)?;
         let table = document.parse()?;
         let root = Section::root(&document, &table, &ROOT)?;
