@@ -309,8 +309,8 @@ impl Ranges {
         params
     }
 
-    /// Draws uneven light, bent edges and faults of the camera. Each kind has a stream of its own, so that it does not
-    /// change the others.
+    /// Draws uneven light, bent edges and faults of the camera. Each kind has a stream of its own,
+    /// so that it does not change the others.
     fn disturb(&self, params: &mut Params, seed: u64, index: u64) {
         let mut draws = [1, 3, 4, 5, 6].map(|k| PixelNoise::new(seed, index, u64::MAX - k));
         let [light, vignetting, bow, ripple, camera] = &mut draws;
