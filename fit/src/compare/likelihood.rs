@@ -15,10 +15,10 @@
 //! along the edge cannot tell g_tt from the step.
 //!
 //! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts
-//! it off at 0, the mean and the variance after the cut are used. Both noise numbers are the most
-//! likely ones for the scatter of the pixels about a smooth model. The weights follow from that
-//! model and stay fixed while the likelihood is maximised, because weights that follow the data or
-//! the parameters bias the estimate.
+//! it off at 0 or at full scale, the mean and the variance after the cut are used. Both noise
+//! numbers are the most likely ones for the scatter of the pixels about a smooth model. The weights
+//! follow from that model and stay fixed while the likelihood is maximised, because weights that
+//! follow the data or the parameters bias the estimate.
 //!
 //! Position and angle of the edge, both plateaus and the light are nuisances of each photograph.
 //! For each trial blur they are set to their optimum and projected out (variable projection). What
@@ -33,7 +33,6 @@ use crate::model::Blur;
 use crate::model::Camera;
 use crate::model::Model;
 use crate::model::{Even, Grid};
-use crate::numerics::clip;
 use crate::numerics::factor;
 use crate::photographs::BIN_PX;
 use crate::photographs::PixelNoise;
@@ -265,10 +264,10 @@ impl<'a> Photograph<'a> {
     /// Finds noise, weights and nuisances under a model that is near the truth.
     ///
     /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
-    /// cut off at 0, the dark plateau moves with the noise, and each round leaves about a tenth of
+    /// cut off, the plateau moves with the noise, and each round leaves about a tenth of
     /// the remaining error. Then five rounds are made.
     pub(crate) fn settle(&mut self, curves: &Curves) {
-        let rounds = if self.pixels.cut_off { 5 } else { 2 };
+        let rounds = if self.pixels.cut.is_any() { 5 } else { 2 };
         self.start = self.first_guess(curves);
         self.start.lit = self.lit_prior()[0];
         let squares = self.settled(curves, rounds);
@@ -394,7 +393,7 @@ impl<'a> Photograph<'a> {
         // The floor lies far below the noise of any sensor. It avoids a division by zero for
         // noise-free pictures.
         let floor = 1e-12 * self.start.step.powi(2) + f64::MIN_POSITIVE;
-        self.noise = PixelNoise::most_likely(&scatter, self.pixels.cut_off, floor);
+        self.noise = PixelNoise::most_likely(&scatter, self.pixels.cut, floor);
         self.set_weights(&light);
     }
 
@@ -408,12 +407,7 @@ impl<'a> Photograph<'a> {
                 }
                 let variance = self.noise.variance(light);
                 let sigma = variance.sqrt();
-                let left = if self.pixels.cut_off {
-                    clip::clipped(light, sigma).2
-                } else {
-                    variance
-                };
-                let left = left * self.pixels.excess;
+                let left = self.pixels.cut.clipped(light, sigma).2 * self.pixels.excess;
                 // The model's own error is one number for a bin, however many pixels the bin has.
                 let root = |amount: f64| {
                     if amount > 0.0 {
@@ -485,12 +479,7 @@ impl<'a> Photograph<'a> {
             let [_, _, across, bend] = unit;
             let unlit = lit.value - 1.0;
             let expected = at.dark + at.lit * unlit + at.step * of_mean(unit);
-            let (expected, passed) = if self.pixels.cut_off {
-                let (mean, passed, _) = clip::clipped(expected, weight.sigma);
-                (mean, passed)
-            } else {
-                (expected, 1.0)
-            };
+            let (expected, passed, _) = self.pixels.cut.clipped(expected, weight.sigma);
             let [m, s] = weight.root.map(|root| root * passed);
             let (step_m, step_s) = (at.step * m, at.step * s);
             let by_place = [-across, -bend * place.along[0], 0.0, 0.0];
@@ -526,7 +515,7 @@ impl<'a> Photograph<'a> {
     }
 
     /// Returns the factor of a fitted photograph with the full information of pixels that were cut
-    /// off at 0. The estimate uses the mean of such pixels alone, which has a little less
+    /// off. The estimate uses the mean of such pixels alone, which has a little less
     /// information.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
         let size = NUISANCES + curves.by.len() + 1;
@@ -538,10 +527,10 @@ impl<'a> Photograph<'a> {
             .zip(&self.weights)
             .filter(|((_, bin), _)| bin.count > 0.0)
             .flat_map(|((&[light, _], bin), weight)| {
-                let gain = if self.pixels.cut_off {
-                    let (_, passed, left) = clip::clipped(light, weight.sigma);
-                    let used = passed * passed / left;
-                    let all = clip::information(light, weight.sigma) / weight.sigma.powi(2);
+                let (_, passed, left) = self.pixels.cut.clipped(light, weight.sigma);
+                let used = passed * passed / left;
+                let all = self.pixels.cut.information(light, weight.sigma) / weight.sigma.powi(2);
+                let gain = if self.pixels.cut.is_any() {
                     (all / used.max(f64::MIN_POSITIVE)).sqrt()
                 } else {
                     1.0

@@ -11,6 +11,7 @@
 //! information is (1/4 px)^2/12 over the variance of the blur. This is 1 % for a lens of half a
 //! pixel and 0.1 % for a mid-air image.
 
+use crate::numerics::clip::Cut;
 use crate::photographs::BIN_PX;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::{Raster, Window};
@@ -52,8 +53,8 @@ pub struct Pixels {
     /// Factor by which means over many pixels scatter more, as a variance, than those of
     /// independent pixels.
     pub excess: f64,
-    /// True if the camera cut its noise off at 0.
-    pub cut_off: bool,
+    /// Limits at which the camera cut its noise off.
+    pub cut: Cut,
     /// Positions of the pixels in the window.
     pub raster: Raster,
 }
@@ -81,7 +82,10 @@ impl Pixels {
             square_along: squares / all.max(1.0),
             first: start as i64 - limit,
             excess: window.excess(),
-            cut_off: window.cuts_off_at_zero(),
+            cut: Cut {
+                zero: window.cuts_off_at_zero(),
+                full: window.ceiling(),
+            },
             raster: window.raster(),
         }
     }

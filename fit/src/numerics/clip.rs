@@ -1,6 +1,50 @@
-//! A normal variable cut off at 0, as a camera without a black offset cuts off its noise.
+//! A normal variable cut off at 0 or at full scale, as a camera cuts off its noise.
 
 use std::f64::consts::{PI, SQRT_2};
+
+/// Limits at which a camera cuts its signal off. They lie so far apart that a pixel feels one at
+/// most.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cut {
+    /// True if values below 0 become 0.
+    pub zero: bool,
+    /// Value that larger ones become.
+    pub full: Option<f64>,
+}
+
+impl Cut {
+    /// Returns whether there is a limit.
+    pub(crate) fn is_any(self) -> bool {
+        self.zero || self.full.is_some()
+    }
+
+    /// Returns the mean of a normal variable after the cut, its derivative by `mean`, and its
+    /// variance. `mean` and the standard deviation `sigma` > 0 are those before the cut.
+    pub(crate) fn clipped(self, mean: f64, sigma: f64) -> (f64, f64, f64) {
+        match self.above(mean) {
+            Some(full) => {
+                let (below, slope, variance) = clipped(full - mean, sigma);
+                (full - below, slope, variance)
+            }
+            None if self.zero => clipped(mean, sigma),
+            None => (mean, 1.0, sigma * sigma),
+        }
+    }
+
+    /// Returns the Fisher information of one observation on the mean, in units of 1/sigma^2.
+    pub(crate) fn information(self, mean: f64, sigma: f64) -> f64 {
+        match self.above(mean) {
+            Some(full) => information(full - mean, sigma),
+            None if self.zero => information(mean, sigma),
+            None => 1.0,
+        }
+    }
+
+    /// Returns the upper limit if it is the nearer one.
+    fn above(self, mean: f64) -> Option<f64> {
+        self.full.filter(|full| !self.zero || mean > 0.5 * full)
+    }
+}
 
 /// Returns the mean of max(0, x), its derivative by `mean`, and its variance, for a normal x with
 /// this mean and the standard deviation `sigma` > 0.
@@ -44,6 +88,39 @@ fn density(z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Compares a cut at 0 and at full scale with sums over a fine grid of the normal density,
+    /// whose error is that of `moments_meet_quadrature`.
+    #[test]
+    fn both_limits_cut_what_lies_beyond() {
+        let cut = Cut {
+            zero: true,
+            full: Some(1.0),
+        };
+        let (sigma, step) = (0.05, 1e-3);
+        let mut cases = 0;
+        for mean in [-0.02, 0.0, 0.03, 0.5, 0.93, 0.99, 1.0, 1.02] {
+            let (mut sum, mut square) = (0.0, 0.0);
+            for i in -10_000..=10_000 {
+                let x = f64::from(i) * step;
+                let value = (mean + sigma * x).clamp(0.0, 1.0);
+                sum += density(x) * step * value;
+                square += density(x) * step * value * value;
+            }
+            let (found, slope, variance) = cut.clipped(mean, sigma);
+            assert!((found - sum).abs() < 1e-6 * sigma, "{mean}: {found} {sum}");
+            let expected = square - sum * sum;
+            assert!((variance - expected).abs() < 1e-5 * sigma * sigma, "{mean}");
+            let h = 1e-5;
+            let [low, high] = [mean - h, mean + h].map(|mean| cut.clipped(mean, sigma).0);
+            assert!((slope - (high - low) / (2.0 * h)).abs() < 1e-6, "{mean}");
+            cases += 1;
+        }
+        assert_eq!(cases, 8);
+        // Both limits are alike: the information at full scale is that at 0.
+        let mirrored = (cut.information(0.99, sigma), cut.information(0.01, sigma));
+        assert!((mirrored.0 - mirrored.1).abs() < 1e-12, "{mirrored:?}");
+    }
 
     /// Compares with sums over a fine grid of the normal density: 2e4 points over +-10 sigma. Their
     /// error is below rounding for a smooth integrand, and step^2 / 8 = 1.3e-7 at the kink.

@@ -116,6 +116,11 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     let mut window = Window::of(photo, Some([x, y, width, height])).ok_or(Fault::TooSmall)?;
     warnings.extend(saturation::check(photo, &window)?);
     let gross = defects::exclude_gross(&mut window);
+    if let Some(level) = photo.clip_level.filter(|_| photo.clips_alone)
+        && window.extremes().1 >= f64::from(level)
+    {
+        window.set_ceiling(f64::from(level));
+    }
     let mut repaired = repaired(window.clone(), gross)?;
     // Noise that neighbours share is seen only where the light is even. Once it is known, curve and
     // light are judged by it.

@@ -1,6 +1,6 @@
 //! Estimate of a camera's pixel noise from the scatter of the pixels.
 
-use crate::numerics::clip;
+use crate::numerics::clip::Cut;
 
 /// Noise of a pixel: its variance is read + gain x light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +21,9 @@ impl PixelNoise {
     /// is (degrees of freedom, light, variance) of one bin.
     ///
     /// The method is Fisher scoring on the sum of freedom x (ln v + scatter / v), with v = read +
-    /// gain x light; `read` is at least `floor` and `gain` at least 0. With `cut_off`, the noise is
-    /// taken as clipped at 0.
-    pub fn most_likely(scatter: &[[f64; 3]], cut_off: bool, floor: f64) -> PixelNoise {
+    /// gain x light; `read` is at least `floor` and `gain` at least 0. With limits in `cut`, the
+    /// noise is taken as cut off there.
+    pub fn most_likely(scatter: &[[f64; 3]], cut: Cut, floor: f64) -> PixelNoise {
         const ROUNDS: usize = 25;
         let freedom: f64 = scatter.iter().map(|s| s[0]).sum();
         let average = scatter.iter().map(|s| s[0] * s[2]).sum::<f64>() / freedom.max(1.0);
@@ -38,8 +38,8 @@ impl PixelNoise {
                 let weight = freedom / (now * now);
                 // The variance that clipping removed is put back, by the ratio that the present
                 // noise gives.
-                let whole = if cut_off {
-                    variance * now / clip::clipped(light, now.sqrt()).2.max(1e-3 * now)
+                let whole = if cut.is_any() {
+                    variance * now / cut.clipped(light, now.sqrt()).2.max(1e-3 * now)
                 } else {
                     variance
                 };

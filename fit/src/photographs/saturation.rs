@@ -3,7 +3,8 @@
 //!
 //! A clipped pixel gives less information than it seems to. If it were left out, only the dark half
 //! of the noise would remain. So clipping causes a warning where it is harmless and a refusal where
-//! it is not.
+//! it is not. The likelihood of the pixels knows of both limits, as long as a pixel's light is one
+//! value of the file.
 //!
 //! If a share p of a plateau's pixels is clipped, the mean falls by (density - p z) standard
 //! deviations of a pixel, where z is the normal quantile of p and density is the normal density
@@ -14,8 +15,13 @@ use crate::photographs::edge::fault::Fault;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::window::Window;
 
-/// Share of clipped pixels among the bright ones above which the photograph is refused.
+/// Share of clipped pixels among the bright ones above which the photograph is refused, if its
+/// light is that of several channels or if the ceiling is not that of the format.
 const MOST_CLIPPED: f64 = 0.05;
+
+/// Share of bright pixels at full scale above which a photograph of one channel is refused. Noise
+/// about full scale is cut off in half of the pixels, which the loss `edge` takes into account.
+const MOST_FULL: f64 = 2.0 / 3.0;
 
 /// Share of pixels that are exactly 0 among the dark ones above which the photograph is refused.
 /// Noise about a dark of 0 is cut off in half of the pixels.
@@ -49,7 +55,12 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
     };
     if let Some(level) = photo.clip_level {
         let clipped = share(&bright, &|v| v >= level);
-        if clipped > MOST_CLIPPED {
+        let most = if photo.clips_alone {
+            MOST_FULL
+        } else {
+            MOST_CLIPPED
+        };
+        if clipped > most {
             return Err(Fault::Clipped {
                 share: clipped,
                 level: f64::from(level),
@@ -67,7 +78,9 @@ pub(crate) fn check(photo: &Photo, window: &Window) -> Result<Vec<String>, Fault
     // nothing above it and no neighbouring value of similar size, if the dark side shows noise.
     let ceiling = brights[0].value;
     let above = share(&bright, &|v| v > ceiling);
-    if brights[0].share > MOST_CLIPPED
+    let of_the_format = photo.clips_alone && photo.clip_level == Some(ceiling);
+    if !of_the_format
+        && brights[0].share > MOST_CLIPPED
         && above < 0.1 * brights[0].share
         && brights[1].share < 0.125 * brights[0].share
         && darks[0].share < 0.1

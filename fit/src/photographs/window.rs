@@ -12,6 +12,8 @@ pub struct Window {
     values: Vec<f32>,
     /// Factor of [`Window::excess`].
     excess: f64,
+    /// Level of [`Window::ceiling`].
+    ceiling: Option<f64>,
 }
 
 /// One pixel: its position (pixels, from the window's centre) and its value.
@@ -73,7 +75,19 @@ impl Window {
             height,
             values,
             excess: 1.0,
+            ceiling: None,
         })
+    }
+
+    /// Returns the value at which the camera cut its noise off, if bright pixels reach it. It is
+    /// `None` unless [`Window::set_ceiling`] has set it.
+    pub(crate) fn ceiling(&self) -> Option<f64> {
+        self.ceiling
+    }
+
+    /// Sets the level of [`Window::ceiling`].
+    pub(crate) fn set_ceiling(&mut self, level: f64) {
+        self.ceiling = Some(level);
     }
 
     /// Returns the factor by which means over many pixels scatter more, as a variance, than those
@@ -212,6 +226,7 @@ impl Window {
             height,
             values: sums.into_iter().map(|(sum, count)| sum / count).collect(),
             excess: self.excess,
+            ceiling: None,
         }
     }
 
@@ -268,8 +283,8 @@ impl Window {
         (0.01..0.95).contains(&share).then(|| {
             format!(
                 "{zero} pixels ({:.1} % of the dark ones) are exactly 0: the noise is cut off, \
-                which raises the dark plateau and lowers mu; keep the camera's black offset, or \
-                expose more",
+                which the loss edge takes into account; for other losses and `fit mtf` it raises the \
+                dark plateau and lowers mu; keep the camera's black offset, or expose more",
                 100.0 * share
             )
         })
@@ -282,8 +297,8 @@ impl Window {
         (clipped > 0).then(|| {
             let share = 100.0 * clipped as f64 / self.values.len() as f64;
             format!(
-                "{clipped} pixels ({share:.2} %) are clipped: the plateau and mu are biased; \
-                expose less"
+                "{clipped} pixels ({share:.2} %) are clipped, which lowers the bright plateau (the \
+                loss edge takes it into account in a photograph of one channel); expose less"
             )
         })
     }
@@ -302,6 +317,7 @@ mod tests {
             height: 17,
             values: vec![0.5; 9 * 17],
             excess: 1.0,
+            ceiling: None,
         };
         let along = |held: fn(&Pixel) -> bool, place: fn(&Pixel) -> f64| {
             let mut places: Vec<f64> = window.outline().filter(held).map(|p| place(&p)).collect();

@@ -84,7 +84,7 @@ pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, E
         index,
         photographs: scene.shots.len(),
         electrons: params.camera.full_well_e,
-        cut_off: scene.shots.iter().any(|shot| shot.pixels.cut_off),
+        cut_off: scene.shots.iter().any(|shot| shot.pixels.cut.zero),
         truth,
         bound,
         found: [found(&with_mtf), found(&with_edge)],
@@ -189,7 +189,8 @@ pub(crate) fn source(
             height: params.camera.height,
             // The truth of a drawn campaign has an entry for each of its angles.
             luminance: photograph(params, index).unwrap_or_default(),
-            clip_level: None,
+            clip_level: Some(1.0),
+            clips_alone: true,
             transfer: Taken::default(),
             warnings: Vec::new(),
         })

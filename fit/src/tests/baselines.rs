@@ -465,6 +465,7 @@ impl Sheet {
             height,
             luminance,
             clip_level: None,
+            clips_alone: true,
             transfer: Taken::default(),
             warnings: Vec::new(),
         }

@@ -20,6 +20,7 @@ fn photo(width: usize, height: usize, luminance: Vec<f32>) -> Photo {
         height,
         luminance,
         clip_level: None,
+        clips_alone: true,
         transfer: Taken::default(),
         warnings: Vec::new(),
     }

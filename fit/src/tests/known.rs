@@ -191,6 +191,7 @@ impl Known {
             height: self.size_px[1],
             luminance: light.collect(),
             clip_level: None,
+            clips_alone: true,
             transfer: Taken::default(),
             warnings: Vec::new(),
         }

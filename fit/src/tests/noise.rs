@@ -1,8 +1,14 @@
 //! Tests of the noise of pixels that a camera without a black offset cuts off at 0.
 
 use crate::numerics::clip;
+use crate::numerics::clip::Cut;
 use crate::photographs::PixelNoise;
 use crate::tests::planted::Stream;
+
+const AT_ZERO: Cut = Cut {
+    zero: true,
+    full: None,
+};
 
 /// Compares the noise of cut-off pixels with one that is known exactly. Without light, half of
 /// the pixels are cut off, and the variance of the rest is v (1/2 - 1/(2 pi)). Bright pixels
@@ -17,7 +23,7 @@ fn the_variance_that_the_cut_off_removes_is_put_back() {
             [900.0, 0.0, left * read],
             [400.0, bright, read + gain * bright],
         ];
-        let found = PixelNoise::most_likely(&scatter, true, 1e-12);
+        let found = PixelNoise::most_likely(&scatter, AT_ZERO, 1e-12);
         let allowed = 1e-13 * found.variance(bright);
         assert!((found.read - read).abs() < allowed, "{found:?}");
         assert!((found.gain - gain).abs() < allowed / bright, "{found:?}");
@@ -50,7 +56,7 @@ fn the_noise_of_cut_off_draws_is_found() {
         let (v, h) = (sigma * sigma, 1e-3 * sigma * sigma);
         let slope = (left(v + h) - left(v - h)) / (2.0 * h);
         let scatter = [[(DRAWS - 1) as f64, light, variance]];
-        let found = PixelNoise::most_likely(&scatter, true, 1e-12);
+        let found = PixelNoise::most_likely(&scatter, AT_ZERO, 1e-12);
         let error = of_variance.sqrt() / slope;
         let pull = (found.variance(light) - v) / error;
         println!(
@@ -73,7 +79,7 @@ fn the_noise_is_where_the_likelihood_is_flat() {
         [60.0, 0.5, 7.0e-4],
         [30.0, 0.9, 1.6e-3],
     ];
-    let found = PixelNoise::most_likely(&scatter, false, 1e-12);
+    let found = PixelNoise::most_likely(&scatter, Cut::default(), 1e-12);
     assert!(found.read > 0.0 && found.gain > 0.0, "{found:?}");
     for power in [0, 1] {
         let terms = scatter.map(|[freedom, light, variance]| {

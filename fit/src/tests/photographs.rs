@@ -51,6 +51,7 @@ pub(crate) fn photo(width: usize, height: usize, light: impl Fn(f64, f64) -> f64
         height,
         luminance: (0..width * height).map(at).collect(),
         clip_level: Some(1.0),
+        clips_alone: true,
         transfer: Taken::default(),
         warnings: Vec::new(),
     }

@@ -12,6 +12,7 @@ use crate::estimate::{Joint, Used};
 use crate::model::Blur;
 use crate::names::Kernel;
 use crate::names::LobeShape;
+use crate::numerics::clip::Cut;
 use crate::photographs::PixelNoise;
 use crate::simulate::Params;
 use crate::simulate::photograph as simulate;
@@ -95,7 +96,7 @@ fn noise_is_the_scatter_over_the_degrees_of_freedom() {
     let mut cases = 0;
     for v in [1e-6, 4e-4] {
         let mut pixels = (*scene.shots[0].pixels).clone();
-        pixels.cut_off = false;
+        pixels.cut = Cut::default();
         for bin in &mut pixels.bins {
             bin.scatter = [(bin.count - 1.0) * v, 0.0, 0.0];
         }

@@ -15,6 +15,8 @@ use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::names::Spectrum;
 use crate::simulate::PlantedCamera;
+use crate::simulate::photograph::{light, photograph};
+use crate::study::trial::{campaign, source};
 use crate::study::{LOSSES, PARAMETERS, Ranges, Summary, Trial, choice, refused, tells};
 use crate::tests::planted::{SHARED, Stream, camera, fitted, params, scene, table, truth};
 use crate::tests::study::{run, trials};
@@ -102,7 +104,7 @@ fn drawn<const N: usize>(
                     pull(fit.mu.as_ref().expect("there is a reference")[0], mu),
                 ]
             }),
-            cut_off: scene.shots.iter().filter(|s| s.pixels.cut_off).count(),
+            cut_off: scene.shots.iter().filter(|s| s.pixels.cut.zero).count(),
             corrected: is_corrected(&scene),
         }
     };
@@ -372,4 +374,50 @@ fn statistics_without_a_reference() {
         }
     }
     assert_eq!(figures, 4);
+}
+
+/// Standard errors of the pixels are true where the camera cuts bright pixels off at full scale:
+/// the bright side lies within one standard deviation of a pixel's noise from it.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn statistics_near_full_scale() {
+    const DRAWS: u64 = 200;
+    let draw = |seed: u64| {
+        let mut stream = Stream(0xf011 << 20 | seed);
+        let (a, c) = (stream.between(2.0, 6.0), stream.between(0.2, 0.5));
+        let mu = stream.between(0.3, 0.8);
+        let planted = truth(Kernel::Eq1, LobeShape::Radial, a, c, mu);
+        let incidence = [5.0, 30.0];
+        let table = table(&planted, &incidence, 20.0);
+        let electrons = stream.between(2e3, 2e4);
+        let mut params = params(seed, planted, &incidence, &[200.0], camera(electrons));
+        for index in 0..params.captures.len() {
+            let light = light(&params, Some(index)).expect("it can be simulated");
+            let most = light.into_iter().fold(0.0, f64::max);
+            let veil = params.camera.veil;
+            let bright = 1.0 + stream.between(-1.0, 0.3) / electrons.sqrt();
+            params.captures[index].edge.exposure *= (bright - veil) / (most - veil);
+        }
+        let campaign = campaign(&params, &[]);
+        let scene = Scene::of(&campaign, &table, &source(&params, photograph));
+        let scene = scene.expect("the edges are visible");
+        let cut = scene
+            .shots
+            .iter()
+            .filter(|shot| shot.pixels.cut.full.is_some());
+        assert_eq!(cut.count(), 2);
+        let fit = fitted(&scene, SHARED, Kind::Edge);
+        let pull = |v: Value, truth: f64| (v.value - truth) / v.standard_error;
+        let found_mu = fit.mu.as_ref().expect("there is a reference")[0];
+        [
+            pull(fit.c_mm.expect("eq1 has c"), c),
+            pull(fit.spread[0], a),
+            pull(found_mu, mu),
+        ]
+    };
+    let draws: Vec<[f64; 3]> = (0..DRAWS).into_par_iter().map(draw).collect();
+    for (i, parameter) in PARAMETERS.into_iter().enumerate() {
+        let pulls: Vec<f64> = draws.iter().map(|draw| draw[i]).collect();
+        check(&format!("edge {parameter} near full scale"), &pulls, 0.1);
+    }
 }

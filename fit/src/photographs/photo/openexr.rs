@@ -46,6 +46,7 @@ pub(crate) fn read(
     options: &Decode,
 ) -> Result<Photo, Error> {
     let mut half_only = false;
+    let mut alone = false;
     let transfer = options.transfer.unwrap_or(Transfer::Linear);
     let (width, height, mut planes, warnings) =
         read_planes(path, reader, first, transfer, |headers| {
@@ -55,6 +56,7 @@ pub(crate) fn read(
                 warnings,
             } = select(path, headers, &options.channel)?;
             let stored = &headers[header].channels.list;
+            alone = terms.len() == 1;
             half_only = terms
                 .iter()
                 .all(|term| stored[term.index].sample_type == SampleType::F16);
@@ -74,6 +76,7 @@ pub(crate) fn read(
         height,
         luminance,
         clip_level,
+        clips_alone: alone,
         transfer: match options.transfer {
             Some(given) => Curves::one(Curve::Named(given), GIVEN).taken(),
             None => Taken::linear("EXR"),

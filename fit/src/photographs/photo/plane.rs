@@ -18,6 +18,9 @@ pub struct Photo {
     /// any EXR it is 1 if the largest value is exactly 1, as in a clipped, normalised image of a
     /// sensor. For other half-float EXR, read as linear, it is 65504.
     pub clip_level: Option<f32>,
+    /// True if the light of a pixel is one value of the file. A pixel at `clip_level` then tells
+    /// that its noise was cut off there. The light of several channels has no such limit.
+    pub clips_alone: bool,
     /// Relation between stored values and light that was taken.
     pub transfer: Taken,
     /// Warnings about what was assumed or repaired, one sentence each.

@@ -280,6 +280,7 @@ fn plane(path: &Path, decoded: Decoded, channel: &Channel) -> Result<Photo, Erro
         height,
         luminance,
         clip_level,
+        clips_alone: weights.iter().filter(|&&weight| weight != 0.0).count() == 1,
         transfer,
         warnings,
     })

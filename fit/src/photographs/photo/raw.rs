@@ -93,6 +93,7 @@ pub(crate) fn read(path: &Path, options: &Decode) -> Result<Photo, Error> {
         height: plane.height() as usize,
         luminance: plane.into_raw(),
         clip_level: Some(1.0),
+        clips_alone: true,
         transfer: Taken::linear("camera raw"),
         warnings,
     })

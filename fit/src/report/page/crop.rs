@@ -166,6 +166,7 @@ mod tests {
             height: 300,
             luminance,
             clip_level: Some(1.0),
+            clips_alone: true,
             transfer: Taken::default(),
             warnings: Vec::new(),
         }
