@@ -283,8 +283,8 @@ impl Window {
         (0.01..0.95).contains(&share).then(|| {
             format!(
                 "{zero} pixels ({:.1} % of the dark ones) are exactly 0: the noise is cut off, \
-                which the loss edge takes into account; for other losses and `fit mtf` it raises the \
-                dark plateau and lowers mu; keep the camera's black offset, or expose more",
+                which the loss edge takes into account; for other losses and `fit mtf` it raises \
+                the dark plateau and lowers mu; keep the camera's black offset, or expose more",
                 100.0 * share
             )
         })
