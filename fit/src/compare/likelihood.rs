@@ -34,6 +34,7 @@ use crate::model::Camera;
 use crate::model::Model;
 use crate::model::{Even, Grid};
 use crate::numerics::factor;
+use crate::numerics::factor::Products;
 use crate::photographs::BIN_PX;
 use crate::photographs::PixelNoise;
 
@@ -450,10 +451,10 @@ impl<'a> Photograph<'a> {
 
     fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
         let size = NUISANCES + curves.by.len() + 1;
-        let mut normal = DMatrix::zeros(size, size);
-        self.rows(curves, &nuisances, |row| factor::add(&mut normal, row));
+        let mut normal = Products::new(size);
+        self.rows(curves, &nuisances, |row| normal.add(row));
         Fitted {
-            factor: factor::of(normal),
+            factor: factor::of(normal.sum()),
             nuisances,
         }
     }
@@ -519,7 +520,7 @@ impl<'a> Photograph<'a> {
     /// information.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
         let size = NUISANCES + curves.by.len() + 1;
-        let mut normal = DMatrix::zeros(size, size);
+        let mut normal = Products::new(size);
         let gains: Vec<f64> = self
             .light(curves)
             .iter()
@@ -543,9 +544,9 @@ impl<'a> Photograph<'a> {
         self.rows(curves, at, |row| {
             let gain = gain.next().unwrap_or(1.0);
             let row: Vec<f64> = row.iter().map(|v| v * gain).collect();
-            factor::add(&mut normal, &row);
+            normal.add(&row);
         });
-        factor::of(normal)
+        factor::of(normal.sum())
     }
 }
 

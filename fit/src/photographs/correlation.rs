@@ -8,9 +8,8 @@
 //! polynomial of each side of the edge is taken out, and so is what remains at lags beyond those of
 //! the noise.
 
-use nalgebra::DMatrix;
-
 use crate::numerics::factor;
+use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::edge::line::legendre;
 use crate::photographs::profile::{BIN_PX, Profile};
@@ -183,14 +182,14 @@ impl Residuals {
         for side in [false, true] {
             let counts = |at: &usize| self.held[*at] > 0.0 && self.bright[*at] == side;
             let places: Vec<usize> = (0..self.values.len()).filter(counts).collect();
-            let mut normal = DMatrix::zeros(TERMS + 1, TERMS + 1);
+            let mut normal = Products::new(TERMS + 1);
             for &at in &places {
                 let mut row = [0.0; TERMS + 1];
                 row[..TERMS].copy_from_slice(&self.terms(at));
                 row[TERMS] = f64::from(self.values[at]);
-                factor::add(&mut normal, &row);
+                normal.add(&row);
             }
-            let found = factor::back_substituted(&factor::of(normal), TERMS, TERMS);
+            let found = factor::back_substituted(&factor::of(normal.sum()), TERMS, TERMS);
             for &at in &places {
                 let terms = self.terms(at);
                 let light: f64 = terms.iter().zip(found.iter()).map(|(t, c)| t * c).sum();

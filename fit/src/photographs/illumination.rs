@@ -12,9 +12,10 @@
 //!   blur itself may have an even part (coma); it is left out with the middle quarter of the
 //!   profile.
 
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{Matrix2, Vector2};
 
 use crate::numerics::factor;
+use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile};
 use crate::photographs::window::{Pixel, Window};
@@ -138,7 +139,7 @@ fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
     let (dark, bright) = profile.plateaus();
     let middle = 0.5 * (dark + bright);
     let reach = profile.reach;
-    let mut normal = DMatrix::zeros(3, 3);
+    let mut normal = Products::new(3);
     for k in reach / 4..=reach {
         let (low, high) = (reach - k, reach + k);
         if profile.count[low] == 0.0 || profile.count[high] == 0.0 {
@@ -149,9 +150,9 @@ fn across(profile: &Profile, curvature: f64) -> (f64, f64) {
         let odd = 0.5 * (profile.mean[high] - profile.mean[low]);
         let root = (4.0 / (profile.variance[low] + profile.variance[high])).sqrt();
         let row = [1.0, s * odd, even - middle * (1.0 + curvature * s * s)];
-        factor::add(&mut normal, &row.map(|v| v * root));
+        normal.add(&row.map(|v| v * root));
     }
-    let factor = factor::of(normal);
+    let factor = factor::of(normal.sum());
     let terms = factor::back_substituted(&factor, 2, 2);
     (terms[1], factor[(1, 2)].powi(2))
 }

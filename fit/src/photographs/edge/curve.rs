@@ -7,6 +7,7 @@
 use nalgebra::DMatrix;
 
 use crate::numerics::factor;
+use crate::numerics::factor::Products;
 use crate::photographs::edge::line::{Bend, EdgeLine, ORDERS, legendre};
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::window::Window;
@@ -192,7 +193,7 @@ impl Steepness {
         let half_px = 0.5 * (window.width() as f64).hypot(window.height() as f64);
         let pieces = self.pieces(window, line, [0.0, half_px], PIECES);
         const COLUMNS: usize = ORDERS + 2;
-        let mut normal = DMatrix::zeros(COLUMNS, COLUMNS);
+        let mut normal = Products::new(COLUMNS);
         for (k, piece) in pieces.iter().enumerate().filter(|(_, p)| p.weight > 0.0) {
             let place = (k as f64 + 0.5) / PIECES as f64 * 2.0 - 1.0;
             let (values, _) = legendre(place);
@@ -202,11 +203,11 @@ impl Steepness {
                 *column = root * value;
             }
             row[COLUMNS - 1] = piece.off / root;
-            factor::add(&mut normal, &row);
+            normal.add(&row);
         }
         let squares: f64 = pieces.iter().map(|piece| piece.squares).sum();
         let pixels: f64 = pieces.iter().map(|piece| piece.pixels).sum();
-        let factor = factor::of(normal);
+        let factor = factor::of(normal.sum());
         let falls = factor.column(COLUMNS - 1);
         let explained: f64 = falls.iter().take(ORDERS + 1).map(|fall| fall * fall).sum();
         let variance = (squares - explained).max(0.0) / f64::max(pixels, 1.0);
@@ -217,7 +218,7 @@ impl Steepness {
     /// Returns the normal matrix of light, curve and distances over all pixels of the profile, and
     /// the number of pixels.
     fn normal(&self, window: &Window, line: &EdgeLine, bend: &Bend) -> (DMatrix<f64>, f64) {
-        let mut normal = DMatrix::zeros(OFF + 1, OFF + 1);
+        let mut normal = Products::new(OFF + 1);
         let mut pixels = 0.0;
         for told in self.all(window, line) {
             let (level, slope) = (told.level, told.slope);
@@ -232,10 +233,10 @@ impl Steepness {
                 }
             }
             row[OFF] = told.off;
-            factor::add(&mut normal, &row);
+            normal.add(&row);
             pixels += 1.0;
         }
-        (normal, pixels)
+        (normal.sum(), pixels)
     }
 }
 
