@@ -5,7 +5,7 @@
 //! reciprocal of the profile's length. A real MTF changes slowly over such steps. So its logarithm
 //! is fitted by a polynomial about the crossing, weighted by the exact covariance of the curve. The
 //! widest range counts in which the fit explains the curve within its noise. The crossing of the
-//! fit scatters half as much as that of the curve itself.
+//! fit scatters less than that of the curve itself.
 
 use std::f64::consts::FRAC_PI_2;
 
