@@ -126,8 +126,13 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     // light are judged by it.
     let excess = correlation::excess(&repaired.window, &repaired.line, &repaired.profile);
     if excess > 1.0 {
-        window.set_excess(excess);
-        repaired = self::repaired(window, gross)?;
+        if repaired.lights.is_empty() && repaired.line.bend.is_none() {
+            // Neither was found by the smaller errors, so neither will be found by the larger ones.
+            repaired.count_noise(excess)?;
+        } else {
+            window.set_excess(excess);
+            repaired = self::repaired(window, gross)?;
+        }
         warnings.push(format!(
             "the noise of neighbouring pixels is correlated (demosaicing, smoothing or JPEG): it \
             counts {excess:.1} times, as a variance, in all standard errors"
@@ -211,6 +216,14 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
 }
 
 impl Repaired {
+    /// Counts the noise of means `excess` times, as a variance.
+    fn count_noise(&mut self, excess: f64) -> Result<(), Fault> {
+        self.window.set_excess(excess);
+        self.as_lit.set_excess(excess);
+        self.profile = Profile::new(&self.window, &self.line).ok_or(Fault::TooSmall)?;
+        Ok(())
+    }
+
     /// Returns warnings about what was repaired.
     fn warnings(&self) -> Vec<String> {
         let Repaired { off, pixels, .. } = self;
