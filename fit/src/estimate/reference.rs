@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 use crate::compare::Contrast;
 use crate::compare::Pixels;
 use crate::compare::View;
-use crate::estimate::optics::{Optics, STEP, camera_of, ln_blur, neighbours};
+use crate::estimate::optics::{Optics, STEP, camera_of, ln_blur};
 use crate::model::Camera;
 use crate::numerics::{CONVERGED, Solution, least_squares};
 use crate::photographs::photo::taken::Taken;
@@ -64,9 +64,16 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> (Reference,
         let change: Vec<f64> = pairs.map(|(a, b)| (a - b) / step).collect();
         contrast.relative_change(&change)
     };
-    let step_by_lens = camera
-        .lens
-        .map_or([0.0; 2], |lens| neighbours(camera, lens, STEP).map(of));
+    let optics = Optics {
+        camera,
+        lens: solution.parameters,
+        covariance: lens_covariance,
+        assumed: false,
+    };
+    let mut step_by_lens = [0.0; 2];
+    for (slope, neighbour) in step_by_lens.iter_mut().zip(optics.neighbours()) {
+        *slope = of(neighbour);
+    }
     let reference = Reference {
         pixels,
         exposure,
@@ -75,12 +82,6 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> (Reference,
         step_by_lens,
         reduced_chi2,
         transfer: Taken::default(),
-    };
-    let optics = Optics {
-        camera,
-        lens: solution.parameters,
-        covariance: lens_covariance,
-        assumed: false,
     };
     (reference, optics)
 }

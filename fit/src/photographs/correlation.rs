@@ -13,7 +13,7 @@ use crate::numerics::factor::Products;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::edge::line::legendre;
 use crate::photographs::profile::{BIN_PX, Profile};
-use crate::photographs::window::{Pixel, Window};
+use crate::photographs::window::Window;
 
 /// Number of standard deviations from which a correlation of direct neighbours is believed. White
 /// noise reaches it in one photograph of 10^8.
@@ -121,8 +121,7 @@ impl Residuals {
         let ruler = line.ruler();
         let [width, height] = [window.width(), window.height()].map(|side| side.min(LARGEST));
         let deviation = |bin: usize| {
-            let pixel = profile.variance[bin] * profile.count[bin].max(1.0) / window.excess();
-            let deviation = pixel.sqrt();
+            let deviation = profile.deviation(bin, window.excess());
             let is_flat = profile.slope(bin, 4).abs() * BIN_PX < FLAT * deviation;
             is_flat.then_some(deviation)
         };
@@ -134,34 +133,24 @@ impl Residuals {
             held: vec![0.0; width * height],
             bright: vec![false; width * height],
         };
-        for pixel in window.pixels() {
-            let Some(at) = residuals.index(window, &pixel) else {
-                continue;
-            };
-            let (across_px, _) = ruler.place(pixel.x, pixel.y);
-            let Some(level) = profile.at(across_px) else {
+        let [left, top] = [window.width() - width, window.height() - height].map(|side| side / 2);
+        let centre = [window.width(), window.height()].map(|side| 0.5 * (side as f64 - 1.0));
+        for at in 0..width * height {
+            let (column, row) = (left + at % width, top + at / width);
+            let value = f64::from(window.at(column, row));
+            let (x, y) = (column as f64 - centre[0], row as f64 - centre[1]);
+            let (across_px, _) = ruler.place(x, y);
+            let Some(level) = profile.at(across_px).filter(|_| !value.is_nan()) else {
                 continue;
             };
             let bin = (across_px / BIN_PX).round() + profile.reach as f64;
             if let Some(deviation) = deviations[bin as usize] {
-                residuals.values[at] = ((pixel.value - level) / deviation) as f32;
+                residuals.values[at] = ((value - level) / deviation) as f32;
                 residuals.held[at] = 1.0;
                 residuals.bright[at] = across_px > 0.0;
             }
         }
         residuals
-    }
-
-    /// Returns the place of a pixel in the middle part of the window, or `None` if it lies outside.
-    fn index(&self, window: &Window, pixel: &Pixel) -> Option<usize> {
-        let place = |at: f64, side: usize, part: usize| {
-            let from_the_left = (at + 0.5 * (side as f64 - 1.0)).round() as usize;
-            let place = from_the_left.checked_sub((side - part) / 2)?;
-            (place < part).then_some(place)
-        };
-        let x = place(pixel.x, window.width(), self.width)?;
-        let y = place(pixel.y, window.height(), self.height)?;
-        Some(y * self.width + x)
     }
 
     /// Returns whether direct neighbours are clearly correlated.

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::photographs::profile::{BIN_PX, Profile};
+use crate::photographs::profile::{BIN_PX, Profile, smoothed};
 use crate::photographs::sfr::{Estimator, crossing};
 
 /// Order of the polynomial.
@@ -124,7 +124,11 @@ impl Curve {
     /// Returns the frequency at which the MTF first falls to a level, or `None` if it never does or
     /// if the level is lost in noise.
     pub(crate) fn falls_to(&self, level: f64) -> Option<Measured> {
-        let rough = crossing(&self.frequency, &self.smoothed(), level)?;
+        let rough = crossing(
+            &self.frequency,
+            &smoothed(&self.modulus, self.correlated),
+            level,
+        )?;
         let cell = self.frequency[1];
         let mut middle = (rough / cell).round() as usize;
         if level < LOST * self.noise(middle) {
@@ -209,17 +213,6 @@ impl Curve {
             .map(|change: f64| change * change)
             .sum::<f64>()
             .sqrt()
-    }
-
-    /// Returns the running mean of the curve over the range in which its noise is correlated.
-    fn smoothed(&self) -> Vec<f64> {
-        let last = self.modulus.len() - 1;
-        let mean = |k: usize| {
-            let half = self.correlated.min(k).min(last - k);
-            let part = &self.modulus[k - half..=k + half];
-            part.iter().sum::<f64>() / part.len() as f64
-        };
-        (0..=last).map(mean).collect()
     }
 
     /// Fits the frequencies of an odd number of indices, evenly spaced, whose noise has a known

@@ -41,8 +41,7 @@ pub(crate) fn exclude(
     let least = LEAST_STEPS * (bright - dark);
     let limits: Vec<f64> = (0..profile.len())
         .map(|j| {
-            let noise = profile.variance[j] * profile.count[j].max(1.0);
-            let noise = (noise / window.excess()).sqrt();
+            let noise = profile.deviation(j, window.excess());
             // At an angle of a simple fraction the pixels of a bin may all lie at one of its ends.
             let astray_px = 1.5 * wave_px + 0.5 * BIN_PX;
             least + DEVIATIONS * noise + astray_px * profile.slope(j, 2).abs()

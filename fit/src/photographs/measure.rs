@@ -121,7 +121,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     {
         window.set_ceiling(f64::from(level));
     }
-    let mut repaired = repaired(window.clone(), gross)?;
+    let mut repaired = repaired(window, gross)?;
     // Noise that neighbours share is seen only where the light is even. Once it is known, curve and
     // light are judged by it.
     let excess = correlation::excess(&repaired.window, &repaired.line, &repaired.profile);
@@ -130,6 +130,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
             // Neither was found by the smaller errors, so neither will be found by the larger ones.
             repaired.count_noise(excess)?;
         } else {
+            let mut window = repaired.as_lit;
             window.set_excess(excess);
             repaired = self::repaired(window, gross)?;
         }

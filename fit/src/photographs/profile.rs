@@ -194,6 +194,11 @@ impl Profile {
         self.mean = curve;
     }
 
+    /// Returns the standard deviation of one pixel in a bin, of which means count `excess` times.
+    pub(crate) fn deviation(&self, bin: usize, excess: f64) -> f64 {
+        (self.variance[bin] * self.count[bin].max(1.0) / excess).sqrt()
+    }
+
     /// Returns the distance of a bin's centre from the edge, pixels, negative on the dark side.
     pub fn distance_px(&self, bin: usize) -> f64 {
         (bin as f64 - self.reach as f64) * BIN_PX

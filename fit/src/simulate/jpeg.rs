@@ -1,4 +1,6 @@
 //! Photographs as a camera saves them in 8 bits: sRGB-coded and packed as JPEG.
+//!
+//! The curve of sRGB stands here again on purpose: a campaign then tests the curve of the reader.
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageFormat};

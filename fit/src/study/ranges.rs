@@ -314,19 +314,17 @@ impl Ranges {
     fn disturb(&self, params: &mut Params, seed: u64, index: u64) {
         let mut draws = [1, 3, 4, 5, 6].map(|k| PixelNoise::new(seed, index, u64::MAX - k));
         let [light, vignetting, bow, ripple, camera] = &mut draws;
-        let saved = [self.veil, self.hot_share, self.bits, self.jpeg_quality]
-            .map(|range| range.map(|range| log(camera, range)));
-        if let Some(veil) = saved[0] {
-            params.camera.veil = veil;
+        if let Some(range) = self.veil {
+            params.camera.veil = log(camera, range);
         }
-        if let Some(share) = saved[1] {
-            params.camera.hot_share = share;
+        if let Some(range) = self.hot_share {
+            params.camera.hot_share = log(camera, range);
         }
-        if let Some(bits) = saved[2] {
-            params.camera.bits = bits.round() as u32;
+        if let Some(range) = self.bits {
+            params.camera.bits = log(camera, range).round() as u32;
         }
-        if let Some(quality) = saved[3] {
-            params.camera.jpeg_quality = Some(quality.round() as u8);
+        if let Some(range) = self.jpeg_quality {
+            params.camera.jpeg_quality = Some(log(camera, range).round() as u8);
         }
         let captures = params.captures.iter_mut().map(|shot| &mut shot.edge);
         for edge in captures.chain(&mut params.reference) {

@@ -73,6 +73,16 @@ struct Draw<const N: usize> {
     corrected: bool,
 }
 
+/// Returns the pulls of c, a and mu.
+pub(crate) fn pulls_of_fit(fit: &Estimate, truth: [f64; 3]) -> [f64; 3] {
+    let found = [
+        fit.c_mm.expect("eq1 has c"),
+        fit.spread[0],
+        fit.mu.as_ref().expect("there is a reference")[0],
+    ];
+    std::array::from_fn(|i| (found[i].value - truth[i]) / found[i].standard_error)
+}
+
 /// Returns whether a photograph of a scene was taken for unevenly lit.
 pub(crate) fn is_corrected(scene: &Scene) -> bool {
     let mut warnings = scene.shots.iter().flat_map(|shot| &shot.warnings);
@@ -95,15 +105,8 @@ fn drawn<const N: usize>(
         let table = table(&planted, &incidence, 20.0);
         let camera = camera(stream.between(electrons[0], electrons[1]));
         let scene = scene(&params(seed, planted, &incidence, &[200.0], camera), &table);
-        let pull = |v: Value, truth: f64| (v.value - truth) / v.standard_error;
         Draw {
-            pulls: fits(&scene).map(|fit| {
-                [
-                    pull(fit.c_mm.expect("eq1 has c"), c),
-                    pull(fit.spread[0], a),
-                    pull(fit.mu.as_ref().expect("there is a reference")[0], mu),
-                ]
-            }),
+            pulls: fits(&scene).map(|fit| pulls_of_fit(&fit, [c, a, mu])),
             cut_off: scene.shots.iter().filter(|s| s.pixels.cut.zero).count(),
             corrected: is_corrected(&scene),
         }
@@ -407,13 +410,7 @@ fn statistics_near_full_scale() {
             .filter(|shot| shot.pixels.cut.full.is_some());
         assert_eq!(cut.count(), 2);
         let fit = fitted(&scene, SHARED, Kind::Edge);
-        let pull = |v: Value, truth: f64| (v.value - truth) / v.standard_error;
-        let found_mu = fit.mu.as_ref().expect("there is a reference")[0];
-        [
-            pull(fit.c_mm.expect("eq1 has c"), c),
-            pull(fit.spread[0], a),
-            pull(found_mu, mu),
-        ]
+        pulls_of_fit(&fit, [c, a, mu])
     };
     let draws: Vec<[f64; 3]> = (0..DRAWS).into_par_iter().map(draw).collect();
     for (i, parameter) in PARAMETERS.into_iter().enumerate() {

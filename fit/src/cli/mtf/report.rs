@@ -201,7 +201,7 @@ fn report(image: &Path, photo: &Photo, measurement: Measurement, request: &Reque
         transfer_from: photo.transfer.from.clone(),
         edge_angle_deg: line.normal_rad.to_degrees(),
         edge_angle_standard_error_deg: line.normal_standard_error_rad.to_degrees(),
-        edge_tilt_deg: Slant::of(line, &measurement.window).tilt_deg,
+        edge_tilt_deg: line.tilt_deg(),
         edge_offset_px: line.offset_px,
         edge_bow_px: line.bow_px(),
         edge_order: line.bend.map_or(1, |bend| bend.order),

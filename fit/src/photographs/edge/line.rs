@@ -48,8 +48,13 @@ pub(crate) struct Ruler {
 impl EdgeLine {
     /// Returns whether the edge is tilted by 1 to 44 degrees from rows and columns.
     pub fn is_slanted(&self) -> bool {
-        let tilt = self.normal_rad.to_degrees().rem_euclid(90.0);
-        (1.0..=44.0).contains(&tilt.min(90.0 - tilt))
+        (1.0..=44.0).contains(&self.tilt_deg())
+    }
+
+    /// Returns the angle between the edge and the nearer of rows and columns, 0 to 45 degrees.
+    pub(crate) fn tilt_deg(&self) -> f64 {
+        let turn = self.normal_rad.to_degrees().rem_euclid(90.0);
+        turn.min(90.0 - turn)
     }
 
     /// Returns the place of a pixel relative to the edge: the distance from it, positive on the

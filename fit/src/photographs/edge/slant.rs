@@ -51,9 +51,8 @@ impl Slant {
         });
         let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = places.fold(ends, |(low, high), v| (low.min(v), high.max(v)));
-        let turn = line.normal_rad.to_degrees().rem_euclid(90.0);
         Slant {
-            tilt_deg: turn.min(90.0 - turn),
+            tilt_deg: line.tilt_deg(),
             crossed_px: high - low,
         }
     }

@@ -160,22 +160,36 @@ impl Tables<'_> {
     /// Reads one block of a sequential JPEG.
     pub(crate) fn sequential(&self, bits: &mut Bits) -> Result<(), Stop> {
         self.first_dc(bits)?;
+        self.coefficients(bits, [1, 63], |_| {}).map(drop)
+    }
+
+    /// Reads coefficients from `first` to `last` that were 0 before, and passes the number of each
+    /// that is not 0 to `take`. Returns the upper half of the code that ends the block early.
+    fn coefficients(
+        &self,
+        bits: &mut Bits,
+        [first, last]: [u32; 2],
+        mut take: impl FnMut(u32),
+    ) -> Result<Option<u32>, Stop> {
         let table = self.ac.ok_or(Stop::Bad)?;
-        let mut at = 1;
-        while at < 64 {
+        let mut at = first;
+        while at <= last {
             let symbol = bits.symbol(table)?;
             let (zeros, size) = (symbol >> 4, symbol & 15);
             if size == 0 && zeros < 15 {
-                break;
+                return Ok(Some(zeros));
             }
             at += zeros;
-            if at > 63 {
+            if at > last {
                 return Err(Stop::Bad);
             }
             bits.take(size)?;
+            if size > 0 {
+                take(at);
+            }
             at += 1;
         }
-        Ok(())
+        Ok(None)
     }
 
     fn first_dc(&self, bits: &mut Bits) -> Result<(), Stop> {
@@ -214,24 +228,9 @@ impl Tables<'_> {
             *run -= 1;
             return Ok(());
         }
-        let table = self.ac.ok_or(Stop::Bad)?;
-        let mut at = band.first;
-        while at <= band.last {
-            let symbol = bits.symbol(table)?;
-            let (zeros, size) = (symbol >> 4, symbol & 15);
-            if size == 0 && zeros < 15 {
-                *run = (1 << zeros) - 1 + bits.take(zeros)?;
-                break;
-            }
-            at += zeros;
-            if at > band.last {
-                return Err(Stop::Bad);
-            }
-            if size > 0 {
-                bits.take(size)?;
-                *set |= 1 << at;
-            }
-            at += 1;
+        let ended = self.coefficients(bits, [band.first, band.last], |at| *set |= 1 << at)?;
+        if let Some(zeros) = ended {
+            *run = (1 << zeros) - 1 + bits.take(zeros)?;
         }
         Ok(())
     }
