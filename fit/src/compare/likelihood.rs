@@ -3,16 +3,23 @@
 //! A pixel at distance d from the edge, and t along it, has the expected light
 //!
 //! ```text
-//! dark + lit (L - 1) + step L E(d),
-//! L = 1 + g_d d + g_t t + g_dd d^2 + g_dt d t + g_tt (t^2 - m)
+//! dark + lit (L - 1) + step (L E(d) + lamp g M(d))
 //! ```
 //!
-//! E is the unit edge through blur and camera. The polynomial L is the unevenness of the light. It
-//! multiplies the light of the edge, and the part of the dark plateau that is light of the same
-//! lamp. The rest is a veil or the camera's offset. The lit part may be anything between nothing
-//! and all of the dark plateau. Its prior has the mean and the deviation of that range. m is the
-//! mean of t^2 over the window, so that the step is a mean along the edge: bins of equal range
-//! along the edge cannot tell g_tt from the step.
+//! E is the unit edge through blur and camera. L is the unevenness of the light, see
+//! [`light`](crate::compare::light). It multiplies the light of the edge, and the part of the dark
+//! plateau that is light of the same lamp. The rest is a veil or the camera's offset. The lit part
+//! may be anything between nothing and all of the dark plateau.
+//!
+//! Unevenness of the camera multiplies the blurred edge. Unevenness of the lamp is blurred with the
+//! edge, which adds g M(d). g is the
+//! slope of L across the edge, and M is the first moment of the line spread up to d, with its sign
+//! changed. `lamp` is the share of the lamp: anything between 0 and 1. Where the shape of the edge
+//! does not tell, its prior keeps the difference in the errors. The priors have the mean and the
+//! deviation of their ranges.
+//!
+//! Where the light is even, L has its terms of first order alone, and neither `lit` nor `lamp` is
+//! estimated.
 //!
 //! The noise is normal with the variance read + gain x light ([`PixelNoise`]). If the camera cuts
 //! it off at 0 or at full scale, the mean and the variance after the cut are used. Both noise
@@ -26,6 +33,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::compare::light;
+use crate::compare::light::{FIRST_ORDER, LIGHT, Lights, SECOND_ORDER, UNIT_PX, Uneven};
 use crate::compare::pixels::{Bin, Pixels};
 use crate::compare::place::Place;
 use crate::compare::view::MODEL_ERROR;
@@ -48,42 +57,70 @@ pub(crate) struct Nuisances {
     pub turn_rad: f64,
     /// Dark plateau.
     pub dark: f64,
-    /// Unevenness of the light: coefficients of d and t (per pixel), and of d^2, d t and t^2.
-    pub light: [f64; LIGHT],
+    /// Unevenness of the light.
+    pub light: Uneven,
     /// Part of the dark plateau that the uneven light multiplies.
     pub lit: f64,
-    /// Bright minus dark plateau, > 0. Its column is the derivative by ln(step).
+    /// Share of the unevenness that is the lamp's, not the camera's.
+    pub lamp: f64,
+    /// Bright minus dark plateau at the middle of the edge, > 0. Its column is the derivative by
+    /// ln(step).
     pub step: f64,
 }
 
-/// Number of terms of uneven light.
-pub(crate) const LIGHT: usize = 5;
-
-/// Number of terms of first order, which are always estimated.
-const FIRST_ORDER: usize = 2;
-
-/// Fall of chi-square from which the terms of second order are estimated too. Noise reaches it in
-/// one photograph of 1,000 (three terms). They would raise the errors of c and a by 6 % and those
-/// of mu by 80 % where the light is even.
-const UNEVEN: f64 = 16.27;
+/// Fall of chi-square by the five terms up to second order from which they are estimated, and by
+/// the other five from which these are estimated too. Noise reaches it in one photograph of 1,000.
+/// Where the light is even, the terms of second order would raise the errors of c and a by 6 % and
+/// those of mu by 80 %.
+const UNEVEN: f64 = 20.52;
 
 /// First column of the light.
 const FIRST_LIGHT: usize = 3;
 
-/// Column of the lit part of the dark plateau.
-const LIT: usize = FIRST_LIGHT + LIGHT;
-
-/// Number of columns of the nuisances. The last is that of ln(step).
-pub(crate) const NUISANCES: usize = LIT + 2;
-
-/// Column of ln(step).
-pub(crate) const STEP: usize = NUISANCES - 1;
+/// Mean and standard deviation of a share that may lie anywhere between 0 and 1.
+const SHARE: [f64; 2] = [0.5, 0.288_675_134_594_812_9];
 
 /// Edge profile of a trial model, with its derivatives by the fitted parameters: ln spread, ln c,
 /// then those of the lens.
 pub(crate) struct Curves {
     value: Even,
     by: Vec<Even>,
+}
+
+/// Terms of the light that are estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Terms {
+    /// None.
+    None,
+    /// Terms of first order.
+    First,
+    /// Terms up to second order, with the lit part of the dark plateau and the share of the lamp.
+    Second,
+    /// All, with the same.
+    All,
+}
+
+impl Terms {
+    /// Returns the number of terms.
+    fn light(self) -> usize {
+        match self {
+            Terms::None => 0,
+            Terms::First => FIRST_ORDER,
+            Terms::Second => SECOND_ORDER,
+            Terms::All => LIGHT,
+        }
+    }
+
+    /// Returns the column of ln(step), which is the last one of the nuisances. Those of the lit
+    /// part and of the lamp stand before it, if they are estimated.
+    fn step(self) -> usize {
+        FIRST_LIGHT + self.light() + if self.are_many() { 2 } else { 0 }
+    }
+
+    /// Returns whether the light counts as uneven.
+    fn are_many(self) -> bool {
+        matches!(self, Terms::Second | Terms::All)
+    }
 }
 
 /// Photograph with its nuisances at their optimum.
@@ -93,30 +130,8 @@ pub(crate) struct Fitted {
     pub factor: DMatrix<f64>,
     /// Nuisances at the optimum.
     pub nuisances: Nuisances,
-}
-
-/// Light in one bin, or one term of it.
-#[derive(Debug, Clone, Copy)]
-struct Lit {
-    /// Mean over the bin's pixels.
-    value: f64,
-    /// Slope along the edge, per pixel.
-    by_t: f64,
-    /// Variance of the pixels' places along the edge.
-    share: f64,
-}
-
-impl Lit {
-    /// Returns the mean of a curve in this light, from the curve's mean and its slope along the
-    /// edge.
-    fn mean(self, [unit, along, ..]: [f64; 4]) -> f64 {
-        self.value * unit + self.by_t * along * self.share
-    }
-
-    /// Returns the slope of a curve in this light along the edge.
-    fn slope(self, [unit, along, ..]: [f64; 4]) -> f64 {
-        self.value * along + self.by_t * unit
-    }
+    /// Number of columns of the nuisances. The last is that of ln(step).
+    pub columns: usize,
 }
 
 /// Weights and noise of one bin.
@@ -135,8 +150,9 @@ pub(crate) struct Photograph<'a> {
     pub pixels: &'a Pixels,
     /// Noise of the pixels.
     pub noise: PixelNoise,
-    /// Number of terms of the light that are estimated: those of first order, or all.
-    light_terms: usize,
+    terms: Terms,
+    /// Bins that are compared: those of the pixels, or their strips where the light is uneven.
+    bins: &'a [Bin],
     /// Dark plateau of the last round, which sets the prior of its lit part.
     dark: f64,
     grid: Grid,
@@ -154,7 +170,8 @@ impl<'a> Photograph<'a> {
                 read: 1.0,
                 gain: 0.0,
             },
-            light_terms: FIRST_ORDER,
+            terms: Terms::First,
+            bins: &pixels.bins,
             dark: 0.0,
             grid: Grid::new(2 * pixels.reach() + 1, pitch_mm),
             weights: Vec::new(),
@@ -164,6 +181,7 @@ impl<'a> Photograph<'a> {
                 dark: 0.0,
                 light: [0.0; LIGHT],
                 lit: 0.0,
+                lamp: SHARE[0],
                 step: 1.0,
             },
         }
@@ -231,37 +249,6 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// Returns the terms of uneven light in a bin whose pixels lie at the mean distance `d`.
-    fn terms(&self, bin: &Bin, d: f64) -> [Lit; LIGHT] {
-        let t = bin.along;
-        // Share for the covariance of t with a curve, which follows from the curve's slope along
-        // the edge.
-        let share = bin.spread / bin.count.max(1.0);
-        let term = |value: f64, by_t: f64| Lit { value, by_t, share };
-        [
-            term(d, 0.0),
-            term(t, 1.0),
-            term(d * d, 0.0),
-            term(d * t, d),
-            term(t * t + share - self.pixels.square_along, 2.0 * t),
-        ]
-    }
-
-    /// Returns the light of a bin, 1 where it is even.
-    fn lit(&self, bin: &Bin, d: f64, light: &[f64; LIGHT]) -> Lit {
-        let even = Lit {
-            value: 1.0,
-            by_t: 0.0,
-            share: bin.spread / bin.count.max(1.0),
-        };
-        let terms = self.terms(bin, d);
-        terms.iter().zip(light).fold(even, |sum, (term, c)| Lit {
-            value: sum.value + c * term.value,
-            by_t: sum.by_t + c * term.by_t,
-            ..sum
-        })
-    }
-
     /// Finds noise, weights and nuisances under a model that is near the truth.
     ///
     /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
@@ -270,49 +257,68 @@ impl<'a> Photograph<'a> {
     pub(crate) fn settle(&mut self, curves: &Curves) {
         let rounds = if self.pixels.cut.is_any() { 5 } else { 2 };
         self.start = self.first_guess(curves);
-        self.start.lit = self.lit_prior()[0];
-        let squares = self.settled(curves, rounds);
-        if self.is_uneven(curves, squares) {
+        self.settled(curves, rounds);
+        for (terms, without) in [(Terms::Second, Terms::None), (Terms::All, Terms::Second)] {
+            if !self.asks_for(terms, without, curves) {
+                break;
+            }
+            self.take(terms);
             self.settled(curves, rounds);
         }
         self.weigh(curves);
     }
 
-    /// Makes rounds of noise and nuisances. Returns the sum of squares that no parameter explains.
-    fn settled(&mut self, curves: &Curves, rounds: usize) -> f64 {
-        let mut squares = 0.0;
+    /// Makes rounds of noise and nuisances.
+    fn settled(&mut self, curves: &Curves, rounds: usize) {
         for _ in 0..rounds {
             self.weigh(curves);
-            let fitted = self.fit(curves);
-            self.start = fitted.nuisances;
+            self.start = self.fit(curves).nuisances;
             self.dark = self.start.dark;
-            squares = unexplained(&fitted);
+            if !self.terms.are_many() {
+                self.start.lit = self.lit_prior()[0];
+            }
         }
-        squares
     }
 
-    /// Adds the light's terms of second order if the pixels ask for them, with the blur free.
-    fn is_uneven(&mut self, curves: &Curves, squares: f64) -> bool {
-        self.light_terms = LIGHT;
-        let all = unexplained(&self.fit(curves));
-        let freedom = self.observations().saturating_sub(NUISANCES).max(1) as f64;
-        let is = squares - all > UNEVEN * (all / freedom).max(1.0);
-        if !is {
-            self.light_terms = FIRST_ORDER;
-        }
-        is
+    /// Estimates these terms of the light from now on.
+    fn take(&mut self, terms: Terms) {
+        self.terms = terms;
+        self.bins = match terms {
+            Terms::First => &self.pixels.bins,
+            Terms::None | Terms::Second | Terms::All => &self.pixels.strips,
+        };
     }
 
-    /// Estimates all terms of the light, whether the pixels ask for them or not.
+    /// Returns whether the pixels ask for these terms, with the blur free.
+    fn asks_for(&mut self, terms: Terms, without: Terms, curves: &Curves) -> bool {
+        let (settled, before) = (self.start, self.terms);
+        let [few, all] = [without, terms].map(|terms| {
+            self.take(terms);
+            if terms == Terms::None {
+                self.start.light = [0.0; LIGHT];
+            }
+            let light = self.light(curves);
+            self.set_weights(&light);
+            // The problem is almost linear, so one step tells what the optimum would.
+            unexplained(&self.normal(curves, self.start))
+        });
+        let freedom = self.observations().saturating_sub(self.nuisances()).max(1) as f64;
+        self.take(before);
+        self.start = settled;
+        few - all > UNEVEN * (all / freedom).max(1.0)
+    }
+
+    /// Estimates these terms of the light, whether the pixels ask for them or not. The noise has to
+    /// be given anew.
     #[cfg(test)]
-    pub(crate) fn estimate_all_light(&mut self) {
-        self.light_terms = LIGHT;
+    pub(crate) fn estimate_light(&mut self, terms: Terms) {
+        self.take(terms);
     }
 
     /// Returns the number of nuisances that the pixels alone determine. The lit part of the dark
-    /// plateau has its prior.
+    /// plateau and the share of the lamp have priors.
     pub(crate) fn nuisances(&self) -> usize {
-        NUISANCES - 1 - LIGHT + self.light_terms
+        FIRST_LIGHT + self.terms.light() + 1
     }
 
     /// Returns mean and standard deviation of the lit part of the dark plateau, of which nothing is
@@ -347,9 +353,8 @@ impl<'a> Photograph<'a> {
             ..self.start
         };
         let (mut n, mut e, mut y, mut ee, mut ey) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (j, bin) in self.pixels.bins.iter().enumerate() {
-            let unit = Place::new(bin, self.pixels.first + j as i64, [guess.place_px, 0.0])
-                .of(&curves.value)[0];
+        for bin in &self.pixels.bins {
+            let unit = Place::new(bin, [guess.place_px, 0.0]).of(&curves.value)[0];
             n += bin.count;
             e += bin.count * unit;
             y += bin.count * bin.mean;
@@ -365,30 +370,40 @@ impl<'a> Photograph<'a> {
     /// nuisances of the start.
     fn light(&self, curves: &Curves) -> Vec<[f64; 2]> {
         let start = &self.start;
-        let bins = self.pixels.bins.iter().enumerate();
-        bins.map(|(j, bin)| {
-            let place = Place::new(bin, self.pixels.first + j as i64, start.line());
-            let lit = self.lit(bin, self.pixels.centre_px(j), &start.light);
-            let [unit, _, across, _] = place.of(&curves.value);
+        let bins = self.bins.iter();
+        bins.map(|bin| {
+            let place = Place::new(bin, start.line());
+            let Lights { all, .. } = self.lights(bin, &start.light);
+            let unit @ [_, _, across, _] = place.of(&curves.value);
             [
-                start.dark + start.lit * (lit.value - 1.0) + start.step * lit.value * unit,
-                start.step * lit.value * across,
+                start.dark + start.lit * (all.value - 1.0) + start.step * all.mean(unit),
+                start.step * all.value * across,
             ]
         })
         .collect()
     }
 
+    fn lights(&self, bin: &Bin, light: &Uneven) -> Lights {
+        light::of(bin, bin.distance_px(), light, self.terms.light())
+    }
+
     fn weigh(&mut self, curves: &Curves) {
         let light = self.light(curves);
-        // Degrees of freedom, light, and variance of the pixels about the model's slope, for each
-        // bin.
-        let bins = self.pixels.bins.iter().zip(&light);
+        // Degrees of freedom, light, and variance of the pixels about the model's slope across the
+        // edge and their own slope along it, for each bin.
+        let bins = self.bins.iter().zip(&light);
         let scatter: Vec<[f64; 3]> = bins
-            .filter(|(bin, _)| bin.count >= 2.0)
-            .map(|(bin, &[light, across])| {
+            .filter_map(|(bin, &[light, across])| {
                 let [yy, yu, uu] = bin.scatter;
-                let squares = (yy - 2.0 * across * yu + across * across * uu).max(0.0);
-                [bin.count - 1.0, light, squares / (bin.count - 1.0)]
+                let squares = yy - 2.0 * across * yu + across * across * uu;
+                let (along, slopes) = if bin.spread > 0.0 {
+                    let slope = bin.slope - across * bin.cross[0] / bin.spread;
+                    (slope * slope * bin.spread, 1.0)
+                } else {
+                    (0.0, 0.0)
+                };
+                let freedom = bin.count - 1.0 - slopes;
+                (freedom > 0.0).then(|| [freedom, light, (squares - along).max(0.0) / freedom])
             })
             .collect();
         // The floor lies far below the noise of any sensor. It avoids a division by zero for
@@ -400,12 +415,9 @@ impl<'a> Photograph<'a> {
 
     fn set_weights(&mut self, light: &[[f64; 2]]) {
         let model_error = (MODEL_ERROR * self.start.step).powi(2);
-        let bins = self.pixels.bins.iter().zip(light);
+        let bins = self.bins.iter().zip(light);
         self.weights = bins
             .map(|(bin, &[light, _])| {
-                if bin.count == 0.0 {
-                    return Weight::default();
-                }
                 let variance = self.noise.variance(light);
                 let sigma = variance.sqrt();
                 let left = self.pixels.cut.clipped(light, sigma).2 * self.pixels.excess;
@@ -432,30 +444,32 @@ impl<'a> Photograph<'a> {
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
         let mut nuisances = self.start;
-        let columns = NUISANCES + curves.by.len();
+        let own = self.terms.step() + 1;
+        let columns = own + curves.by.len();
         let mut fitted = self.normal(curves, nuisances);
         for _ in 0..MOST {
             let rest = fitted.factor.column(columns);
             let squares = rest.norm_squared();
-            let fall = rest.rows(0, NUISANCES).norm_squared();
+            let fall = rest.rows(0, own).norm_squared();
             // Decrease of chi-square that this step promises.
             if fall < 1e-8 + 1e-13 * squares || !fall.is_finite() {
                 break;
             }
-            let step = factor::back_substituted(&fitted.factor, NUISANCES, columns);
-            nuisances = nuisances.moved(&step);
+            let step = factor::back_substituted(&fitted.factor, own, columns);
+            nuisances = nuisances.moved(&step, self.terms);
             fitted = self.normal(curves, nuisances);
         }
         fitted
     }
 
     fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
-        let size = NUISANCES + curves.by.len() + 1;
-        let mut normal = Products::new(size);
+        let columns = self.terms.step() + 1;
+        let mut normal = Products::new(columns + curves.by.len() + 1);
         self.rows(curves, &nuisances, |row| normal.add(row));
         Fitted {
             factor: factor::of(normal.sum()),
             nuisances,
+            columns,
         }
     }
 
@@ -465,68 +479,95 @@ impl<'a> Photograph<'a> {
     /// The columns of a row are the derivatives by the nuisances, those by the curves' parameters,
     /// and the residual (model - data).
     pub(crate) fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
-        let size = NUISANCES + curves.by.len() + 1;
-        let (mut mean, mut slope) = (vec![0.0; size], vec![0.0; size]);
-        for (j, (bin, weight)) in self.pixels.bins.iter().zip(&self.weights).enumerate() {
-            if weight.root[0] == 0.0 {
-                continue;
-            }
-            let place = Place::new(bin, self.pixels.first + j as i64, at.line());
-            let d = self.pixels.centre_px(j) + bin.across[0];
-            let lit = self.lit(bin, d, &at.light);
-            let of_mean = |curve: [f64; 4]| lit.mean(curve);
-            let of_slope = |curve: [f64; 4]| lit.slope(curve);
-            let unit = place.of(&curves.value);
-            let [_, _, across, bend] = unit;
-            let unlit = lit.value - 1.0;
-            let expected = at.dark + at.lit * unlit + at.step * of_mean(unit);
+        let step = self.terms.step();
+        let size = step + 1 + curves.by.len() + 1;
+        let [mut mean, mut slope] = [const { Vec::new() }; 2];
+        let many = self.terms.are_many();
+        let moments = many.then(|| curves.moments(self.pixels.reach()));
+        let moment = |i: usize, place: &Place| {
+            let curves = moments.as_ref();
+            curves.map_or([0.0; 4], |moments| place.of(&moments[i]))
+        };
+        let slope_across = at.light[0] / UNIT_PX;
+        let of_lamp = at.lamp * slope_across;
+        for (bin, weight) in self.bins.iter().zip(&self.weights) {
+            let place = Place::new(bin, at.line());
+            let lights = self.lights(bin, &at.light);
+            // A curve in this light: its mean, and its slope along the edge.
+            let lit = |curve: [f64; 4], moment: [f64; 4]| {
+                let light = lights.all;
+                [
+                    light.mean(curve) + of_lamp * moment[0],
+                    light.slope(curve) + of_lamp * moment[1],
+                ]
+            };
+            let (unit, bump) = (place.of(&curves.value), moment(0, &place));
+            let unlit = [lights.all.value - 1.0, lights.all.by_t];
+            let edge = lit(unit, bump);
+            let expected = at.dark + at.lit * unlit[0] + at.step * edge[0];
             let (expected, passed, _) = self.pixels.cut.clipped(expected, weight.sigma);
-            let [m, s] = weight.root.map(|root| root * passed);
-            let (step_m, step_s) = (at.step * m, at.step * s);
-            let by_place = [-across, -bend * place.along[0], 0.0, 0.0];
-            let by_turn = place.by_turn(across, bend);
-            (mean[0], slope[0]) = (step_m * of_mean(by_place), step_s * of_slope(by_place));
-            (mean[1], slope[1]) = (step_m * of_mean(by_turn), step_s * of_slope(by_turn));
-            mean[2] = m;
-            slope[2] = 0.0;
-            let terms = self.terms(bin, d).into_iter();
-            for (i, term) in (FIRST_LIGHT..STEP).zip(terms.take(self.light_terms)) {
-                mean[i] = step_m * term.mean(unit) + at.lit * m * term.value;
-                slope[i] = step_s * term.slope(unit) + at.lit * s * term.by_t;
+            let weights = weight.root.map(|root| root * passed);
+            mean.clear();
+            slope.clear();
+            let mut push = |by: [f64; 2], factor: f64| {
+                mean.push(by[0] * factor * weights[0]);
+                slope.push(by[1] * factor * weights[1]);
+            };
+            push(lit(place.by_place(unit), place.by_place(bump)), at.step);
+            push(lit(place.by_turn(unit), place.by_turn(bump)), at.step);
+            push([1.0, 0.0], 1.0);
+            for (i, by) in lights.by.iter().enumerate().take(self.terms.light()) {
+                let lamp = if i == 0 { at.lamp / UNIT_PX } else { 0.0 };
+                let of_edge = [
+                    by.mean(unit) + lamp * bump[0],
+                    by.slope(unit) + lamp * bump[1],
+                ];
+                let of_dark = [by.value, by.by_t];
+                push(
+                    [0, 1].map(|k| at.step * of_edge[k] + at.lit * of_dark[k]),
+                    1.0,
+                );
             }
-            (mean[LIT], slope[LIT]) = (m * unlit, s * lit.by_t);
-            (mean[STEP], slope[STEP]) = (step_m * of_mean(unit), step_s * of_slope(unit));
-            for (i, curve) in (NUISANCES..).zip(&curves.by) {
-                let change = place.of(curve);
-                (mean[i], slope[i]) = (step_m * of_mean(change), step_s * of_slope(change));
+            if many {
+                push(unlit, 1.0);
+                push([bump[0], bump[1]], at.step * slope_across);
             }
-            mean[size - 1] = weight.root[0] * (expected - bin.mean);
-            let along = step_s * of_slope(unit) + at.lit * s * lit.by_t;
-            slope[size - 1] = along - weight.root[1] * bin.slope;
+            push(edge, at.step);
+            for (i, curve) in (1..).zip(&curves.by) {
+                push(lit(place.of(curve), moment(i, &place)), at.step);
+            }
+            let along = passed * (at.step * edge[1] + at.lit * unlit[1]);
+            mean.push(weight.root[0] * (expected - bin.mean));
+            slope.push(weight.root[1] * (along - bin.slope));
             take(&mean);
             if weight.root[1] > 0.0 {
                 take(&slope);
             }
         }
-        let [lit, deviation] = self.lit_prior();
-        let mut prior = vec![0.0; size];
-        prior[LIT] = 1.0 / deviation;
-        prior[size - 1] = (at.lit - lit) / deviation;
-        take(&prior);
+        if many {
+            for (column, value, [middle, deviation]) in [
+                (step - 2, at.lit, self.lit_prior()),
+                (step - 1, at.lamp, SHARE),
+            ] {
+                let mut prior = vec![0.0; size];
+                prior[column] = 1.0 / deviation;
+                prior[size - 1] = (value - middle) / deviation;
+                take(&prior);
+            }
+        }
     }
 
     /// Returns the factor of a fitted photograph with the full information of pixels that were cut
     /// off. The estimate uses the mean of such pixels alone, which has a little less
     /// information.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
-        let size = NUISANCES + curves.by.len() + 1;
+        let size = self.terms.step() + 1 + curves.by.len() + 1;
         let mut normal = Products::new(size);
         let gains: Vec<f64> = self
             .light(curves)
             .iter()
-            .zip(&self.pixels.bins)
+            .zip(self.bins)
             .zip(&self.weights)
-            .filter(|((_, bin), _)| bin.count > 0.0)
             .flat_map(|((&[light, _], bin), weight)| {
                 let (_, passed, left) = self.pixels.cut.clipped(light, weight.sigma);
                 let used = passed * passed / left;
@@ -562,16 +603,31 @@ impl Nuisances {
         [self.place_px, self.turn_rad]
     }
 
-    fn moved(self, step: &DVector<f64>) -> Nuisances {
+    fn moved(self, step: &DVector<f64>, terms: Terms) -> Nuisances {
+        let own = terms.step();
+        let light = step.rows(FIRST_LIGHT, terms.light());
+        let [lit, lamp] = match terms {
+            Terms::Second | Terms::All => [step[own - 2], step[own - 1]],
+            Terms::None | Terms::First => [0.0; 2],
+        };
         Nuisances {
             // A step from a poor start may be far too long: no edge lies more than a few pixels
             // from its half level.
             place_px: self.place_px - step[0].clamp(-4.0, 4.0),
             turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
             dark: self.dark - step[2],
-            light: std::array::from_fn(|i| self.light[i] - step[FIRST_LIGHT + i]),
-            lit: self.lit - step[LIT],
-            step: self.step * (-step[STEP].clamp(-1.0, 1.0)).exp(),
+            light: std::array::from_fn(|i| self.light[i] - light.get(i).unwrap_or(&0.0)),
+            lit: self.lit - lit,
+            lamp: self.lamp - lamp,
+            step: self.step * (-step[own].clamp(-1.0, 1.0)).exp(),
         }
+    }
+}
+
+impl Curves {
+    /// Returns the moments of the value and of its derivatives, see [`Even::moment`].
+    fn moments(&self, reach: usize) -> Vec<Even> {
+        let all = std::iter::once(&self.value).chain(&self.by);
+        all.map(|curve| curve.moment(reach)).collect()
     }
 }

@@ -2,18 +2,19 @@
 //!
 //! A measured edge and a model's curve enter. Differences of MTFs in units of their noise, the two
 //! plateaus, or the likelihood of the pixels leave. The room compares one photograph at a time
-//! and fits nothing but its nuisances: place, angle, plateaus and gradient. It may touch `model`,
+//! and fits nothing but its nuisances: place, angle, plateaus and light. It may touch `model`,
 //! `photographs` and `numerics`.
 
+mod light;
 mod likelihood;
 mod pixels;
 mod place;
 mod reflectance;
 mod view;
 
+pub(crate) use likelihood::{Curves, Fitted, Photograph};
 #[cfg(test)]
-pub(crate) use likelihood::Nuisances;
-pub(crate) use likelihood::{Curves, Fitted, NUISANCES, Photograph, STEP};
+pub(crate) use likelihood::{Nuisances, Terms};
 pub(crate) use pixels::Pixels;
 pub(crate) use reflectance::Contrast;
 pub(crate) use view::{View, Weights};

@@ -20,6 +20,8 @@ use crate::photographs::{Raster, Window};
 /// along the edge, both in pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bin {
+    /// Number of the bin: its centre lies at this number times [`BIN_PX`] from the line.
+    pub number: i64,
     /// Number of pixels.
     pub count: f64,
     /// Means of u, u^2 and u^3.
@@ -39,17 +41,18 @@ pub struct Bin {
     pub scatter: [f64; 3],
 }
 
+/// Number of pieces along the edge into which uneven light needs a bin cut.
+pub(crate) const STRIPS: usize = 4;
+
 /// All pixels of a window, sorted by their distance from a line.
 #[derive(Debug, Clone)]
 pub struct Pixels {
     /// Line from which distances are measured.
     pub line: EdgeLine,
-    /// Bins in ascending order of distance.
+    /// Bins in ascending order of distance. None is empty.
     pub bins: Vec<Bin>,
-    /// Mean of t^2 over all pixels.
-    pub square_along: f64,
-    /// Index of the first bin. Bin j is centred at (first + j) x [`BIN_PX`].
-    pub first: i64,
+    /// Finer bins of the same pixels: each bin is cut into [`STRIPS`] pieces along the edge.
+    pub strips: Vec<Bin>,
     /// Factor by which means over many pixels scatter more, as a variance, than those of
     /// independent pixels.
     pub excess: f64,
@@ -64,23 +67,32 @@ impl Pixels {
     pub fn new(window: &Window, line: &EdgeLine) -> Pixels {
         let limit = ((window.width() + window.height()) as f64 / BIN_PX) as i64
             + (line.offset_px.abs() / BIN_PX) as i64;
-        let mut sums = vec![Sums::default(); 2 * limit as usize + 1];
+        let mut sums = vec![[Sums::default(); STRIPS]; 2 * limit as usize + 1];
         let ruler = line.ruler();
+        let (sin, cos) = line.normal_rad.sin_cos();
+        let half = 0.5 * (window.width() as f64 * sin.abs() + window.height() as f64 * cos.abs());
+        let per_px = 0.5 * STRIPS as f64 / half;
         for p in window.pixels() {
             let (d, t) = ruler.place(p.x, p.y);
             let j = (d / BIN_PX).round();
-            sums[(j as i64 + limit) as usize].add(d - j * BIN_PX, t, p.value);
+            let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
+            sums[(j as i64 + limit) as usize][strip].add(d - j * BIN_PX, t, p.value);
         }
-        let all: f64 = sums.iter().map(|sum| sum.count).sum();
-        let squares: f64 = sums.iter().map(|sum| sum.tt).sum();
-        let filled = |sum: &Sums| sum.count > 0.0;
-        let start = sums.iter().position(filled).unwrap_or(0);
-        let end = sums.iter().rposition(filled).map_or(0, |last| last + 1);
+        let (mut bins, mut strips) = (Vec::new(), Vec::new());
+        for (number, parts) in (-limit..).zip(&sums) {
+            let filled = || parts.iter().filter(|part| part.count > 0.0);
+            bins.extend(
+                filled()
+                    .copied()
+                    .reduce(Sums::with)
+                    .map(|all| all.bin(number)),
+            );
+            strips.extend(filled().map(|part| part.bin(number)));
+        }
         Pixels {
             line: *line,
-            bins: sums[start..end.max(start)].iter().map(Sums::bin).collect(),
-            square_along: squares / all.max(1.0),
-            first: start as i64 - limit,
+            bins,
+            strips,
             excess: window.excess(),
             cut: Cut {
                 zero: window.cuts_off_at_zero(),
@@ -90,15 +102,21 @@ impl Pixels {
         }
     }
 
-    /// Returns the distance of a bin's centre from the line, pixels.
-    pub fn centre_px(&self, bin: usize) -> f64 {
-        (self.first + bin as i64) as f64 * BIN_PX
-    }
-
     /// Returns the number of bins from the line to the farther end.
     pub fn reach(&self) -> usize {
-        let last = self.first + self.bins.len() as i64 - 1;
-        self.first.abs().max(last.abs()) as usize
+        let ends = [self.bins.first(), self.bins.last()];
+        let far = ends
+            .into_iter()
+            .flatten()
+            .map(|bin| bin.number.unsigned_abs() as usize);
+        far.max().unwrap_or(0)
+    }
+}
+
+impl Bin {
+    /// Returns the mean distance of the pixels from the line, pixels.
+    pub fn distance_px(&self) -> f64 {
+        self.number as f64 * BIN_PX + self.across[0]
     }
 }
 
@@ -132,11 +150,25 @@ impl Sums {
         self.yt += y * t;
     }
 
-    fn bin(&self) -> Bin {
-        let n = self.count;
-        if n == 0.0 {
-            return Bin::default();
+    /// Returns the sums over the pixels of both.
+    fn with(self, other: Sums) -> Sums {
+        Sums {
+            count: self.count + other.count,
+            u: std::array::from_fn(|i| self.u[i] + other.u[i]),
+            t: self.t + other.t,
+            tt: self.tt + other.tt,
+            tu: self.tu + other.tu,
+            tuu: self.tuu + other.tuu,
+            y: self.y + other.y,
+            yy: self.yy + other.yy,
+            yu: self.yu + other.yu,
+            yt: self.yt + other.yt,
         }
+    }
+
+    /// Returns the bin of this number. There must be a pixel.
+    fn bin(&self, number: i64) -> Bin {
+        let n = self.count;
         let across = self.u.map(|sum| sum / n);
         let (along, mean) = (self.t / n, self.y / n);
         // With fewer than two distinct positions there is no slope, and the difference is mere
@@ -144,6 +176,7 @@ impl Sums {
         let spread = self.tt - n * along * along;
         let spread = if spread > 1e-9 * self.tt { spread } else { 0.0 };
         Bin {
+            number,
             count: n,
             across,
             along,

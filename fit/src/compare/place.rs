@@ -11,15 +11,15 @@ pub(crate) struct Place {
     /// Means of u, of u^2 (less that of an evenly filled bin) and of u^3, in bins.
     moments: [f64; 3],
     /// Slopes of u and u^2 along the edge, bins per pixel.
-    pub along: [f64; 2],
+    along: [f64; 2],
     /// Mean of t, pixels, and mean of t u, pixels times bins.
     turned: [f64; 2],
 }
 
 impl Place {
-    /// Locates the pixels of `bin`, number `index`, for an edge that lies at `place` (pixels off
-    /// the line) and is turned by `turn` (rad).
-    pub(crate) fn new(bin: &Bin, index: i64, [place, turn]: [f64; 2]) -> Place {
+    /// Locates the pixels of `bin` for an edge that lies at `place` (pixels off the line) and is
+    /// turned by `turn` (rad).
+    pub(crate) fn new(bin: &Bin, [place, turn]: [f64; 2]) -> Place {
         let whole = (place / BIN_PX).round();
         // u - place + turn t. The spread that the turn itself makes is kept to second order.
         let by = turn * bin.along - (place - whole * BIN_PX);
@@ -36,7 +36,7 @@ impl Place {
         let first_along = slopes[0] + turn;
         let second_along = slopes[1] + 2.0 * by * slopes[0] + 2.0 * turn * (u + by);
         Place {
-            offset: index - whole as i64,
+            offset: bin.number - whole as i64,
             moments: [
                 (u + by) / BIN_PX,
                 second / (BIN_PX * BIN_PX) - 1.0 / 12.0,
@@ -63,8 +63,15 @@ impl Place {
         ]
     }
 
-    /// Returns the derivatives by the turn of a curve's mean and of its slope along the edge.
-    pub(crate) fn by_turn(&self, across: f64, bend: f64) -> [f64; 4] {
+    /// Returns the derivatives by the place (pixels) of a curve's mean and of its slope along the
+    /// edge, for the result of [`Place::of`].
+    pub(crate) fn by_place(&self, [_, _, across, bend]: [f64; 4]) -> [f64; 4] {
+        [-across, -bend * self.along[0], 0.0, 0.0]
+    }
+
+    /// Returns the derivatives by the turn of a curve's mean and of its slope along the edge, for
+    /// the result of [`Place::of`].
+    pub(crate) fn by_turn(&self, [_, _, across, bend]: [f64; 4]) -> [f64; 4] {
         let centre = across - bend * self.moments[0];
         [
             centre * self.turned[0] + bend * self.turned[1],

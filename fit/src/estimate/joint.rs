@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::compare::{Curves, Fitted, NUISANCES, Photograph, STEP};
+use crate::compare::{Curves, Fitted, Photograph};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu};
@@ -81,11 +81,11 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Estimates all terms of the light of each photograph.
+    /// Estimates these terms of the light of each photograph. The noise has to be given anew.
     #[cfg(test)]
-    pub(crate) fn estimate_all_light(&mut self) {
+    pub(crate) fn estimate_light(&mut self, terms: crate::compare::Terms) {
         let all = self.shots.iter_mut().chain(&mut self.reference);
-        all.for_each(Photograph::estimate_all_light);
+        all.for_each(|photograph| photograph.estimate_light(terms));
     }
 
     /// Appends the parameters of the lens to those of the blur.
@@ -112,26 +112,25 @@ impl<'a> Joint<'a> {
     /// Evaluates residuals and derivatives at a point, with the nuisances at their optimum. Each
     /// photograph has only a few rows, whose products equal those of all its pixels.
     pub fn evaluate(&self, layout: &Layout, at: &DVector<f64>) -> Evaluation {
+        // The rows of a factor below those of the nuisances, and its columns behind theirs.
         let factors: Vec<DMatrix<f64>> = self
             .fitted(layout, at)
             .into_iter()
-            .map(|(fitted, _)| fitted.factor)
+            .map(|(fitted, _)| without(&fitted.factor, fitted.columns))
             .collect();
         let width = layout.parameters() + self.lens.len();
         let prior = self.scene.optics.prior();
-        let rows: usize = factors.iter().map(|f| f.nrows() - NUISANCES).sum();
+        let rows: usize = factors.iter().map(|f| f.nrows()).sum();
         let rows = rows + prior.iter().count();
         let (mut residuals, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, width));
         let mut row = 0;
         for (i, factor) in factors.iter().enumerate() {
-            let (n, last) = (factor.nrows() - NUISANCES, factor.ncols() - 1);
-            residuals
-                .rows_mut(row, n)
-                .copy_from(&factor.view((NUISANCES, last), (n, 1)));
+            let (n, last) = (factor.nrows(), factor.ncols() - 1);
+            residuals.rows_mut(row, n).copy_from(&factor.column(last));
             for (k, column) in self.columns(layout, i).into_iter().enumerate() {
                 jacobian
                     .view_mut((row, column), (n, 1))
-                    .copy_from(&factor.view((NUISANCES, NUISANCES + k), (n, 1)));
+                    .copy_from(&factor.column(k));
             }
             row += n;
         }
@@ -202,12 +201,11 @@ impl<'a> Joint<'a> {
             .zip(photographs)
             .map(|((fitted, curves), photograph)| {
                 let factor = if used == Used::ByAnyEstimate {
-                    photograph.information(&curves, &fitted.nuisances)
+                    &photograph.information(&curves, &fitted.nuisances)
                 } else {
-                    fitted.factor
+                    &fitted.factor
                 };
-                let n = factor.nrows() - STEP;
-                factor.view((STEP, STEP), (n, n)).into_owned()
+                without(factor, fitted.columns - 1)
             })
             .collect();
         let p = layout.parameters();
@@ -296,6 +294,12 @@ impl<'a> Joint<'a> {
         }
         Mu { values, covariance }
     }
+}
+
+/// Returns a triangular factor without its first `count` unknowns, which are projected out.
+fn without(factor: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+    let left = factor.nrows() - count;
+    factor.view((count, count), (left, left)).into_owned()
 }
 
 /// Adds a small matrix to the rows and columns of `normal` that `columns` names.

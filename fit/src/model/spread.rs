@@ -112,6 +112,27 @@ pub(crate) struct Even {
 }
 
 impl Even {
+    /// Returns the first moment of the line spread up to each place, with its sign changed: the
+    /// integral of -s E'(s), pixels. It starts at `reach` bins before the edge, and stays constant
+    /// beyond `reach` bins behind it.
+    ///
+    /// The integral is taken by parts and by the trapezoidal rule, which adds a twelfth of the line
+    /// spread per bin. For a blur with a standard deviation of b bins this is 1 / (12 b^2) of it.
+    pub(crate) fn moment(&self, reach: usize) -> Even {
+        let size = self.values.len();
+        let middle = size / 2;
+        let (first, end) = (middle.saturating_sub(reach), size.min(middle + reach + 1));
+        let mut moments = vec![0.0; first + 1];
+        let mut sum = 0.0;
+        for (pair, place) in self.values[first..end].windows(2).zip(first..) {
+            let place = place as f64 - middle as f64;
+            sum += 0.5 * (pair[0] + pair[1]) - ((place + 1.0) * pair[1] - place * pair[0]);
+            moments.push(sum * BIN_PX);
+        }
+        moments.resize(size, sum * BIN_PX);
+        Even { values: moments }
+    }
+
     /// Returns the value and the first three derivatives per bin at `offset` (within half a
     /// period), by differences of fourth order (second order for the third derivative).
     pub(crate) fn around(&self, offset: i64) -> [f64; 4] {
@@ -136,6 +157,33 @@ impl Even {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Compares the moment of a normal blur with its closed form: variance times density. The
+    /// bins add a twelfth of a squared bin to the variance, the rule a twelfth of the density. What
+    /// is left is of the order of 1 / b^4, 2e-4 for the narrowest.
+    #[test]
+    fn the_moment_of_a_normal_blur_is_its_variance_times_its_density() {
+        let (bins, pitch_mm) = (401, 0.1);
+        let grid = Grid::new(bins, pitch_mm);
+        let mut cases = 0;
+        for deviation_px in [2.0_f64, 5.0] {
+            let deviation_mm = deviation_px * pitch_mm;
+            let otf: Vec<Complex64> = grid
+                .frequencies_per_mm()
+                .map(|f| (-2.0 * (PI * deviation_mm * f).powi(2)).exp().into())
+                .collect();
+            let moment = grid.even(&otf, 0.0).moment(bins / 2);
+            let b2 = (deviation_px / BIN_PX).powi(2) + 1.0 / 12.0;
+            let height = (b2 + 1.0 / 12.0) / (2.0 * PI * b2).sqrt() * BIN_PX;
+            for offset in -150_i32..=150 {
+                let density = (-0.5 * f64::from(offset).powi(2) / b2).exp();
+                let found = moment.around(offset.into())[0];
+                assert!((found - height * density).abs() < 2e-4 * height, "{offset}");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 602);
+    }
 
     /// Compares the profile behind a kinked OTF with its closed form: exp(-2 pi g |f|) belongs to
     /// the line spread g / (pi (s^2 + g^2)), whose tails fall as 1/s^2. Its edge 1/2 + atan(s/g)/pi

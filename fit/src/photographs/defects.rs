@@ -27,7 +27,7 @@ pub(crate) fn exclude_gross(window: &mut Window) -> usize {
 
 /// Excludes pixels that are off the profile from the window, and returns their number. A pixel is
 /// off if neither noise, nor its place in a bin, nor waves of `wave_px` pixels explains its
-/// distance.
+/// distance. Corners of the window that lie beyond the profile are compared with its ends.
 ///
 /// The distance is that from the medians of the bins, which a few wild pixels do not move. The
 /// medians are only computed if the means of the bins raise a doubt.
@@ -47,17 +47,20 @@ pub(crate) fn exclude(
             least + DEVIATIONS * noise + astray_px * profile.slope(j, 2).abs()
         })
         .collect();
-    let bin = |s: f64| ((s / BIN_PX).round() + profile.reach as f64) as usize;
+    let end = profile.reach as f64 * BIN_PX;
+    // Just within the last bin, where the profile has a value.
+    let held = |s: f64| s.clamp(-end, end - 1e-6);
+    let bin = |s: f64| ((held(s) / BIN_PX).round() + profile.reach as f64) as usize;
     let off = |curve: &Profile, s: f64, value: f64, share: f64| {
         curve
-            .at(s)
+            .at(held(s))
             .is_some_and(|expected| (value - expected).abs() > share * limits[bin(s)])
     };
     // Wild pixels draw the mean of their bin towards them: up to three of them by this share.
     let share = |s: f64| (1.0 - 4.0 / profile.count[bin(s)]).max(0.5);
     let doubtful = window.pixels().any(|p| {
         let (s, _) = line.place(&p);
-        profile.at(s).is_some() && off(profile, s, p.value, share(s))
+        off(profile, s, p.value, share(s))
     });
     if !doubtful {
         return 0;

@@ -21,7 +21,7 @@ use crate::photographs::{chart, correlation, defects, saturation};
 const MOST_OFF: f64 = 0.01;
 
 /// Unevenness of the light above which a polynomial of second order no longer describes it.
-const MOST_UNEVEN: f64 = 1.0;
+const MOST_UNEVEN: f64 = 2.0;
 
 /// Largest number of rounds of repair. Each round finds the edge again in the repaired window. No
 /// round after the second is needed in practice.

@@ -162,6 +162,35 @@ fn a_clean_edge_of_any_direction_and_polarity_has_no_warning() {
     assert_eq!(cases, 28);
 }
 
+/// Corners of the window that lie beyond the profile take part in the likelihood, so their wild
+/// pixels are left out too. They are known exactly: each lies off by 0.2 of full scale, which is
+/// more than 8 standard deviations and a third of the step.
+#[test]
+fn wild_pixels_beyond_the_profile_are_left_out() {
+    let mut cases = 0;
+    for tilt in [5.0, 31.0] {
+        let clean = degraded(tilt, SIGMA_PX, 3, |_, _, v| v);
+        let mut photo = clean.clone();
+        let (width, height) = (photo.width, photo.height);
+        let corners = [0, width - 1].map(|x| [0, height - 1].map(|y| y * width + x));
+        for &at in corners.as_flattened() {
+            photo.luminance[at] += 0.2;
+        }
+        let [before, after] = [&clean, &photo].map(|photo| {
+            let measured = edge(photo, None, &[]).unwrap();
+            let end = measured.profile.reach as f64 * crate::photographs::BIN_PX;
+            let pixels = || measured.window.pixels();
+            let beyond = pixels().filter(|p| measured.line.place(p).0.abs() > end);
+            [pixels().count(), beyond.count()]
+        });
+        // The corners of this tilt lie beyond the profile, at least two of them.
+        assert!(before[1] >= 2, "{tilt} deg: {before:?}");
+        assert_eq!(before[0] - after[0], 4, "{tilt} deg");
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
+}
+
 #[test]
 fn hot_and_dead_pixels_are_left_out() {
     let mut stream = Stream(11);
