@@ -1,7 +1,7 @@
 //! Uneven light on the pixels of a bin.
 //!
-//! The light is L = exp(q), where q is a polynomial in the distance d from the edge and the place t
-//! along it:
+//! The light is L = exp(q), where q is a polynomial in the place d across the line of the edge and
+//! the place t along it. A bend of the edge does not bend the light.
 //!
 //! ```text
 //! first order:   d, t
@@ -61,15 +61,16 @@ pub(crate) struct Lights {
     pub by: [Lit; LIGHT],
 }
 
-/// Returns the light of a bin whose pixels lie at the mean distance `distance_px` from the edge,
-/// with its derivatives by the first `count` terms. The other terms are 0.
+/// Returns the light of a bin, with its derivatives by the first `count` terms. The other terms are
+/// 0. d counts from `from_px`, a distance from the window's middle.
 ///
 /// The exponent is taken as linear along the edge within the bin. For light that varies by 30 %
 /// over four bins this leaves 1e-5 of the light.
-pub(crate) fn of(bin: &Bin, distance_px: f64, terms: &Uneven, count: usize) -> Lights {
+pub(crate) fn of(bin: &Bin, from_px: f64, terms: &Uneven, count: usize) -> Lights {
     let share = bin.spread / bin.count.max(1.0);
+    let [across, bend] = bin.from_middle;
     let (means, slopes) = powers(
-        distance_px / UNIT_PX,
+        [(across - from_px) / UNIT_PX, bend],
         bin.along / UNIT_PX,
         share / UNIT_PX.powi(2),
     );
@@ -97,8 +98,8 @@ pub(crate) fn of(bin: &Bin, distance_px: f64, terms: &Uneven, count: usize) -> L
 }
 
 /// Returns the means of all terms over a bin at `d` whose places along the edge have the mean `t`
-/// and the variance `v`, and the slopes of the terms along the edge.
-fn powers(d: f64, t: f64, v: f64) -> ([f64; LIGHT], [f64; LIGHT]) {
+/// and the variance `v`, and the slopes of the terms along the edge. `bend` is the slope of d.
+fn powers([d, bend]: [f64; 2], t: f64, v: f64) -> ([f64; LIGHT], [f64; LIGHT]) {
     let (dd, tt) = (d * d, t * t);
     let square = dd + tt;
     (
@@ -116,16 +117,16 @@ fn powers(d: f64, t: f64, v: f64) -> ([f64; LIGHT], [f64; LIGHT]) {
             square * square + v * (2.0 * dd + 6.0 * tt),
         ],
         [
-            0.0,
+            bend,
             1.0,
-            0.0,
-            d,
+            2.0 * d * bend,
+            d + t * bend,
             2.0 * t,
-            0.0,
-            dd,
-            2.0 * d * t,
+            3.0 * dd * bend,
+            dd + 2.0 * d * t * bend,
+            2.0 * d * t + tt * bend,
             3.0 * tt,
-            4.0 * square * t,
+            4.0 * square * (t + d * bend),
         ],
     )
 }
@@ -150,13 +151,14 @@ mod tests {
         let n = places.len() as f64;
         let along = places.iter().sum::<f64>() / n;
         let spread: f64 = places.iter().map(|t| (t - along).powi(2)).sum();
+        let distance = -12.0;
         let bin = Bin {
             count: n,
             along,
+            from_middle: [distance, 0.0],
             spread,
             ..Bin::default()
         };
-        let distance = -12.0;
         let terms = [0.1, -0.1, -0.07, 0.05, -0.07, 0.01, 0.01, -0.01, 0.01, 0.01];
         let at = |t: f64| {
             let (d, t) = (distance / 100.0, t / 100.0);
@@ -178,7 +180,7 @@ mod tests {
         };
         let mean = places.iter().map(|&t| at(t)).sum::<f64>() / n;
         let by_t = places.iter().map(|&t| (t - along) * at(t)).sum::<f64>() / spread;
-        let found = of(&bin, distance, &terms, LIGHT).all;
+        let found = of(&bin, 0.0, &terms, LIGHT).all;
         let (off, off_slope) = (found.value / mean - 1.0, found.by_t - by_t);
         println!("{off:.1e} {off_slope:.1e}");
         assert!(off.abs() < 1.2e-5, "{off}");
@@ -187,8 +189,8 @@ mod tests {
         for count in [0, FIRST_ORDER, SECOND_ORDER, LIGHT] {
             let mut few = terms;
             few[count..].fill(0.0);
-            let lights = of(&bin, distance, &terms, count);
-            let same = of(&bin, distance, &few, LIGHT).all;
+            let lights = of(&bin, 0.0, &terms, count);
+            let same = of(&bin, 0.0, &few, LIGHT).all;
             assert_eq!((lights.all.value, lights.all.by_t), (same.value, same.by_t));
             for (i, lit) in lights.by.iter().enumerate().take(count) {
                 // Third derivatives leave h^2 / 6 of numbers of order 1.
@@ -196,7 +198,7 @@ mod tests {
                 let moved = |by: f64| {
                     let mut terms = terms;
                     terms[i] += by;
-                    of(&bin, distance, &terms, count).all
+                    of(&bin, 0.0, &terms, count).all
                 };
                 let (high, low) = (moved(h), moved(-h));
                 let value = (high.value - low.value) / (2.0 * h);

@@ -63,7 +63,7 @@ pub(crate) struct Nuisances {
     pub lit: f64,
     /// Share of the unevenness that is the lamp's, not the camera's.
     pub lamp: f64,
-    /// Bright minus dark plateau at the middle of the edge, > 0. Its column is the derivative by
+    /// Bright minus dark plateau where the light is 1, > 0. Its column is the derivative by
     /// ln(step).
     pub step: f64,
 }
@@ -383,8 +383,17 @@ impl<'a> Photograph<'a> {
         .collect()
     }
 
+    /// Returns the light of a bin.
+    ///
+    /// Uneven light is 1 at the middle of the window, a place that photographs of one camera have
+    /// in common. Even light is 1 on the edge, where its terms of first order do not move the step.
     fn lights(&self, bin: &Bin, light: &Uneven) -> Lights {
-        light::of(bin, bin.distance_px(), light, self.terms.light())
+        let from = if self.terms.are_many() {
+            0.0
+        } else {
+            self.pixels.line.offset_px
+        };
+        light::of(bin, from, light, self.terms.light())
     }
 
     fn weigh(&mut self, curves: &Curves) {

@@ -28,6 +28,9 @@ pub struct Bin {
     pub across: [f64; 3],
     /// Mean of t.
     pub along: f64,
+    /// Mean of the place across the edge, from the window's middle, and its slope along the edge,
+    /// which a bent edge has.
+    pub from_middle: [f64; 2],
     /// Sum of (t - mean t)^2.
     pub spread: f64,
     /// Sums of (t - mean t) u and of (t - mean t) u^2.
@@ -76,7 +79,9 @@ impl Pixels {
             let (d, t) = ruler.place(p.x, p.y);
             let j = (d / BIN_PX).round();
             let strip = (((t + half) * per_px).max(0.0) as usize).min(STRIPS - 1);
-            sums[(j as i64 + limit) as usize][strip].add(d - j * BIN_PX, t, p.value);
+            let sum = &mut sums[(j as i64 + limit) as usize][strip];
+            sum.add(d - j * BIN_PX, t, p.value);
+            sum.place(p.x * cos + p.y * sin, t);
         }
         let (mut bins, mut strips) = (Vec::new(), Vec::new());
         for (number, parts) in (-limit..).zip(&sums) {
@@ -132,6 +137,8 @@ struct Sums {
     yy: f64,
     yu: f64,
     yt: f64,
+    s: f64,
+    st: f64,
 }
 
 impl Sums {
@@ -150,6 +157,12 @@ impl Sums {
         self.yt += y * t;
     }
 
+    /// Adds the place across the edge, from the window's middle, of the pixel that was added.
+    fn place(&mut self, s: f64, t: f64) {
+        self.s += s;
+        self.st += s * t;
+    }
+
     /// Returns the sums over the pixels of both.
     fn with(self, other: Sums) -> Sums {
         Sums {
@@ -163,6 +176,8 @@ impl Sums {
             yy: self.yy + other.yy,
             yu: self.yu + other.yu,
             yt: self.yt + other.yt,
+            s: self.s + other.s,
+            st: self.st + other.st,
         }
     }
 
@@ -180,6 +195,14 @@ impl Sums {
             count: n,
             across,
             along,
+            from_middle: [
+                self.s / n,
+                if spread > 0.0 {
+                    (self.st - self.s * along) / spread
+                } else {
+                    0.0
+                },
+            ],
             spread,
             cross: [
                 self.tu - n * along * across[0],

@@ -16,54 +16,49 @@ use crate::photographs::window::Window;
 /// Number of pixels above which a window is first searched in a copy of lower resolution.
 const LARGE: usize = 400_000;
 
-/// Finds the edge of a window that holds one edge.
+/// Finds the edge of a window that holds one edge, as a straight line.
 ///
 /// The first direction is that of the first moment under a rotationally symmetric weight, which is
-/// exact for any straight edge. [`refine`] then refines direction and place. For the first
-/// direction, large windows are averaged down.
-pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
+/// exact for any straight edge. Direction and place are then refined. For the first direction,
+/// large windows are averaged down.
+pub(crate) fn straight(window: &Window) -> Result<EdgeLine, Fault> {
     let pixels = window.width() * window.height();
+    let mut start = None;
     if pixels > LARGE {
         let side = (4.0 * pixels as f64 / LARGE as f64).sqrt().ceil() as usize;
-        match locate(&window.reduced(side)) {
+        match straight(&window.reduced(side)) {
             Ok(small) => {
-                let start = EdgeLine {
+                start = Some(EdgeLine {
                     offset_px: small.offset_px * side as f64,
-                    bend: None,
                     ..small
-                };
-                return refine(window, start);
+                });
             }
             Err(Fault::TooSmall) => {}
             Err(fault) => return Err(fault),
         }
     }
-    let start = EdgeLine {
-        normal_rad: first_direction(window)?,
-        offset_px: 0.0,
-        normal_standard_error_rad: 0.0,
-        bend: None,
+    let mut line = match start {
+        Some(line) => line,
+        None => EdgeLine {
+            normal_rad: first_direction(window)?,
+            offset_px: 0.0,
+            normal_standard_error_rad: 0.0,
+            bend: None,
+        },
     };
-    refine(window, start)
+    straighten(window, &mut line)?;
+    Ok(line)
 }
 
 /// Refines the direction, the place and the curve of an edge until the pixels scatter least about
-/// their common profile.
+/// their common profile. The light should be even, because a fall of light along the edge looks
+/// like a bend.
 ///
 /// The angle and the curve are refined by Gauss-Newton steps; the place is the half level of the
 /// profile. The accuracy is limited by noise, see `normal_standard_error_rad`; without noise the
 /// error is below 2e-5 rad.
 pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fault> {
-    let mut profile = centre(window, &mut line)?;
-    // A shift of 1e-4 px at the end of the edge does not change the MTF.
-    let least = 2e-4 / (window.width() as f64).hypot(window.height() as f64);
-    for _ in 0..12 {
-        let step = turn(window, &mut line, &profile);
-        profile = centre(window, &mut line)?;
-        if step.abs() < least.max(0.01 * line.normal_standard_error_rad) {
-            break;
-        }
-    }
+    let mut profile = straighten(window, &mut line)?;
     for _ in 0..12 {
         let Some(farthest) = curve::step(window, &mut line, &profile) else {
             break;
@@ -74,6 +69,27 @@ pub(crate) fn refine(window: &Window, mut line: EdgeLine) -> Result<EdgeLine, Fa
         }
     }
     Ok(line)
+}
+
+/// Finds the edge of a window in even light, with its curve.
+#[cfg(test)]
+pub(crate) fn locate(window: &Window) -> Result<EdgeLine, Fault> {
+    refine(window, straight(window)?)
+}
+
+/// Refines direction and place of an edge, and keeps its curve. Returns its profile.
+fn straighten(window: &Window, line: &mut EdgeLine) -> Result<Profile, Fault> {
+    let mut profile = centre(window, line)?;
+    // A shift of 1e-4 px at the end of the edge does not change the MTF.
+    let least = 2e-4 / (window.width() as f64).hypot(window.height() as f64);
+    for _ in 0..12 {
+        let step = turn(window, line, &profile);
+        profile = centre(window, line)?;
+        if step.abs() < least.max(0.01 * line.normal_standard_error_rad) {
+            break;
+        }
+    }
+    Ok(profile)
 }
 
 fn first_direction(window: &Window) -> Result<f64, Fault> {

@@ -20,8 +20,10 @@ use crate::photographs::{chart, correlation, defects, saturation};
 /// defects of a sensor.
 const MOST_OFF: f64 = 0.01;
 
-/// Unevenness of the light above which a polynomial of second order no longer describes it.
+/// Unevenness of the light above which a polynomial of second order no longer describes it, and
+/// above which it no longer describes it well enough to even out a profile.
 const MOST_UNEVEN: f64 = 2.0;
+const MOST_EVENED: f64 = 1.0;
 
 /// Largest number of rounds of repair. Each round finds the edge again in the repaired window. No
 /// round after the second is needed in practice.
@@ -41,6 +43,8 @@ pub struct Measurement {
     pub line: EdgeLine,
     /// The profile of the edge: its pixels, sorted into bins.
     pub profile: Profile,
+    /// Unevenness of the light that was evened out, see [`illumination::unevenness`].
+    pub unevenness: f64,
     /// Warnings about what was assumed, was repaired or is doubtful, one sentence each. Those of
     /// the photograph come first.
     pub warnings: Vec<String>,
@@ -140,6 +144,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         ));
     }
     warnings.extend(repaired.warnings());
+    let unevenness = illumination::unevenness(&repaired.lights, &repaired.window);
     let Repaired {
         window,
         as_lit,
@@ -155,8 +160,23 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         window,
         line,
         profile,
+        unevenness,
         warnings,
     })
+}
+
+impl Measurement {
+    /// Checks that the profile can be used by itself. The pixels can be used in light that is more
+    /// uneven.
+    ///
+    /// # Errors
+    /// Fails if the light was too uneven to be evened out.
+    pub fn even_enough(&self) -> Result<(), Fault> {
+        match self.unevenness {
+            unevenness if unevenness > MOST_EVENED => Err(Fault::Uneven { unevenness }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A window without defects, in even light, and its edge.
@@ -178,9 +198,9 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
     let pixels = window.pixels().count() + off;
     let as_lit = window.clone();
     let mut lights: Vec<Light> = Vec::new();
-    let mut line = edge::locate(&window)?;
+    let mut line = edge::straight(&window)?;
     let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         let light = illumination::find(&window, &line, &profile);
         if let Some(light) = light {
             lights.push(light);
@@ -189,6 +209,8 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
                 return Err(Fault::Uneven { unevenness });
             }
             window.change(|pixel| pixel.value / light.at(pixel));
+        }
+        if round == 0 || light.is_some() {
             (line, profile) = refined(&window, line)?;
         }
         let waves = shape::waves(&window, &line, &profile)?;
@@ -201,7 +223,8 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         if share > MOST_OFF {
             return Err(Fault::NotAlone { share });
         }
-        if light.is_none() && taken_out == 0 {
+        // The first round has found the light of a straight edge.
+        if round > 0 && light.is_none() && taken_out == 0 {
             break;
         }
     }

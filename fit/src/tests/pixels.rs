@@ -225,7 +225,8 @@ impl Plain {
             0 => params.reference.as_mut().expect("there is a reference"),
             k => &mut params.captures[k - 1].edge,
         };
-        // The step is that at the edge, where the gradient starts.
+        // The step is that at the edge, where the gradient starts; in uneven light it is that at
+        // the middle of the window.
         let from_edge = edge.offset_px;
         let planted_normal = edge.normal_deg;
         edge.offset_px += own[0];
@@ -244,7 +245,10 @@ impl Plain {
         };
         let distance = |pixel: usize| place(pixel).0;
         let gradient = |pixel: usize| {
-            let (d, t) = place(pixel);
+            let (mut d, t) = place(pixel);
+            if own.len() > 6 {
+                d -= from_edge;
+            }
             let second = match own.as_slice() {
                 &[.., by_dd, by_dt, by_tt, _] if own.len() > 6 => {
                     by_dd * d * d + by_dt * d * t + by_tt * t * t

@@ -164,6 +164,7 @@ pub(crate) fn measured(image: &Path, request: &Request) -> Result<Report, Failur
 /// Measures the edge, and refuses one that is aligned with the pixels.
 fn slanted(photo: &Photo, request: &Request) -> Result<Measurement, Fault> {
     let mut measurement = measure::edge(photo, request.roi, &request.accept)?;
+    measurement.even_enough()?;
     let slant = Slant::of(&measurement.line, &measurement.window);
     measurement.warnings.extend(slant.check()?);
     Ok(measurement)
