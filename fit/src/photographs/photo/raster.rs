@@ -184,6 +184,7 @@ fn decode(
             named.unwrap_or_else(|| of_format(bits(colour)))
         }
     };
+    warnings.extend(curves.doubt.clone());
     let mut picture = DynamicImage::from_decoder(decoder).map_err(broken)?;
     if orientation != Orientation::NoTransforms {
         picture.apply_orientation(orientation);
