@@ -33,6 +33,7 @@ mod raster;
 mod raw;
 pub(crate) mod settings;
 mod statement;
+mod strips;
 pub(crate) mod taken;
 pub(crate) mod transfer;
 

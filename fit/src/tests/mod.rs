@@ -36,6 +36,7 @@ mod render;
 mod sample;
 mod simulate_campaign;
 mod statistics;
+mod strips;
 mod study;
 mod transfers;
 mod wave;
