@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::photographs::crossing::{Curve, Measured};
 use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::slant;
 use crate::photographs::edge::slant::Slant;
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
@@ -365,6 +366,75 @@ fn an_edge_must_cross_a_pixel() {
         }
     }
     assert_eq!(cases, 32);
+}
+
+/// MTF50 where the tangent of the tilt is 1/4: the errors without noise stay below the limit that
+/// the warning names, and one of each blur reaches a half of it. The warning comes if the limit is
+/// above the standard error, which it is not for wide blurs in noise. It comes at no other angle.
+#[test]
+fn pixels_in_lines_are_warned_of() {
+    const PLACES: u32 = 20;
+    let quarter = 0.25_f64.atan().to_degrees();
+    let measured = |normal_deg: f64, blur_px: f64, place: u32, noise: f64| {
+        let known = Known {
+            size_px: [(40.0 + 14.0 * blur_px) as usize, 75],
+            normal_deg,
+            offset_px: f64::from(place) / f64::from(PLACES) - 0.5,
+            blur_px,
+            bow_px: 0.0,
+            levels: [0.1, 0.77],
+        };
+        let photo = known.photo(0.67 * noise, &mut Stream(u64::from(place)));
+        let edge = measure::edge(&photo, None, &[]).expect("there is an edge");
+        let half = Curve::new(&edge.profile, 1.0, COUNT).falls_to(0.5);
+        let half = half.expect("it falls");
+        let warning = slant::lined_up(&edge.profile, half.value, half.standard_error);
+        (half.value / known.crossing(0.5) - 1.0, half.value, warning)
+    };
+    let mut cases = 0;
+    for blur_px in [0.4, 0.5, 0.8, 1.5] {
+        let mut largest = 0.0_f64;
+        let mut limit = 0.0;
+        for place in 0..PLACES {
+            let (error, half, warning) = measured(quarter, blur_px, place, 0.0);
+            largest = largest.max(error.abs());
+            limit = 0.25 * half * half;
+            let warning = warning.expect("the standard error is that of rounding");
+            let named = format!("{:.1} %", 100.0 * limit);
+            assert!(warning.contains(&named), "{named}: {warning}");
+            cases += 1;
+        }
+        assert!(
+            (0.5..1.0).contains(&(largest / limit)),
+            "{blur_px}: {largest} of {limit}"
+        );
+    }
+    // 1/57 is the noise of a pixel over the step. The standard errors are 1.0 % and 0.6 %, the
+    // limits 2.6 % and 0.4 %.
+    for (blur_px, warned) in [(0.5, true), (1.5, false)] {
+        for place in 0..PLACES {
+            let (_, _, warning) = measured(quarter, blur_px, place, 1.0 / 57.0);
+            assert_eq!(warning.is_some(), warned, "{blur_px} {place}: {warning:?}");
+            cases += 1;
+        }
+    }
+    let others = [
+        1.0 / 8.0,
+        1.0 / 5.0,
+        1.0 / 3.0,
+        2.0 / 5.0,
+        0.5,
+        0.75,
+        1.0,
+        0.2126,
+        0.3,
+    ];
+    for tangent in others {
+        let (_, _, warning) = measured(f64::atan(tangent).to_degrees(), 0.5, 7, 0.0);
+        assert!(warning.is_none(), "{tangent}: {warning:?}");
+        cases += 1;
+    }
+    assert_eq!(cases, 129);
 }
 
 /// A curve crosses pixels too: an edge along the rows with a bow of 2 pixels is not aligned.
