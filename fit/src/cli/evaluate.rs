@@ -47,8 +47,8 @@ pub(crate) struct Arguments {
     pub lpips: Option<PathBuf>,
     /// Meaning of integers in both files: linear or srgb.
     ///
-    /// Without this option each file decides: its cICP chunk, ICC profile, sRGB chunk or gAMA
-    /// chunk; without these, 8 bits are sRGB and 16 bits are linear.
+    /// Without this option each file decides: its cICP chunk, ICC profile, sRGB chunk, gAMA chunk
+    /// or Exif data; without these, 8 bits are sRGB and 16 bits are linear.
     #[arg(long, value_name = "NAME", value_parser = parse::transfer)]
     pub transfer: Option<Transfer>,
     /// Prints one JSON object in place of lines of text.

@@ -76,7 +76,8 @@ pub(crate) struct Arguments {
     /// Relation of the file's values to light: linear or srgb.
     ///
     /// Without this option, EXR is linear. Other files are read as their cICP chunk, ICC profile,
-    /// sRGB chunk or gAMA chunk says; without these, 8 bits are sRGB and 16 bits are linear.
+    /// sRGB chunk, gAMA chunk or Exif data say; without these, 8 bits are sRGB and 16 bits are
+    /// linear.
     #[arg(long, value_parser = transfer)]
     pub transfer: Option<Transfer>,
     /// Channel: luminance, red, green, blue or a name.

@@ -169,8 +169,8 @@ pub(crate) struct Arguments {
     pub exposure: f64,
     /// Meaning of integers in the source: linear or srgb.
     ///
-    /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk or gAMA chunk;
-    /// without these, 8 bits are sRGB and 16 bits are linear.
+    /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk, gAMA chunk or
+    /// Exif data; without these, 8 bits are sRGB and 16 bits are linear.
     #[arg(long, value_name = "NAME", value_parser = parse::transfer, help_heading = "Picture")]
     pub transfer: Option<Transfer>,
     /// Forward model.

@@ -4,7 +4,7 @@
 //! 1. the key or option `transfer`;
 //! 2. for EXR: it is linear;
 //! 3. what the file says of itself: the chunks cICP, iCCP, sRGB and gAMA of a PNG, in this order,
-//!    or the ICC profile of a TIFF or JPEG;
+//!    the ICC profile of a TIFF or JPEG, or Adobe RGB in the Exif data of a JPEG;
 //! 4. the default of the format: sRGB for 8 bits, linear for 16 bits and floats.
 //!
 //! Values of 8 bits cause a warning. What was taken stands in [`Photo::transfer`].
@@ -15,9 +15,11 @@
 
 pub(crate) mod channel;
 mod chunks;
+mod colour_space;
 mod curve;
 mod entropy;
 pub(crate) mod error;
+mod exif_data;
 pub(crate) mod exposure;
 pub(crate) mod format;
 mod icc;
@@ -31,6 +33,7 @@ mod raster;
 mod raw;
 pub(crate) mod settings;
 mod statement;
+mod strips;
 pub(crate) mod taken;
 pub(crate) mod transfer;
 

@@ -112,6 +112,18 @@ impl Profile {
         self.count.iter().filter(|&&n| n == 0.0).count()
     }
 
+    /// Returns the root mean square distance of the pixels from the mean place of their bin, in
+    /// pixels.
+    ///
+    /// Bins that are filled evenly have [`BIN_PX`] / sqrt(12) = 0.072.
+    pub(crate) fn spread_within_px(&self) -> f64 {
+        let filled = self.count.iter().zip(&self.excess);
+        let squares = filled.map(|(n, [first, second, _])| {
+            n * (second + BIN_PX * BIN_PX / 12.0 - first * first).max(0.0)
+        });
+        (squares.sum::<f64>() / self.count.iter().sum::<f64>()).sqrt()
+    }
+
     /// Returns warnings about empty bins and about an edge that does not fade out in the window.
     pub fn warnings(&self, line: &EdgeLine) -> Vec<String> {
         let empty = self.empty_bins();

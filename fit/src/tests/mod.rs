@@ -2,6 +2,7 @@
 
 #![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 
+mod adobe;
 mod azimuth;
 mod bad_inputs;
 mod baselines;
@@ -35,6 +36,7 @@ mod render;
 mod sample;
 mod simulate_campaign;
 mod statistics;
+mod strips;
 mod study;
 mod transfers;
 mod wave;

@@ -17,7 +17,7 @@ const HOSTILE: &str = "<script>alert('1')&\"<b>.exr";
 /// Writes a campaign with causes for warnings and returns its manifest.
 ///
 /// It has six photographs, two each at 0, 20 and 40 degrees of incidence. The half mirror makes mu
-/// larger than 1. One photograph at 20 degrees has a hostile name and a region.
+/// larger than 1. One photograph at 20 degrees has a hostile name, a region and a transfer.
 fn doubtful_campaign(here: &Path) -> String {
     let parameters = argument("tests/tests/all/planted/eq1.toml");
     fit(
@@ -31,7 +31,8 @@ fn doubtful_campaign(here: &Path) -> String {
     let renamed = "aerial_002_150mm_20deg_tan.exr";
     fs::rename(folder.join(renamed), folder.join(HOSTILE)).unwrap();
     let named = format!("image = \"{renamed}\"");
-    let hostile = format!("image = '''{HOSTILE}'''\nroi = [40, 30, 240, 200]");
+    let hostile =
+        format!("image = '''{HOSTILE}'''\nroi = [40, 30, 240, 200]\ntransfer = \"linear\"");
     let mirror = "half_mirror_transmittance = 0.5";
     assert_eq!(
         (text.matches(&named).count(), text.matches(mirror).count()),
@@ -173,6 +174,20 @@ fn the_page_is_whole_and_escaped() {
     }
     assert_eq!((counted, warnings.len()), (warnings.len(), counted));
     assert!(counted > 0, "nothing was warned about");
+
+    // The page says how the values of the files became light. One of the six is told to be linear
+    // by the manifest, so that two lists are named.
+    let light = all(&tree, "div")
+        .map(text)
+        .find(|entry| entry.starts_with("light"))
+        .expect("an entry on light");
+    for wanted in [
+        "Reference: linear (EXR).",
+        "5 photographs: ",
+        &format!("1 photograph: {HOSTILE}: linear (given as `transfer`)."),
+    ] {
+        assert!(light.contains(wanted), "{wanted} in {light}");
+    }
 
     // The page names the table's content hash and the command line.
     for wanted in [

@@ -9,6 +9,7 @@ use crate::cli::failure::Failure;
 use crate::photographs::crossing::{Curve, Measured};
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::edge::fault::Fault;
+use crate::photographs::edge::slant;
 use crate::photographs::edge::slant::Slant;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::Decode;
@@ -196,6 +197,8 @@ fn report(image: &Path, photo: &Photo, measurement: Measurement, request: &Reque
         })
     });
     let [half, tenth] = found;
+    let lined_up = half
+        .and_then(|half| slant::lined_up(profile, half.value * pitch, half.standard_error * pitch));
     Report {
         image: image.display().to_string(),
         transfer: photo.transfer.name.clone(),
@@ -222,7 +225,7 @@ fn report(image: &Path, photo: &Photo, measurement: Measurement, request: &Reque
         frequency: curve.frequency,
         mtf: curve.modulus,
         standard_error: curve.standard_error,
-        warnings: measurement.warnings,
+        warnings: measurement.warnings.into_iter().chain(lined_up).collect(),
         levels,
     }
 }

@@ -118,7 +118,7 @@ pub enum Error {
         /// The decoder's error.
         source: image::ImageError,
     },
-    /// A JPEG that lacks a part of its data.
+    /// A JPEG, or a TIFF of JPEGs, that lacks a part of its data.
     #[error("{file}: is cut short or damaged ({reason}); copy the photograph again")]
     CutShort {
         /// Path of the photograph.

@@ -2,11 +2,12 @@
 //! 4.6.5).
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use exif::{Context, Exif, Field, In, Tag, Value};
 
+use crate::photographs::photo::exif_data;
 use crate::photographs::photo::format::{extension, is_raw};
 use crate::photographs::photo::raw;
 use crate::photographs::photo::settings::{Settings, settings};
@@ -25,17 +26,8 @@ impl Settings {
         if is_raw(&extension(image), &first) {
             return raw::settings(image);
         }
-        let none = || "no Exif data".to_owned();
         let file = File::open(image).map_err(|error| error.to_string())?;
-        // A damaged entry must not hide the others.
-        let exif = exif::Reader::new()
-            .continue_on_error(true)
-            .read_from_container(&mut BufReader::new(file))
-            .or_else(|error| error.distill_partial_result(|_| ()))
-            .map_err(|_| none())?;
-        if exif.fields().len() == 0 {
-            return Err(none());
-        }
+        let exif = exif_data::read(file).ok_or("no Exif data")?;
         let tags = [
             Tag::ExposureTime,
             Tag::FNumber,

@@ -57,7 +57,11 @@ pub(crate) fn curves(bytes: &[u8], part: &str, colour: bool) -> Result<Curves, S
         Some(name) => format!("{part} \"{name}\""),
         None => part.to_owned(),
     };
-    Ok(Curves { each, from })
+    Ok(Curves {
+        each,
+        from,
+        doubt: None,
+    })
 }
 
 /// Converts a curve of the profile. Samples are scaled to 1 at full scale.

@@ -22,6 +22,7 @@ use crate::photographs::photo::limits::{MAX_PIXELS, check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::{Photo, TURNED};
 use crate::photographs::photo::statement;
+use crate::photographs::photo::strips;
 use crate::photographs::photo::taken::{Curves, GIVEN};
 use crate::photographs::photo::transfer::Transfer;
 
@@ -165,11 +166,7 @@ fn decode(
         });
     }
     let orientation = decoder.orientation().map_err(broken)?;
-    let whole = if format == Format::Jpeg {
-        whole(path)?
-    } else {
-        Whole::default()
-    };
+    let whole = whole(path, format)?;
     let mut warnings: Vec<String> = whole.warning.into_iter().collect();
     let curves = match transfer {
         Some(given) => Curves::one(Curve::Named(given), GIVEN),
@@ -184,6 +181,7 @@ fn decode(
             named.unwrap_or_else(|| of_format(bits(colour)))
         }
     };
+    warnings.extend(curves.doubt.clone());
     let mut picture = DynamicImage::from_decoder(decoder).map_err(broken)?;
     if orientation != Orientation::NoTransforms {
         picture.apply_orientation(orientation);
@@ -205,13 +203,18 @@ fn of_format(bits: u16) -> Curves {
     }
 }
 
-/// Refuses a JPEG that is not whole.
-fn whole(path: &Path) -> Result<Whole, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io {
+/// Refuses a JPEG, or a TIFF of JPEGs, that is not whole.
+fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
+    let io = |source| Error::Io {
         file: path.to_owned(),
         source,
-    })?;
-    jpeg::check(&bytes).map_err(|reason| Error::CutShort {
+    };
+    let checked = match format {
+        Format::Jpeg => jpeg::check(&std::fs::read(path).map_err(io)?),
+        Format::Tiff => strips::check(BufReader::new(File::open(path).map_err(io)?)),
+        Format::Png | Format::Exr | Format::Raw => return Ok(Whole::default()),
+    };
+    checked.map_err(|reason| Error::CutShort {
         file: path.to_owned(),
         reason,
     })

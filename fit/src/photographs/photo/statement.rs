@@ -10,7 +10,7 @@ use tiff::tags::Tag;
 use crate::photographs::photo::error::Error;
 use crate::photographs::photo::format::Format;
 use crate::photographs::photo::taken::Curves;
-use crate::photographs::photo::{chunks, icc};
+use crate::photographs::photo::{chunks, colour_space, exif_data, icc};
 
 /// Name of the profile of a JPEG or TIFF.
 const PROFILE: &str = "ICC profile";
@@ -51,7 +51,12 @@ pub(crate) fn curves(
         let read = profile.map(|bytes| icc::curves(&bytes, PROFILE, colour));
         read.transpose()
     });
-    curves.map_err(|reason| tone((PROFILE, reason)))
+    let curves = curves.map_err(|reason| tone((PROFILE, reason)))?;
+    if curves.is_some() || format != Format::Jpeg {
+        return Ok(curves);
+    }
+    let exif = exif_data::read(open()?.into_inner());
+    Ok(exif.as_ref().and_then(colour_space::curves))
 }
 
 /// Returns the profile of a TIFF. The decoder of the pixels drops a profile that is large beside

@@ -46,6 +46,8 @@ pub(crate) struct Curves {
     pub(crate) each: Vec<Curve>,
     /// Origin of the curves.
     pub(crate) from: String,
+    /// Warning about a statement of the file that names no curve.
+    pub(crate) doubt: Option<String>,
 }
 
 impl Curves {
@@ -54,6 +56,7 @@ impl Curves {
         Curves {
             each: vec![curve],
             from: from.into(),
+            doubt: None,
         }
     }
 

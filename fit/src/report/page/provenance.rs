@@ -1,7 +1,8 @@
 //! Section of the page on the origin of the numbers: all that is needed to compute them again.
 
-use crate::report::page::markup::{escape, significant};
+use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::shown::Page;
+use crate::result::ResultFile;
 
 /// Entry of the list: its name, and its value as markup.
 type Entry = (&'static str, String);
@@ -10,6 +11,7 @@ type Entry = (&'static str, String);
 pub(crate) fn section(page: &Page) -> String {
     let list: String = inputs(page)
         .into_iter()
+        .chain(std::iter::once(("light", light(page.result))))
         .chain(settings(page))
         .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"))
         .collect();
@@ -73,7 +75,53 @@ fn inputs(page: &Page) -> Vec<Entry> {
     rows
 }
 
-/// Returns the entries on camera, light and solver.
+/// Returns how the values of each file became light, and what decided it.
+fn light(result: &ResultFile) -> String {
+    let read = |name: &str, from: &str| format!("{name} ({from})");
+    let reference = result.reference_transfer.as_deref();
+    let reference = reference.zip(result.reference_transfer_from.as_deref());
+    let photographs: Vec<(String, &str)> = result
+        .captures
+        .iter()
+        .map(|c| (read(&c.transfer, &c.transfer_from), c.image.as_str()))
+        .collect();
+    format!(
+        "The values in the files became light by these curves. What decided stands in brackets. {}",
+        curves(reference.map(|(name, from)| read(name, from)), &photographs)
+    )
+}
+
+/// Lists the curves of the reference and of the photographs; each has the name of its file.
+///
+/// Photographs with one curve share an item. Files are named if not all have the same curve.
+fn curves(reference: Option<String>, photographs: &[(String, &str)]) -> String {
+    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+    for (read, image) in photographs {
+        let image = format!("<code>{}</code>", escape(image));
+        match groups.iter_mut().find(|(known, _)| known == read) {
+            Some((_, images)) => images.push(image),
+            None => groups.push((read, vec![image])),
+        }
+    }
+    let alike = groups.len() < 2;
+    let reference = reference.map(|read| format!("Reference: {}.", escape(&read)));
+    let others = groups.iter().map(|(read, images)| {
+        let named = if alike {
+            String::new()
+        } else {
+            format!(" {}:", images.join(", "))
+        };
+        let number = count(images.len(), "photograph", "photographs");
+        format!("{number}:{named} {}.", escape(read))
+    });
+    reference
+        .into_iter()
+        .chain(others)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// Returns the entries on camera, half mirror and solver.
 fn settings(page: &Page) -> Vec<Entry> {
     let result = page.result;
     let camera = &result.camera;
@@ -133,4 +181,38 @@ fn settings(page: &Page) -> Vec<Entry> {
         ),
     ));
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn photographs_with_one_curve_share_an_item() {
+        let srgb = || "sRGB (default of 8 bits)".to_owned();
+        let gamma = || "gamma 2.2 (ICC profile \"A&B\")".to_owned();
+        let cases = [
+            (
+                None,
+                vec![(srgb(), "a.png")],
+                "1 photograph: sRGB (default of 8 bits).",
+            ),
+            (
+                Some("linear (EXR)".to_owned()),
+                vec![(srgb(), "a.png"), (srgb(), "b.png")],
+                "Reference: linear (EXR). 2 photographs: sRGB (default of 8 bits).",
+            ),
+            (
+                None,
+                vec![(srgb(), "a.png"), (gamma(), "<b>.jpg"), (srgb(), "c.png")],
+                "2 photographs: <code>a.png</code>, <code>c.png</code>: sRGB (default of 8 bits). \
+                 1 photograph: <code>&lt;b&gt;.jpg</code>: \
+                 gamma 2.2 (ICC profile &quot;A&amp;B&quot;).",
+            ),
+        ];
+        for (reference, photographs, wanted) in &cases {
+            assert_eq!(curves(reference.clone(), photographs), *wanted);
+        }
+        assert_eq!(cases.len(), 3);
+    }
 }
