@@ -22,6 +22,7 @@ mod exposure;
 mod forward;
 mod jpeg;
 mod known;
+mod lamps;
 #[cfg(feature = "images")]
 mod metrics;
 mod noise;

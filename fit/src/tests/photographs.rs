@@ -73,10 +73,15 @@ fn degraded(deg: f64, sigma: f64, seed: u64, change: impl Fn(f64, f64, f64) -> f
     noisy(photo, seed)
 }
 
-pub(crate) fn noisy(mut photo: Photo, seed: u64) -> Photo {
+pub(crate) fn noisy(photo: Photo, seed: u64) -> Photo {
+    with_noise(photo, seed, NOISE)
+}
+
+/// Adds normal noise of a standard deviation.
+pub(crate) fn with_noise(mut photo: Photo, seed: u64, deviation: f64) -> Photo {
     let mut stream = Stream(seed);
     for value in &mut photo.luminance {
-        *value += (NOISE * stream.normal()) as f32;
+        *value += (deviation * stream.normal()) as f32;
     }
     photo
 }

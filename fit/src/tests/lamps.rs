@@ -1,0 +1,128 @@
+//! Uneven light of a lamp, which is blurred with the edge, and of a camera, which is not. Both are
+//! planted by sums over pixels in two dimensions, which share nothing with the estimator.
+
+use crate::compare::{Pixels, Photograph};
+use crate::model::{Camera, Lens};
+use crate::photographs::measure;
+use crate::photographs::photo::plane::Photo;
+use crate::tests::photographs::{photo, with_noise};
+use crate::tests::planted::Stream;
+use crate::tests::statistics::check;
+use rayon::prelude::*;
+use std::f64::consts::{PI, SQRT_2};
+
+const SIZE: [usize; 2] = [192, 128];
+
+/// Standard deviation of the blur, pixels.
+const SIGMA_PX: f64 = 3.0;
+
+/// Standard deviation of the part of the blur that the lamp is not given, pixels. With it an edge
+/// can be sampled at points.
+const FIRST_PX: f64 = 1.0;
+
+/// Convolves a picture with a normal blur along both axes. Beyond the border the picture goes on as
+/// at the border.
+fn blurred(values: &[f64], [width, height]: [usize; 2], sigma: f64) -> Vec<f64> {
+    let reach = (6.0 * sigma) as i64;
+    let kernel: Vec<f64> = (-reach..=reach)
+        .map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp() / (sigma * (2.0 * PI).sqrt()))
+        .collect();
+    let along = |values: &[f64], by_x: i64, by_y: i64| -> Vec<f64> {
+        (0..width * height)
+            .map(|at| {
+                let (x, y) = ((at % width) as i64, (at / width) as i64);
+                let offsets = (-reach..=reach).zip(&kernel);
+                let value = |k: i64| {
+                    let x = (x - k * by_x).clamp(0, width as i64 - 1) as usize;
+                    let y = (y - k * by_y).clamp(0, height as i64 - 1) as usize;
+                    values[y * width + x]
+                };
+                offsets.map(|(k, weight)| weight * value(k)).sum()
+            })
+            .collect()
+    };
+    along(&along(values, 1, 0), 0, 1)
+}
+
+/// Noise of a pixel, a sensor's of 40,000 electrons at this light.
+const NOISE: f64 = 0.004;
+
+/// Returns a photograph of an edge under a hot spot that is up to 30 % brighter than its border.
+fn lit(seed: u64, of_lamp: bool) -> Photo {
+    let mut stream = Stream(0x1a3b << 20 | seed);
+    let deg = stream.between(3.0, 12.0);
+    let spot = [stream.between(20.0, 170.0), stream.between(10.0, 118.0)];
+    let (height, width) = (stream.between(0.05, 0.35), stream.between(80.0, 160.0));
+    let margin = 24;
+    let size = SIZE.map(|n| n + 2 * margin);
+    let (sin, cos) = deg.to_radians().sin_cos();
+    let at = |pixel: usize| {
+        let (x, y) = (pixel % size[0], pixel / size[0]);
+        (x as f64 - margin as f64, y as f64 - margin as f64)
+    };
+    let lamp = |(x, y): (f64, f64)| {
+        let r2 = (x - spot[0]).powi(2) + (y - spot[1]).powi(2);
+        1.0 + height * (-0.5 * r2 / (width * width)).exp()
+    };
+    let pixels = size[0] * size[1];
+    let edge = |pixel: usize| {
+        let (x, y) = at(pixel);
+        let d = (x - 95.3) * cos + (y - 63.1) * sin;
+        0.5 * libm::erfc(-d / (FIRST_PX * SQRT_2))
+    };
+    let before = |pixel: usize| edge(pixel) * if of_lamp { lamp(at(pixel)) } else { 1.0 };
+    let values: Vec<f64> = (0..pixels).map(before).collect();
+    let rest = (SIGMA_PX.powi(2) - FIRST_PX.powi(2)).sqrt();
+    let values = blurred(&values, size, rest);
+    let clean = photo(SIZE[0], SIZE[1], |x, y| {
+        let pixel = (y as usize + margin) * size[0] + x as usize + margin;
+        let after = if of_lamp { 1.0 } else { lamp((x, y)) };
+        0.01 + 0.6 * after * values[pixel]
+    });
+    with_noise(clean, seed, NOISE)
+}
+
+/// Fits the blur of a photograph, and returns its pull in ln sigma.
+fn pull(photo: &Photo) -> f64 {
+    let measured = measure::edge(photo, None, &[]).expect("there is an edge");
+    let pixels = Pixels::new(&measured.as_lit, &measured.line);
+    let pitch_mm = 1.0;
+    let camera = |ln_blur: f64| Camera {
+        pitch_mm,
+        lens: Some(Lens {
+            blur_mm: ln_blur.exp(),
+            exponent: 2.0,
+        }),
+    };
+    // The box of a pixel adds a twelfth of a squared pixel. It is nearly normal beside the blur.
+    let sigma = (SIGMA_PX * SIGMA_PX - 1.0 / 12.0).sqrt();
+    let truth = (SQRT_2 * PI * sigma * pitch_mm).ln();
+    let mut photograph = Photograph::new(&pixels, pitch_mm);
+    photograph.settle(&photograph.curves(None, &camera(truth + 0.02), 1));
+    let (mut at, mut error) = (truth + 0.02, f64::INFINITY);
+    for _ in 0..6 {
+        let fitted = photograph.fit(&photograph.curves(None, &camera(at), 1));
+        let own = fitted.columns;
+        error = 1.0 / fitted.factor[(own, own)];
+        at -= fitted.factor[(own, own + 1)] * error;
+    }
+    (at - truth) / error
+}
+
+/// The errors of a blur stay true in uneven light, whether a lamp or the camera makes it. The hot
+/// spot is not smooth enough for a polynomial: this may add a tenth of an error to the mean.
+#[test]
+#[ignore = "minutes: `make test` runs it"]
+fn statistics_of_lamps_and_cameras() {
+    const DRAWS: u64 = 120;
+    let mut figures = 0;
+    for (name, of_lamp) in [("lamp", true), ("camera", false)] {
+        let pulls: Vec<f64> = (0..DRAWS)
+            .into_par_iter()
+            .map(|seed| pull(&lit(seed, of_lamp)))
+            .collect();
+        check(name, &pulls, 0.1);
+        figures += 1;
+    }
+    assert_eq!(figures, 2);
+}
