@@ -247,6 +247,10 @@ pub struct ResultFile {
     pub camera: CameraResult,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
+    /// True if the camera saw the sheet in the half mirror, as the fit took it; absent from older
+    /// results, which were fitted as if it were true.
+    #[serde(default)]
+    pub seen_in_mirror: Option<bool>,
     /// Table that was used.
     pub table: TableResult,
     /// Warnings about the campaign as a whole.
@@ -306,6 +310,7 @@ impl ResultFile {
                 lens_assumed: scene.optics.assumed,
             },
             half_mirror: scene.half_mirror,
+            seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
             table,
             warnings: estimated.warnings.clone(),
         }

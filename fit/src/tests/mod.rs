@@ -23,6 +23,7 @@ mod jpeg;
 mod known;
 #[cfg(feature = "images")]
 mod metrics;
+mod mirror;
 mod noise;
 mod photo_formats;
 mod photographs;
