@@ -25,7 +25,7 @@ use crate::names::Family;
 use crate::photographs::photo;
 use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::Fitted;
+use crate::predict::{Fitted, remarks};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -293,6 +293,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => from_afar(&source, &sheet, pitch_mm, arguments),
     })?;
     let mut warnings = warnings(&source, &seen);
+    let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
+    warnings.extend(remarks(&result, &table, &places)?);
     let mut image = seen.image;
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,

@@ -29,6 +29,7 @@ mod photo_formats;
 mod photographs;
 mod pixels;
 pub(crate) mod planted;
+mod prediction;
 #[cfg(feature = "raw")]
 mod raw;
 #[cfg(feature = "images")]
