@@ -40,6 +40,7 @@ fn campaign() -> Campaign {
         file: "memory".into(),
         setup: Setup {
             pixel_pitch_mm: 0.05,
+            seen_in_mirror: Some(true),
             half_mirror_transmittance: 0.5,
             half_mirror_reflectance: 0.5,
             spectrum: None,

@@ -55,6 +55,10 @@ Terms that you leave open (auto) are chosen by Bayes' information criterion
 more than 4. Standard errors contain the noise of the pixels, the fit of the
 lens, the step of the reference and the noise of the table's rays.
 
+The manifest's key seen_in_mirror (false if left out) says whether the camera
+sees the sheet in the half mirror or straight. If the answer depends on it and
+it is left out, a warning names both answers.
+
 Examples:
   bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \\
       --azimuth 30

@@ -14,7 +14,7 @@ use crate::cli::parse;
 use crate::names::{Family, Kernel};
 #[cfg(feature = "report")]
 use crate::predict::{Around, around};
-use crate::predict::{Axis, Places, Prediction, predict};
+use crate::predict::{Axis, Places, Prediction, Viewpoint, predict, remarks};
 #[cfg(feature = "report")]
 use crate::report::Variable;
 #[cfg(feature = "report")]
@@ -28,6 +28,12 @@ The MTF is that of the mid-air image itself, without a camera: tangential
 luminance is relative to the source and contains the half mirror. Parameters
 that were fitted per angle are interpolated linearly between the fitted angles,
 and held constant beyond them.
+
+Intervals hold the truth with 95 % confidence, by the covariance of the result
+(CSV: mtf_low, mtf_high; JSON: mtf_interval and others; bands in plots). They do
+not hold what the model does not describe. A place outside of the photographs
+gets a warning, a name in the column outside, and a dashed line or a shaded
+region in plots.
 
 A LIST is 0,5,10 or start:stop:step with both ends, such as 0:45:5.
 
@@ -111,6 +117,7 @@ struct Report<'a> {
     #[cfg(feature = "report")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     around: Vec<OldNames<Around>>,
+    warnings: Vec<String>,
 }
 
 /// A prediction whose keys of version 0.1 are written too, so that scripts that read them go on.
@@ -195,10 +202,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             polar.extend(around(&result, &table, &places)?);
         }
     }
+    let at: Vec<Viewpoint> = predictions.iter().map(Prediction::place).collect();
+    let mut warnings = remarks(&result, &table, &at)?;
     if arguments.azimuth.is_some() && table.axes.is_mean() {
-        terminal::warn(["the table is a mean over azimuths: --azimuth has no effect"]);
+        warnings.push("the table is a mean over azimuths: --azimuth has no effect".into());
     }
-    warn_of_interpolation(&predictions, &table);
+    warnings.extend(interpolated(&predictions, &table));
+    terminal::warn(&warnings);
     #[cfg(feature = "report")]
     if let Some((path, output)) = picture {
         let frequencies = &places.frequency_per_mm;
@@ -215,6 +225,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             predictions: predictions.iter().map(OldNames::of_prediction).collect(),
             #[cfg(feature = "report")]
             around: polar.into_iter().map(OldNames::of_around).collect(),
+            warnings,
         })
     } else {
         csv(&predictions, &places.frequency_per_mm)
@@ -222,21 +233,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(terminal::deliver(&text, output)?)
 }
 
-/// Warns of directions between those of the table, unless the table bounds that error.
-fn warn_of_interpolation(predictions: &[Prediction], table: &Table) {
+/// Returns a warning about directions between those of the table, unless the table bounds that
+/// error.
+fn interpolated(predictions: &[Prediction], table: &Table) -> Option<String> {
     let mut between: Vec<String> = predictions
         .iter()
         .filter(|p| p.interpolated && table.provenance.direction_tolerance.is_none())
         .map(|p| p.incidence_deg.to_string())
         .collect();
     between.dedup();
-    if !between.is_empty() {
-        terminal::warn([format!(
+    (!between.is_empty()).then(|| {
+        format!(
             "the prediction at incidence {} deg is interpolated between directions of the table, \
             which costs accuracy; bake these directions",
             between.join(", ")
-        )]);
-    }
+        )
+    })
 }
 
 /// Returns CSV with one row per place and frequency. The luminance is 0 and the MTF is empty at
@@ -244,7 +256,7 @@ fn warn_of_interpolation(predictions: &[Prediction], table: &Table) {
 fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
     let mut text = String::from(
         "floating_distance_mm,incidence_deg,azimuth_deg,axis,retroreflected,luminance,\
-        frequency_per_mm,mtf\n",
+        frequency_per_mm,mtf,luminance_low,luminance_high,mtf_low,mtf_high,outside\n",
     );
     for p in predictions {
         let axis = if p.axis == Axis::Tangential {
@@ -254,14 +266,24 @@ fn csv(predictions: &[Prediction], frequency_per_mm: &[f64]) -> String {
         };
         let azimuth = p.azimuth_deg.map_or(String::new(), |a| a.to_string());
         let luminance = p.luminance.map_or(String::new(), |l| format!("{l:.6}"));
+        let luminances = ends(p.luminance_interval.as_ref());
+        let outside = p.outside.join(" ");
         for (i, f) in frequency_per_mm.iter().enumerate() {
             let mtf = p.mtf.get(i).map_or(String::new(), |m| format!("{m:.6}"));
             let _ = writeln!(
                 text,
-                "{},{},{azimuth},{axis},{:.6},{luminance},{f:.6},{mtf}",
-                p.floating_distance_mm, p.incidence_deg, p.retroreflected
+                "{},{},{azimuth},{axis},{:.6},{luminance},{f:.6},{mtf},{luminances},{},{outside}",
+                p.floating_distance_mm,
+                p.incidence_deg,
+                p.retroreflected,
+                ends(p.mtf_interval.get(i))
             );
         }
     }
     text
+}
+
+/// Returns the ends of an interval as two columns of CSV, empty without an interval.
+fn ends(interval: Option<&[f64; 2]>) -> String {
+    interval.map_or(",".into(), |[low, high]| format!("{low:.6},{high:.6}"))
 }

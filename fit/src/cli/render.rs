@@ -25,7 +25,7 @@ use crate::names::Family;
 use crate::photographs::photo;
 use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
-use crate::predict::Fitted;
+use crate::predict::{Fitted, remarks};
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -107,7 +107,8 @@ pub(crate) struct Arguments {
         long,
         value_name = "VIEW.toml",
         conflicts_with_all = [
-            "distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis", "ambient"
+            "distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis",
+            "seen_in_mirror", "ambient"
         ],
         help_heading = "Place"
     )]
@@ -147,6 +148,12 @@ pub(crate) struct Arguments {
         help_heading = "Picture"
     )]
     pub tangential_axis: f64,
+    /// The sheet is seen in the half mirror, not straight.
+    ///
+    /// It turns the direction of azimuths and of the sagittal axis in the picture: looked at
+    /// straight, that axis is 90 degrees counter-clockwise from the tangential one.
+    #[arg(long, help_heading = "Picture")]
+    pub seen_in_mirror: bool,
     /// Luminance behind the image; source white is 1.
     ///
     /// It is the light of the scene that is seen through the mid-air image.
@@ -214,6 +221,8 @@ struct Report {
     incidence_deg: Range,
     azimuth_deg: Option<Range>,
     distance_mm: Range,
+    /// True if the sheet is seen in the half mirror.
+    seen_in_mirror: bool,
     /// Luminance relative to the source; null without mu.
     energy: Option<Range>,
     /// Largest error of the contrast by the frequencies that were left out.
@@ -284,6 +293,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => from_afar(&source, &sheet, pitch_mm, arguments),
     })?;
     let mut warnings = warnings(&source, &seen);
+    let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
+    warnings.extend(remarks(&result, &table, &places)?);
     let mut image = seen.image;
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,
@@ -311,6 +322,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         azimuth_deg: (!table.axes.is_mean())
             .then(|| range(spots, |spot| spot.place.azimuth_deg.unwrap_or(f64::NAN))),
         distance_mm: range(spots, |spot| spot.place.r_mm),
+        seen_in_mirror: (view.as_ref()).map_or(arguments.seen_in_mirror, CameraView::is_in_mirror),
         energy: (spots.iter().all(|spot| spot.energy.is_some()))
             .then(|| range(spots, |spot| spot.energy.unwrap_or(1.0))),
         transfer_error: seen.transfer_error,
@@ -402,6 +414,7 @@ fn from_afar(
     let scale = Scale {
         pitch_mm,
         tangential_axis_deg: arguments.tangential_axis,
+        seen_in_mirror: arguments.seen_in_mirror,
     };
     Ok(match arguments.forward {
         Forward::Spectral => {

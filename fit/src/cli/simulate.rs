@@ -39,6 +39,7 @@ Keys that may be left out, with the values that they then have:
   width = 320                       # pixels
   height = 256                      # pixels
   pixel_pitch_mm = 0.05             # in the plane of the image
+  seen_in_mirror = false            # true if the half mirror shows the sheet
   sigma_px = 0.55                   # blur of the lens, standard deviation
   source_level = 0.9                # bright side of the source at exposure 1
   half_mirror_transmittance = 0.5

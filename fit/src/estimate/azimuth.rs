@@ -251,8 +251,5 @@ pub(crate) fn scatter(
 }
 
 fn logarithms(fit: &Estimate) -> Vec<f64> {
-    let blur = fit.c_mm.iter().chain(&fit.spread);
-    blur.chain(fit.mu.iter().flatten())
-        .map(|value| value.value.ln())
-        .collect()
+    fit.values().map(|value| value.value.ln()).collect()
 }

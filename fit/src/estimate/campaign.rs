@@ -12,6 +12,7 @@ use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
 use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::mirror;
 use crate::estimate::optimum::refined;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
@@ -179,8 +180,12 @@ pub fn campaign(
             manifest: campaign.file.clone(),
         });
     }
-    let scene = sampled.unwrap_or(scene);
     let mut warnings = scene.warnings.clone();
+    // An azimuth that is estimated follows the view.
+    if campaign.setup.seen_in_mirror.is_none() && azimuth.is_none() {
+        warnings.extend(mirror::unstated(&scene, table, kind, &best)?);
+    }
+    let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
     warnings.extend(verdict::of_estimate(&scene, &best, &compared));
     warnings.extend(azimuth.iter().flat_map(verdict::of_azimuth));
@@ -259,7 +264,5 @@ fn fitted(
 /// Returns whether all numbers of a fit are finite.
 fn is_finite(best: &Estimate) -> bool {
     let finite = |value: &Value| value.value.is_finite();
-    let blur = best.c_mm.iter().chain(&best.spread);
-    let mut all = blur.chain(best.mu.iter().flatten());
-    best.solution.stop != Stop::Failed && best.chi2.is_finite() && all.all(finite)
+    best.solution.stop != Stop::Failed && best.chi2.is_finite() && best.values().all(finite)
 }

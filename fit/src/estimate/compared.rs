@@ -34,10 +34,10 @@ pub(crate) fn model<'a>(shot: &'a Aerial, choice: Choice) -> Model<'a> {
             choice.kernel,
             shot.incidence_deg.to_radians(),
             shot.facing.refractive_index,
-            shot.view.normal(),
+            shot.normal(),
         ),
         r_mm: shot.r_mm,
-        normal: shot.view.normal(),
+        normal: shot.normal(),
     }
 }
 

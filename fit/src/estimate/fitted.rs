@@ -72,6 +72,12 @@ impl Estimate {
         usize::from(self.c_mm.is_some()) + self.spread.len()
     }
 
+    /// Returns all values in the order of `parameters`.
+    pub fn values(&self) -> impl Iterator<Item = &Value> {
+        let blur = self.c_mm.iter().chain(&self.spread);
+        blur.chain(self.mu.iter().flatten())
+    }
+
     /// Adds the scatter of the estimates by their samples to the errors, and records it.
     /// [`Estimate::add_scatter`] explains `scatter`.
     pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {

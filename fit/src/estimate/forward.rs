@@ -97,7 +97,7 @@ impl Renders<'_> {
             .map(|sampler| (sampler, shot.incidence_deg.to_radians()));
         let shape = kernel.has_lobe().then_some(choice.shape);
         let view = &shot.view;
-        let normal = view.normal();
+        let normal = shot.normal();
         let tile = |pixels| Tile::new(self.sampling, stream, pixels, shift, shape, normal);
         Ok(Sampled::new(
             &shot.pixels.raster,

@@ -14,7 +14,7 @@
 //! - [`covariance`], [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], [`azimuth`], [`forward`]: bounds, the azimuth, and the estimate by samples.
-//! - [`verdict`]: warnings. [`watch`]: progress and cancellation.
+//! - [`mirror`], [`verdict`]: warnings. [`watch`]: progress and cancellation.
 
 mod azimuth;
 mod bound;
@@ -29,6 +29,7 @@ pub(crate) mod forward;
 mod joint;
 mod layout;
 mod loss;
+mod mirror;
 pub(crate) mod optics;
 pub(crate) mod optimum;
 mod reference;

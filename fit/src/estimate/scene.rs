@@ -98,11 +98,18 @@ pub struct Aerial {
     pub warnings: Vec<String>,
     /// Direction of the table for this photograph.
     pub facing: Facing,
+    /// True if the camera saw the sheet in the half mirror.
+    pub seen_in_mirror: bool,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
 }
 
 impl Aerial {
+    /// Returns the edge normal in the mid-air image, (tangential, sagittal).
+    pub fn normal(&self) -> [f64; 2] {
+        captures::in_image(self.view.normal(), self.seen_in_mirror)
+    }
+
     /// Returns the share of the light that returns before mu, as a kernel counts it.
     pub fn returned(&self, kernel: Kernel) -> Returned {
         self.facing.returned_as(kernel)
@@ -121,6 +128,7 @@ impl Aerial {
             pixels: Arc::clone(&self.pixels),
             warnings: self.warnings.clone(),
             facing,
+            seen_in_mirror: self.seen_in_mirror,
             sampled: None,
         }
     }
@@ -266,7 +274,7 @@ impl Scene {
                     shot.facing.refractive_index,
                     Along {
                         incidence_rad: shot.incidence_deg.to_radians(),
-                        normal: shot.view.normal(),
+                        normal: shot.normal(),
                         spectrum: self.spectrum.as_ref(),
                     },
                 )
@@ -276,6 +284,20 @@ impl Scene {
         };
         let shots = self.shots.iter().zip(azimuths_deg).map(turned);
         Ok(self.with(shots.collect::<Result<_, tables::Error>>()?))
+    }
+
+    /// Returns the scene as it would be if its camera had seen the sheet the other way: straight
+    /// instead of in the mirror, or the reverse. Azimuths stay, and nothing is measured again.
+    ///
+    /// # Errors
+    /// Fails if the table neither holds nor brackets one of the directions.
+    pub fn mirrored(&self, table: &Table) -> Result<Scene, tables::Error> {
+        let other = |shot: &Aerial| Aerial {
+            seen_in_mirror: !shot.seen_in_mirror,
+            ..shot.clone()
+        };
+        let other = self.with(self.shots.iter().map(other).collect());
+        other.turned(table, &self.azimuths_deg())
     }
 
     /// Returns the scene with samples, by which the model of each photograph is evaluated.
@@ -466,7 +488,7 @@ impl Measuring<'_> {
         warnings.extend(self.between(capture, &direction));
         let along = Along {
             incidence_rad: capture.incidence_rad(),
-            normal: view.normal(),
+            normal: captures::in_image(view.normal(), setup.is_in_mirror()),
             spectrum: setup.spectrum.as_ref(),
         };
         let index = self.table.provenance.refractive_index;
@@ -481,6 +503,7 @@ impl Measuring<'_> {
             pixels: Arc::new(pixels),
             warnings,
             facing: Facing::new(&direction, capture.azimuth_deg, index, along),
+            seen_in_mirror: setup.is_in_mirror(),
             sampled: None,
         }))
     }

@@ -73,13 +73,17 @@ pub(crate) struct Scale {
     pub pitch_mm: f64,
     /// Direction of the tangential axis, degrees: 0 is right (+x, columns), 90 is down (+y, rows).
     pub tangential_axis_deg: f64,
+    /// True if the sheet is seen in the half mirror: the sagittal axis is then 90 degrees clockwise
+    /// from the tangential one, else counter-clockwise.
+    pub seen_in_mirror: bool,
 }
 
 impl Scale {
     /// Returns the matrix that converts (tangential, sagittal) mm to (columns, rows).
     pub(crate) fn pixels_from_mm(&self) -> [[f64; 2]; 2] {
         let (sine, cosine) = self.tangential_axis_deg.to_radians().sin_cos();
-        [[cosine, -sine], [sine, cosine]].map(|row| row.map(|v| v / self.pitch_mm))
+        let clockwise = [-sine, cosine].map(|v| if self.seen_in_mirror { v } else { -v });
+        [[cosine, clockwise[0]], [sine, clockwise[1]]].map(|row| row.map(|v| v / self.pitch_mm))
     }
 }
 

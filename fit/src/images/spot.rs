@@ -7,18 +7,8 @@
 use num_complex::Complex64;
 
 use crate::predict::Error;
+pub(crate) use crate::predict::Viewpoint;
 use crate::samples::DIMENSIONS;
-
-/// Incidence, azimuth and distance at which a point of the mid-air image is seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Viewpoint {
-    /// Incidence on the sheet, degrees from the sheet's normal.
-    pub incidence_deg: f64,
-    /// Azimuth about the sheet's normal, degrees; `None` if the table is a mean over azimuths.
-    pub azimuth_deg: Option<f64>,
-    /// Distance R: optical path from the sheet to the image, mm.
-    pub r_mm: f64,
-}
 
 /// Image of one point in the plane across the viewing ray.
 ///

@@ -33,8 +33,9 @@ const SHARED: [&str; 6] = [
     "accept",
 ];
 /// Keys of `[setup]` alone.
-const SETUP: [&str; 4] = [
+const SETUP: [&str; 5] = [
     "pixel_pitch_mm",
+    "seen_in_mirror",
     "half_mirror_transmittance",
     "half_mirror_reflectance",
     "wavelength_nm",
@@ -55,6 +56,12 @@ const CAPTURE: [&str; 5] = [
 pub struct Setup {
     /// Side of one pixel in the plane of the mid-air image, mm, > 0.
     pub pixel_pitch_mm: f64,
+    /// True if the camera sees the sheet in the half mirror, false if it looks at it straight.
+    /// `None` stands for false where the manifest does not say.
+    ///
+    /// Looked at straight, the sagittal axis is 90 degrees counter-clockwise from the tangential
+    /// axis in the photograph; in the mirror it is 90 degrees clockwise from it.
+    pub seen_in_mirror: Option<bool>,
     /// Transmittance of the half mirror, in (0, 1]. If the manifest does not give it, it is 1 and a
     /// warning says so.
     pub half_mirror_transmittance: f64,
@@ -63,6 +70,30 @@ pub struct Setup {
     pub half_mirror_reflectance: f64,
     /// Wavelengths of the source, for the kernel `wave`.
     pub spectrum: Option<Spectrum>,
+}
+
+impl Setup {
+    /// Returns whether the camera saw the sheet in the half mirror: false unless the manifest says
+    /// so.
+    pub fn is_in_mirror(&self) -> bool {
+        self.seen_in_mirror.unwrap_or(false)
+    }
+}
+
+/// Converts a unit vector of a photograph to the mid-air image, (tangential, sagittal).
+///
+/// `along` is the component along the tangential axis, `clockwise` that along the axis 90 degrees
+/// clockwise from it, from right towards down. Seen in the mirror this is the sagittal axis; looked
+/// at straight the sagittal axis points the other way.
+pub(crate) fn in_image([along, clockwise]: [f64; 2], seen_in_mirror: bool) -> [f64; 2] {
+    [
+        along,
+        if seen_in_mirror {
+            clockwise
+        } else {
+            -clockwise
+        },
+    ]
 }
 
 /// One photograph and how to read it.
@@ -331,6 +362,7 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
     }
     Ok(Setup {
         pixel_pitch_mm,
+        seen_in_mirror: keys.flag("seen_in_mirror")?,
         half_mirror_transmittance: transmittance.unwrap_or(1.0),
         half_mirror_reflectance: reflectance.unwrap_or(1.0),
         spectrum: keys.spectrum()?,

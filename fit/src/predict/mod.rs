@@ -3,11 +3,15 @@
 //! A result and a table of its cell enter. MTF curves and luminances leave, or the nearest lobe for
 //! renderers. The room may touch results, the model and the numerics below it. It draws nothing.
 
+mod curve;
+mod domain;
 pub(crate) mod error;
 mod export;
+mod interval;
 mod prediction;
 mod sheet;
 
+pub(crate) use domain::{Viewpoint, remarks};
 pub(crate) use error::Error;
 #[cfg(test)]
 pub(crate) use export::Nearest;

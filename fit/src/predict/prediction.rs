@@ -3,15 +3,12 @@
 use serde::Serialize;
 use tables::{Direction, Table};
 
-use crate::model::Baseline;
-use crate::model::Model;
-use crate::model::wave;
-use crate::names::Kernel;
-use crate::names::LobeShape;
+use crate::predict::curve::{Curve, Derived, Line};
+use crate::predict::domain::{Viewpoint, outside};
 use crate::predict::error::Error;
+use crate::predict::interval::Uncertainty;
 use crate::predict::sheet::Fitted;
 use crate::result::ResultFile;
-use tables::ShiftLine;
 
 /// Axis of the image along which the contrast of a pattern is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -54,12 +51,38 @@ pub struct Prediction {
     ///
     /// It is null without mu.
     pub luminance: Option<f64>,
-    /// Frequency at which the MTF falls to one half, 1/mm.
+    /// Ends of the 95 % interval of the luminance, by the covariance of the result.
+    ///
+    /// It is null without mu, and if the result has no covariance of mu.
+    pub luminance_interval: Option<[f64; 2]>,
+    /// Frequency at which the MTF first falls to one half, 1/mm.
     ///
     /// It is null if the MTF stays above one half, or if nothing returns.
     pub mtf50_per_mm: Option<f64>,
+    /// Ends of the 95 % interval of MTF50, 1/mm; null like it, and without covariance.
+    pub mtf50_per_mm_interval: Option<[f64; 2]>,
+    /// Frequency at which the MTF first falls to a tenth, 1/mm; null like MTF50.
+    pub mtf10_per_mm: Option<f64>,
+    /// Ends of the 95 % interval of MTF10, 1/mm; null like it, and without covariance.
+    pub mtf10_per_mm_interval: Option<[f64; 2]>,
     /// MTF at the frequencies of [`Places`]; empty if nothing returns.
     pub mtf: Vec<f64>,
+    /// Ends of the 95 % interval of each MTF; empty without covariance, and if nothing returns.
+    pub mtf_interval: Vec<[f64; 2]>,
+    /// Keys of the domain of the result (such as `incidence_deg`) in which this place lies outside
+    /// of the photographs.
+    pub outside: Vec<&'static str>,
+}
+
+impl Prediction {
+    /// Returns the distance and the direction of the prediction.
+    pub(crate) fn place(&self) -> Viewpoint {
+        Viewpoint {
+            incidence_deg: self.incidence_deg,
+            azimuth_deg: self.azimuth_deg,
+            r_mm: self.floating_distance_mm,
+        }
+    }
 }
 
 /// Distances, directions and frequencies of a prediction.
@@ -92,72 +115,6 @@ pub(crate) struct Around {
     pub mtf: Vec<Vec<f64>>,
 }
 
-/// Sheet at one direction of incidence.
-struct Seen<'a> {
-    /// Result and table.
-    sheet: &'a Fitted<'a>,
-    /// Incidence, degrees.
-    incidence_deg: f64,
-    /// Direction of the table, interpolated where it lies between others.
-    direction: Direction,
-    /// Frequencies at which the MTF is evaluated, 1/mm.
-    frequency_per_mm: &'a [f64],
-}
-
-impl<'a> Seen<'a> {
-    /// Looks the direction up in the table.
-    ///
-    /// # Errors
-    /// Returns [`Error::Direction`] if the table does not have the direction.
-    fn new(sheet: &'a Fitted<'a>, places: &'a Places, incidence_deg: f64) -> Result<Self, Error> {
-        Ok(Seen {
-            sheet,
-            incidence_deg,
-            direction: sheet.table.direction(incidence_deg, places.azimuth_deg)?,
-            frequency_per_mm: &places.frequency_per_mm,
-        })
-    }
-
-    /// Computes the MTF of contrast along `normal` at every distance.
-    ///
-    /// Each MTF is empty if nothing returns.
-    ///
-    /// # Errors
-    /// Returns [`Error::Unknown`] if the result lacks a parameter of the blur, and [`Error::Wave`]
-    /// if the `wave` kernel lacks its data.
-    fn mtf(&self, normal: [f64; 2], distance_mm: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
-        let (result, direction) = (self.sheet.result, &self.direction);
-        let incidence = self.incidence_deg.to_radians();
-        if self
-            .sheet
-            .returned(self.incidence_deg, direction.retroreflected)
-            <= 0.0
-        {
-            return Ok(vec![Vec::new(); distance_mm.len()]);
-        }
-        let blur = self.sheet.blur(self.incidence_deg)?;
-        let shift = ShiftLine::new(direction, incidence, normal);
-        let waves = (result.kernel == Kernel::Wave && shift.is_some())
-            .then(|| wave::line(direction, incidence, normal, result.wavelength_nm.as_ref()))
-            .transpose()?;
-        let index = self.sheet.table.provenance.refractive_index;
-        let at = |&r_mm: &f64| {
-            let model = Model {
-                kernel: result.kernel,
-                shape: result.lobe.unwrap_or(LobeShape::Radial),
-                shift: shift.as_ref(),
-                wave: waves.as_ref(),
-                baseline: Baseline::new(result.kernel, incidence, index, normal),
-                r_mm,
-                normal,
-            };
-            let mtf = |&f: &f64| model.otf(blur, f)[0].norm();
-            self.frequency_per_mm.iter().map(mtf).collect()
-        };
-        Ok(distance_mm.iter().map(at).collect())
-    }
-}
-
 /// Predicts MTF and luminance at every distance and incidence, along both axes.
 ///
 /// Parameters that were fitted per angle are interpolated linearly in the incidence. Beyond the
@@ -178,31 +135,94 @@ pub fn predict(
     let sheet = Fitted::new(result, table)?;
     let mut predictions = Vec::new();
     for &incidence_deg in &places.incidence_deg {
-        let seen = Seen::new(&sheet, places, incidence_deg)?;
-        let axes = [Axis::Tangential, Axis::Sagittal];
-        let [tangential, sagittal] =
-            axes.map(|axis| seen.mtf(axis.normal(), &places.floating_distance_mm));
-        let curves = tangential?.into_iter().zip(sagittal?);
-        let eta = seen.direction.retroreflected;
-        for (&floating_distance_mm, curves) in places.floating_distance_mm.iter().zip(curves) {
-            for (axis, mtf) in axes.into_iter().zip(<[_; 2]>::from(curves)) {
-                predictions.push(Prediction {
-                    floating_distance_mm,
-                    incidence_deg,
-                    azimuth_deg: places.azimuth_deg,
-                    axis,
-                    retroreflected: eta,
-                    interpolated: seen.direction.interpolated,
-                    luminance: sheet.luminance(incidence_deg, eta),
-                    mtf50_per_mm: (!mtf.is_empty())
-                        .then(|| crate::photographs::crossing(&places.frequency_per_mm, &mtf, 0.5))
-                        .flatten(),
-                    mtf,
-                });
+        let direction = table.direction(incidence_deg, places.azimuth_deg)?;
+        let at = Incidence {
+            sheet,
+            incidence_deg,
+            azimuth_deg: places.azimuth_deg,
+            direction: &direction,
+            uncertainty: Uncertainty::new(result, incidence_deg),
+        };
+        let mut lines = Vec::new();
+        for axis in [Axis::Tangential, Axis::Sagittal] {
+            let line = Line::new(&sheet, &direction, incidence_deg, axis.normal())?;
+            lines.push((axis, line));
+        }
+        for &floating_distance_mm in &places.floating_distance_mm {
+            for (axis, line) in &lines {
+                let curve = line.as_ref().map(|line| line.at(floating_distance_mm));
+                let frequencies = &places.frequency_per_mm;
+                predictions.push(at.prediction(*axis, floating_distance_mm, curve, frequencies));
             }
         }
     }
     Ok(predictions)
+}
+
+/// Sheet at one direction of incidence.
+struct Incidence<'a> {
+    sheet: Fitted<'a>,
+    incidence_deg: f64,
+    azimuth_deg: Option<f64>,
+    direction: &'a Direction,
+    uncertainty: Uncertainty<'a>,
+}
+
+impl Incidence<'_> {
+    /// Makes the prediction of one curve; `None` stands for no light.
+    fn prediction(
+        &self,
+        axis: Axis,
+        floating_distance_mm: f64,
+        curve: Option<Curve<'_>>,
+        frequency_per_mm: &[f64],
+    ) -> Prediction {
+        let (sheet, uncertainty) = (&self.sheet, &self.uncertainty);
+        let eta = self.direction.retroreflected;
+        let points = |curve: &Curve| -> Vec<Derived> {
+            let frequencies = frequency_per_mm.iter();
+            frequencies.map(|&f| curve.derived(f)).collect()
+        };
+        let mtf = curve.as_ref().map(points).unwrap_or_default();
+        let crossing = |level| {
+            let found = curve.as_ref()?.falls_to(level)?;
+            Some((
+                found.value,
+                uncertainty.of_blur(&found, [0.0, f64::INFINITY]),
+            ))
+        };
+        let (half, tenth) = (crossing(0.5), crossing(0.1));
+        let place = Viewpoint {
+            incidence_deg: self.incidence_deg,
+            azimuth_deg: self.azimuth_deg,
+            r_mm: floating_distance_mm,
+        };
+        let by_mu = sheet.returned(self.incidence_deg, eta) * sheet.result.half_mirror;
+        let luminance = sheet.luminance(self.incidence_deg, eta);
+        let domain = sheet.result.domain.as_ref();
+        let intervals = mtf
+            .iter()
+            .map(|point| uncertainty.of_blur(point, [0.0, 1.0]));
+        Prediction {
+            floating_distance_mm,
+            incidence_deg: self.incidence_deg,
+            azimuth_deg: self.azimuth_deg,
+            axis,
+            retroreflected: eta,
+            interpolated: self.direction.interpolated,
+            luminance,
+            luminance_interval: luminance.and_then(|l| uncertainty.of_luminance(l, by_mu)),
+            mtf50_per_mm: half.map(|(value, _)| value),
+            mtf50_per_mm_interval: half.and_then(|(_, interval)| interval),
+            mtf10_per_mm: tenth.map(|(value, _)| value),
+            mtf10_per_mm_interval: tenth.and_then(|(_, interval)| interval),
+            mtf_interval: intervals.collect::<Option<_>>().unwrap_or_default(),
+            mtf: mtf.into_iter().map(|point| point.value).collect(),
+            outside: domain.map_or_else(Vec::new, |domain| {
+                outside(domain, sheet.table.provenance.symmetry, &place)
+            }),
+        }
+    }
 }
 
 /// Count of directions of contrast in half a turn, for [`around`].
@@ -224,10 +244,23 @@ pub(crate) fn around(
     let step = 180.0 / DIRECTIONS as f64;
     let mut all = Vec::new();
     for &incidence_deg in &places.incidence_deg {
-        let seen = Seen::new(&sheet, places, incidence_deg)?;
-        let along = (0..DIRECTIONS).map(|k| {
+        let direction = table.direction(incidence_deg, places.azimuth_deg)?;
+        let along = (0..DIRECTIONS).map(|k| -> Result<Vec<Vec<f64>>, Error> {
             let (sagittal, tangential) = (k as f64 * step).to_radians().sin_cos();
-            seen.mtf([tangential, sagittal], &places.floating_distance_mm)
+            let line = Line::new(&sheet, &direction, incidence_deg, [tangential, sagittal])?;
+            let mtf = |curve: Curve| {
+                places
+                    .frequency_per_mm
+                    .iter()
+                    .map(|&f| curve.mtf(f))
+                    .collect()
+            };
+            let at = |&r_mm: &f64| {
+                line.as_ref()
+                    .map(|line| mtf(line.at(r_mm)))
+                    .unwrap_or_default()
+            };
+            Ok(places.floating_distance_mm.iter().map(at).collect())
         });
         let along = along.collect::<Result<Vec<_>, _>>()?;
         for (place, &floating_distance_mm) in places.floating_distance_mm.iter().enumerate() {

@@ -136,20 +136,21 @@ pub(crate) fn predicted(
                 .iter()
                 .enumerate()
                 .map(|(i, p)| {
-                    let points: Vec<(f64, f64)> = frequency_per_mm
-                        .iter()
-                        .copied()
-                        .zip(p.mtf.iter().copied())
-                        .collect();
-                    let line = LinePlot::new()
-                        .with_data(points)
-                        .with_color(ramp(i as f64 / last as f64));
-                    Plot::Line(
-                        line.with_stroke_width(1.5)
-                            .with_legend(format!("{}°", p.incidence_deg)),
+                    let points = frequency_per_mm.iter().copied().zip(p.mtf.iter().copied());
+                    let line = Line {
+                        points: points.collect(),
+                        intervals: p.mtf_interval.clone(),
+                        outside: !p.outside.is_empty(),
+                    };
+                    line.drawn(
+                        ramp(i as f64 / last as f64),
+                        format!("{}°", p.incidence_deg),
                     )
                 })
                 .collect();
+            let all_outside = chosen.iter().all(|p| !p.outside.is_empty());
+            let farthest = frequency_per_mm.iter().copied().fold(0.0, f64::max);
+            let shaded = all_outside.then_some([0.0, farthest]);
             let name = if axis == Axis::Tangential {
                 "tangential"
             } else {
@@ -164,7 +165,7 @@ pub(crate) fn predicted(
                 .with_y_axis_max(1.0)
                 .with_legend_position(LegendPosition::InsideTopRight);
             panels.push(plots);
-            layouts.push(layout);
+            layouts.push(with_shades(layout, shaded));
         }
     }
     draw(
@@ -258,15 +259,20 @@ pub(crate) fn against(
                 let chosen = predictions
                     .iter()
                     .filter(|p| p.axis == axis && place(p) == *name);
-                let mut points: Vec<(f64, f64)> = chosen
-                    .filter_map(|p| Some((variable.of(p)?, *p.mtf.get(k)?)))
+                let mut chosen: Vec<(f64, &Prediction)> = chosen
+                    .filter_map(|p| Some((variable.of(p)?, p)))
+                    .filter(|(_, p)| k < p.mtf.len())
                     .collect();
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                let line = LinePlot::new()
-                    .with_data(points)
-                    .with_color(ramp(i as f64 / last as f64));
+                chosen.sort_by(|a, b| a.0.total_cmp(&b.0));
+                let line = Line {
+                    points: chosen.iter().map(|(x, p)| (*x, p.mtf[k])).collect(),
+                    intervals: (chosen.iter())
+                        .filter_map(|(_, p)| p.mtf_interval.get(k).copied())
+                        .collect(),
+                    outside: chosen.iter().all(|(_, p)| !p.outside.is_empty()),
+                };
                 let legend = format!("{} /mm{name}", frequency_per_mm[k]);
-                Plot::Line(line.with_stroke_width(1.5).with_legend(legend))
+                line.drawn(ramp(i as f64 / last as f64), legend)
             })
             .collect();
         let label = match variable {
@@ -283,9 +289,59 @@ pub(crate) fn against(
             .with_y_axis_max(1.0)
             .with_legend_position(LegendPosition::OutsideRightTop);
         panels.push(plots);
-        layouts.push(layout);
+        layouts.push(with_shades(layout, outside(predictions, variable)));
     }
     draw(panels, layouts, "MTF of the mid-air image", path)
+}
+
+/// Line of predictions.
+struct Line {
+    points: Vec<(f64, f64)>,
+    /// Ends of the interval of each point; fewer than points without covariance.
+    intervals: Vec<[f64; 2]>,
+    /// True if all points lie outside of the photographs.
+    outside: bool,
+}
+
+impl Line {
+    /// Draws the line with the band of its intervals, dashed if it lies outside of the photographs.
+    fn drawn(self, colour: String, legend: String) -> Plot {
+        let has_band = self.intervals.len() == self.points.len();
+        let mut line = LinePlot::new()
+            .with_data(self.points)
+            .with_color(colour)
+            .with_stroke_width(1.5);
+        if has_band {
+            let end = |k: usize| self.intervals.iter().map(move |ends| ends[k]);
+            line = line.with_band(end(0), end(1));
+        }
+        if !self.outside {
+            return Plot::Line(line.with_legend(legend));
+        }
+        Plot::Line(line.with_dashed().with_legend(format!("{legend}, outside")))
+    }
+}
+
+/// Returns the ranges of a variable in which all predictions lie outside of the photographs. A
+/// range reaches to the next prediction that does not.
+fn outside(predictions: &[Prediction], variable: Variable) -> Vec<[f64; 2]> {
+    let mut places: Vec<(f64, bool)> = predictions
+        .iter()
+        .filter_map(|p| Some((variable.of(p)?, !p.outside.is_empty())))
+        .collect();
+    // Of equal places one that lies within the photographs comes first and stays.
+    places.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    places.dedup_by_key(|place| place.0);
+    let pairs = places.windows(2).filter(|pair| pair[0].1 || pair[1].1);
+    pairs.map(|pair| [pair[0].0, pair[1].0]).collect()
+}
+
+/// Shades ranges of the horizontal axis.
+fn with_shades(layout: Layout, ranges: impl IntoIterator<Item = [f64; 2]>) -> Layout {
+    ranges.into_iter().fold(layout, |layout, [from, to]| {
+        let region = ShadedRegion::vertical(from, to).with_color("#888888");
+        layout.with_shaded_region(region)
+    })
 }
 
 /// Draws the predicted MTF at each frequency over the direction of contrast.

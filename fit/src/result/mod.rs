@@ -4,10 +4,12 @@
 //! room computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
 //! only in the file. It may touch `estimate` and the rooms below it.
 
+mod domain;
 pub(crate) mod report;
 mod table;
 
+pub(crate) use domain::Domain;
 pub use report::ResultFile;
 pub(crate) use report::sharing;
-pub(crate) use report::{AtAngle, Candidate, CaptureResult, Number, Parameter};
+pub(crate) use report::{AtAngle, Candidate, CaptureResult, Number, Parameter, Part};
 pub use table::TableResult;

@@ -14,6 +14,7 @@ use crate::names::LobeShape;
 use crate::names::Spectrum;
 use crate::names::{Family, Kernel};
 use crate::names::{ParameterId, ParameterKind};
+use crate::result::domain::Domain;
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
 
@@ -58,25 +59,60 @@ impl Parameter {
     /// It is linear between the fitted angles and constant beyond them. It is `None` if a value
     /// that it needs is null.
     pub fn at(&self, incidence_deg: f64) -> Option<f64> {
-        match self {
-            Parameter::Shared(number) => number.value,
-            Parameter::PerAngle { per_angle } => {
-                let after = per_angle
-                    .iter()
-                    .position(|p| p.incidence_deg >= incidence_deg);
-                match after {
-                    Some(0) => per_angle[0].value,
-                    None => per_angle.last()?.value,
-                    Some(i) => {
-                        let (a, b) = (per_angle[i - 1], per_angle[i]);
-                        let part =
-                            (incidence_deg - a.incidence_deg) / (b.incidence_deg - a.incidence_deg);
-                        Some(a.value? + part * (b.value? - a.value?))
-                    }
-                }
+        let parts = self.parts(incidence_deg);
+        let of = |part: &Part| Some(part.weight * part.value?);
+        (!parts.is_empty()).then(|| parts.iter().map(of).sum())?
+    }
+
+    /// Returns the numbers whose weighted mean is the value at an incidence angle.
+    pub(crate) fn parts(&self, incidence_deg: f64) -> Vec<Part> {
+        let per_angle = match self {
+            Parameter::Shared(number) => {
+                return vec![Part {
+                    incidence_deg: None,
+                    value: number.value,
+                    weight: 1.0,
+                }];
+            }
+            Parameter::PerAngle { per_angle } => per_angle,
+        };
+        let part = |number: &AtAngle, weight: f64| Part {
+            incidence_deg: Some(number.incidence_deg),
+            value: number.value,
+            weight,
+        };
+        let beyond = |number: &AtAngle| number.incidence_deg >= incidence_deg;
+        match per_angle.iter().position(beyond) {
+            Some(0) => vec![part(&per_angle[0], 1.0)],
+            None => per_angle
+                .last()
+                .map(|last| part(last, 1.0))
+                .into_iter()
+                .collect(),
+            Some(i) => {
+                let (a, b) = (&per_angle[i - 1], &per_angle[i]);
+                let whole = b.incidence_deg - a.incidence_deg;
+                let weights = [
+                    b.incidence_deg - incidence_deg,
+                    incidence_deg - a.incidence_deg,
+                ];
+                let [of_a, of_b] = weights.map(|weight| weight / whole);
+                let parts = [part(a, of_a), part(b, of_b)];
+                parts.into_iter().filter(|part| part.weight > 0.0).collect()
             }
         }
     }
+}
+
+/// Part of a parameter's value at an incidence angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Part {
+    /// Incidence that the number belongs to, degrees; `None` if all angles share it.
+    pub incidence_deg: Option<f64>,
+    /// Estimate.
+    pub value: Option<f64>,
+    /// Share of the number in the value.
+    pub weight: f64,
 }
 
 /// Covariance of the parameters, with rows and columns in the order of `names`.
@@ -247,6 +283,13 @@ pub struct ResultFile {
     pub camera: CameraResult,
     /// Transmittance times reflectance of the half mirror.
     pub half_mirror: f64,
+    /// True if the camera saw the sheet in the half mirror, as the fit took it; absent from older
+    /// results, which were fitted as if it were true.
+    #[serde(default)]
+    pub seen_in_mirror: Option<bool>,
+    /// Distances and directions of the photographs; absent from older results.
+    #[serde(default)]
+    pub domain: Option<Domain>,
     /// Table that was used.
     pub table: TableResult,
     /// Warnings about the campaign as a whole.
@@ -306,6 +349,8 @@ impl ResultFile {
                 lens_assumed: scene.optics.assumed,
             },
             half_mirror: scene.half_mirror,
+            seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
+            domain: Some(Domain::of(scene)),
             table,
             warnings: estimated.warnings.clone(),
         }

@@ -15,10 +15,11 @@ use crate::simulate::error::Error;
 /// Keys and tables of the top level.
 const ROOT: [&str; 6] = ["seed", "tag", "camera", "truth", "reference", "capture"];
 /// Keys of the table `[camera]`.
-pub(crate) const CAMERA: [&str; 14] = [
+pub(crate) const CAMERA: [&str; 15] = [
     "width",
     "height",
     "pixel_pitch_mm",
+    "seen_in_mirror",
     "sigma_px",
     "source_level",
     "half_mirror_transmittance",
@@ -80,6 +81,9 @@ pub struct PlantedCamera {
     pub height: usize,
     /// Side of a pixel in the plane of the mid-air image, mm.
     pub pixel_pitch_mm: f64,
+    /// True if the camera sees the sheet in the half mirror: rows of the picture then run along
+    /// the sagittal axis, else against it.
+    pub seen_in_mirror: bool,
     /// Standard deviation of the lens blur, pixels, >= 0.1.
     pub sigma_px: f64,
     /// Bright level of the source at exposure 1, full scale 1.
@@ -276,6 +280,7 @@ impl Default for PlantedCamera {
             width: 320,
             height: 256,
             pixel_pitch_mm: 0.05,
+            seen_in_mirror: false,
             sigma_px: 0.55,
             source_level: 0.9,
             half_mirror_transmittance: 0.5,
@@ -332,14 +337,19 @@ pub(crate) fn camera(keys: Option<&Section<'_>>) -> Result<PlantedCamera, Error>
         width: whole("width", SIZE, default.width as u64)? as usize,
         height: whole("height", SIZE, default.height as u64)? as usize,
         pixel_pitch_mm: number("pixel_pitch_mm", Bounds::POSITIVE, default.pixel_pitch_mm)?,
+        seen_in_mirror: keys.flag("seen_in_mirror")?.unwrap_or(false),
         sigma_px: number("sigma_px", LENS, default.sigma_px)?,
         source_level: number("source_level", Bounds::POSITIVE, default.source_level)?,
         half_mirror_transmittance: number(
-            CAMERA[5],
+            "half_mirror_transmittance",
             Bounds::SHARE,
             default.half_mirror_transmittance,
         )?,
-        half_mirror_reflectance: number(CAMERA[6], Bounds::SHARE, default.half_mirror_reflectance)?,
+        half_mirror_reflectance: number(
+            "half_mirror_reflectance",
+            Bounds::SHARE,
+            default.half_mirror_reflectance,
+        )?,
         veil: number("veil", Bounds::NOT_NEGATIVE, default.veil)?,
         dark_ratio: number("dark_ratio", RATIO, default.dark_ratio)?,
         full_well_e: number("full_well_e", Bounds::POSITIVE, default.full_well_e)?,

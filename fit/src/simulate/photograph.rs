@@ -227,8 +227,14 @@ fn aerial_blur(params: &Params, index: usize) -> Result<(EdgeBlur, f64), Error> 
         (_, LobeShape::Separable) => Spread::Separable { a_per_mm },
     };
     let source = source_blur(camera, &shot.edge);
+    let in_picture_rad = (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians();
     let blur = EdgeBlur {
-        normal_rad: (shot.edge.normal_deg - shot.tangential_axis_deg).to_radians(),
+        // From the tangential axis towards the sagittal one, which runs down only in the mirror.
+        normal_rad: if camera.seen_in_mirror {
+            in_picture_rad
+        } else {
+            -in_picture_rad
+        },
         spread,
         shifts: if truth.kernel == Kernel::Lobe {
             Vec::new()

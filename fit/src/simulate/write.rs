@@ -174,9 +174,12 @@ fn image_name(params: &Params, index: usize, shot: &PlantedShot) -> String {
 fn manifest(params: &Params) -> String {
     let camera = &params.camera;
     let mut text = format!(
-        "[setup]\npixel_pitch_mm = {}\nhalf_mirror_transmittance = {}\n\
+        "[setup]\npixel_pitch_mm = {}\nseen_in_mirror = {}\nhalf_mirror_transmittance = {}\n\
         half_mirror_reflectance = {}\n",
-        camera.pixel_pitch_mm, camera.half_mirror_transmittance, camera.half_mirror_reflectance
+        camera.pixel_pitch_mm,
+        camera.seen_in_mirror,
+        camera.half_mirror_transmittance,
+        camera.half_mirror_reflectance
     );
     // Writing to a String cannot fail.
     if let Some(spectrum) = &params.truth.spectrum {
@@ -249,6 +252,7 @@ fn truth(params: &Params) -> String {
             "width": camera.width,
             "height": camera.height,
             "pixel_pitch_mm": camera.pixel_pitch_mm,
+            "seen_in_mirror": camera.seen_in_mirror,
             "sigma_px": camera.sigma_px,
             "source_level": camera.source_level,
             "half_mirror_transmittance": camera.half_mirror_transmittance,

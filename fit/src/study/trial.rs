@@ -154,6 +154,7 @@ pub(crate) fn campaign(params: &Params, accepted: &[Accepted]) -> Campaign {
         file: "simulated".into(),
         setup: Setup {
             pixel_pitch_mm: camera.pixel_pitch_mm,
+            seen_in_mirror: Some(camera.seen_in_mirror),
             half_mirror_transmittance: camera.half_mirror_transmittance,
             half_mirror_reflectance: camera.half_mirror_reflectance,
             spectrum: params.truth.spectrum.clone(),

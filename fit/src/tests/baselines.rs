@@ -505,6 +505,7 @@ impl Sheet {
             file: "simulated".into(),
             setup: Setup {
                 pixel_pitch_mm: PITCH_MM,
+                seen_in_mirror: Some(false),
                 half_mirror_transmittance: 0.5,
                 half_mirror_reflectance: 0.5,
                 spectrum: None,

@@ -61,7 +61,7 @@ fn model_equals_noise_free_photographs() {
                     wave: shot.facing.wave.as_ref().ok(),
                     baseline: None,
                     r_mm: shot.r_mm,
-                    normal: shot.view.normal(),
+                    normal: shot.normal(),
                 };
                 let curve = shot.view.curve(
                     &model,

@@ -25,11 +25,13 @@ mod known;
 mod lamps;
 #[cfg(feature = "images")]
 mod metrics;
+mod mirror;
 mod noise;
 mod photo_formats;
 mod photographs;
 mod pixels;
 pub(crate) mod planted;
+mod prediction;
 #[cfg(feature = "raw")]
 mod raw;
 #[cfg(feature = "images")]

@@ -128,12 +128,13 @@ pub(crate) fn deviating(mut table: Table, of: impl Fn(usize) -> [f64; 2]) -> Tab
     table
 }
 
-/// Returns a camera of few pixels.
+/// Returns a camera of few pixels, which sees the sheet in the mirror.
 pub(crate) fn camera(full_well_e: f64) -> PlantedCamera {
     PlantedCamera {
         width: 192,
         height: 128,
         pixel_pitch_mm: 0.08,
+        seen_in_mirror: true,
         sigma_px: 0.55,
         source_level: 0.9,
         half_mirror_transmittance: 0.5,

@@ -1,5 +1,6 @@
 //! Tests of mid-air images against sums over every pair of pixels, closed forms and each other.
 
+mod mirrored;
 mod samples;
 mod views;
 
@@ -171,7 +172,7 @@ fn transforms_meet_the_sum_over_all_pairs() {
     assert_eq!(cases, 31 * 18 + 40 * 7 + 25);
 }
 
-fn result(kernel: &str, lobe: Option<&str>, table: &Table) -> ResultFile {
+pub(crate) fn result(kernel: &str, lobe: Option<&str>, table: &Table) -> ResultFile {
     let number = |value: f64| json!({"value": value, "standard_error": 0.001});
     serde_json::from_value(json!({
         "kernel": kernel, "lobe": lobe, "loss": "edge", "iterations": 1, "stop": "small \
@@ -256,6 +257,7 @@ fn energy_is_kept_by_every_kernel() {
     let scale = Scale {
         pitch_mm: 0.08,
         tangential_axis_deg: 30.0,
+        seen_in_mirror: false,
     };
     let mut cases = 0;
     for (kernel, lobe, tails) in [

@@ -93,6 +93,7 @@ seed = 41
 [camera]
 width = 256
 height = 192
+seen_in_mirror = true
 full_well_e = 40000.0
 [truth]
 kernel = 'eq1'

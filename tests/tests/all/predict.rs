@@ -38,6 +38,65 @@ fn any_table_of_the_fitted_cell_predicts() {
     let between = predict(&fitted, "20");
     assert!(between.err.contains("interpolated"), "{}", between.err);
 
+    // Within the photographs (150 and 300 mm, 0 to 45 degrees) nothing is said of them. Beyond them
+    // a warning says so, and the JSON names the key.
+    assert!(!between.err.contains("outside"), "{}", between.err);
+    let beyond = [
+        "predict",
+        "r.json",
+        "--table",
+        &fitted,
+        "--distance",
+        "200,400",
+        "--incidence",
+        "15",
+        "--azimuth",
+        "30",
+        "--frequency",
+        "0,2",
+    ];
+    let csv = fit(here, &beyond);
+    let said = "warning: distance 400 mm lies outside of the photographs (150 to 300 mm)";
+    assert!(csv.err.contains(said), "{}", csv.err);
+    let rows: Vec<Vec<&str>> = csv
+        .out
+        .lines()
+        .map(|row| row.split(',').collect())
+        .collect();
+    let head = "luminance_low,luminance_high,mtf_low,mtf_high,outside";
+    assert_eq!(rows[0][8..].join(","), head);
+    // Two distances, two axes, two frequencies.
+    assert_eq!(rows.len(), 1 + 8);
+    for row in &rows[1..] {
+        let number = |k: usize| -> f64 { row[k].parse().unwrap() };
+        assert_eq!(row.len(), 13);
+        assert!(number(8) < number(5) && number(5) < number(9), "{row:?}");
+        assert!(
+            number(10) <= number(7) && number(7) <= number(11),
+            "{row:?}"
+        );
+        let outside = if row[0] == "400" {
+            "floating_distance_mm"
+        } else {
+            ""
+        };
+        assert_eq!(row[12], outside);
+    }
+    // MTF50 does not depend on the frequencies that are listed.
+    let few = fit(here, &[&beyond[..], &["--json"]].concat()).out;
+    let report: Value = serde_json::from_str(&few).unwrap();
+    let all = predict(&fitted, "15").done();
+    assert_eq!(
+        mtf50(&few),
+        mtf50(&all),
+        "eq1 has one blur at all distances"
+    );
+    assert_eq!(
+        report["predictions"][2]["outside"][0],
+        "floating_distance_mm"
+    );
+    assert!(report["warnings"].to_string().contains("distance 400 mm"));
+
     let elsewhere = here.join("elsewhere");
     std::fs::create_dir(&elsewhere).unwrap();
     let table = |design: &str| {

@@ -158,6 +158,11 @@ impl CameraView {
         })
     }
 
+    /// Returns whether the camera sees the sheet in the half mirror.
+    pub(crate) fn is_in_mirror(&self) -> bool {
+        self.handedness < 0.0
+    }
+
     /// Returns the width of a pixel, mm.
     pub(crate) fn pitch_mm(&self) -> f64 {
         self.pitch_mm

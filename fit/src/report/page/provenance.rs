@@ -158,6 +158,15 @@ fn settings(page: &Page) -> Vec<Entry> {
             significant(result.half_mirror, 4)
         ),
     ));
+    rows.push((
+        "view",
+        if result.seen_in_mirror == Some(false) {
+            "The camera looked at the sheet straight."
+        } else {
+            "The camera saw the sheet in the half mirror."
+        }
+        .into(),
+    ));
     if let Some(own) = &result.sampling {
         let sampling = own.sampling;
         rows.push((

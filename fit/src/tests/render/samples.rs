@@ -47,6 +47,7 @@ fn samples_meet_the_transforms_within_their_error() {
     let scale = Scale {
         pitch_mm: 0.08,
         tangential_axis_deg: 30.0,
+        seen_in_mirror: false,
     };
     // The image of a point is the spot itself.
     let (width, height) = (81, 61);

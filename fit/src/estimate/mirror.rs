@@ -1,0 +1,73 @@
+//! Warning about a manifest that does not say which way the camera saw the sheet, where the
+//! estimate depends on it.
+
+use nalgebra::DVector;
+use tables::Table;
+
+use crate::estimate::choice::Value;
+use crate::estimate::compared::model;
+use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::{Kind, Loss};
+use crate::estimate::optimum::{optimum, refined};
+use crate::estimate::scene::Scene;
+
+/// Change of the MTF below which two views count as one: five times the rounding of the model.
+const SAME: f64 = 1e-4;
+
+/// Change of a parameter, in standard errors, from which an answer counts as another.
+const ANOTHER: f64 = 0.5;
+
+/// Returns a warning that names the answers of both views, if they differ: the camera looked at the
+/// sheet straight (as `scene` takes it), or saw it in the mirror.
+///
+/// # Errors
+/// Fails if the table neither holds nor brackets one of the directions.
+pub(crate) fn unstated(
+    scene: &Scene,
+    table: &Table,
+    kind: Kind,
+    best: &Estimate,
+) -> Result<Option<String>, tables::Error> {
+    let mirrored = scene.mirrored(table)?;
+    if !is_seen(scene, &mirrored, best) {
+        return Ok(None);
+    }
+    let near = optimum(&mirrored, best.choice);
+    let at: &DVector<f64> = &near.solution.parameters.clone();
+    let loss = Loss::new(kind, &mirrored, (best.choice, at));
+    let other = estimate(&mirrored, &loss, refined(&mirrored, &loss, near));
+    let changed = best.values().zip(other.values()).any(|(own, other)| {
+        (own.value - other.value).abs() > ANOTHER * own.standard_error.min(other.standard_error)
+    });
+    Ok(changed.then(|| {
+        format!(
+            "the manifest does not say seen_in_mirror, which decides here: false, as taken, gives \
+            {}; true gives {}; state it in [setup]",
+            answer(best),
+            answer(&other)
+        )
+    }))
+}
+
+/// Returns whether the MTF of a photograph depends on the view.
+fn is_seen(scene: &Scene, mirrored: &Scene, best: &Estimate) -> bool {
+    let layout = Layout::new(best.choice, scene.groups.len());
+    scene.shots.iter().zip(&mirrored.shots).any(|(own, other)| {
+        let blur = layout.blur(&best.solution.parameters, own.group);
+        let mtf = |shot, f| model(shot, best.choice).otf(blur, f)[0].norm();
+        let mut frequencies = own.view.estimator.frequencies_per_mm.iter();
+        frequencies.any(|&f| (mtf(own, f) - mtf(other, f)).abs() > SAME)
+    })
+}
+
+/// Returns an estimate in words.
+fn answer(fit: &Estimate) -> String {
+    let one = |(id, value): (_, &Value)| format!("{id} {:.4}", value.value);
+    let all: Vec<String> = fit.parameters.iter().zip(fit.values()).map(one).collect();
+    let reduced = fit.reduced_chi2();
+    format!(
+        "{} (chi-square {reduced:.2} per degree of freedom)",
+        all.join(", ")
+    )
+}
