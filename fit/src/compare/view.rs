@@ -45,7 +45,7 @@ pub struct View {
     pub mtf_standard_error: Vec<f64>,
     grid: Grid,
     pitch_mm: f64,
-    /// Edge normal in the mid-air image, (tangential, sagittal).
+    /// Edge normal in the photograph: along the tangential axis, and 90 degrees clockwise from it.
     normal: [f64; 2],
     camera: Vec<f64>,
     whitener: Cholesky<f64, Dyn>,
@@ -96,7 +96,8 @@ impl View {
         }
     }
 
-    /// Returns the edge normal in the mid-air image, (tangential, sagittal).
+    /// Returns the edge normal in the photograph: along the tangential axis, and 90 degrees clockwise
+    /// from it.
     pub fn normal(&self) -> [f64; 2] {
         self.normal
     }

@@ -1,7 +1,7 @@
 //! Uneven light of a lamp, which is blurred with the edge, and of a camera, which is not. Both are
 //! planted by sums over pixels in two dimensions, which share nothing with the estimator.
 
-use crate::compare::{Pixels, Photograph};
+use crate::compare::{Photograph, Pixels};
 use crate::model::{Camera, Lens};
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
