@@ -8,6 +8,8 @@ pub(crate) mod line;
 pub(crate) mod shape;
 pub(crate) mod slant;
 
+use crate::numerics::factor;
+use crate::numerics::factor::Products;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
@@ -179,14 +181,14 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
 }
 
 /// Makes one Gauss-Newton step of the angle and returns it, radians. The distances of the pixels
-/// from the common profile are regressed on its slope times the position along the edge.
+/// from the common profile are regressed on its slope times the position along the edge. A fall of
+/// light along the edge, which looks like a turn on the steep part, is known from the plateaus.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
     let ruler = line.ruler();
     let smooth = smoothed(&profile.mean, 2);
     let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
     let last = (profile.len() - 1) as f64;
-    let (mut w, mut wt, mut wtt, mut wr, mut wtr, mut scatter, mut n) =
-        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    let (mut products, mut n) = (Products::new(4), 0.0);
     for p in window.pixels() {
         let (s, t) = ruler.place(p.x, p.y);
         let at = s / BIN_PX + profile.reach as f64;
@@ -194,26 +196,21 @@ fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
             continue;
         }
         let (j, part) = (at as usize, at.fract());
-        let expected = smooth[j] + (smooth[j + 1] - smooth[j]) * part;
-        let slope = slopes[j] + (slopes[j + 1] - slopes[j]) * part;
-        let r = p.value - expected;
-        w += slope * slope;
-        wt += slope * slope * t;
-        wtt += slope * slope * t * t;
-        wr += slope * r;
-        wtr += slope * t * r;
-        scatter += r * r;
+        let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
+        let (expected, slope) = (between(&smooth), between(&slopes));
+        products.add(&[slope, expected * t, slope * t, p.value - expected]);
         n += 1.0;
     }
-    let spread = wtt - wt * wt / w;
+    let factor = factor::of(products.sum());
+    let spread = factor[(2, 2)];
     if spread.is_nan() || spread <= 0.0 {
         return 0.0;
     }
-    let step = ((wtr - wt * wr / w) / spread).clamp(-0.1, 0.1);
+    let step = (factor[(2, 3)] / spread).clamp(-0.1, 0.1);
     line.normal_rad += step;
     if line.normal_rad.abs() > std::f64::consts::PI {
         line.normal_rad -= std::f64::consts::TAU * line.normal_rad.signum();
     }
-    line.normal_standard_error_rad = (scatter / n / spread).sqrt();
+    line.normal_standard_error_rad = factor[(3, 3)] / (f64::sqrt(n) * spread);
     step
 }

@@ -22,12 +22,12 @@ const MOST_OFF: f64 = 0.01;
 
 /// Unevenness of the light above which a polynomial of second order no longer describes it, and
 /// above which it no longer describes it well enough to even out a profile.
-const MOST_UNEVEN: f64 = 2.0;
+const MOST_UNEVEN: f64 = 4.0;
 const MOST_EVENED: f64 = 1.0;
 
-/// Largest number of rounds of repair. Each round finds the edge again in the repaired window. No
-/// round after the second is needed in practice.
-const ROUNDS: usize = 4;
+/// Largest number of rounds of repair. Each round finds the edge again in the repaired window. Even
+/// light needs two rounds, light that varies by a factor of 3 needs four.
+const ROUNDS: usize = 6;
 
 /// A measured edge.
 #[derive(Debug, Clone)]
@@ -213,7 +213,11 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         if round == 0 || light.is_some() {
             (line, profile) = refined(&window, line)?;
         }
-        let waves = shape::waves(&window, &line, &profile)?;
+        // Light that is left looks like defects and waves.
+        if light.is_some() && round + 1 < ROUNDS {
+            continue;
+        }
+        let waves = shape::waves(&window, &line, &profile);
         let taken_out = defects::exclude(&mut window, &line, &profile, waves.most_px);
         if taken_out > 0 {
             off += taken_out;

@@ -50,7 +50,13 @@ pub(crate) fn check(
             100.0 * share
         ));
     }
-    let waves = waves(window, line, profile)?;
+    let waves = waves(window, line, profile);
+    if waves.loss > WAVY[1] {
+        return Err(Fault::Wavy {
+            rms_px: waves.rms_px,
+            loss: waves.loss,
+        });
+    }
     if waves.loss > WAVY[0] {
         warnings.push(format!(
             "the edge is wavy: {:.2} pixels (root mean square) are left about a smooth curve, \
@@ -63,18 +69,8 @@ pub(crate) fn check(
 }
 
 /// Measures the waves of an edge about its curve.
-///
-/// # Errors
-/// Returns [`Fault::Wavy`] if they lower the MTF by more than 10 % where it is one half.
-pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile) -> Result<Waves, Fault> {
-    let waves = curve::waves(window, line, profile, rise_px(profile).unwrap_or(0.0));
-    if waves.loss > WAVY[1] {
-        return Err(Fault::Wavy {
-            rms_px: waves.rms_px,
-            loss: waves.loss,
-        });
-    }
-    Ok(waves)
+pub(crate) fn waves(window: &Window, line: &EdgeLine, profile: &Profile) -> Waves {
+    curve::waves(window, line, profile, rise_px(profile).unwrap_or(0.0))
 }
 
 /// Returns the distance over which the profile rises from 10 to 90 % of its step, pixels. The inner
