@@ -96,8 +96,8 @@ impl View {
         }
     }
 
-    /// Returns the edge normal in the photograph: along the tangential axis, and 90 degrees clockwise
-    /// from it.
+    /// Returns the edge normal in the photograph: along the tangential axis, and 90 degrees
+    /// clockwise from it.
     pub fn normal(&self) -> [f64; 2] {
         self.normal
     }

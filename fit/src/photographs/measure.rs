@@ -264,8 +264,8 @@ impl Repaired {
         let light = (!self.lights.is_empty()).then(|| {
             format!(
                 "the light varies by {:.1} % over the window (vignetting or an uneven source), \
-                which was corrected for MTFs; their standard errors, and those of the losses mtf and \
-                mse, leave this correction out; the loss edge estimates the light with the edge",
+                which was corrected for MTFs; their standard errors, and those of the losses mtf \
+                and mse, leave this correction out; the loss edge estimates the light with the edge",
                 100.0 * illumination::unevenness(&self.lights, &self.window)
             )
         });
