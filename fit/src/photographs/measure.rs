@@ -265,7 +265,7 @@ impl Repaired {
             format!(
                 "the light varies by {:.1} % over the window (vignetting or an uneven source), \
                 which was corrected for MTFs; their standard errors, and those of the losses mtf \
-                and mse, leave this correction out; the loss edge estimates the light with the edge",
+                and mse, leave this correction out; the loss edge estimates the light itself",
                 100.0 * illumination::unevenness(&self.lights, &self.window)
             )
         });

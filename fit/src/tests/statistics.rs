@@ -313,7 +313,8 @@ fn statistics_of_bent_edges() {
 
 /// Errors by the loss `edge` stay true where the light varies linearly by up to 15 % from the
 /// middle to a border, and falls by up to 15 % from the middle to the corners by cos^4. Both are
-/// drawn for each photograph. A veil over the dark side is not lit, edges are bent, and some pixels are hot.
+/// drawn for each photograph. A veil over the dark side is not lit, edges are bent, and some pixels
+/// are hot.
 #[test]
 #[ignore = "minutes: `make test` runs it"]
 fn statistics_of_uneven_light() {
