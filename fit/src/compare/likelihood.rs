@@ -12,11 +12,10 @@
 //! may be anything between nothing and all of the dark plateau.
 //!
 //! Unevenness of the camera multiplies the blurred edge. Unevenness of the lamp is blurred with the
-//! edge, which adds g M(d). g is the
-//! slope of L across the edge, and M is the first moment of the line spread up to d, with its sign
-//! changed. `lamp` is the share of the lamp: anything between 0 and 1. Where the shape of the edge
-//! does not tell, its prior keeps the difference in the errors. The priors have the mean and the
-//! deviation of their ranges.
+//! edge, which adds g M(d). g is the slope of L across the edge, and M is the first moment of the
+//! line spread up to d, with its sign changed. `lamp` is the share of the lamp: anything between 0
+//! and 1. Where the shape of the edge does not tell, its prior keeps the difference in the errors.
+//! The priors have the mean and the deviation of their ranges.
 //!
 //! Where the light is even, L has its terms of first order alone, and neither `lit` nor `lamp` is
 //! estimated.
@@ -252,8 +251,8 @@ impl<'a> Photograph<'a> {
     /// Finds noise, weights and nuisances under a model that is near the truth.
     ///
     /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
-    /// cut off, the plateau moves with the noise, and each round leaves about a tenth of
-    /// the remaining error. Then five rounds are made.
+    /// cut off, the plateau moves with the noise, and each round leaves about a tenth of the
+    /// remaining error. Then five rounds are made.
     pub(crate) fn settle(&mut self, curves: &Curves) {
         let rounds = if self.pixels.cut.is_any() { 5 } else { 2 };
         self.start = self.first_guess(curves);

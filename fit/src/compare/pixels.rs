@@ -7,6 +7,9 @@
 //! the pixels' positions are kept beside these two numbers. With them the model is averaged over
 //! the pixels' own positions, and no position is rounded to a bin.
 //!
+//! Uneven light is not linear along the edge. For it each bin is cut into strips, each with two
+//! numbers of its own.
+//!
 //! One part is lost: the differences between pixels of one bin across the edge. Its share of the
 //! information is (1/4 px)^2/12 over the variance of the blur. This is 1 % for a lens of half a
 //! pixel and 0.1 % for a mid-air image.
