@@ -43,7 +43,7 @@ pub struct Measurement {
     pub line: EdgeLine,
     /// The profile of the edge: its pixels, sorted into bins.
     pub profile: Profile,
-    /// Unevenness of the light that was evened out, see [`illumination::unevenness`].
+    /// Ratio of the largest to the smallest light that was evened out, less 1.
     pub unevenness: f64,
     /// Warnings about what was assumed, was repaired or is doubtful, one sentence each. Those of
     /// the photograph come first.
