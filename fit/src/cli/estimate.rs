@@ -35,7 +35,7 @@ use crate::report::page::shown::Page;
 #[cfg(feature = "report")]
 use crate::report::plot;
 use crate::result::TableResult;
-use crate::result::{Number, Parameter, ResultFile};
+use crate::result::{FitResult, Number, Parameter, ResultFile};
 use crate::simulate::Truth;
 
 /// Estimates a, c and mu of a sheet from photographs of mid-air edges.
@@ -389,7 +389,7 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     text
 }
 
-/// Returns the first two lines of the summary: the model in words, then the data and the fit.
+/// Returns the first lines of the summary: the model in words, the data, and how well they agree.
 fn head(result: &ResultFile) -> String {
     let lobe = result
         .lobe
@@ -408,7 +408,32 @@ fn head(result: &ResultFile) -> String {
         result.stop,
         result.iterations,
         result.seconds
+    ) + &result.fit.as_ref().map_or(String::new(), quality)
+}
+
+/// Returns the line of the summary that says how well the model describes the photographs.
+fn quality(fit: &FitResult) -> String {
+    let raised = if fit.scale > 1.0 {
+        format!("; standard errors x {:.2}", fit.scale)
+    } else {
+        String::new()
+    };
+    format!(
+        "fit: {}, chi-square {:.4} per degree of freedom ({}), p = {}{raised}\n",
+        fit.verdict.name(),
+        fit.reduced_chi2,
+        fit.degrees_of_freedom,
+        significant(fit.p_value)
     )
+}
+
+/// Writes a probability with two digits.
+fn significant(p: f64) -> String {
+    if p >= 0.001 {
+        format!("{p:.2}")
+    } else {
+        format!("{p:.0e}")
+    }
 }
 
 /// Table of estimates, row by row.

@@ -434,6 +434,16 @@ fn table_of(summary: &Summary) -> String {
             100.0 * c.error
         );
     }
+    for of in &summary.verdicts {
+        let _ = writeln!(
+            text,
+            "fits by {}: {} good, {} strained, {} poor",
+            of.loss.name(),
+            of.good,
+            of.strained,
+            of.poor
+        );
+    }
     text + &refused::examples(&summary.refused)
 }
 
@@ -449,6 +459,14 @@ fn spreadsheet(trials: &[Trial]) -> String {
             );
         }
     }
+    for loss in LOSSES {
+        let loss = loss.name();
+        let _ = write!(
+            text,
+            ",verdict_{loss},scale_{loss},p_chi2_{loss},p_across_{loss},p_along_{loss},\
+            p_photograph_{loss}"
+        );
+    }
     text.push('\n');
     for trial in trials {
         let _ = write!(
@@ -461,6 +479,19 @@ fn spreadsheet(trials: &[Trial]) -> String {
             for found in &trial.found {
                 let _ = write!(text, ",{},{}", found[i][0], found[i][1]);
             }
+        }
+        for fit in &trial.fit {
+            let p = fit.p_values;
+            let _ = write!(
+                text,
+                ",{},{},{},{},{},{}",
+                fit.verdict.name(),
+                fit.scale,
+                p.chi2,
+                p.across,
+                p.along,
+                p.photograph
+            );
         }
         text.push('\n');
     }

@@ -36,6 +36,7 @@ use crate::compare::light;
 use crate::compare::light::{FIRST_ORDER, LIGHT, Lights, SECOND_ORDER, UNIT_PX, Uneven};
 use crate::compare::pixels::{Bin, Pixels};
 use crate::compare::place::Place;
+use crate::compare::remainder::{Remainder, Sums};
 use crate::compare::view::MODEL_ERROR;
 use crate::model::Blur;
 use crate::model::Camera;
@@ -144,6 +145,7 @@ struct Weight {
 }
 
 /// Pixels of a photograph with their noise and their weights.
+#[derive(Clone)]
 pub(crate) struct Photograph<'a> {
     /// Pixels of the photograph, by bins.
     pub pixels: &'a Pixels,
@@ -562,6 +564,35 @@ impl<'a> Photograph<'a> {
                 prior[size - 1] = (value - middle) / deviation;
                 take(&prior);
             }
+        }
+    }
+
+    /// Returns what a fitted model leaves of the photograph, in units of the noise.
+    pub(crate) fn remainder(&self, curves: &Curves, fitted: &Fitted) -> Remainder {
+        let mut rows = Vec::new();
+        self.rows(curves, &fitted.nuisances, |row| {
+            rows.push(row[row.len() - 1])
+        });
+        let (mut rows, mut sums) = (rows.into_iter(), Sums::default());
+        for (bin, weight) in self.bins.iter().zip(&self.weights) {
+            let mean = rows.next().unwrap_or(0.0);
+            let slope = (weight.root[1] > 0.0).then(|| rows.next().unwrap_or(0.0));
+            // A strip tells by its mean how the light changes along the edge.
+            let along = if self.terms.are_many() {
+                Some(mean * bin.along.signum())
+            } else {
+                slope
+            };
+            sums.add(bin.number, mean, along);
+        }
+        let [across, along] = sums.finished();
+        let left = fitted.factor.nrows() - fitted.columns;
+        let last = fitted.factor.column(fitted.factor.ncols() - 1);
+        Remainder {
+            squares: last.rows(fitted.columns, left).norm_squared(),
+            freedom: self.observations().saturating_sub(self.nuisances()),
+            across,
+            along,
         }
     }
 

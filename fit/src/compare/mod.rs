@@ -10,6 +10,7 @@ mod likelihood;
 mod pixels;
 mod place;
 mod reflectance;
+mod remainder;
 mod view;
 
 pub(crate) use likelihood::{Curves, Fitted, Photograph};
@@ -17,4 +18,5 @@ pub(crate) use likelihood::{Curves, Fitted, Photograph};
 pub(crate) use likelihood::{Nuisances, Terms};
 pub(crate) use pixels::Pixels;
 pub(crate) use reflectance::Contrast;
+pub(crate) use remainder::Remainder;
 pub(crate) use view::{View, Weights};

@@ -50,15 +50,16 @@ const RISE: f64 = 2.706;
 /// Bounds the blur parameters whose standard error is at least half of their value.
 ///
 /// c and roughness get an upper bound, a gets a lower bound: each in the direction in which its
-/// blur vanishes.
-pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
+/// blur vanishes. `unit` is the factor by which a misfit raises the sum of squares: the square of
+/// that on the standard errors, which `fit` does not have yet.
+pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate, unit: f64) -> Bounds {
     let mut found = Bounds::new();
     for i in 0..fit.blur_parameters() {
-        let relative = fit.covariance[(i, i)].sqrt() / fit.solution.parameters[i].exp();
+        let relative = (unit * fit.covariance[(i, i)]).sqrt() / fit.solution.parameters[i].exp();
         if relative.is_finite() && relative < MEANINGLESS {
             continue;
         }
-        found.insert(fit.parameters[i], bound(scene, loss, fit, i, RISE));
+        found.insert(fit.parameters[i], bound(scene, loss, fit, i, RISE * unit));
     }
     found
 }
@@ -69,7 +70,11 @@ pub(crate) fn bounds(scene: &Scene, loss: &Loss, fit: &Estimate) -> Bounds {
 /// from the literal Eq. (1), which has both terms. For the baseline `saito` it is the roughness of
 /// the front, from `saito-surface`. Returns `None` for other kernels, or if the fuller model was no
 /// candidate.
-pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterId, Bound)> {
+pub(crate) fn absent(
+    scene: &Scene,
+    selection: &Selection,
+    unit: f64,
+) -> Option<(ParameterId, Bound)> {
     let choice = selection.best.choice;
     let (kind, with) = match choice.kernel {
         Kernel::Lobe => (ParameterKind::CornerSize, Kernel::Eq1),
@@ -91,10 +96,10 @@ pub(crate) fn absent(scene: &Scene, selection: &Selection) -> Option<(ParameterI
     let id = kind.shared();
     let i = fit.parameters.iter().position(|&own| own == id)?;
     // Fall of the sum of squares by the term, and the fall that the criterion asks for.
-    let worth = (selection.best.chi2 - fit.chi2).max(0.0) / fit.reduced_chi2().max(1.0);
+    let worth = (selection.best.chi2 - fit.chi2).max(0.0) / unit;
     let threshold = (loss.observations() as f64).ln() + CLEAR;
     let rise = rise_below(worth.sqrt(), threshold.sqrt());
-    Some((id, bound(scene, loss, &fit, i, rise)))
+    Some((id, bound(scene, loss, &fit, i, rise * unit)))
 }
 
 /// Returns the rise of the sum of squares at the bound of a number that was found at `found`
@@ -121,12 +126,11 @@ fn rise_below(found: f64, threshold: f64) -> f64 {
 }
 
 fn bound(scene: &Scene, loss: &Loss, fit: &Estimate, i: usize, rise: f64) -> Bound {
-    let unit = fit.reduced_chi2().max(1.0);
     let is_a = fit.parameters[i].kind.fades_upwards();
     // The blur of c and of roughness vanishes downwards, so their bound is an upper one. That of a
     // vanishes upwards, so its bound is a lower one. Waves spread in both cases.
     let wave = fit.choice.kernel == Kernel::Wave;
-    let limit = |way| edge(scene, loss, fit, i, way, rise * unit);
+    let limit = |way| edge(scene, loss, fit, i, way, rise);
     Bound {
         at_least: (is_a || wave).then(|| limit(-1.0)).flatten(),
         at_most: (!is_a).then(|| limit(1.0)).flatten(),

@@ -11,6 +11,8 @@ use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
+use crate::estimate::goodness;
+use crate::estimate::goodness::Goodness;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::mirror;
 use crate::estimate::optimum::refined;
@@ -116,6 +118,8 @@ pub struct Estimated {
     pub kind: Kind,
     /// One-sided bounds of the parameters that the photographs cannot determine.
     pub bounds: Bounds,
+    /// How well the estimate describes the photographs.
+    pub goodness: Goodness,
     /// Azimuth of the sheet, if it was estimated.
     pub azimuth: Option<Azimuth>,
     /// Warnings about the campaign as a whole, one sentence each.
@@ -167,6 +171,7 @@ pub fn campaign(
         mut best,
         compared,
         bounds,
+        goodness,
         mut near,
         sampled,
     } = fitted;
@@ -187,7 +192,7 @@ pub fn campaign(
     }
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
-    warnings.extend(verdict::of_estimate(&scene, &best, &compared));
+    warnings.extend(verdict::of_estimate(&scene, &best, &compared, &goodness));
     warnings.extend(azimuth.iter().flat_map(verdict::of_azimuth));
     Ok(Estimated {
         campaign,
@@ -196,6 +201,7 @@ pub fn campaign(
         compared,
         kind,
         bounds,
+        goodness,
         azimuth,
         warnings,
         near,
@@ -207,6 +213,7 @@ struct Fitted {
     best: Estimate,
     compared: Vec<Ranked>,
     bounds: Bounds,
+    goodness: Goodness,
     near: (Choice, DVector<f64>),
     /// Scene with the samples of the estimate, if the model was evaluated by samples.
     sampled: Option<Scene>,
@@ -225,15 +232,17 @@ fn fitted(
     // Terms and bounds are found in closed form and in units of the noise.
     let telling = if kind == Kind::Mse { Kind::Mtf } else { kind };
     let selection = select(scene, telling, candidates, watch)?;
-    let mut bounds = bounds(scene, &selection.loss, &selection.best);
-    bounds.extend(absent(scene, &selection));
+    let telling = goodness::of(scene, &selection.loss, &selection.best);
+    let unit = telling.scale.powi(2);
+    let mut bounds = bounds(scene, &selection.loss, &selection.best, unit);
+    bounds.extend(absent(scene, &selection, unit));
     let Selection {
         best,
         compared,
         near,
         ..
     } = selection;
-    let (best, sampled) = if let Some(sampling) = options.samples {
+    let (mut best, goodness, sampled) = if let Some(sampling) = options.samples {
         let renders = Renders {
             scene,
             table,
@@ -244,18 +253,23 @@ fn fitted(
             sampling,
         };
         let (best, sampled) = renders.estimate(best.choice, watch)?;
-        (best, Some(sampled))
+        let loss = Loss::of_mtfs(&sampled, renders.weights);
+        let goodness = goodness::of(&sampled, &loss, &best);
+        (best, goodness, Some(sampled))
     } else if kind == Kind::Mse {
         let loss = Loss::Mse(scene);
-        let best = refined(scene, &loss, best.optimum());
-        (estimate(scene, &loss, best), None)
+        let best = estimate(scene, &loss, refined(scene, &loss, best.optimum()));
+        let goodness = goodness::of(scene, &loss, &best);
+        (best, goodness, None)
     } else {
-        (best, None)
+        (best, telling, None)
     };
+    best.raise(goodness.scale);
     Ok(Fitted {
         best,
         compared,
         bounds,
+        goodness,
         near,
         sampled,
     })

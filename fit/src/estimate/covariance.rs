@@ -40,14 +40,12 @@ pub(crate) struct Linear<'a> {
     pub parts: &'a [Compared],
     /// Weights of the loss.
     pub weights: Weights,
-    /// Chi^2 per degree of freedom if the model fits worse than the noise allows, else 1.
-    pub inflation: f64,
 }
 
 /// Responses of the blur's parameters to their sources of error.
 struct Followed {
-    /// Response to the noise of each photograph's bins, scaled to unit variance, misfit included
-    /// (parameters x bins).
+    /// Response to the noise of each photograph's bins, scaled to unit variance (parameters x
+    /// bins).
     bins: Vec<DMatrix<f64>>,
     /// Response to each parameter of the lens.
     lens: Vec<DVector<f64>>,
@@ -61,8 +59,7 @@ impl Linear<'_> {
     ///
     /// For the blur, d(ln p) = -H^-1 J^T dr. For mu it is the fit of the plateaus plus its
     /// dependence on the blur. The noise of the bins is carried through the weights of the loss (a
-    /// sandwich), so the errors hold even if these weights are not the best. The blur's covariance
-    /// is multiplied by the inflation.
+    /// sandwich), so the errors hold even if these weights are not the best.
     pub(crate) fn covariances(&self) -> Covariances {
         let p = self.layout.parameters();
         let answers = self.answers();
@@ -115,9 +112,7 @@ impl Linear<'_> {
         let responses = shots.map(|(shot, answer)| {
             let mut response = answer * shot.view.response(self.weights);
             for (j, v) in shot.view.profile.variance.iter().enumerate() {
-                response
-                    .column_mut(j)
-                    .scale_mut((v * self.inflation).sqrt());
+                response.column_mut(j).scale_mut(v.sqrt());
             }
             response
         });

@@ -103,6 +103,20 @@ impl Estimate {
         (0..n).map(|i| own[(i, i)].sqrt()).collect()
     }
 
+    /// Multiplies all standard errors by `scale`, and the covariance by its square.
+    pub(crate) fn raise(&mut self, scale: f64) {
+        self.covariance *= scale * scale;
+        let values = self.c_mm.iter_mut().chain(&mut self.spread);
+        for value in values.chain(self.mu.iter_mut().flatten()) {
+            value.standard_error *= scale;
+        }
+    }
+
+    /// Returns the number of degrees of freedom of the sum of squares, at least 1.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.residuals.saturating_sub(self.blur_parameters()).max(1)
+    }
+
     /// Returns the optimum of this estimate, as a start for another loss or forward model.
     pub fn optimum(&self) -> Optimum {
         Optimum {
@@ -115,8 +129,7 @@ impl Estimate {
     /// Returns the sum of squares per degree of freedom. It is about 1 if the model describes the
     /// photographs.
     pub fn reduced_chi2(&self) -> f64 {
-        let freedom = self.residuals.saturating_sub(self.blur_parameters()).max(1);
-        self.chi2 / freedom as f64
+        self.chi2 / self.degrees_of_freedom() as f64
     }
 }
 
@@ -135,7 +148,7 @@ pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate
         }
         _ => optimum.solution.sum_of_squares(),
     };
-    let found = covariances(scene, loss, layout, &optimum, &parts, chi2);
+    let found = covariances(scene, loss, layout, &optimum, &parts);
     let Optimum {
         choice,
         solution,
@@ -215,20 +228,15 @@ fn compared(
     shots.collect()
 }
 
-/// Returns the covariances of the logarithms. They are raised if the model fits worse than the
-/// photographs' noise allows.
+/// Returns the covariances of the logarithms that the noise of the photographs causes.
 fn covariances(
     scene: &Scene,
     loss: &Loss,
     layout: &Layout,
     optimum: &Optimum,
     parts: &[Compared],
-    chi2: f64,
 ) -> Covariances {
     let solution = &optimum.solution;
-    let p = layout.parameters();
-    let freedom = optimum.observations.saturating_sub(p).max(1) as f64;
-    let inflation = (chi2 / freedom).max(1.0);
     let of_mtfs = |weights| {
         let linear = Linear {
             scene,
@@ -236,16 +244,13 @@ fn covariances(
             solution,
             parts,
             weights,
-            inflation,
         };
         linear.covariances()
     };
     match loss {
         Loss::Mtf(_) => of_mtfs(Weights::Noise),
         Loss::Mse(_) => of_mtfs(Weights::Even),
-        Loss::Edge(joint) => {
-            joint.information(layout, &solution.parameters, inflation, Used::ByTheEstimate)
-        }
+        Loss::Edge(joint) => joint.information(layout, &solution.parameters, Used::ByTheEstimate),
     }
 }
 

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::compare::{Curves, Fitted, Photograph};
+use crate::compare::{Curves, Fitted, Photograph, Remainder};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu};
@@ -165,6 +165,28 @@ impl<'a> Joint<'a> {
         all
     }
 
+    /// Returns what the model leaves of each photograph, the reference last.
+    pub(crate) fn remainders(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Remainder> {
+        let photographs = self.shots.iter().chain(&self.reference);
+        let fitted = self.fitted(layout, at);
+        let all = photographs.zip(&fitted);
+        all.map(|(photograph, (fitted, curves))| photograph.remainder(curves, fitted))
+            .collect()
+    }
+
+    /// Returns the likelihood without photograph `left_out`. `scene` is the scene without it. Noise
+    /// and light of the others stay as they are.
+    pub(crate) fn without<'b>(&'b self, left_out: usize, scene: &'b Scene) -> Joint<'b> {
+        let mut shots = self.shots.clone();
+        shots.remove(left_out);
+        Joint {
+            scene,
+            shots,
+            reference: self.reference.clone(),
+            lens: self.lens.clone(),
+        }
+    }
+
     /// Returns the columns of the derivatives of photograph `i`. The reference is the last
     /// photograph.
     fn columns(&self, layout: &Layout, i: usize) -> Vec<usize> {
@@ -178,20 +200,14 @@ impl<'a> Joint<'a> {
     }
 
     /// Computes the covariance of the estimates, and mu, at an optimum. The covariance is the
-    /// inverse Fisher information of the pixels, times `inflation`.
+    /// inverse Fisher information of the pixels.
     ///
     /// For c and the spreads each photograph has its own plateaus, so a wrong exposure cannot bias
     /// them. For mu the steps of all photographs are tied to that of the reference by exposure and
     /// retroreflected share. mu is where these steps are most likely: generalised least squares on
     /// the same pixels. Its covariance includes the error by the table's rays, as one error for
     /// each incidence.
-    pub fn information(
-        &self,
-        layout: &Layout,
-        at: &DVector<f64>,
-        inflation: f64,
-        used: Used,
-    ) -> Covariances {
+    pub fn information(&self, layout: &Layout, at: &DVector<f64>, used: Used) -> Covariances {
         let fitted = self.fitted(layout, at);
         let photographs: Vec<&Photograph> = self.shots.iter().chain(&self.reference).collect();
         let steps: Vec<f64> = fitted.iter().map(|(f, _)| f.nuisances.step).collect();
@@ -219,11 +235,11 @@ impl<'a> Joint<'a> {
         if let Some([_, deviation]) = self.scene.optics.prior() {
             normal[(p, p)] += deviation.powi(-2);
         }
-        let blur = inverse(&normal).view((0, 0), (p, p)) * inflation;
+        let blur = inverse(&normal).view((0, 0), (p, p)).into_owned();
         let mu = self
             .reference
             .is_some()
-            .then(|| self.mu(layout, &factors, &steps, &blur, inflation));
+            .then(|| self.mu(layout, &factors, &steps, &blur));
         Covariances { blur, mu }
     }
 
@@ -233,7 +249,6 @@ impl<'a> Joint<'a> {
         factors: &[DMatrix<f64>],
         steps: &[f64],
         blur: &DMatrix<f64>,
-        inflation: f64,
     ) -> Mu {
         let scene = self.scene;
         let (p, own) = (layout.parameters(), layout.choice.per_angle_mu);
@@ -284,7 +299,7 @@ impl<'a> Joint<'a> {
         for i in 0..p + groups {
             for j in p.max(i)..p + groups {
                 let (a, b) = (place(i), place(j));
-                let mut value = tied[(a, b)] * inflation;
+                let mut value = tied[(a, b)];
                 if i >= p {
                     value += rays.row(a).dot(&rays.row(b));
                 }

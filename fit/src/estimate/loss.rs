@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::compare::Weights;
+use crate::compare::{Remainder, Weights};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::{Compared, assemble, compare};
 use crate::estimate::joint::Joint;
@@ -89,6 +89,33 @@ impl<'a> Loss<'a> {
             Loss::Mtf(scene) => differences(scene, layout, at, Weights::Noise),
             Loss::Mse(scene) => differences(scene, layout, at, Weights::Even),
             Loss::Edge(joint) => joint.evaluate(layout, at),
+        }
+    }
+
+    /// Returns what the model leaves of each photograph at a point, in units of the noise. The loss
+    /// `edge` has the reference last.
+    pub(crate) fn remainders(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Remainder> {
+        match self {
+            Loss::Mtf(scene) | Loss::Mse(scene) => scene
+                .shots
+                .par_iter()
+                .map(|shot| {
+                    let blur = layout.blur(at, shot.group);
+                    let part = compare(shot, None, layout.choice, blur);
+                    let left = shot.view.weigh(Weights::Noise, &part.difference);
+                    Remainder::of_mtf(left.as_slice())
+                })
+                .collect(),
+            Loss::Edge(joint) => joint.remainders(layout, at),
+        }
+    }
+
+    /// Returns the loss without photograph `left_out`. `scene` is the scene without it.
+    pub(crate) fn without<'b>(&'b self, left_out: usize, scene: &'b Scene) -> Loss<'b> {
+        match self {
+            Loss::Mtf(_) => Loss::Mtf(scene),
+            Loss::Mse(_) => Loss::Mse(scene),
+            Loss::Edge(joint) => Loss::Edge(Box::new(joint.without(left_out, scene))),
         }
     }
 

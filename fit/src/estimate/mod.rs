@@ -14,6 +14,7 @@
 //! - [`covariance`], [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], [`azimuth`], [`forward`]: bounds, the azimuth, and the estimate by samples.
+//! - [`goodness`]: how well the fit describes the photographs.
 //! - [`mirror`], [`verdict`]: warnings. [`watch`]: progress and cancellation.
 
 mod azimuth;
@@ -26,6 +27,7 @@ pub(crate) mod error;
 mod facing;
 mod fitted;
 pub(crate) mod forward;
+mod goodness;
 mod joint;
 mod layout;
 mod loss;
@@ -60,6 +62,8 @@ pub(crate) use forward::Forward;
 #[cfg(test)]
 pub(crate) use forward::RANDOMISATIONS;
 pub(crate) use forward::Renders;
+pub(crate) use goodness::of as goodness;
+pub use goodness::{Chances, Goodness, Verdict};
 pub(crate) use joint::{Joint, Used};
 pub(crate) use layout::Layout;
 pub use loss::Kind;
@@ -76,5 +80,4 @@ pub(crate) use select::Ranked;
 #[cfg(test)]
 pub(crate) use select::Selection;
 pub(crate) use select::{CLEAR, own_mu_limit, scatter_of_mu};
-pub(crate) use verdict::POOR_FIT;
 pub use watch::{Step, Watch};

@@ -259,6 +259,17 @@ impl Scene {
         }
     }
 
+    /// Returns the scene without one of its photographs. It must have another one.
+    pub(crate) fn without(&self, left_out: usize) -> Scene {
+        let mut shots = self.shots.clone();
+        shots.remove(left_out);
+        let groups = group(&mut shots);
+        Scene {
+            groups,
+            ..self.with(shots)
+        }
+    }
+
     /// Returns the scene with its photographs at other azimuths, degrees, in closed form. Nothing
     /// is measured again.
     ///

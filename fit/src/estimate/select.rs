@@ -337,7 +337,9 @@ fn needs_own_mu(scene: &Scene, fit: &Estimate) -> bool {
         fit.covariance[(first + i, first + j)] / (values[i] * values[j])
     });
     let limit = own_mu_limit(mu.len(), scene.shots.len());
-    scatter_of_mu(&values, &covariance).is_none_or(|squares| squares > limit)
+    // A misfit of the photographs scatters mu too.
+    let misfit = fit.reduced_chi2().max(1.0);
+    scatter_of_mu(&values, &covariance).is_none_or(|squares| squares > misfit * limit)
 }
 
 /// Returns the sum of squares of the differences of ln mu between the incidences, in units of their

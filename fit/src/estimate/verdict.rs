@@ -3,25 +3,27 @@
 use crate::estimate::azimuth::Azimuth;
 use crate::estimate::choice::Value;
 use crate::estimate::fitted::Estimate;
+use crate::estimate::goodness::{Goodness, Verdict};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
 use crate::names::Kernel;
 
-/// Reduced chi-square above which a warning says that the model does not describe the photographs.
+/// Chi-square per degree of freedom of the reference's MTF above which the lens model does not
+/// describe it.
 ///
-/// Reduced chi-square is 1 + the mean square of the misfit in units of the noise. So from 2 on the
-/// misfit is as large as the noise. This limit is a convention. Noise alone scatters it by sqrt(2 /
-/// degrees of freedom): it exceeds 2 in 5 of 1000 fits with 20 degrees of freedom, and in 4 of
-/// 100,000 fits with 50.
-///
-/// The convention has a cost. With the thousands of bins of a campaign a misfit far below the noise
-/// would be certain, but no warning is given. The standard errors are raised nevertheless, by up to
-/// sqrt 2.
-pub(crate) const POOR_FIT: f64 = 2.0;
+/// Chi-square per degree of freedom is 1 + the mean square of the misfit in units of the noise. So
+/// from 2 on the misfit is as large as the noise. This limit is a convention. Noise alone exceeds
+/// it in 5 of 1000 fits with 20 degrees of freedom.
+const POOR_LENS: f64 = 2.0;
 
 /// Returns the warnings about an estimate: undetermined parameters, a model that does not describe
 /// the photographs, and impossible values.
-pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -> Vec<String> {
+pub(crate) fn of_estimate(
+    scene: &Scene,
+    best: &Estimate,
+    compared: &[Ranked],
+    goodness: &Goodness,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     // Only photographs at several distances, or the user, can tell how a scales with distance.
     let tried = |kernel| compared.iter().any(|row| row.choice.kernel == kernel);
@@ -38,14 +40,7 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
                 .into(),
         );
     }
-    let reduced = best.reduced_chi2();
-    if reduced > POOR_FIT {
-        warnings.push(format!(
-            "the model does not describe the photographs within their noise (chi-square \
-            {reduced:.1} per degree of freedom): the standard errors are raised accordingly; try \
-            another --kernel or --lobe, or check the manifest"
-        ));
-    }
+    warnings.extend(misfit(goodness));
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
     if let Some(mu) = best.mu.iter().flatten().find(|mu| is_above_one(mu)) {
@@ -55,18 +50,42 @@ pub(crate) fn of_estimate(scene: &Scene, best: &Estimate, compared: &[Ranked]) -
             mu.value
         ));
     }
-    if let Some(reference) = scene
-        .reference
+    warnings.extend(unlike_a_lens(scene));
+    warnings
+}
+
+/// Returns a warning about a significant misfit.
+fn misfit(goodness: &Goodness) -> Option<String> {
+    let grave = match goodness.verdict {
+        Verdict::Good => return None,
+        Verdict::Strained => "noise does not explain all differences between photographs and model",
+        Verdict::Poor => "the model does not describe the photographs",
+    };
+    let worst = goodness
+        .worst
         .as_ref()
-        .filter(|r| r.reduced_chi2 > POOR_FIT)
-    {
-        warnings.push(format!(
+        .map(|(image, reduced)| format!("; {image} fits worst ({reduced:.2})"));
+    Some(format!(
+        "the fit is {}: {grave} (chi-square {:.3} per degree of freedom{}); all standard errors \
+        are multiplied by {:.2}; check the manifest and the table, or try another --kernel or \
+        --lobe",
+        goodness.verdict.name(),
+        goodness.reduced_chi2(),
+        worst.unwrap_or_default(),
+        goodness.scale
+    ))
+}
+
+/// Returns a warning if the model of the lens does not describe the reference.
+fn unlike_a_lens(scene: &Scene) -> Option<String> {
+    let reference = scene.reference.as_ref()?;
+    (reference.reduced_chi2 > POOR_LENS).then(|| {
+        format!(
             "the lens model does not describe the reference photograph within its noise \
             (chi-square {:.1} per degree of freedom)",
             reference.reduced_chi2
-        ));
-    }
-    warnings
+        )
+    })
 }
 
 /// Returns whether mu is above 1 by more than three standard errors. 1 sheet in 700 whose mu is 1

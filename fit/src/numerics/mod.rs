@@ -3,6 +3,7 @@
 //! Arrays of numbers and closures enter. Arrays of numbers leave. Each file states its accuracy.
 //! Nothing here knows of light or photographs. This is the lowest room: it may touch no other.
 
+pub(crate) mod chance;
 pub(crate) mod clip;
 pub(crate) mod factor;
 pub(crate) mod fourier;

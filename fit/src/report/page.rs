@@ -15,8 +15,10 @@ mod provenance;
 pub(crate) mod shown;
 mod terms;
 
+use crate::estimate::Verdict;
 use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::shown::Page;
+use crate::result::FitResult;
 
 /// Style sheet of the page.
 const STYLE: &str = include_str!("page/style.css");
@@ -83,14 +85,6 @@ impl Page<'_> {
             values.len()
         };
         let warnings = photographs::number(result);
-        let (class, fits) = if self.evidence.reduced_chi2 > crate::estimate::POOR_FIT {
-            (
-                "poor",
-                "does not describe the photographs within their noise",
-            )
-        } else {
-            ("good", "describes the photographs within their noise")
-        };
         let mut text = format!(
             "<p>This page shows what <code>fit</code> found out about a retroreflective sheet: a \
              sheet of small corner cubes (each three mirrors at right angles) that sends light \
@@ -98,13 +92,7 @@ impl Page<'_> {
              bright, at {} and {}. The incidence angle is the angle between the light and the \
              normal of the sheet, a line at right angles to the sheet. The floating distance is \
              the length of the way of the light from the sheet to the mid-air image.</p>\n\
-             <p>{}</p>\n\
-             <p>The model <strong class=\"{class}\">{fits}</strong>: chi-square (\u{3c7}\u{b2}) \
-             is {} per degree of freedom. Chi-square is the sum of the squared differences \
-             between photographs and model, in units of their noise. \u{201c}Per degree of \
-             freedom\u{201d} means: divided by the number of data minus the number of fitted \
-             parameters. A value near 1 says that only noise is left. A value above {} says that \
-             the model does not describe the photographs.</p>\n",
+             <p>{}</p>\n",
             count(result.captures.len(), "photograph", "photographs"),
             count(
                 distinct(|c| c.incidence_deg),
@@ -117,9 +105,8 @@ impl Page<'_> {
                 "floating distances"
             ),
             terms::explained(result.kernel, result.lobe),
-            significant(self.evidence.reduced_chi2, 3),
-            crate::estimate::POOR_FIT,
         );
+        text.push_str(&result.fit.as_ref().map_or(String::new(), quality));
         if warnings > 0 {
             text.push_str(&format!(
                 "<p class=\"warned\">Read the <a href=\"#warnings\">{}</a> before you use the \
@@ -133,4 +120,34 @@ impl Page<'_> {
         );
         text
     }
+}
+
+/// Writes how well the model describes the photographs.
+fn quality(fit: &FitResult) -> String {
+    let says = match fit.verdict {
+        Verdict::Good => "describes the photographs within their noise",
+        Verdict::Strained => {
+            "describes the photographs, but noise does not explain all of the rest"
+        }
+        Verdict::Poor => "does not describe the photographs",
+    };
+    let raised = if fit.scale > 1.0 {
+        format!(
+            " All standard errors are multiplied by {} for this.",
+            significant(fit.scale, 3)
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "<p>The fit is <strong class=\"{verdict}\">{verdict}</strong>: the model {says}. \
+         Chi-square (\u{3c7}\u{b2}) is {} per degree of freedom. Chi-square is the sum of the \
+         squared differences between photographs and model, in units of their noise. \
+         \u{201c}Per degree of freedom\u{201d} means: divided by the number of data minus the \
+         number of fitted parameters. A value near 1 says that only noise is left. Noise alone \
+         gives this value or a larger one with a probability of {}.{raised}</p>\n",
+        significant(fit.reduced_chi2, 4),
+        significant(fit.p_value, 2),
+        verdict = fit.verdict.name(),
+    )
 }

@@ -5,10 +5,12 @@
 //! only in the file. It may touch `estimate` and the rooms below it.
 
 mod domain;
+mod quality;
 pub(crate) mod report;
 mod table;
 
 pub(crate) use domain::Domain;
+pub(crate) use quality::FitResult;
 pub use report::ResultFile;
 pub(crate) use report::sharing;
 pub(crate) use report::{AtAngle, Candidate, CaptureResult, Number, Parameter, Part};

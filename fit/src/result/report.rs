@@ -15,6 +15,7 @@ use crate::names::Spectrum;
 use crate::names::{Family, Kernel};
 use crate::names::{ParameterId, ParameterKind};
 use crate::result::domain::Domain;
+use crate::result::quality::FitResult;
 use crate::result::table::TableResult;
 use crate::samples::Sampling;
 
@@ -287,6 +288,9 @@ pub struct ResultFile {
     /// results, which were fitted as if it were true.
     #[serde(default)]
     pub seen_in_mirror: Option<bool>,
+    /// Quality of the fit; absent from older results.
+    #[serde(default)]
+    pub fit: Option<FitResult>,
     /// Distances and directions of the photographs; absent from older results.
     #[serde(default)]
     pub domain: Option<Domain>,
@@ -350,6 +354,7 @@ impl ResultFile {
             },
             half_mirror: scene.half_mirror,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
+            fit: Some(FitResult::new(&estimated.goodness)),
             domain: Some(Domain::of(scene)),
             table,
             warnings: estimated.warnings.clone(),

@@ -229,7 +229,7 @@ fn margins(
     let mu_margin = choice
         .per_angle_mu
         .then(|| {
-            let known = joint.information(&own_mu, &at, 1.0, Used::ByAnyEstimate);
+            let known = joint.information(&own_mu, &at, Used::ByAnyEstimate);
             let first = layout.parameters();
             let groups = scene.groups.len();
             let covariance: DMatrix<f64> = known.mu?.covariance;

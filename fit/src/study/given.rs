@@ -135,7 +135,7 @@ fn parameters(scene: &Scene, loss: &Loss, best: &Estimate, with_mtf: &Estimate) 
     };
     let layout = Layout::new(best.choice, scene.groups.len());
     let at = &best.solution.parameters;
-    let bound = joint.information(&layout, at, 1.0, Used::ByAnyEstimate);
+    let bound = joint.information(&layout, at, Used::ByAnyEstimate);
     let bound = bound.mu.map_or(bound.blur, |mu| mu.covariance);
     let values = best
         .c_mm

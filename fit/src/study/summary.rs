@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::estimate::Kind;
+use crate::estimate::{Kind, Verdict};
 use crate::study::refused;
 use crate::study::refused::Refused;
 use crate::study::trial::{LOSSES, PARAMETERS, Trial};
@@ -53,6 +53,21 @@ pub(crate) struct Summary {
     pub cut_off: usize,
     /// One row for each parameter and loss.
     pub rows: Vec<Row>,
+    /// Number of counted campaigns by quality of the fit, for each loss.
+    pub verdicts: Vec<Verdicts>,
+}
+
+/// Numbers of campaigns by quality of the fit under one loss.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Verdicts {
+    /// Loss that was minimised.
+    pub loss: Kind,
+    /// Number of good fits.
+    pub good: usize,
+    /// Number of strained fits.
+    pub strained: usize,
+    /// Number of poor fits.
+    pub poor: usize,
 }
 
 impl Summary {
@@ -69,6 +84,11 @@ impl Summary {
             campaigns: trials.len() + refused::total(&refused),
             refused,
             counted: counted.len(),
+            verdicts: LOSSES
+                .into_iter()
+                .enumerate()
+                .map(|of| verdicts(&counted, of))
+                .collect(),
             cut_off: counted.iter().filter(|t| t.cut_off).count(),
             rows,
         }
@@ -78,6 +98,21 @@ impl Summary {
 /// Returns whether the relative bound on c of a campaign is below [`LOOSE`].
 pub(crate) fn tells(trial: &Trial) -> bool {
     trial.bound[0] < LOOSE * trial.truth[0]
+}
+
+fn verdicts(trials: &[&Trial], (k, loss): (usize, Kind)) -> Verdicts {
+    let of = |verdict| {
+        trials
+            .iter()
+            .filter(|t| t.fit[k].verdict == verdict)
+            .count()
+    };
+    Verdicts {
+        loss,
+        good: of(Verdict::Good),
+        strained: of(Verdict::Strained),
+        poor: of(Verdict::Poor),
+    }
 }
 
 fn row(trials: &[&Trial], (i, parameter): (usize, &'static str), (k, loss): (usize, Kind)) -> Row {

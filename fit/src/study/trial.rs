@@ -10,9 +10,12 @@ use tables::Table;
 use crate::estimate::Choice;
 use crate::estimate::Error;
 use crate::estimate::Layout;
+use crate::estimate::Optimum;
 use crate::estimate::Scene;
+use crate::estimate::goodness;
 use crate::estimate::optimum::optimum;
 use crate::estimate::refined;
+use crate::estimate::{Chances, Verdict};
 use crate::estimate::{Estimate, estimate};
 use crate::estimate::{Joint, Used};
 use crate::estimate::{Kind, Loss};
@@ -49,6 +52,19 @@ pub(crate) struct Trial {
     pub bound: [f64; 3],
     /// Estimates and standard errors, by loss and parameter.
     pub found: [[[f64; 2]; 3]; 2],
+    /// Quality of the fit, by loss. The standard errors are raised accordingly.
+    pub fit: [Quality; 2],
+}
+
+/// Quality of the fit of one campaign.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Quality {
+    /// The quality in one word.
+    pub verdict: Verdict,
+    /// Factor on the standard errors.
+    pub scale: f64,
+    /// Probabilities that noise alone explains the misfit.
+    pub p_values: Chances,
 }
 
 /// Photographs and fits a campaign with one `a` and one `mu` for all angles.
@@ -74,11 +90,8 @@ pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, E
     let truth = [params.truth.c_mm, a, mu];
     let near = optimum(&scene, choice);
     let joint = Joint::new(&scene, choice, &near.solution.parameters);
-    let with_edge = {
-        let loss = Loss::Edge(Box::new(joint));
-        estimate(&scene, &loss, refined(&scene, &loss, near.clone()))
-    };
-    let with_mtf = estimate(&scene, &Loss::Mtf(&scene), near.clone());
+    let with_mtf = judged(&scene, &Loss::Mtf(&scene), near.clone());
+    let with_edge = judged(&scene, &Loss::Edge(Box::new(joint)), near.clone());
     let bound = bound(params, &scene, choice, &near.solution.parameters, truth);
     Ok(Trial {
         index,
@@ -87,8 +100,22 @@ pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, E
         cut_off: scene.shots.iter().any(|shot| shot.pixels.cut.zero),
         truth,
         bound,
-        found: [found(&with_mtf), found(&with_edge)],
+        found: [found(&with_mtf.0), found(&with_edge.0)],
+        fit: [with_mtf.1, with_edge.1],
     })
+}
+
+/// Fits by a loss from `near`, judges the fit, and raises its standard errors accordingly.
+fn judged(scene: &Scene, loss: &Loss, near: Optimum) -> (Estimate, Quality) {
+    let mut fit = estimate(scene, loss, refined(scene, loss, near));
+    let goodness = goodness(scene, loss, &fit);
+    fit.raise(goodness.scale);
+    let quality = Quality {
+        verdict: goodness.verdict,
+        scale: goodness.scale,
+        p_values: goodness.chances,
+    };
+    (fit, quality)
 }
 
 fn found(fit: &Estimate) -> [[f64; 2]; 3] {
@@ -113,7 +140,7 @@ fn bound(
     let at = planted(&joint, camera, &blur);
     joint.with_noise(choice, &at, noise(camera));
     let layout = Layout::new(choice, scene.groups.len());
-    let bound = joint.information(&layout, &at, 1.0, Used::ByAnyEstimate);
+    let bound = joint.information(&layout, &at, Used::ByAnyEstimate);
     let covariance = bound.mu.map_or(bound.blur, |mu| mu.covariance);
     let deviation = |i: usize| covariance.get((i, i)).map_or(f64::INFINITY, |v| v.sqrt());
     [0, 1, 2].map(|i| deviation(i) * truth[i])

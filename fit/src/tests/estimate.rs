@@ -174,15 +174,14 @@ fn bound_is_conditional(scene: &Scene, selection: &Selection, id: ParameterId, a
     let fit = estimate(scene, loss, optimum(scene, both));
     let i = fit.parameters.iter().position(|&own| own == id);
     let i = i.expect("eq1 has both terms");
-    let unit = fit.reduced_chi2().max(1.0);
-    let found = ((selection.best.chi2 - fit.chi2) / unit).max(0.0).sqrt();
+    let found = (selection.best.chi2 - fit.chi2).max(0.0).sqrt();
     // Bayes' criterion and the margin of 4 that a term has to clear.
     let threshold = ((loss.observations() as f64).ln() + 4.0).sqrt();
     let below = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
     let share = |x: f64| {
         let from = &fit.solution.parameters;
         let (squares, _) = sum_of_squares_with(scene, loss, both, from, i, x);
-        let rise = ((squares - fit.chi2) / unit).max(0.0).sqrt();
+        let rise = (squares - fit.chi2).max(0.0).sqrt();
         below(-rise) / below((threshold - found).max(0.1) - rise)
     };
     let (inside, outside) = (share(at - 0.01 * way), share(at));
@@ -218,7 +217,7 @@ fn selection_finds_the_planted_terms() {
             let selection = select(&scene, Kind::Mtf, &everything, &Watch::NOBODY).unwrap();
             // A parameter that was left out has a bound in the direction in which its blur
             // vanishes.
-            let bound = absent(&scene, &selection);
+            let bound = absent(&scene, &selection, 1.0);
             println!("{kernel:?} {shape:?} {bound:?}");
             let expected = match kernel {
                 Kernel::Lobe => Some((ParameterKind::CornerSize, 1.0)),

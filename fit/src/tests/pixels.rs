@@ -387,7 +387,7 @@ fn bins_tell_all(own: usize) {
         unreachable!()
     };
     let layout = Layout::new(SHARED, scene.groups.len());
-    let bound = joint.information(&layout, &fit.solution.parameters, 1.0, Used::ByAnyEstimate);
+    let bound = joint.information(&layout, &fit.solution.parameters, Used::ByAnyEstimate);
 
     let plain = Plain::new(&params, own);
     let photographs = params.captures.len() + 1;

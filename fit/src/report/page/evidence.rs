@@ -33,11 +33,9 @@ pub(crate) struct LikelihoodProfile {
     pub bounded: bool,
 }
 
-/// Quality of the fit and profiles of an estimate, which a result does not hold.
+/// Profiles of an estimate, which a result does not hold.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence {
-    /// Sum of squares per degree of freedom: 1 if the model describes the photographs.
-    pub reduced_chi2: f64,
     /// Profiles of c, of a spread that all angles share, and of parameters with a bound; at most
     /// four.
     ///
@@ -63,10 +61,7 @@ impl Evidence {
             .take(if likelihood { MOST } else { 0 })
             .map(|i| profile(estimated, &loss, i))
             .collect();
-        Evidence {
-            reduced_chi2: fit.reduced_chi2(),
-            profiles,
-        }
+        Evidence { profiles }
     }
 }
 
@@ -75,7 +70,7 @@ fn profile(estimated: &Estimated, loss: &Loss, i: usize) -> LikelihoodProfile {
     let (scene, fit) = (&estimated.scene, &estimated.best);
     let id = fit.parameters[i];
     let bound: Option<&Bound> = estimated.bounds.get(&id);
-    let unit = fit.reduced_chi2().max(1.0);
+    let unit = estimated.goodness.scale.powi(2);
     let estimate = fit.solution.parameters[i];
     let error = fit.covariance[(i, i)].sqrt() / estimate.exp();
     // The solver's parameters are logarithms.

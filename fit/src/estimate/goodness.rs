@@ -1,0 +1,276 @@
+//! How well a fit describes its photographs.
+//!
+//! Four tests ask whether noise alone explains what the fit leaves: the sum of squares of all
+//! differences, that of sums over neighbours across the edge (or over neighbouring frequencies),
+//! that of changes along the edge, and the sum of squares of each photograph. The misfit is
+//! significant if one of the four probabilities is below [`SIGNIFICANT`].
+//!
+//! A significant misfit raises all standard errors. The factor, [`Goodness::scale`], is the larger
+//! of two numbers. One is the root of chi-square per degree of freedom. The other compares the
+//! standard errors with those of a jackknife: the scatter of the estimates that leave one
+//! photograph out each (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 11).
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::compare::Remainder;
+use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::layout::Layout;
+use crate::estimate::loss::Loss;
+use crate::estimate::optimum::{Optimum, refined};
+use crate::estimate::scene::Scene;
+use crate::names::{ParameterId, ParameterKind};
+use crate::numerics::chance;
+
+/// Probability below which noise does not explain a misfit.
+///
+/// Four tests are made, so noise alone is called a misfit in at most 4 campaigns of 1,000.
+const SIGNIFICANT: f64 = 1e-3;
+
+/// Change of a parameter, in standard errors, from which a misfit matters.
+const MATTERS: f64 = 0.5;
+
+/// Factor on the standard errors from which a fit is poor. The misfit is then larger than the noise
+/// by sqrt 3. This limit is a convention.
+const POOR: f64 = 2.0;
+
+/// How well a fit describes its photographs, in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Noise explains the misfit, or one photograph does that does not matter.
+    Good,
+    /// The misfit is significant. The standard errors are raised by less than 2.
+    Strained,
+    /// The misfit is so large that the standard errors are raised by 2 or more.
+    Poor,
+}
+
+impl Verdict {
+    /// Returns the name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Verdict::Good => "good",
+            Verdict::Strained => "strained",
+            Verdict::Poor => "poor",
+        }
+    }
+}
+
+/// Probabilities that noise alone explains what a fit leaves. Small ones speak of a misfit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Chances {
+    /// Of the sum of squares of all differences.
+    pub chi2: f64,
+    /// Of the sums over neighbours across the edge, or over neighbouring frequencies.
+    pub across: f64,
+    /// Of the changes along the edge; 1 by MTFs, which do not tell.
+    pub along: f64,
+    /// Of the photograph with the largest misfit among all.
+    pub photograph: f64,
+}
+
+impl Chances {
+    /// Returns the least of the four.
+    fn least(self) -> f64 {
+        let all = [self.chi2, self.across, self.along, self.photograph];
+        all.into_iter().fold(1.0, f64::min)
+    }
+}
+
+/// Quality of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Goodness {
+    /// Sum of squares of the differences, in units of their noise.
+    pub chi2: f64,
+    /// Number of independent differences less that of the fitted parameters.
+    pub degrees_of_freedom: usize,
+    /// Probabilities that noise alone explains the misfit.
+    pub chances: Chances,
+    /// Factor on all standard errors: 1 if the misfit is not significant.
+    pub scale: f64,
+    /// The quality in one word.
+    pub verdict: Verdict,
+    /// Photograph with the largest misfit: its name, and its chi-square per degree of freedom.
+    pub worst: Option<(String, f64)>,
+}
+
+impl Goodness {
+    /// Returns chi-square per degree of freedom.
+    pub fn reduced_chi2(&self) -> f64 {
+        self.chi2 / self.degrees_of_freedom as f64
+    }
+}
+
+/// Name of the reference among the photographs.
+pub(crate) const REFERENCE: &str = "the reference";
+
+/// Judges a fit. `loss` is the loss that gave it, and `fit` has standard errors by the noise alone.
+pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
+    let layout = Layout::new(fit.choice, scene.groups.len());
+    let remainders = loss.remainders(&layout, &fit.solution.parameters);
+    let degrees_of_freedom = fit.degrees_of_freedom();
+    let own: Vec<f64> = remainders
+        .iter()
+        .map(|own| chance::of_squares(own.squares, own.freedom))
+        .collect();
+    let worst = (0..own.len()).min_by(|&a, &b| {
+        let reduced = |i: usize| remainders[i].squares / remainders[i].freedom.max(1) as f64;
+        let by_reduced = || reduced(b).total_cmp(&reduced(a));
+        own[a].total_cmp(&own[b]).then_with(by_reduced)
+    });
+    let least = worst.map_or(1.0, |worst| own[worst]);
+    let chances = Chances {
+        chi2: chance::of_squares(fit.chi2, degrees_of_freedom),
+        across: of_sums(&remainders, |own| &own.across),
+        along: of_sums(&remainders, |own| &own.along),
+        photograph: chance::of_least(least, own.len()),
+    };
+    let mut goodness = Goodness {
+        chi2: fit.chi2,
+        degrees_of_freedom,
+        chances,
+        scale: 1.0,
+        verdict: Verdict::Good,
+        worst: worst.map(|worst| {
+            let shot = scene.shots.get(worst);
+            let name = shot.map_or(REFERENCE.to_owned(), |shot| shot.image.clone());
+            let own = &remainders[worst];
+            (name, own.squares / own.freedom.max(1) as f64)
+        }),
+    };
+    if chances.least() >= SIGNIFICANT {
+        return goodness;
+    }
+    let left_out = LeftOut::all(scene, loss, fit);
+    let structured = chances.across.min(chances.along) < SIGNIFICANT;
+    let moved = worst.and_then(|worst| left_out.moved(worst, fit));
+    if !structured && moved.is_some_and(|moved| moved < MATTERS) {
+        return goodness;
+    }
+    let by_chi2 = goodness.reduced_chi2().sqrt();
+    goodness.scale = by_chi2.max(left_out.scale(scene, fit)).max(1.0);
+    // A comparison with NaN is false: a misfit that is no number is poor.
+    goodness.verdict = if goodness.scale < POOR && by_chi2.is_finite() {
+        Verdict::Strained
+    } else {
+        Verdict::Poor
+    };
+    goodness
+}
+
+/// Returns the probability of the sums that `of` names, over all photographs.
+fn of_sums(remainders: &[Remainder], of: fn(&Remainder) -> &Vec<f64>) -> f64 {
+    let sums = remainders.iter().flat_map(of);
+    let (mut squares, mut freedom) = (0.0, 0);
+    for sum in sums {
+        squares += sum * sum;
+        freedom += 1;
+    }
+    chance::of_squares(squares, freedom)
+}
+
+/// Estimates that leave one photograph out each: the logarithms of their parameters.
+struct LeftOut {
+    each: Vec<BTreeMap<ParameterId, f64>>,
+}
+
+impl LeftOut {
+    /// Fits the chosen candidate again without each of the photographs. There are no fits if there
+    /// is one photograph only.
+    fn all(scene: &Scene, loss: &Loss, fit: &Estimate) -> LeftOut {
+        let count = scene.shots.len();
+        let each = if count > 1 { 0..count } else { 0..0 };
+        let each = each.into_par_iter().map(|i| {
+            let other = scene.without(i);
+            let loss = loss.without(i, &other);
+            let from = start(scene, &other, fit);
+            let found = estimate(&other, &loss, refined(&other, &loss, from));
+            let values = found.parameters.iter().zip(found.values());
+            values.map(|(&id, v)| (id, v.value.ln())).collect()
+        });
+        LeftOut {
+            each: each.collect(),
+        }
+    }
+
+    /// Returns the largest change of a parameter, in standard errors, without photograph `i`. It is
+    /// `None` for the reference, or if there is no fit without the photograph.
+    fn moved(&self, i: usize, fit: &Estimate) -> Option<f64> {
+        let without = self.each.get(i)?;
+        let changes = fit.parameters.iter().zip(fit.values()).map(|(id, value)| {
+            let change = without
+                .get(id)
+                .map_or(f64::INFINITY, |ln| ln - value.value.ln());
+            change.abs() * value.value / value.standard_error
+        });
+        // A change that is no number counts as large.
+        Some(changes.fold(
+            0.0,
+            |most, change| if change <= most { most } else { change },
+        ))
+    }
+
+    /// Returns the ratio of the standard errors of the jackknife to those of the noise: the largest
+    /// over the kinds of parameters, each the root of the mean square over its angles.
+    fn scale(&self, scene: &Scene, fit: &Estimate) -> f64 {
+        let mut kinds: Vec<(ParameterKind, f64, f64)> = Vec::new();
+        for (id, value) in fit.parameters.iter().zip(fit.values()) {
+            let own: Vec<f64> = scene
+                .shots
+                .iter()
+                .zip(&self.each)
+                .filter(|(shot, _)| id.incidence_deg.is_none_or(|deg| deg == shot.incidence_deg))
+                .filter_map(|(_, without)| without.get(id).copied())
+                .collect();
+            let ratio = variance(&own) * (value.value / value.standard_error).powi(2);
+            if own.len() < 2 || !ratio.is_finite() {
+                continue;
+            }
+            match kinds.iter_mut().find(|(kind, ..)| *kind == id.kind) {
+                Some((_, sum, count)) => (*sum, *count) = (*sum + ratio, *count + 1.0),
+                None => kinds.push((id.kind, ratio, 1.0)),
+            }
+        }
+        let all = kinds.iter().map(|(_, sum, count)| (sum / count).sqrt());
+        all.fold(0.0, f64::max)
+    }
+}
+
+/// Returns the jackknife's variance of a number from its values without one of the data each.
+fn variance(without: &[f64]) -> f64 {
+    let n = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / n;
+    let squares: f64 = without.iter().map(|v| (v - mean).powi(2)).sum();
+    squares * (n - 1.0) / n
+}
+
+/// Returns a start for a scene with fewer photographs, and maybe fewer incidences.
+fn start(scene: &Scene, other: &Scene, fit: &Estimate) -> Optimum {
+    let [all, fewer] = [scene, other].map(|scene| Layout::new(fit.choice, scene.groups.len()));
+    let mut from = fit.optimum();
+    let at = &fit.solution.parameters;
+    let mut parameters = at.rows(0, fewer.parameters()).into_owned();
+    for (group, incidence_deg) in other.groups.iter().enumerate() {
+        let own = scene.groups.iter().position(|deg| deg == incidence_deg);
+        if let (Some(to), Some(from)) = (fewer.spread(group), own.and_then(|g| all.spread(g))) {
+            parameters[to] = at[from];
+        }
+    }
+    from.solution.parameters = parameters;
+    from
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The jackknife of a mean is its standard error: that of 1, 2, 6 is sqrt(7/3). Without one
+    /// each the means are 4, 3.5 and 1.5.
+    #[test]
+    fn jackknife_of_a_mean_is_its_variance() {
+        assert!((variance(&[4.0, 3.5, 1.5]) - 7.0 / 3.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,54 @@
+//! The key `fit` of RESULT.json: how well the fit describes its photographs.
+
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::{Chances, Goodness, Verdict};
+
+/// Quality of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitResult {
+    /// Sum of squares of the differences, in units of their noise.
+    pub chi2: f64,
+    /// Number of independent differences less that of the fitted parameters.
+    pub degrees_of_freedom: usize,
+    /// Chi-square per degree of freedom: about 1 if only noise is left.
+    pub reduced_chi2: f64,
+    /// Probability that noise alone gives this chi-square or a larger one.
+    pub p_value: f64,
+    /// Probabilities of further tests, whose names are those of [`Chances`].
+    pub p_values: Chances,
+    /// Factor on all standard errors: 1 if the misfit is not significant.
+    pub scale: f64,
+    /// The quality in one word.
+    pub verdict: Verdict,
+    /// Photograph with the largest misfit.
+    pub worst: Option<Worst>,
+}
+
+/// Photograph with the largest misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// Name of the file.
+    pub image: String,
+    /// Chi-square per degree of freedom of this photograph.
+    pub reduced_chi2: f64,
+}
+
+impl FitResult {
+    /// Converts the quality of an estimate.
+    pub(crate) fn new(goodness: &Goodness) -> FitResult {
+        FitResult {
+            chi2: goodness.chi2,
+            degrees_of_freedom: goodness.degrees_of_freedom,
+            reduced_chi2: goodness.reduced_chi2(),
+            p_value: goodness.chances.chi2,
+            p_values: goodness.chances,
+            scale: goodness.scale,
+            verdict: goodness.verdict,
+            worst: goodness.worst.as_ref().map(|(image, reduced)| Worst {
+                image: image.clone(),
+                reduced_chi2: *reduced,
+            }),
+        }
+    }
+}
