@@ -110,6 +110,7 @@ pub use crate::estimate::campaign::campaign as estimate_campaign;
 pub use crate::estimate::{Chances, Goodness, Verdict};
 pub use crate::estimate::{Choice, Value};
 pub use crate::estimate::{Estimated, Options};
+pub use crate::estimate::{OtherTable, Suspect};
 pub use crate::estimate::{Step, Watch};
 pub use crate::names::Kernel;
 pub use crate::names::LobeShape;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 use tables::cli as terminal;
 
@@ -18,6 +19,7 @@ use crate::cli::terms::{Terms, described};
 use crate::estimate::Bound;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
+use crate::estimate::OtherTable;
 use crate::estimate::Watch;
 use crate::estimate::campaign::campaign;
 use crate::estimate::error;
@@ -78,8 +80,11 @@ pub(crate) struct Arguments {
     /// Manifest of the campaign (captures.toml), which lists the photographs.
     pub captures: PathBuf,
     /// Ray-shift table of the sheet, from `bake trace`.
-    #[arg(long, value_name = "TABLE.h5")]
-    pub table: PathBuf,
+    ///
+    /// It may be given several times. The further tables are tried if the first one does not
+    /// describe the photographs.
+    #[arg(long, value_name = "TABLE.h5", required = true)]
+    pub table: Vec<PathBuf>,
     /// File that receives the result, as JSON.
     #[arg(short, long, value_name = "RESULT.json")]
     pub output: Option<PathBuf>,
@@ -186,6 +191,13 @@ fn options(arguments: &Arguments) -> Options {
     options
 }
 
+impl Arguments {
+    /// Returns the table that the fit uses. There is at least one.
+    fn first_table(&self) -> &Path {
+        self.table.first().map_or(Path::new(""), PathBuf::as_path)
+    }
+}
+
 /// Returns the channels that are fitted one by one, or `None` if there is one only.
 fn several(arguments: &Arguments) -> Option<&[Channel]> {
     let Channels(channels) = arguments.channel.as_ref()?;
@@ -198,7 +210,7 @@ fn several(arguments: &Arguments) -> Option<&[Channel]> {
 /// Fails if the manifest, a photograph or the table cannot be used, if the estimate fails, or if an
 /// output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let options = options(arguments);
+    let mut options = options(arguments);
     #[cfg(feature = "report")]
     if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
         clap::Command::new("fit estimate")
@@ -222,7 +234,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| parse::read_json(path, "holds a planted answer"))
         .transpose()?;
     let pool = terminal::pool(arguments.threads)?;
-    let table = pool.install(|| tables::read(&arguments.table))?;
+    let table = pool.install(|| tables::read(arguments.first_table()))?;
+    for path in arguments.table.iter().skip(1) {
+        options.others.push(OtherTable {
+            name: path.display().to_string(),
+            table: Arc::new(pool.install(|| tables::read(path))?),
+        });
+    }
+    let options = options;
     let job = Job {
         arguments,
         campaign: &campaign,
@@ -280,8 +299,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
     let captures = campaign.captures.iter().map(|capture| &capture.shot);
     let shots = campaign.reference.iter().chain(captures);
-    [arguments.captures.as_path(), &arguments.table]
-        .into_iter()
+    let tables = arguments.table.iter().map(PathBuf::as_path);
+    tables
+        .chain([arguments.captures.as_path()])
         .chain(arguments.truth.as_deref())
         .chain(shots.map(|shot| shot.image.as_path()))
 }
@@ -300,7 +320,7 @@ impl Job<'_> {
         let estimated = campaign(self.campaign, &Shot::load, table, options, watch).map_err(
             |error| match error {
                 error::Error::OneAzimuth { held } => Failure::OneAzimuth {
-                    table: self.arguments.table.clone(),
+                    table: self.arguments.first_table().to_owned(),
                     held,
                 },
                 error => error.into(),

@@ -464,7 +464,7 @@ fn spreadsheet(trials: &[Trial]) -> String {
         let _ = write!(
             text,
             ",verdict_{loss},scale_{loss},p_chi2_{loss},p_across_{loss},p_along_{loss},\
-            p_photograph_{loss}"
+            p_photograph_{loss},p_light_{loss}"
         );
     }
     text.push('\n');
@@ -484,13 +484,14 @@ fn spreadsheet(trials: &[Trial]) -> String {
             let p = fit.p_values;
             let _ = write!(
                 text,
-                ",{},{},{},{},{},{}",
+                ",{},{},{},{},{},{},{}",
                 fit.verdict.name(),
                 fit.scale,
                 p.chi2,
                 p.across,
                 p.along,
-                p.photograph
+                p.photograph,
+                p.light
             );
         }
         text.push('\n');

@@ -145,7 +145,6 @@ struct Weight {
 }
 
 /// Pixels of a photograph with their noise and their weights.
-#[derive(Clone)]
 pub(crate) struct Photograph<'a> {
     /// Pixels of the photograph, by bins.
     pub pixels: &'a Pixels,

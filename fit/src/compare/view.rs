@@ -198,6 +198,22 @@ impl View {
         crate::photographs::crossing(&self.estimator.frequencies_per_mm, &self.mtf.modulus, 0.5)
     }
 
+    /// Returns the measured MTF at a frequency (1/mm) and its standard error, both interpolated
+    /// between the frequencies of comparison. Returns `None` beyond the last of them.
+    pub(crate) fn mtf_at(&self, frequency_per_mm: f64) -> Option<[f64; 2]> {
+        let all = &self.estimator.frequencies_per_mm;
+        let next = all.iter().position(|&f| f >= frequency_per_mm)?;
+        let last = next.saturating_sub(1);
+        let width = all[next] - all[last];
+        let part = if width > 0.0 {
+            (frequency_per_mm - all[last]) / width
+        } else {
+            0.0
+        };
+        let at = |values: &[f64]| values[last] + part * (values[next] - values[last]);
+        Some([at(&self.mtf.modulus), at(&self.mtf_standard_error)])
+    }
+
     /// Returns the pixel pitch, mm.
     pub fn pitch_mm(&self) -> f64 {
         self.pitch_mm

@@ -12,12 +12,13 @@ use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
 use crate::estimate::goodness;
-use crate::estimate::goodness::Goodness;
+use crate::estimate::goodness::{Goodness, Verdict};
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::mirror;
 use crate::estimate::optimum::refined;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
+use crate::estimate::suspects::{OtherTable, Search, Suspect};
 use crate::estimate::verdict;
 use crate::estimate::watch::Watch;
 use crate::names::Spectrum;
@@ -43,6 +44,8 @@ pub struct Options {
     pub spectrum: Option<Spectrum>,
     /// Channel of all photographs, instead of the campaign's.
     pub channel: Option<Channel>,
+    /// Tables that are tried if the first one does not fit.
+    pub others: Vec<OtherTable>,
 }
 
 impl Options {
@@ -55,6 +58,7 @@ impl Options {
             fit_azimuth: false,
             spectrum: None,
             channel: None,
+            others: Vec::new(),
         }
     }
 
@@ -120,6 +124,8 @@ pub struct Estimated {
     pub bounds: Bounds,
     /// How well the estimate describes the photographs.
     pub goodness: Goodness,
+    /// Mistakes that would explain why it does not, the best first.
+    pub suspects: Vec<Suspect>,
     /// Azimuth of the sheet, if it was estimated.
     pub azimuth: Option<Azimuth>,
     /// Warnings about the campaign as a whole, one sentence each.
@@ -190,9 +196,27 @@ pub fn campaign(
     if campaign.setup.seen_in_mirror.is_none() && azimuth.is_none() {
         warnings.extend(mirror::unstated(&scene, table, kind, &best)?);
     }
+    let tried: Vec<Choice> = compared.iter().map(|row| row.choice).collect();
+    let search = Search {
+        campaign: &campaign,
+        photo,
+        table,
+        others: &options.others,
+        scene: &scene,
+        kind,
+        fit: &best,
+        tried: &tried,
+        goodness: &goodness,
+    };
+    let suspects = match goodness.verdict {
+        Verdict::Good => Vec::new(),
+        Verdict::Strained | Verdict::Poor => search.suspects(),
+    };
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
-    warnings.extend(verdict::of_estimate(&scene, &best, &compared, &goodness));
+    warnings.extend(verdict::of_estimate(
+        &scene, &best, &compared, &goodness, &suspects,
+    ));
     warnings.extend(azimuth.iter().flat_map(verdict::of_azimuth));
     Ok(Estimated {
         campaign,
@@ -202,6 +226,7 @@ pub fn campaign(
         kind,
         bounds,
         goodness,
+        suspects,
         azimuth,
         warnings,
         near,
@@ -264,7 +289,7 @@ fn fitted(
     } else {
         (best, telling, None)
     };
-    best.raise(goodness.scale);
+    best.raise(goodness.scales());
     Ok(Fitted {
         best,
         compared,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::compare::Weights;
 use crate::estimate::choice::Choice;
 use crate::estimate::layout::Layout;
-use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::scene::Aerial;
 use crate::model::Baseline;
 use crate::model::Blur;
 use crate::model::Camera;
@@ -85,9 +85,9 @@ pub(crate) fn compare(
     }
 }
 
-/// Stacks the weighted differences of all photographs, and their derivatives.
+/// Stacks the weighted differences of photographs, and their derivatives.
 pub(crate) fn assemble(
-    scene: &Scene,
+    shots: &[Aerial],
     layout: &Layout,
     parts: &[Compared],
     weights: Weights,
@@ -98,7 +98,7 @@ pub(crate) fn assemble(
         DMatrix::zeros(rows, layout.parameters()),
     );
     let mut row = 0;
-    for (shot, part) in scene.shots.iter().zip(parts) {
+    for (shot, part) in shots.iter().zip(parts) {
         let weighed = |values: &[f64]| shot.view.weigh(weights, values);
         let n = part.difference.len() - 1;
         residuals

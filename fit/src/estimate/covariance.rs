@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::compare::Contrast;
 use crate::compare::Weights;
-use crate::estimate::compared::{Compared, curve};
+use crate::estimate::compared::{Compared, compare, curve};
 use crate::estimate::layout::Layout;
 use crate::estimate::reference::Reference;
 use crate::estimate::scene::{Aerial, Scene};
@@ -26,6 +26,24 @@ pub struct Mu {
     pub values: Vec<f64>,
     /// Covariance of ln c, ln spread and ln mu together.
     pub covariance: DMatrix<f64>,
+    /// Differences between the light of the photographs and that which mu gives.
+    pub scatter: Scatter,
+}
+
+/// Differences between the light of each photograph and that which mu gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scatter {
+    /// Difference of each photograph in units of its noise; positive if it has more light.
+    pub each: Vec<f64>,
+    /// Number of independent differences: photographs less values of mu.
+    pub freedom: usize,
+}
+
+impl Scatter {
+    /// Returns the sum of squares.
+    pub(crate) fn squares(&self) -> f64 {
+        self.each.iter().map(|v| v * v).sum()
+    }
 }
 
 /// Optimum on the MTFs, about which each estimate is linear in the bins of each photograph.
@@ -175,6 +193,7 @@ impl Linear<'_> {
         let p = layout.parameters();
         let contrasts = contrasts(scene, self.parts);
         let (values, shares) = reflectances(scene, layout, &contrasts);
+        let scatter = scatter(scene, layout, &contrasts, &values);
         let groups = values.len();
         // Derivatives of ln mu by ln blur.
         let mut by_blur = DMatrix::zeros(groups, p);
@@ -218,7 +237,11 @@ impl Linear<'_> {
         shared.add_scalar_mut(reference.step_relative_error.powi(2));
         let mut corner = covariance.view_mut((p, p), (groups, groups));
         corner += shared;
-        Mu { values, covariance }
+        Mu {
+            values,
+            covariance,
+            scatter,
+        }
     }
 }
 
@@ -228,6 +251,33 @@ pub(crate) fn contrasts(scene: &Scene, parts: &[Compared]) -> Vec<Contrast> {
     shots
         .map(|(shot, part)| Contrast::fit(&shot.view.profile, &part.curve.bins))
         .collect()
+}
+
+/// Returns the differences of the light of all photographs from that which `mu` gives.
+fn scatter(scene: &Scene, layout: &Layout, contrasts: &[Contrast], mu: &[f64]) -> Scatter {
+    let kernel = layout.choice.kernel;
+    let each = scene.shots.iter().zip(contrasts).map(|(shot, contrast)| {
+        let own = scene.reflectance(shot, kernel, contrast.step);
+        let relative = contrast.variance(&shot.view.profile).sqrt() / contrast.step;
+        let noise = relative.hypot(shot.returned(kernel).relative_error());
+        (own / mu[layout.mu_group(shot.group)]).ln() / noise.max(1e-8)
+    });
+    Scatter {
+        each: each.collect(),
+        freedom: scene.shots.len().saturating_sub(mu.len()),
+    }
+}
+
+/// Returns the differences of the light of all photographs from that which the best mu gives, for
+/// blurs near the optimum, by the MTFs.
+pub(crate) fn scatter_at(scene: &Scene, layout: &Layout, at: &DVector<f64>) -> Scatter {
+    let shots = scene.shots.par_iter();
+    let parts: Vec<Compared> = shots
+        .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.group)))
+        .collect();
+    let contrasts = contrasts(scene, &parts);
+    let (mu, _) = reflectances(scene, layout, &contrasts);
+    scatter(scene, layout, &contrasts, &mu)
 }
 
 /// Computes mu of each incidence, or one for all, as means over the photographs with the weights of

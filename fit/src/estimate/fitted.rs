@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::compare::Weights;
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::compared::{Compared, assemble, compare};
-use crate::estimate::covariance::{Covariances, Linear};
+use crate::estimate::covariance::{Covariances, Linear, Scatter};
 use crate::estimate::joint::Used;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
@@ -35,6 +35,8 @@ pub struct Estimate {
     pub spread: Vec<Value>,
     /// Reflectance mu, one value or one per incidence; `None` without a reference photograph.
     pub mu: Option<Vec<Value>>,
+    /// Differences between the light of the photographs and that which mu gives; `None` like mu.
+    pub scatter: Option<Scatter>,
     /// Parameters in the order of the covariance's rows: c, the spreads, mu.
     pub parameters: Vec<ParameterId>,
     /// Covariance of all parameters.
@@ -103,12 +105,18 @@ impl Estimate {
         (0..n).map(|i| own[(i, i)].sqrt()).collect()
     }
 
-    /// Multiplies all standard errors by `scale`, and the covariance by its square.
-    pub(crate) fn raise(&mut self, scale: f64) {
-        self.covariance *= scale * scale;
-        let values = self.c_mm.iter_mut().chain(&mut self.spread);
-        for value in values.chain(self.mu.iter_mut().flatten()) {
-            value.standard_error *= scale;
+    /// Multiplies the standard errors of the blur by the first number and those of mu by the second,
+    /// and the covariance accordingly.
+    pub(crate) fn raise(&mut self, [of_blur, of_mu]: [f64; 2]) {
+        let blur = self.blur_parameters();
+        let by = |i: usize| if i < blur { of_blur } else { of_mu };
+        let n = self.parameters.len();
+        self.covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[(i, j)] * by(i) * by(j));
+        for value in self.c_mm.iter_mut().chain(&mut self.spread) {
+            value.standard_error *= of_blur;
+        }
+        for value in self.mu.iter_mut().flatten() {
+            value.standard_error *= of_mu;
         }
     }
 
@@ -143,7 +151,7 @@ pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate
     let parts = compared(scene, loss, layout, &optimum, &camera);
     let chi2 = match loss {
         Loss::Mse(_) => {
-            let (residuals, _) = assemble(scene, layout, &parts, Weights::Noise);
+            let (residuals, _) = assemble(&scene.shots, layout, &parts, Weights::Noise);
             residuals.norm_squared()
         }
         _ => optimum.solution.sum_of_squares(),
@@ -170,10 +178,12 @@ pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate
         .map(|p| p.exp())
         .collect();
     let mut logarithms = found.blur;
+    let mut scatter = None;
     let mu = found.mu.map(|mu| {
         parameters.extend(ParameterKind::Mu.each(&scene.groups, choice.per_angle_mu));
         scale.extend(&mu.values);
         logarithms = mu.covariance;
+        scatter = Some(mu.scatter);
         mu.values
     });
     let covariance = DMatrix::from_fn(parameters.len(), parameters.len(), |i, j| {
@@ -197,6 +207,7 @@ pub(crate) fn estimate(scene: &Scene, loss: &Loss, optimum: Optimum) -> Estimate
         c_mm: layout.c().map(value),
         spread: (p - layout.spreads..p).map(value).collect(),
         mu: mu.map(|mu| (p..p + mu.len()).map(value).collect()),
+        scatter,
         chi2,
         residuals: observations,
         camera,

@@ -9,19 +9,19 @@
 //! of two numbers. One is the root of chi-square per degree of freedom. The other compares the
 //! standard errors with those of a jackknife: the scatter of the estimates that leave one
 //! photograph out each (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 11).
+//!
+//! A fifth test asks whether the photographs agree on mu. Their exposures decide this, and the blur
+//! does not depend on exposures. So this misfit raises the standard errors of mu alone.
 
-use std::collections::BTreeMap;
-
-use rayon::prelude::*;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use crate::compare::Remainder;
-use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::fitted::Estimate;
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
-use crate::estimate::optimum::{Optimum, refined};
 use crate::estimate::scene::Scene;
-use crate::names::{ParameterId, ParameterKind};
+use crate::names::ParameterKind;
 use crate::numerics::chance;
 
 /// Probability below which noise does not explain a misfit.
@@ -49,6 +49,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Returns the verdict on a significant misfit that raises the standard errors by `scale`.
+    fn of(scale: f64) -> Verdict {
+        if scale < POOR {
+            Verdict::Strained
+        } else {
+            Verdict::Poor
+        }
+    }
+
     /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {
@@ -70,10 +79,13 @@ pub struct Chances {
     pub along: f64,
     /// Of the photograph with the largest misfit among all.
     pub photograph: f64,
+    /// Of the differences between the light of the photographs and that which mu gives; 1 without
+    /// mu.
+    pub light: f64,
 }
 
 impl Chances {
-    /// Returns the least of the four.
+    /// Returns the least of those that tell of the blur.
     fn least(self) -> f64 {
         let all = [self.chi2, self.across, self.along, self.photograph];
         all.into_iter().fold(1.0, f64::min)
@@ -91,6 +103,9 @@ pub struct Goodness {
     pub chances: Chances,
     /// Factor on all standard errors: 1 if the misfit is not significant.
     pub scale: f64,
+    /// Factor on the standard errors of mu: at least `scale`, and more if the photographs disagree
+    /// on mu.
+    pub scale_of_mu: f64,
     /// The quality in one word.
     pub verdict: Verdict,
     /// Photograph with the largest misfit: its name, and its chi-square per degree of freedom.
@@ -101,6 +116,16 @@ impl Goodness {
     /// Returns chi-square per degree of freedom.
     pub fn reduced_chi2(&self) -> f64 {
         self.chi2 / self.degrees_of_freedom as f64
+    }
+
+    /// Returns the factors on the standard errors of the blur and of mu.
+    pub(crate) fn scales(&self) -> [f64; 2] {
+        [self.scale, self.scale_of_mu]
+    }
+
+    /// Returns whether the photographs disagree on mu.
+    pub(crate) fn is_light_off(&self) -> bool {
+        self.chances.light < SIGNIFICANT
     }
 }
 
@@ -127,12 +152,17 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         across: of_sums(&remainders, |own| &own.across),
         along: of_sums(&remainders, |own| &own.along),
         photograph: chance::of_least(least, own.len()),
+        light: fit
+            .scatter
+            .as_ref()
+            .map_or(1.0, |own| chance::of_squares(own.squares(), own.freedom)),
     };
     let mut goodness = Goodness {
         chi2: fit.chi2,
         degrees_of_freedom,
         chances,
         scale: 1.0,
+        scale_of_mu: 1.0,
         verdict: Verdict::Good,
         worst: worst.map(|worst| {
             let shot = scene.shots.get(worst);
@@ -141,24 +171,40 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
             (name, own.squares / own.freedom.max(1) as f64)
         }),
     };
-    if chances.least() >= SIGNIFICANT {
-        return goodness;
+    let of_blur = || misfit(scene, loss, fit, &goodness, worst);
+    if chances.least() < SIGNIFICANT
+        && let Some(scale) = of_blur()
+    {
+        goodness.scale = scale;
+        goodness.verdict = Verdict::of(scale);
     }
-    let left_out = LeftOut::all(scene, loss, fit);
-    let structured = chances.across.min(chances.along) < SIGNIFICANT;
+    goodness.scale_of_mu = goodness.scale;
+    if let Some(scatter) = fit.scatter.as_ref().filter(|_| goodness.is_light_off()) {
+        let own = (scatter.squares() / scatter.freedom.max(1) as f64).sqrt();
+        goodness.scale_of_mu = goodness.scale.max(own);
+        goodness.verdict = goodness.verdict.max(Verdict::Strained);
+    }
+    goodness
+}
+
+/// Returns the factor on the standard errors, or `None` if the misfit is that of one photograph
+/// that does not matter.
+fn misfit(
+    scene: &Scene,
+    loss: &Loss,
+    fit: &Estimate,
+    goodness: &Goodness,
+    worst: Option<usize>,
+) -> Option<f64> {
+    let layout = Layout::new(fit.choice, scene.groups.len());
+    let left_out = LeftOut::all(loss, &layout, fit);
     let moved = worst.and_then(|worst| left_out.moved(worst, fit));
+    let structured = goodness.chances.across.min(goodness.chances.along) < SIGNIFICANT;
     if !structured && moved.is_some_and(|moved| moved < MATTERS) {
-        return goodness;
+        return None;
     }
     let by_chi2 = goodness.reduced_chi2().sqrt();
-    goodness.scale = by_chi2.max(left_out.scale(scene, fit)).max(1.0);
-    // A comparison with NaN is false: a misfit that is no number is poor.
-    goodness.verdict = if goodness.scale < POOR && by_chi2.is_finite() {
-        Verdict::Strained
-    } else {
-        Verdict::Poor
-    };
-    goodness
+    Some(by_chi2.max(left_out.scale(scene, fit)).max(1.0))
 }
 
 /// Returns the probability of the sums that `of` names, over all photographs.
@@ -172,58 +218,55 @@ fn of_sums(remainders: &[Remainder], of: fn(&Remainder) -> &Vec<f64>) -> f64 {
     chance::of_squares(squares, freedom)
 }
 
-/// Estimates that leave one photograph out each: the logarithms of their parameters.
+/// Changes of the blur's parameters, as logarithms, if one photograph is left out: to first order,
+/// by one Gauss-Newton step each.
 struct LeftOut {
-    each: Vec<BTreeMap<ParameterId, f64>>,
+    each: Vec<DVector<f64>>,
 }
 
 impl LeftOut {
-    /// Fits the chosen candidate again without each of the photographs. There are no fits if there
-    /// is one photograph only.
-    fn all(scene: &Scene, loss: &Loss, fit: &Estimate) -> LeftOut {
-        let count = scene.shots.len();
-        let each = if count > 1 { 0..count } else { 0..0 };
-        let each = each.into_par_iter().map(|i| {
-            let other = scene.without(i);
-            let loss = loss.without(i, &other);
-            let from = start(scene, &other, fit);
-            let found = estimate(&other, &loss, refined(&other, &loss, from));
-            let values = found.parameters.iter().zip(found.values());
-            values.map(|(&id, v)| (id, v.value.ln())).collect()
-        });
+    /// Computes the changes for all photographs, the reference too if the loss counts it. A change
+    /// is infinite if the other photographs do not determine the parameters.
+    fn all(loss: &Loss, layout: &Layout, fit: &Estimate) -> LeftOut {
+        let at = &fit.solution.parameters;
+        let (_, jacobian) = loss.evaluate(layout, at);
+        let normal = jacobian.tr_mul(&jacobian);
+        let one = |(residuals, jacobian): (DVector<f64>, DMatrix<f64>)| {
+            let others = &normal - jacobian.tr_mul(&jacobian);
+            // At the optimum the gradients of all photographs add up to 0.
+            let pull = jacobian.tr_mul(&residuals);
+            let step = others.cholesky().map(|others| others.solve(&pull));
+            step.unwrap_or_else(|| DVector::from_element(at.len(), f64::INFINITY))
+        };
         LeftOut {
-            each: each.collect(),
+            each: loss.parts(layout, at).into_iter().map(one).collect(),
         }
     }
 
-    /// Returns the largest change of a parameter, in standard errors, without photograph `i`. It is
-    /// `None` for the reference, or if there is no fit without the photograph.
+    /// Returns the largest change of a parameter, in standard errors, without photograph `i`.
     fn moved(&self, i: usize, fit: &Estimate) -> Option<f64> {
-        let without = self.each.get(i)?;
-        let changes = fit.parameters.iter().zip(fit.values()).map(|(id, value)| {
-            let change = without
-                .get(id)
-                .map_or(f64::INFINITY, |ln| ln - value.value.ln());
-            change.abs() * value.value / value.standard_error
-        });
+        let changes = self.each.get(i)?;
+        let blur = fit.values().take(fit.blur_parameters()).zip(changes);
+        let moved = blur.map(|(value, change)| change.abs() * value.value / value.standard_error);
         // A change that is no number counts as large.
-        Some(changes.fold(
-            0.0,
-            |most, change| if change <= most { most } else { change },
-        ))
+        Some(moved.fold(0.0, |most, moved| if moved <= most { most } else { moved }))
     }
 
     /// Returns the ratio of the standard errors of the jackknife to those of the noise: the largest
-    /// over the kinds of parameters, each the root of the mean square over its angles.
+    /// over the kinds of parameters of the blur, each the root of the mean square over its angles.
     fn scale(&self, scene: &Scene, fit: &Estimate) -> f64 {
         let mut kinds: Vec<(ParameterKind, f64, f64)> = Vec::new();
-        for (id, value) in fit.parameters.iter().zip(fit.values()) {
-            let own: Vec<f64> = scene
-                .shots
-                .iter()
-                .zip(&self.each)
-                .filter(|(shot, _)| id.incidence_deg.is_none_or(|deg| deg == shot.incidence_deg))
-                .filter_map(|(_, without)| without.get(id).copied())
+        let blur = fit.parameters.iter().zip(fit.values());
+        for (k, (id, value)) in blur.enumerate().take(fit.blur_parameters()) {
+            let at_angle = |i: usize| {
+                let shot = scene.shots.get(i);
+                let apart = shot.zip(id.incidence_deg);
+                apart.is_none_or(|(shot, deg)| shot.incidence_deg == deg)
+            };
+            let own: Vec<f64> = (0..self.each.len().min(scene.shots.len()))
+                .filter(|&i| at_angle(i))
+                .map(|i| self.each[i][k])
+                .filter(|change| change.is_finite())
                 .collect();
             let ratio = variance(&own) * (value.value / value.standard_error).powi(2);
             if own.len() < 2 || !ratio.is_finite() {
@@ -245,22 +288,6 @@ fn variance(without: &[f64]) -> f64 {
     let mean = without.iter().sum::<f64>() / n;
     let squares: f64 = without.iter().map(|v| (v - mean).powi(2)).sum();
     squares * (n - 1.0) / n
-}
-
-/// Returns a start for a scene with fewer photographs, and maybe fewer incidences.
-fn start(scene: &Scene, other: &Scene, fit: &Estimate) -> Optimum {
-    let [all, fewer] = [scene, other].map(|scene| Layout::new(fit.choice, scene.groups.len()));
-    let mut from = fit.optimum();
-    let at = &fit.solution.parameters;
-    let mut parameters = at.rows(0, fewer.parameters()).into_owned();
-    for (group, incidence_deg) in other.groups.iter().enumerate() {
-        let own = scene.groups.iter().position(|deg| deg == incidence_deg);
-        if let (Some(to), Some(from)) = (fewer.spread(group), own.and_then(|g| all.spread(g))) {
-            parameters[to] = at[from];
-        }
-    }
-    from.solution.parameters = parameters;
-    from
 }
 
 #[cfg(test)]

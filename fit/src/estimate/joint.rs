@@ -1,13 +1,13 @@
 //! The likelihood of all photographs together. They share blur and lens, and the pixels of the
 //! reference count beside those of the photographs of the mid-air edge.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
 use crate::compare::{Curves, Fitted, Photograph, Remainder};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
-use crate::estimate::covariance::{Covariances, Mu};
+use crate::estimate::covariance::{Covariances, Mu, Scatter};
 use crate::estimate::layout::Layout;
 use crate::estimate::optics::camera_of;
 use crate::estimate::scene::Scene;
@@ -174,17 +174,20 @@ impl<'a> Joint<'a> {
             .collect()
     }
 
-    /// Returns the likelihood without photograph `left_out`. `scene` is the scene without it. Noise
-    /// and light of the others stay as they are.
-    pub(crate) fn without<'b>(&'b self, left_out: usize, scene: &'b Scene) -> Joint<'b> {
-        let mut shots = self.shots.clone();
-        shots.remove(left_out);
-        Joint {
-            scene,
-            shots,
-            reference: self.reference.clone(),
-            lens: self.lens.clone(),
-        }
+    /// Evaluates the residuals of each photograph and their derivatives by all parameters, the
+    /// reference last.
+    pub(crate) fn parts(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Evaluation> {
+        let width = layout.parameters() + self.lens.len();
+        let fitted = self.fitted(layout, at).into_iter().enumerate();
+        let parts = fitted.map(|(i, (fitted, _))| {
+            let factor = without(&fitted.factor, fitted.columns);
+            let mut jacobian = DMatrix::zeros(factor.nrows(), width);
+            for (k, column) in self.columns(layout, i).into_iter().enumerate() {
+                jacobian.set_column(column, &factor.column(k));
+            }
+            (factor.column(factor.ncols() - 1).into_owned(), jacobian)
+        });
+        parts.collect()
     }
 
     /// Returns the columns of the derivatives of photograph `i`. The reference is the last
@@ -261,6 +264,7 @@ impl<'a> Joint<'a> {
         let mut normal = DMatrix::zeros(width, width);
         let mut gradient = DVector::zeros(width);
         let mut by_eta = DMatrix::<f64>::zeros(width, scene.groups.len());
+        let mut tells = Vec::new();
         for (i, factor) in factors.iter().enumerate() {
             let step = factor.column(0);
             let mut columns = self.columns(layout, i);
@@ -286,11 +290,23 @@ impl<'a> Joint<'a> {
                     gradient[column] += pull[k];
                     by_eta[(column, shot.group)] += of_eta[k];
                 }
+                tells.push(Light {
+                    step: factor[(0, 0)],
+                    of_eta: returned.relative_error(),
+                    off,
+                    rows: rows.row(0).into_owned(),
+                    columns: columns.clone(),
+                });
             }
             scatter(&mut normal, &columns, &rows.tr_mul(&rows));
         }
         let tied = inverse(&normal);
-        let ln_mu = -(&tied * gradient).rows(first, groups).into_owned();
+        let solution = -(&tied * gradient);
+        let ln_mu = solution.rows(first, groups).into_owned();
+        let scatter = Scatter {
+            each: tells.iter().map(|own| own.left(&solution)).collect(),
+            freedom: tells.len().saturating_sub(groups),
+        };
         let values = ln_mu.iter().map(|v| v.exp()).collect();
         let rays = &tied * by_eta;
         let mut covariance = DMatrix::zeros(p + groups, p + groups);
@@ -307,7 +323,36 @@ impl<'a> Joint<'a> {
                 covariance[(j, i)] = value;
             }
         }
-        Mu { values, covariance }
+        Mu {
+            values,
+            covariance,
+            scatter,
+        }
+    }
+}
+
+/// What one photograph tells of its light.
+struct Light {
+    /// Square root of the information on ln step.
+    step: f64,
+    /// Relative error of the table's retroreflected share.
+    of_eta: f64,
+    /// Difference of ln step for mu = 1.
+    off: f64,
+    /// Derivatives of the difference, in units of the noise.
+    rows: RowDVector<f64>,
+    /// Columns of these derivatives.
+    columns: Vec<usize>,
+}
+
+impl Light {
+    /// Returns the difference between the light of the photograph and that of a solution, in units
+    /// of its noise; positive if the photograph has more.
+    fn left(&self, solution: &DVector<f64>) -> f64 {
+        let pairs = self.columns.iter().zip(self.rows.iter());
+        let moved: f64 = pairs.map(|(&column, v)| v * solution[column]).sum();
+        let noise = 1.0_f64.hypot(self.step * self.of_eta);
+        -(moved + self.step * self.off) / noise
     }
 }
 

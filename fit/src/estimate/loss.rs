@@ -110,12 +110,22 @@ impl<'a> Loss<'a> {
         }
     }
 
-    /// Returns the loss without photograph `left_out`. `scene` is the scene without it.
-    pub(crate) fn without<'b>(&'b self, left_out: usize, scene: &'b Scene) -> Loss<'b> {
+    /// Evaluates the residuals of each photograph and their derivatives by all parameters. Together
+    /// they are those of [`Loss::evaluate`], except for an assumption on the lens. The loss `edge`
+    /// has the reference last.
+    pub(crate) fn parts(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Evaluation> {
+        let of = |scene: &Scene, weights| {
+            let all = scene.shots.par_iter().map(|shot| {
+                let blur = layout.blur(at, shot.group);
+                let part = [compare(shot, None, layout.choice, blur)];
+                assemble(std::slice::from_ref(shot), layout, &part, weights)
+            });
+            all.collect()
+        };
         match self {
-            Loss::Mtf(_) => Loss::Mtf(scene),
-            Loss::Mse(_) => Loss::Mse(scene),
-            Loss::Edge(joint) => Loss::Edge(Box::new(joint.without(left_out, scene))),
+            Loss::Mtf(scene) => of(scene, Weights::Noise),
+            Loss::Mse(scene) => of(scene, Weights::Even),
+            Loss::Edge(joint) => joint.parts(layout, at),
         }
     }
 
@@ -140,5 +150,5 @@ fn differences(scene: &Scene, layout: &Layout, at: &DVector<f64>, weights: Weigh
         .par_iter()
         .map(|shot| compare(shot, None, layout.choice, layout.blur(at, shot.group)))
         .collect();
-    assemble(scene, layout, &parts, weights)
+    assemble(&scene.shots, layout, &parts, weights)
 }

@@ -14,7 +14,7 @@
 //! - [`covariance`], [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], [`azimuth`], [`forward`]: bounds, the azimuth, and the estimate by samples.
-//! - [`goodness`]: how well the fit describes the photographs.
+//! - [`goodness`], [`suspects`]: how well the fit describes the photographs, and why it does not.
 //! - [`mirror`], [`verdict`]: warnings. [`watch`]: progress and cancellation.
 
 mod azimuth;
@@ -40,6 +40,7 @@ mod remarks;
 pub(crate) mod scene;
 pub(crate) mod select;
 mod start;
+mod suspects;
 mod verdict;
 mod watch;
 
@@ -83,4 +84,5 @@ pub(crate) use select::Ranked;
 #[cfg(test)]
 pub(crate) use select::Selection;
 pub(crate) use select::{CLEAR, own_mu_limit, scatter_of_mu};
+pub use suspects::{OtherTable, Suspect};
 pub use watch::{Step, Watch};

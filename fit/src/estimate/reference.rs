@@ -26,8 +26,24 @@ pub struct Reference {
     /// Whitened sum of squares of the lens fit per degree of freedom. It is about 1 if the lens
     /// model describes the camera.
     pub reduced_chi2: f64,
+    /// Frequency at which the measured MTF falls to one half, 1/mm.
+    pub mtf50_per_mm: Option<f64>,
     /// Relation between stored values and light that was taken for the photograph.
     pub transfer: Taken,
+}
+
+impl Reference {
+    /// Returns whether a photograph of the mid-air edge is sharper than the reference.
+    ///
+    /// The blur of the sheet only adds to that of the lens. So where the MTF of the reference is
+    /// one half, that of a mid-air image is at most one half. The margin allows for the square
+    /// pixel, whose MTF depends on the direction of the edge.
+    pub(crate) fn is_blunter_than(&self, view: &View) -> bool {
+        const MARGIN: f64 = 0.1;
+        const SURE: f64 = 5.0;
+        let at = self.mtf50_per_mm.and_then(|f| view.mtf_at(f));
+        at.is_some_and(|[mtf, error]| mtf - 0.5 > MARGIN.max(SURE * error))
+    }
 }
 
 /// Fall of the sum of squares for which a free exponent is kept. A superfluous exponent reaches it
@@ -81,6 +97,7 @@ pub(crate) fn measure(view: &View, pixels: Pixels, exposure: f64) -> (Reference,
         step_relative_error: contrast.variance(&view.profile).sqrt() / contrast.step.abs(),
         step_by_lens,
         reduced_chi2,
+        mtf50_per_mm: view.mtf50_per_mm(),
         transfer: Taken::default(),
     };
     (reference, optics)

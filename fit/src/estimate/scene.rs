@@ -58,6 +58,16 @@ pub enum Error {
         /// Fault of the edge.
         fault: edge::fault::Fault,
     },
+    /// Photograph that is sharper than the reference.
+    #[error("{}: capture \"{image}\" is sharper than the [reference], but a sheet only adds blur: \
+             the two photographs may be exchanged, or the reference is out of focus; exchange or \
+             repeat them", manifest.display())]
+    Sharper {
+        /// File of the manifest.
+        manifest: PathBuf,
+        /// Image of the capture.
+        image: String,
+    },
     /// Estimate stopped by its caller.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -171,8 +181,8 @@ impl Scene {
     /// # Errors
     /// Returns [`Error::Captures`] if `photo` fails, [`Error::Edge`] if a photograph has no usable
     /// edge, [`Error::Direction`] if the table neither holds nor brackets its direction,
-    /// [`Error::NothingLeft`] if no capture returns light, and [`Error::Cancelled`] if the flag of
-    /// `watch` is set.
+    /// [`Error::NothingLeft`] if no capture returns light, [`Error::Sharper`] if a capture is
+    /// sharper than the reference, and [`Error::Cancelled`] if the flag of `watch` is set.
     pub fn watched(
         campaign: &Campaign,
         table: &Table,
@@ -220,6 +230,15 @@ impl Scene {
         }
         let groups = group(&mut shots);
         if let Some(reference) = &reference {
+            let sharper = shots
+                .iter()
+                .find(|shot| reference.is_blunter_than(&shot.view));
+            if let Some(shot) = sharper {
+                return Err(Error::Sharper {
+                    manifest: campaign.file.clone(),
+                    image: shot.image.clone(),
+                });
+            }
             let read = shots.iter().map(|shot| (&*shot.image, &shot.transfer));
             warnings.extend(remarks::of_transfers(&reference.transfer, read));
         }

@@ -6,6 +6,7 @@ use crate::estimate::fitted::Estimate;
 use crate::estimate::goodness::{Goodness, Verdict};
 use crate::estimate::scene::Scene;
 use crate::estimate::select::Ranked;
+use crate::estimate::suspects::Suspect;
 use crate::names::Kernel;
 
 /// Chi-square per degree of freedom of the reference's MTF above which the lens model does not
@@ -16,6 +17,9 @@ use crate::names::Kernel;
 /// it in 5 of 1000 fits with 20 degrees of freedom.
 const POOR_LENS: f64 = 2.0;
 
+/// Number of suspects that a warning names.
+const SAID: usize = 3;
+
 /// Returns the warnings about an estimate: undetermined parameters, a model that does not describe
 /// the photographs, and impossible values.
 pub(crate) fn of_estimate(
@@ -23,6 +27,7 @@ pub(crate) fn of_estimate(
     best: &Estimate,
     compared: &[Ranked],
     goodness: &Goodness,
+    suspects: &[Suspect],
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     // Only photographs at several distances, or the user, can tell how a scales with distance.
@@ -40,7 +45,8 @@ pub(crate) fn of_estimate(
                 .into(),
         );
     }
-    warnings.extend(misfit(goodness));
+    warnings.extend(misfit(goodness, suspects));
+    warnings.extend(unlike_diffraction(scene, best));
     warnings.extend(coarse(best));
     warnings.extend(not_told(best));
     if let Some(mu) = best.mu.iter().flatten().find(|mu| is_above_one(mu)) {
@@ -54,26 +60,85 @@ pub(crate) fn of_estimate(
     warnings
 }
 
-/// Returns a warning about a significant misfit.
-fn misfit(goodness: &Goodness) -> Option<String> {
-    let grave = match goodness.verdict {
-        Verdict::Good => return None,
-        Verdict::Strained => "noise does not explain all differences between photographs and model",
-        Verdict::Poor => "the model does not describe the photographs",
+/// Returns a warning if light would have to have an impossible wavelength.
+///
+/// An aperture of width c spreads light of the wavelength lambda so that A = a R is about pi c /
+/// lambda. (The published fits of Sugawara and Koizumi, a R = 735 at c = 0.08 mm, give 0.34 um.)
+/// Rough facets spread light more, so lambda may come out several times too large. Distances in
+/// another unit than mm change it by a factor of 10 or more, and no misfit tells of them.
+fn unlike_diffraction(scene: &Scene, best: &Estimate) -> Option<String> {
+    const LEAST_UM: f64 = 0.1;
+    const MOST_UM: f64 = 3.0;
+    let kernel = best.choice.kernel;
+    if !matches!(kernel, Kernel::Eq1 | Kernel::Angular) {
+        return None;
+    }
+    // The first incidence is the smallest one, where facets are foreshortened least.
+    let (c, spread) = (best.c_mm?, best.spread.first()?);
+    let scale = if kernel == Kernel::Angular {
+        1.0
+    } else {
+        scene.mean_distance_mm()
     };
-    let worst = goodness
-        .worst
-        .as_ref()
-        .map(|(image, reduced)| format!("; {image} fits worst ({reduced:.2})"));
-    Some(format!(
-        "the fit is {}: {grave} (chi-square {:.3} per degree of freedom{}); all standard errors \
-        are multiplied by {:.2}; check the manifest and the table, or try another --kernel or \
-        --lobe",
-        goodness.verdict.name(),
-        goodness.reduced_chi2(),
-        worst.unwrap_or_default(),
-        goodness.scale
-    ))
+    let a_times_r = spread.value * scale;
+    let wavelength_um = 1e3 * std::f64::consts::PI * c.value / a_times_r;
+    (!(LEAST_UM..=MOST_UM).contains(&wavelength_um)).then(|| {
+        format!(
+            "diffraction at apertures of {:.3} mm would need light of {wavelength_um:.2} um to give \
+            a R = {a_times_r:.0}; check that floating_distance_mm and pixel_pitch_mm are in mm \
+            (other causes of blur, such as rough facets, raise this number too)",
+            c.value
+        )
+    })
+}
+
+/// Returns a warning about a significant misfit, with its suspects.
+fn misfit(goodness: &Goodness, suspects: &[Suspect]) -> Option<String> {
+    let verdict = goodness.verdict.name();
+    let said = suspects.iter().take(SAID).map(|own| own.what.as_str());
+    let said = said.collect::<Vec<_>>().join("; or if ");
+    let (of_blur, of_mu) = (goodness.scale, goodness.scale_of_mu);
+    match goodness.verdict {
+        Verdict::Good => None,
+        Verdict::Strained if of_blur <= 1.0 => {
+            let remedy = if said.is_empty() {
+                "check the exposures, and that the lamp is steady".to_owned()
+            } else {
+                format!("they would agree if {said}; check also that the lamp is steady")
+            };
+            Some(format!(
+                "the fit is {verdict}: the photographs disagree on mu by more than their noise. \
+                The standard errors of mu are multiplied by {of_mu:.2}; those of c and a do not \
+                depend on the brightness. {remedy}"
+            ))
+        }
+        Verdict::Strained | Verdict::Poor => {
+            let grave = if goodness.verdict == Verdict::Poor {
+                "the model does not describe the photographs"
+            } else {
+                "noise does not explain all differences between photographs and model"
+            };
+            let worst = goodness
+                .worst
+                .as_ref()
+                .map_or(String::new(), |(image, reduced)| {
+                    format!("; {image} fits worst, with {reduced:.2}")
+                });
+            let remedy = if said.is_empty() {
+                "No single mistake that was tried explains it: check the manifest, the \
+                photographs and the table"
+                    .to_owned()
+            } else {
+                format!("It would fit if {said}")
+            };
+            Some(format!(
+                "the fit is {verdict}: {grave} (chi-square {:.3} per degree of freedom{worst}). \
+                The standard errors of the blur are multiplied by {of_blur:.2}, those of mu by \
+                {of_mu:.2}. {remedy}",
+                goodness.reduced_chi2(),
+            ))
+        }
+    }
 }
 
 /// Returns a warning if the model of the lens does not describe the reference.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Chances, Goodness, Verdict};
+use crate::estimate::{Chances, Goodness, Suspect, Verdict};
 
 /// Quality of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,10 +19,27 @@ pub struct FitResult {
     pub p_values: Chances,
     /// Factor on all standard errors: 1 if the misfit is not significant.
     pub scale: f64,
+    /// Factor on the standard errors of mu: at least `scale`, and more if the photographs disagree
+    /// on mu.
+    pub scale_of_mu: f64,
     /// The quality in one word.
     pub verdict: Verdict,
     /// Photograph with the largest misfit.
     pub worst: Option<Worst>,
+    /// Mistakes that would explain the misfit, the best first.
+    pub suspects: Vec<Suspected>,
+}
+
+/// Mistake that would explain a misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Suspected {
+    /// The mistake, as a sentence.
+    pub what: String,
+    /// Photographs that it concerns; empty if it concerns all.
+    pub captures: Vec<String>,
+    /// Sum of squares of the fit without the mistake. If the mistake is an exposure, it is that of
+    /// the differences of light.
+    pub chi2_if_so: f64,
 }
 
 /// Photograph with the largest misfit.
@@ -36,7 +53,7 @@ pub struct Worst {
 
 impl FitResult {
     /// Converts the quality of an estimate.
-    pub(crate) fn new(goodness: &Goodness) -> FitResult {
+    pub(crate) fn new(goodness: &Goodness, suspects: &[Suspect]) -> FitResult {
         FitResult {
             chi2: goodness.chi2,
             degrees_of_freedom: goodness.degrees_of_freedom,
@@ -44,11 +61,20 @@ impl FitResult {
             p_value: goodness.chances.chi2,
             p_values: goodness.chances,
             scale: goodness.scale,
+            scale_of_mu: goodness.scale_of_mu,
             verdict: goodness.verdict,
             worst: goodness.worst.as_ref().map(|(image, reduced)| Worst {
                 image: image.clone(),
                 reduced_chi2: *reduced,
             }),
+            suspects: suspects
+                .iter()
+                .map(|own| Suspected {
+                    what: own.what.clone(),
+                    captures: own.captures.clone(),
+                    chi2_if_so: own.chi2_if_so,
+                })
+                .collect(),
         }
     }
 }

@@ -354,7 +354,7 @@ impl ResultFile {
             },
             half_mirror: scene.half_mirror,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
-            fit: Some(FitResult::new(&estimated.goodness)),
+            fit: Some(FitResult::new(&estimated.goodness, &estimated.suspects)),
             domain: Some(Domain::of(scene)),
             table,
             warnings: estimated.warnings.clone(),

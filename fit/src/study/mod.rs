@@ -22,3 +22,5 @@ pub(crate) use refused::Refused;
 pub(crate) use summary::tells;
 pub(crate) use summary::{Figure, LOOSE, Summary};
 pub(crate) use trial::{LOSSES, PARAMETERS, Trial};
+#[cfg(test)]
+pub(crate) use trial::{campaign, source};

@@ -52,6 +52,7 @@ fn reason(error: &Error) -> &'static str {
     match error {
         Error::Scene(scene::Error::Edge { fault, .. }) => fault.kind(),
         Error::Scene(scene::Error::NothingLeft { .. }) => "nothing retroreflected",
+        Error::Scene(scene::Error::Sharper { .. }) => "sharper than the reference",
         Error::Scene(_) => "no photograph",
         _ => "no estimate",
     }

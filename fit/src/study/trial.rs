@@ -109,7 +109,7 @@ pub(crate) fn run(params: &Params, index: u64, table: &Table) -> Result<Trial, E
 fn judged(scene: &Scene, loss: &Loss, near: Optimum) -> (Estimate, Quality) {
     let mut fit = estimate(scene, loss, refined(scene, loss, near));
     let goodness = goodness(scene, loss, &fit);
-    fit.raise(goodness.scale);
+    fit.raise(goodness.scales());
     let quality = Quality {
         verdict: goodness.verdict,
         scale: goodness.scale,

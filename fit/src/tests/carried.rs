@@ -83,10 +83,10 @@ fn chi_square_rises_by_2_7055_at_a_bound() {
     assert_eq!(cases, 4);
 }
 
-/// Checks how a misfit enters the errors: as one factor on all standard errors, and its square on
-/// the whole covariance. Powers of two multiply exactly.
+/// Checks how a misfit enters the errors: as a factor on the standard errors of the blur and one on
+/// those of mu, and by their products on the covariance. Powers of two multiply exactly.
 #[test]
-fn a_misfit_raises_all_standard_errors_by_one_factor() {
+fn a_misfit_raises_standard_errors_by_its_factors() {
     let incidence = [5.0, 30.0];
     let planted = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.31, 0.6);
     let of_ideal = table(&planted, &incidence, 20.0);
@@ -98,10 +98,12 @@ fn a_misfit_raises_all_standard_errors_by_one_factor() {
     for kind in [Kind::Mtf, Kind::Edge] {
         let fit = fitted(&scene, SHARED, kind);
         let mut raised = fit.clone();
-        raised.raise(4.0);
-        assert_eq!(raised.covariance, &fit.covariance * 16.0);
-        for (more, own) in raised.values().zip(fit.values()) {
-            assert_eq!(more.standard_error, 4.0 * own.standard_error);
+        raised.raise([4.0, 8.0]);
+        let by = [4.0, 4.0, 8.0];
+        let expected = DMatrix::from_fn(3, 3, |i, j| fit.covariance[(i, j)] * by[i] * by[j]);
+        assert_eq!(raised.covariance, expected);
+        for ((more, own), by) in raised.values().zip(fit.values()).zip(by) {
+            assert_eq!(more.standard_error, by * own.standard_error);
             assert_eq!(more.value, own.value);
             cases += 1;
         }

@@ -42,5 +42,6 @@ mod simulate_campaign;
 mod statistics;
 mod strips;
 mod study;
+mod suspects;
 mod transfers;
 mod wave;
