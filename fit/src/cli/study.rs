@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 use tables::cli as terminal;
 
@@ -17,7 +18,9 @@ use crate::cli::{forward, sampled};
 use crate::estimate::Error;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
+use crate::estimate::OtherTable;
 use crate::estimate::Scene;
+use crate::estimate::Verdict;
 use crate::estimate::Watch;
 use crate::estimate::select::select;
 use crate::photographs::captures;
@@ -30,7 +33,7 @@ use crate::study::{LOOSE, Summary};
 use crate::study::{LOSSES, PARAMETERS, Trial};
 use crate::study::{Speed, speed};
 use crate::study::{Study, photographs};
-use crate::study::{choice, trial};
+use crate::study::{choice, mistakes, trial};
 
 /// Measures how good estimates are: against the Cramer-Rao bound or a known truth.
 ///
@@ -86,6 +89,14 @@ pub(crate) struct Arguments {
     /// Ray-shift table of the sheet, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
+    /// Table of another cell, which is tried where a fit of `--mistakes` is not good.
+    #[arg(
+        long,
+        value_name = "TABLE.h5",
+        requires = "mistakes",
+        help_heading = "Drawn campaigns"
+    )]
+    pub other_table: Vec<PathBuf>,
     /// Terms of the model.
     #[command(flatten)]
     pub terms: Terms,
@@ -116,6 +127,17 @@ pub(crate) struct Arguments {
     /// Kernels and sharings are drawn too, and are left open in the fit (auto).
     #[arg(long, requires = "ranges", help_heading = "Drawn campaigns")]
     pub choice: bool,
+    /// Counts how often a mistake is noticed.
+    ///
+    /// Every second campaign has one planted mistake in its manifest, its table or its cell. Each
+    /// campaign has one azimuth.
+    #[arg(
+        long,
+        requires = "ranges",
+        conflicts_with = "choice",
+        help_heading = "Drawn campaigns"
+    )]
+    pub mistakes: bool,
     /// File that receives one row for each campaign, as CSV.
     #[arg(
         long,
@@ -285,6 +307,19 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
             choices(&summary)
         });
     }
+    if arguments.mistakes {
+        let study = Mistaken {
+            arguments,
+            ranges: &ranges,
+            table: &table,
+            directions: &directions,
+        };
+        let (text, rows) = study.run(pool)?;
+        if let Some(output) = csv {
+            output.commit(rows.as_bytes())?;
+        }
+        return Ok(text);
+    }
     let (trials, refused) = run_all(arguments, pool, |index| {
         let params = ranges.campaign(arguments.seed, index, &directions);
         trial::run(&params, index, &table)
@@ -302,6 +337,101 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     } else {
         table_of(&summary)
     })
+}
+
+/// Inputs of a study of planted mistakes.
+struct Mistaken<'a> {
+    arguments: &'a Arguments,
+    ranges: &'a Ranges,
+    table: &'a Table,
+    directions: &'a [[f64; 2]],
+}
+
+impl Mistaken<'_> {
+    /// Runs the study. Returns its text, and one row for each campaign as CSV.
+    fn run(&self, pool: &rayon::ThreadPool) -> Result<(String, String), Failure> {
+        let mut options = mistakes::options();
+        for path in &self.arguments.other_table {
+            options.others.push(OtherTable {
+                name: path.display().to_string(),
+                table: Arc::new(tables::read(path)?),
+            });
+        }
+        let seed = self.arguments.seed;
+        let (trials, refused) = run_all(self.arguments, pool, |index| {
+            let directions = self.of_one_azimuth(index);
+            let params = self.ranges.campaign(seed, index, &directions);
+            mistakes::run(&params, (seed, index), self.table, &options)
+        });
+        let (rows, bands) = (mistakes::rows(&trials), mistakes::bands(&trials));
+        let text = if self.arguments.json {
+            output::json(&serde_json::json!({
+                "mistakes": rows,
+                "effects": bands,
+                "refused": refused,
+            }))
+        } else {
+            caught(&rows, &bands) + &refused::examples(&refused)
+        };
+        Ok((text, of_mistakes(&trials)))
+    }
+
+    /// Returns the directions of one of the azimuths, which take turns.
+    fn of_one_azimuth(&self, index: u64) -> Vec<[f64; 2]> {
+        let mut azimuths: Vec<f64> = self.directions.iter().map(|d| d[1]).collect();
+        azimuths.sort_by(f64::total_cmp);
+        azimuths.dedup();
+        let own = azimuths[index as usize % azimuths.len()];
+        let all = self.directions.iter().copied();
+        all.filter(|direction| direction[1] == own).collect()
+    }
+}
+
+fn caught(rows: &[mistakes::Row], bands: &[mistakes::Band]) -> String {
+    let mut text = format!(
+        "{:<22}{:>10}{:>8}{:>9}{:>10}{:>8}{:>9}{:>14}\n",
+        "mistake", "campaigns", "good", "doubted", "strained", "poor", "refused", "named first"
+    );
+    for row in rows {
+        let good = row.campaigns - row.doubted - row.strained - row.poor - row.refused;
+        let _ = writeln!(
+            text,
+            "{:<22}{:>10}{good:>8}{:>9}{:>10}{:>8}{:>9}{:>14}",
+            row.mistake.words(),
+            row.campaigns,
+            row.doubted,
+            row.strained,
+            row.poor,
+            row.refused,
+            row.first
+        );
+    }
+    text.push_str("effect of the mistake, standard errors: caught of campaigns\n");
+    for band in bands {
+        let _ = writeln!(
+            text,
+            "  {:>4} to {:<4}{:>6} of {}",
+            band.effect[0], band.effect[1], band.caught, band.campaigns
+        );
+    }
+    text
+}
+
+fn of_mistakes(trials: &[mistakes::Trial]) -> String {
+    let mut text = String::from("campaign,mistake,effect,verdict,named_first,suspects\n");
+    for trial in trials {
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},\"{}\"",
+            trial.index,
+            trial.mistake.words(),
+            trial.effect,
+            trial.verdict.map_or("refused", Verdict::name),
+            trial.first,
+            trial.suspects.join("; ")
+        );
+    }
+    text
 }
 
 /// Runs all campaigns in parallel. Returns their trials, and the refused campaigns by reason.

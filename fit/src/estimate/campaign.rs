@@ -209,6 +209,7 @@ pub fn campaign(
         goodness: &goodness,
     };
     let suspects = match goodness.verdict {
+        Verdict::Good if candidates.per_angle_mu.is_none() => search.of_differing_mu(),
         Verdict::Good => Vec::new(),
         Verdict::Strained | Verdict::Poor => search.suspects(),
     };

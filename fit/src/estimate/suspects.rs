@@ -24,7 +24,7 @@ use crate::estimate::select::CLEAR;
 use crate::estimate::start::Start;
 use crate::estimate::watch::Watch;
 use crate::names::{Kernel, LobeShape};
-use crate::numerics::Stop;
+use crate::numerics::{Stop, chance};
 use crate::photographs::Campaign;
 use crate::photographs::photo::transfer::Transfer;
 
@@ -35,6 +35,9 @@ const SURE: f64 = 20.0;
 
 /// Share of the excess of the sum of squares that a suspect has to explain.
 const EXPLAINED: f64 = 0.5;
+
+/// Probability above which the mu of several incidences agree.
+const AGREE: f64 = 1e-3;
 
 /// Number of suspects that are fitted by the loss of the estimate.
 const BEST: usize = 4;
@@ -188,6 +191,49 @@ impl Search<'_> {
             .collect();
         named.sort_by(|a, b| a.0.total_cmp(&b.0));
         named.into_iter().map(|(_, suspect)| suspect).collect()
+    }
+
+    /// Returns the mistakes without which one mu would do for all incidences, where the photographs
+    /// asked for one each. A mu that falls with the incidence is no mistake. So a suspect is named
+    /// only if it makes the mu of all incidences agree within their errors.
+    ///
+    /// Nothing is fitted: mu is inversely proportional to the retroreflected share of the table,
+    /// and the rest of the fit hardly depends on it.
+    pub(crate) fn of_differing_mu(&self) -> Vec<Suspect> {
+        let Some(mu) = self.fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
+            return Vec::new();
+        };
+        let mut all = Vec::new();
+        self.exchanged(&mut all);
+        // Of two incidences one number tells, which one of many mistakes may explain by chance.
+        if mu.len() > 2 {
+            self.turned(&mut all);
+            self.of_another_sheet(&mut all);
+        }
+        let kernel = self.fit.choice.kernel;
+        let agrees = |own: &Alternative| {
+            let shots = self.scene.shots.iter().zip(&own.scene.shots);
+            let numbers = shots.map(|(shot, other)| {
+                let share = |shot: &Aerial| shot.returned(kernel).retroreflected;
+                let value = mu[shot.group];
+                let ln = (value.value * share(shot) / share(other)).ln();
+                (ln, value.standard_error / value.value)
+            });
+            // Photographs of one incidence share its mu, so they count once.
+            let mut groups: Vec<(f64, f64)> = numbers.collect();
+            groups.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            groups.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-12);
+            let squares = scatter_about_mean(&groups);
+            let chance = chance::of_squares(squares, groups.len().saturating_sub(1));
+            (own.scene.is_lit() && groups.len() > 1 && chance > AGREE).then(|| Suspect {
+                what: own.what.clone(),
+                captures: own.captures.clone(),
+                chi2_if_so: squares,
+            })
+        };
+        let mut found: Vec<Suspect> = all.iter().filter_map(agrees).collect();
+        found.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
+        found
     }
 
     /// Fits the MTFs of a scene by each of these candidates, from the estimate, and returns the
@@ -603,6 +649,21 @@ impl Search<'_> {
             chi2_if_so: left,
         })
     }
+}
+
+/// Returns the sum of squares of numbers about their weighted mean, each in units of its error.
+fn scatter_about_mean(numbers: &[(f64, f64)]) -> f64 {
+    let weight = |error: f64| error.max(1e-9).powi(-2);
+    let sum: f64 = numbers.iter().map(|&(_, error)| weight(error)).sum();
+    let mean = numbers
+        .iter()
+        .map(|&(v, error)| v * weight(error))
+        .sum::<f64>()
+        / sum;
+    let squares = numbers
+        .iter()
+        .map(|&(v, error)| (v - mean).powi(2) * weight(error));
+    squares.sum()
 }
 
 /// Returns the sum of squares of a fit less its degrees of freedom.

@@ -99,6 +99,10 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect]) -> Option<String> {
     let said = said.collect::<Vec<_>>().join("; or if ");
     let (of_blur, of_mu) = (goodness.scale, goodness.scale_of_mu);
     match goodness.verdict {
+        Verdict::Good if !said.is_empty() => Some(format!(
+            "mu differs between the incidences, as it does in real sheets. But it would be one \
+            number if {said}"
+        )),
         Verdict::Good => None,
         Verdict::Strained if of_blur <= 1.0 => {
             let remedy = if said.is_empty() {

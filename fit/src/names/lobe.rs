@@ -33,6 +33,14 @@ impl LobeShape {
             .find(|shape| shape.name() == name)
     }
 
+    /// Returns the other shape of a diffraction lobe.
+    pub const fn other(self) -> LobeShape {
+        match self {
+            LobeShape::Radial => LobeShape::Separable,
+            _ => LobeShape::Radial,
+        }
+    }
+
     /// Returns the name in files.
     pub const fn name(self) -> &'static str {
         match self {

@@ -9,6 +9,7 @@
 pub(crate) mod choice;
 pub(crate) mod forward;
 mod given;
+pub(crate) mod mistakes;
 mod ranges;
 pub(crate) mod refused;
 pub(crate) mod summary;
