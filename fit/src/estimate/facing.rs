@@ -79,11 +79,11 @@ impl Facing {
         }
     }
 
-    /// Returns the facing for an azimuth at which no light returns. The lines have no meaning there
+    /// Returns the facing for a direction without light. The lines have no meaning there
     /// and are kept.
-    pub fn dark(&self, direction: &Direction, azimuth_deg: f64) -> Facing {
+    pub fn dark(&self, direction: &Direction, azimuth_deg: Option<f64>) -> Facing {
         Facing {
-            azimuth_deg: Some(azimuth_deg),
+            azimuth_deg,
             returned: Returned {
                 retroreflected: direction.retroreflected,
                 standard_error: direction.standard_error,

@@ -8,7 +8,7 @@
 //! The files, from the lowest to the highest:
 //!
 //! - [`choice`]: the parameters of a candidate. [`layout`]: their order in a vector.
-//! - [`facing`], [`scene`]: photographs with their directions. [`compared`]: photographs with their
+//! - [`facing`], [`scene`], [`placed`]: photographs with their directions. [`compared`]: their
 //!   models.
 //! - [`joint`], [`loss`]: the function that is minimised. [`start`], [`optimum`]: its minimum.
 //! - [`covariance`], [`fitted`]: the results that follow from the minimum.
@@ -32,6 +32,7 @@ mod loss;
 mod mirror;
 pub(crate) mod optics;
 pub(crate) mod optimum;
+mod placed;
 mod reference;
 mod remarks;
 pub(crate) mod scene;
@@ -68,6 +69,8 @@ pub(crate) use optimum::Optimum;
 #[cfg(test)]
 pub(crate) use optimum::residuals_at;
 pub(crate) use optimum::{refined, sum_of_squares_with};
+#[cfg(test)]
+pub(crate) use placed::{OtherIndex, Placed};
 #[cfg(test)]
 pub(crate) use reference::measure as measured_reference;
 pub(crate) use scene::{Aerial, Scene};

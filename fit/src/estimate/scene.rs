@@ -1,8 +1,8 @@
 //! A scene, ready for fitting: all photographs of a campaign, measured, each with its direction of
 //! the table.
 //!
-//! Nothing rewrites a scene. Turning it, or evaluating it by samples, makes another scene that
-//! shares the photographs.
+//! Nothing rewrites a scene. Placing it otherwise, or evaluating it by samples, makes another scene
+//! that shares the photographs.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -100,6 +100,9 @@ pub struct Aerial {
     pub facing: Facing,
     /// True if the camera saw the sheet in the half mirror.
     pub seen_in_mirror: bool,
+    /// Angle by which the tangential axis lies further than the manifest says, from +x towards +y,
+    /// radians; 0 except in a scene that is [`Scene::placed`] otherwise.
+    pub axis_turn_rad: f64,
     /// Samples of the photograph, if its model is evaluated by samples.
     pub sampled: Option<Sampled>,
 }
@@ -107,30 +110,15 @@ pub struct Aerial {
 impl Aerial {
     /// Returns the edge normal in the mid-air image, (tangential, sagittal).
     pub fn normal(&self) -> [f64; 2] {
-        captures::in_image(self.view.normal(), self.seen_in_mirror)
+        let (sin, cos) = self.axis_turn_rad.sin_cos();
+        let [along, clockwise] = self.view.normal();
+        let turned = [along * cos + clockwise * sin, clockwise * cos - along * sin];
+        captures::in_image(turned, self.seen_in_mirror)
     }
 
     /// Returns the share of the light that returns before mu, as a kernel counts it.
     pub fn returned(&self, kernel: Kernel) -> Returned {
         self.facing.returned_as(kernel)
-    }
-
-    /// Returns the photograph with another direction, in closed form.
-    fn faced(&self, facing: Facing) -> Aerial {
-        Aerial {
-            image: self.image.clone(),
-            incidence_deg: self.incidence_deg,
-            r_mm: self.r_mm,
-            group: self.group,
-            exposure: self.exposure,
-            transfer: self.transfer.clone(),
-            view: Arc::clone(&self.view),
-            pixels: Arc::clone(&self.pixels),
-            warnings: self.warnings.clone(),
-            facing,
-            seen_in_mirror: self.seen_in_mirror,
-            sampled: None,
-        }
     }
 }
 
@@ -247,7 +235,7 @@ impl Scene {
     }
 
     /// Returns the scene with these photographs instead of its own.
-    fn with(&self, shots: Vec<Aerial>) -> Scene {
+    pub(super) fn with(&self, shots: Vec<Aerial>) -> Scene {
         Scene {
             shots,
             groups: self.groups.clone(),
@@ -257,47 +245,6 @@ impl Scene {
             spectrum: self.spectrum.clone(),
             warnings: self.warnings.clone(),
         }
-    }
-
-    /// Returns the scene with its photographs at other azimuths, degrees, in closed form. Nothing
-    /// is measured again.
-    ///
-    /// # Errors
-    /// Fails if the table neither holds nor brackets one of the directions.
-    pub fn turned(&self, table: &Table, azimuths_deg: &[f64]) -> Result<Scene, tables::Error> {
-        let turned = |(shot, &azimuth_deg): (&Aerial, &f64)| {
-            let direction = table.direction(shot.incidence_deg, Some(azimuth_deg))?;
-            Ok(shot.faced(if direction.retroreflected > 0.0 {
-                Facing::new(
-                    &direction,
-                    Some(azimuth_deg),
-                    shot.facing.refractive_index,
-                    Along {
-                        incidence_rad: shot.incidence_deg.to_radians(),
-                        normal: shot.normal(),
-                        spectrum: self.spectrum.as_ref(),
-                    },
-                )
-            } else {
-                shot.facing.dark(&direction, azimuth_deg)
-            }))
-        };
-        let shots = self.shots.iter().zip(azimuths_deg).map(turned);
-        Ok(self.with(shots.collect::<Result<_, tables::Error>>()?))
-    }
-
-    /// Returns the scene as it would be if its camera had seen the sheet the other way: straight
-    /// instead of in the mirror, or the reverse. Azimuths stay, and nothing is measured again.
-    ///
-    /// # Errors
-    /// Fails if the table neither holds nor brackets one of the directions.
-    pub fn mirrored(&self, table: &Table) -> Result<Scene, tables::Error> {
-        let other = |shot: &Aerial| Aerial {
-            seen_in_mirror: !shot.seen_in_mirror,
-            ..shot.clone()
-        };
-        let other = self.with(self.shots.iter().map(other).collect());
-        other.turned(table, &self.azimuths_deg())
     }
 
     /// Returns the scene with samples, by which the model of each photograph is evaluated.
@@ -359,7 +306,7 @@ fn name(path: &std::path::Path) -> String {
 }
 
 /// Returns the different incidences, ascending, and sets the group of each photograph.
-fn group(shots: &mut [Aerial]) -> Vec<f64> {
+pub(super) fn group(shots: &mut [Aerial]) -> Vec<f64> {
     let mut groups: Vec<f64> = shots.iter().map(|s| s.incidence_deg).collect();
     groups.sort_by(f64::total_cmp);
     groups.dedup();
@@ -504,6 +451,7 @@ impl Measuring<'_> {
             warnings,
             facing: Facing::new(&direction, capture.azimuth_deg, index, along),
             seen_in_mirror: setup.is_in_mirror(),
+            axis_turn_rad: 0.0,
             sampled: None,
         }))
     }

@@ -11,7 +11,7 @@ use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 
 /// The closed form of the pair at azimuths 0, 15 and 30 deg. By symmetry these give all azimuths.
-fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
+pub(crate) fn all_azimuths(truth: &PlantedSheet, incidence_deg: &[f64]) -> Table {
     let azimuths = [0.0, 15.0, 30.0];
     let single = azimuths.map(|azimuth| table(truth, incidence_deg, azimuth));
     let directions = (0..incidence_deg.len()).flat_map(|i| (0..3).map(move |j| (i, j)));

@@ -30,6 +30,7 @@ mod noise;
 mod photo_formats;
 mod photographs;
 mod pixels;
+mod placed;
 pub(crate) mod planted;
 mod prediction;
 #[cfg(feature = "raw")]
