@@ -108,6 +108,7 @@ pub use crate::estimate::Estimate;
 pub use crate::estimate::Kind as LossKind;
 pub use crate::estimate::campaign::campaign as estimate_campaign;
 pub use crate::estimate::{Choice, Value};
+pub use crate::estimate::{Effect, Given, Trusted};
 pub use crate::estimate::{Estimated, Options};
 pub use crate::estimate::{Step, Watch};
 pub use crate::names::Kernel;

@@ -16,6 +16,7 @@ use crate::estimate::mirror;
 use crate::estimate::optimum::refined;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
+use crate::estimate::trusted::{Doubted, Trusted};
 use crate::estimate::verdict;
 use crate::estimate::watch::Watch;
 use crate::names::Spectrum;
@@ -118,6 +119,10 @@ pub struct Estimated {
     pub bounds: Bounds,
     /// Azimuth of the sheet, if it was estimated.
     pub azimuth: Option<Azimuth>,
+    /// Azimuth after which the cell of the table repeats itself, degrees.
+    pub azimuth_period_deg: f64,
+    /// Inputs that no photograph can check, with the effects of small errors of them.
+    pub trusted: Vec<Trusted>,
     /// Warnings about the campaign as a whole, one sentence each.
     pub warnings: Vec<String>,
     /// Candidate and parameters from which the noise of the pixels was estimated.
@@ -181,10 +186,23 @@ pub fn campaign(
         });
     }
     let mut warnings = scene.warnings.clone();
-    // An azimuth that is estimated follows the view.
-    if campaign.setup.seen_in_mirror.is_none() && azimuth.is_none() {
-        warnings.extend(mirror::unstated(&scene, table, kind, &best)?);
+    if campaign.setup.seen_in_mirror.is_none() {
+        warnings.extend(match &azimuth {
+            None => mirror::unstated(&scene, table, kind, &best)?,
+            Some(_) => mirror::unstated_azimuth(&scene, table, &best)?,
+        });
     }
+    let doubted = Doubted {
+        scene: &scene,
+        campaign: &campaign,
+        table,
+        others: &[],
+        kind,
+        best: &best,
+        bounds: &bounds,
+        azimuth_found: azimuth.is_some(),
+    };
+    let trusted = doubted.trusted();
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
     warnings.extend(verdict::of_estimate(&scene, &best, &compared));
@@ -197,6 +215,8 @@ pub fn campaign(
         kind,
         bounds,
         azimuth,
+        azimuth_period_deg: 360.0 / f64::from(table.provenance.symmetry.rotations.max(1)),
+        trusted,
         warnings,
         near,
     })

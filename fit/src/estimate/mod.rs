@@ -14,6 +14,7 @@
 //! - [`covariance`], [`fitted`]: the results that follow from the minimum.
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], [`azimuth`], [`forward`]: bounds, the azimuth, and the estimate by samples.
+//! - [`trusted`]: effects of what no photograph can check.
 //! - [`mirror`], [`verdict`]: warnings. [`watch`]: progress and cancellation.
 
 mod azimuth;
@@ -38,6 +39,7 @@ mod remarks;
 pub(crate) mod scene;
 pub(crate) mod select;
 mod start;
+mod trusted;
 mod verdict;
 mod watch;
 
@@ -79,5 +81,9 @@ pub(crate) use select::Ranked;
 #[cfg(test)]
 pub(crate) use select::Selection;
 pub(crate) use select::{CLEAR, own_mu_limit, scatter_of_mu};
+#[cfg(test)]
+pub(crate) use trusted::Doubted;
+pub(crate) use trusted::in_words as trusted_in_words;
+pub use trusted::{Effect, Given, Trusted};
 pub(crate) use verdict::POOR_FIT;
 pub use watch::{Step, Watch};

@@ -43,4 +43,5 @@ mod statistics;
 mod strips;
 mod study;
 mod transfers;
+mod trusted;
 mod wave;
