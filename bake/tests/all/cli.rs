@@ -400,6 +400,7 @@ fn without_mpi_a_run_of_many_is_refused_once() {
         (Some(0), String::new())
     );
     assert!(!folder.path().join("table.h5").exists());
-    let share = "trace cell.obj -o table.h5 --method rays --rays 1000 --shard 1/2";
+    let share = "trace cell.obj -o table.h5 --method rays --rays 1000 --shard 1/2 \
+                 --refractive-index 1";
     assert_eq!(run("0", share), (Some(0), String::new()));
 }
