@@ -109,6 +109,7 @@ pub use crate::estimate::Kind as LossKind;
 pub use crate::estimate::campaign::campaign as estimate_campaign;
 pub use crate::estimate::{Chances, Goodness, Verdict};
 pub use crate::estimate::{Choice, Value};
+pub use crate::estimate::{Effect, Given, Trusted};
 pub use crate::estimate::{Estimated, Options};
 pub use crate::estimate::{OtherTable, Suspect};
 pub use crate::estimate::{Step, Watch};

@@ -13,7 +13,7 @@ use crate::plan::number::{count, positive};
 use crate::plan::request::Request;
 use crate::plan::scene::no_planes;
 use std::num::NonZeroUsize;
-use tables::options::{Back, Method, Sampler, SceneOptions};
+use tables::options::{Back, Element, Method, Sampler, SceneOptions};
 use tables::{Axes, Symmetry};
 
 /// Checked plan of a bake, in which nothing is out of range.
@@ -179,6 +179,7 @@ impl Plan {
                     .into(),
             );
         }
+        warnings.extend(self.index_left_out(cell));
         let tolerance_deg = self.angular_tolerance_deg;
         let beyond = self.scene.roughness.map_or(0.0, |rough| {
             roughness::part_beyond(&rough, tolerance_deg.to_radians())
@@ -198,6 +199,23 @@ impl Plan {
             ));
         }
         warnings
+    }
+
+    /// Returns a remark if neither the user nor the mesh says what is behind the front face.
+    ///
+    /// A plate, bodies of glass and bare facets are left out: the index of the first two is not
+    /// that of a front face, and bare facets have a warning of their own.
+    fn index_left_out(&self, cell: &meshes::Cell) -> Option<String> {
+        let own = cell.refractive_index_at(self.wavelength_nm);
+        let behind_a_front = self.scene.element == Element::Retroreflector
+            && self.scene.glass_index.is_none()
+            && self.back == Back::Mirror;
+        (behind_a_front && self.refractive_index.or(own).is_none()).then(|| {
+            "--refractive-index was left out: the cubes are taken as hollow (index 1); give the \
+             index of the material behind the front face, such as 1.49 for acrylic, or say \
+             --refractive-index 1"
+                .into()
+        })
     }
 }
 

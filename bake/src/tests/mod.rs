@@ -14,6 +14,7 @@ mod deviations;
 mod elements;
 mod exact;
 mod hard_cases;
+mod index;
 mod kernels;
 mod leaks;
 mod ranks;

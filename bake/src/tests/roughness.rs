@@ -257,6 +257,7 @@ fn request(incidence: &str, roughness: Option<Roughness>, rays: u64) -> Request 
     Request {
         incidence: incidence.into(),
         azimuth: "0,40".into(),
+        refractive_index: Some(1.0),
         rays: Some(rays),
         bins: 32,
         scene: SceneOptions {

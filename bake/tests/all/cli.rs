@@ -283,7 +283,8 @@ fn a_sheet_that_is_traced_as_a_whole() {
         }
         obj
     };
-    let trace = ["trace", "sheet.obj", "-o", "sheet.h5", "--incidence", "20"];
+    let solid = ["--refractive-index", "1.49", "--incidence", "20"];
+    let trace = [&["trace", "sheet.obj", "-o", "sheet.h5"], &solid[..]].concat();
     std::fs::write(here.join("sheet.obj"), sheet(&|x| x.to_string())).expect("writes");
     assert!(good(here, &trace).contains("method exact"));
     let rounded = sheet(&|x| format!("{:.6}", x * 0.057_735_03));
@@ -305,7 +306,16 @@ fn outputs_that_would_be_lost_are_refused() {
     good(here, &["design", "triangular", "-o", "cube.obj"]);
     good(
         here,
-        &["trace", "cube.obj", "-o", "cube.svg", "--incidence", "0"],
+        &[
+            "trace",
+            "cube.obj",
+            "-o",
+            "cube.svg",
+            "--incidence",
+            "0",
+            "--refractive-index",
+            "1",
+        ],
     );
     let table = std::fs::read(here.join("cube.svg")).expect("a table");
     let refused = bake(here, &["inspect", "cube.svg", "--plot", "./cube.svg"]);
@@ -390,6 +400,7 @@ fn without_mpi_a_run_of_many_is_refused_once() {
         (Some(0), String::new())
     );
     assert!(!folder.path().join("table.h5").exists());
-    let share = "trace cell.obj -o table.h5 --method rays --rays 1000 --shard 1/2";
+    let share = "trace cell.obj -o table.h5 --method rays --rays 1000 --shard 1/2 \
+                 --refractive-index 1";
     assert_eq!(run("0", share), (Some(0), String::new()));
 }

@@ -23,6 +23,7 @@ use crate::estimate::OtherTable;
 use crate::estimate::Watch;
 use crate::estimate::campaign::campaign;
 use crate::estimate::error;
+use crate::estimate::trusted_in_words;
 use crate::estimate::{Estimated, Options};
 use crate::names::Family;
 use crate::names::Spectrum;
@@ -405,6 +406,9 @@ fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
     let mut text = rows.text;
     for (id, bound) in &result.bounds {
         let _ = writeln!(text, "{}", bounded(*id, *bound));
+    }
+    if let Some(said) = trusted_in_words(&result.trusted) {
+        let _ = writeln!(text, "{said}");
     }
     text
 }

@@ -8,7 +8,7 @@ use tables::Outputs;
 use crate::cli::estimate::read_result;
 use crate::cli::failure::Failure;
 use crate::cli::parse;
-use crate::predict::{Form, LOST, nearest};
+use crate::predict::{Form, LOST, Viewpoint, nearest, remarks};
 
 /// Writes the lobe that is nearest to a fitted sheet, as a material for renderers.
 #[derive(Debug, clap::Args)]
@@ -70,6 +70,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.incidence,
         azimuth,
     )?;
+    let place = Viewpoint {
+        incidence_deg: arguments.incidence,
+        azimuth_deg: azimuth.filter(|_| !table.axes.is_mean()),
+        r_mm: arguments.distance,
+    };
+    terminal::warn(remarks(&result, &table, &[place])?);
     terminal::warn([format!("{LOST}. {}", lobe.criterion())]);
     Ok(terminal::deliver(&lobe.text(arguments.to), output)?)
 }

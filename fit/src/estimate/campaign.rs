@@ -19,6 +19,7 @@ use crate::estimate::optimum::refined;
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::{Candidates, Ranked, Selection, select};
 use crate::estimate::suspects::{OtherTable, Search, Suspect};
+use crate::estimate::trusted::{Doubted, Trusted};
 use crate::estimate::verdict;
 use crate::estimate::watch::Watch;
 use crate::names::Spectrum;
@@ -128,6 +129,10 @@ pub struct Estimated {
     pub suspects: Vec<Suspect>,
     /// Azimuth of the sheet, if it was estimated.
     pub azimuth: Option<Azimuth>,
+    /// Azimuth after which the cell of the table repeats itself, degrees.
+    pub azimuth_period_deg: f64,
+    /// Inputs that no photograph can check, with the effects of small errors of them.
+    pub trusted: Vec<Trusted>,
     /// Warnings about the campaign as a whole, one sentence each.
     pub warnings: Vec<String>,
     /// Candidate and parameters from which the noise of the pixels was estimated.
@@ -192,9 +197,11 @@ pub fn campaign(
         });
     }
     let mut warnings = scene.warnings.clone();
-    // An azimuth that is estimated follows the view.
-    if campaign.setup.seen_in_mirror.is_none() && azimuth.is_none() {
-        warnings.extend(mirror::unstated(&scene, table, kind, &best)?);
+    if campaign.setup.seen_in_mirror.is_none() {
+        warnings.extend(match &azimuth {
+            None => mirror::unstated(&scene, table, kind, &best)?,
+            Some(_) => mirror::unstated_azimuth(&scene, table, &best)?,
+        });
     }
     let tried: Vec<Choice> = compared.iter().map(|row| row.choice).collect();
     let search = Search {
@@ -213,6 +220,17 @@ pub fn campaign(
         Verdict::Good => Vec::new(),
         Verdict::Strained | Verdict::Poor => search.suspects(),
     };
+    let doubted = Doubted {
+        scene: &scene,
+        campaign: &campaign,
+        table,
+        others: &options.others,
+        kind,
+        best: &best,
+        bounds: &bounds,
+        azimuth_found: azimuth.is_some(),
+    };
+    let trusted = doubted.trusted();
     let scene = sampled.unwrap_or(scene);
     warnings.extend(left_out);
     warnings.extend(verdict::of_estimate(
@@ -229,6 +247,8 @@ pub fn campaign(
         goodness,
         suspects,
         azimuth,
+        azimuth_period_deg: 360.0 / f64::from(table.provenance.symmetry.rotations.max(1)),
+        trusted,
         warnings,
         near,
     })

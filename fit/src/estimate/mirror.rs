@@ -50,6 +50,25 @@ pub(crate) fn unstated(
     }))
 }
 
+/// Returns a warning if the azimuth was found and another one would be found in the other view: the
+/// view changes the MTF of a photograph at this azimuth.
+///
+/// # Errors
+/// Fails if the table neither holds nor brackets one of the directions.
+pub(crate) fn unstated_azimuth(
+    scene: &Scene,
+    table: &Table,
+    best: &Estimate,
+) -> Result<Option<String>, tables::Error> {
+    let seen = is_seen(scene, &scene.mirrored(table)?, best);
+    Ok(seen.then(|| {
+        "the manifest does not say seen_in_mirror, on which the azimuth that was found depends: \
+         it is that of false, as taken; that of true is another, and c, a and mu may be too; \
+         state it in [setup]"
+            .into()
+    }))
+}
+
 /// Returns whether the MTF of a photograph depends on the view.
 fn is_seen(scene: &Scene, mirrored: &Scene, best: &Estimate) -> bool {
     let layout = Layout::new(best.choice, scene.groups.len());

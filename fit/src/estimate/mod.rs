@@ -15,6 +15,7 @@
 //! - [`select`](mod@select): the choice of the terms.
 //! - [`bound`], [`azimuth`], [`forward`]: bounds, the azimuth, and the estimate by samples.
 //! - [`goodness`], [`suspects`]: how well the fit describes the photographs, and why it does not.
+//! - [`trusted`]: effects of what no photograph can check.
 //! - [`mirror`], [`verdict`]: warnings. [`watch`]: progress and cancellation.
 
 mod azimuth;
@@ -41,6 +42,7 @@ pub(crate) mod scene;
 pub(crate) mod select;
 mod start;
 mod suspects;
+mod trusted;
 mod verdict;
 mod watch;
 
@@ -85,4 +87,8 @@ pub(crate) use select::Ranked;
 pub(crate) use select::Selection;
 pub(crate) use select::{CLEAR, own_mu_limit, scatter_of_mu};
 pub use suspects::{OtherTable, Suspect};
+#[cfg(test)]
+pub(crate) use trusted::Doubted;
+pub(crate) use trusted::in_words as trusted_in_words;
+pub use trusted::{Effect, Given, Trusted};
 pub use watch::{Step, Watch};

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use tables::options::{Back, Element, Losses};
 use tables::{Path, Table};
 
@@ -47,8 +48,6 @@ impl OtherIndex {
     /// Returns the index `other` for use with `table`, or `None` if the table holds only its own.
     pub fn of(table: &Table, other: f64) -> Option<OtherIndex> {
         let from = &table.provenance;
-        let straight = |path: &Path| path.deviation == [0.0; 2];
-        let mut paths = table.exact.iter().flat_map(|exact| &exact.paths).flatten();
         let allowed = from.losses.is(Losses::None)
             && from.back.is(Back::Mirror)
             && from.element() == Element::Retroreflector
@@ -57,8 +56,7 @@ impl OtherIndex {
                 .options
                 .known()
                 .is_some_and(|options| options.roughness.is_none())
-            && table.deviations.is_none()
-            && paths.all(straight);
+            && sends_straight_back(table);
         (allowed && other >= 1.0).then_some(OtherIndex {
             own: from.refractive_index,
             other,
@@ -76,6 +74,13 @@ impl OtherIndex {
             .asin()
             .to_degrees()
     }
+}
+
+/// Returns whether all light of a table that comes back goes straight back.
+pub(super) fn sends_straight_back(table: &Table) -> bool {
+    let straight = |path: &Path| path.deviation == [0.0; 2];
+    let mut paths = table.exact.iter().flat_map(|exact| &exact.paths).flatten();
+    table.deviations.is_none() && paths.all(straight)
 }
 
 impl Aerial {
@@ -108,7 +113,7 @@ impl Scene {
         placed: &[Placed],
     ) -> Result<Scene, tables::Error> {
         let one = |(shot, placed): (&Aerial, &Placed)| self.moved(shot, table, index, placed);
-        let shots = self.shots.iter().zip(placed);
+        let shots = self.shots.par_iter().zip(placed);
         let mut shots: Vec<Aerial> = shots.map(one).collect::<Result<_, tables::Error>>()?;
         let groups = group(&mut shots);
         Ok(Scene {

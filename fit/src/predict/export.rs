@@ -18,7 +18,7 @@ use crate::names::LobeShape;
 use crate::names::ParameterKind;
 use crate::predict::error::Error;
 use crate::predict::prediction::{Places, Prediction, predict};
-use crate::result::ResultFile;
+use crate::result::{Domain, ResultFile};
 
 /// File form of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -50,6 +50,8 @@ pub(crate) struct Nearest {
     pub incidence_deg: f64,
     /// Azimuth, degrees; `None` for a mean table.
     pub azimuth_deg: Option<f64>,
+    /// Distances and directions of the photographs; `None` for an older result.
+    pub measured: Option<Domain>,
 }
 
 /// MTF below which frequencies are not compared.
@@ -123,7 +125,23 @@ pub(crate) fn nearest(
         floating_distance_mm,
         incidence_deg,
         azimuth_deg,
+        measured: result.domain,
     })
+}
+
+/// Returns the sentence on where a sheet was measured, to be added to another one.
+fn measured(domain: &Domain) -> String {
+    let both = |[least, most]: [f64; 2], unit: &str| match least == most {
+        true => format!("{least} {unit}"),
+        false => format!("{least} to {most} {unit}"),
+    };
+    let azimuth = domain.azimuth_deg.map(|range| both(range, "deg"));
+    format!(
+        ". The sheet was measured at {}, incidence {}{}; elsewhere nothing is known of it",
+        both(domain.floating_distance_mm, "mm"),
+        both(domain.incidence_deg, "deg"),
+        azimuth.map_or(String::new(), |azimuth| format!(", azimuth {azimuth}"))
+    )
 }
 
 /// Returns where a function with one valley is least.
@@ -149,15 +167,19 @@ fn least(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
 }
 
 impl Nearest {
-    /// Describes in one sentence how and where the lobe was fitted.
+    /// Describes how and where the lobe was fitted, and where the sheet was measured.
     pub(crate) fn criterion(&self) -> String {
         let azimuth = self
             .azimuth_deg
             .map_or(String::new(), |a| format!(", azimuth {a} deg"));
         format!(
             "The lobe was fitted to the MTF up to {:.2} /mm at {} mm, incidence {} deg{azimuth}: \
-            the root mean square difference is {:.4}",
-            self.end_per_mm, self.floating_distance_mm, self.incidence_deg, self.rms
+            the root mean square difference is {:.4}{}",
+            self.end_per_mm,
+            self.floating_distance_mm,
+            self.incidence_deg,
+            self.rms,
+            self.measured.as_ref().map_or(String::new(), measured)
         )
     }
 

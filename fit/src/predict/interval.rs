@@ -4,6 +4,11 @@
 //! standard error is the square root of gᵀ C g, where C is the covariance of the result and g the
 //! derivatives by its parameters. A parameter between two fitted angles is their weighted mean, and
 //! g has the weights.
+//!
+//! Two errors are added as independent ones. The eta of a table of rays has the error of their
+//! number. Where the sheet was photographed, mu has it too, with the other sign, so the interval of
+//! the luminance is too wide there rather than too narrow. And an azimuth that was fitted has an
+//! error: numbers are compared one standard error of it to either side.
 
 use crate::names::{ParameterId, ParameterKind};
 use crate::predict::curve::Derived;
@@ -78,17 +83,23 @@ impl<'a> Uncertainty<'a> {
         (variance >= 0.0).then(|| variance.sqrt())
     }
 
-    /// Returns the 95 % interval of a number that depends on the blur alone, within `least` and
-    /// `most`.
-    pub(crate) fn of_blur(&self, number: &Derived, [least, most]: [f64; 2]) -> Option<[f64; 2]> {
+    /// Returns the 95 % interval of a number of the blur, within `least` and `most`. `beside` is a
+    /// standard error that the parameters do not cause.
+    pub(crate) fn of_blur(
+        &self,
+        number: &Derived,
+        beside: f64,
+        [least, most]: [f64; 2],
+    ) -> Option<[f64; 2]> {
         let [by_spread, by_c] = number.by_blur;
-        let half = HALF_WIDTH * self.standard_error([by_spread, by_c, 0.0])?;
+        let half = HALF_WIDTH * self.standard_error([by_spread, by_c, 0.0])?.hypot(beside);
         Some([number.value - half, number.value + half].map(|v| v.clamp(least, most)))
     }
 
-    /// Returns the 95 % interval of a luminance, which is `by_mu` times mu.
-    pub(crate) fn of_luminance(&self, luminance: f64, by_mu: f64) -> Option<[f64; 2]> {
-        let half = HALF_WIDTH * self.standard_error([0.0, 0.0, by_mu])?;
+    /// Returns the 95 % interval of a luminance, which is `by_mu` times mu. `beside` is a standard
+    /// error that mu does not cause.
+    pub(crate) fn of_luminance(&self, luminance: f64, by_mu: f64, beside: f64) -> Option<[f64; 2]> {
+        let half = HALF_WIDTH * self.standard_error([0.0, 0.0, by_mu])?.hypot(beside);
         Some([luminance - half, luminance + half].map(|v| v.max(0.0)))
     }
 }

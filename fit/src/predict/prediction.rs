@@ -136,23 +136,31 @@ pub fn predict(
     let mut predictions = Vec::new();
     for &incidence_deg in &places.incidence_deg {
         let direction = table.direction(incidence_deg, places.azimuth_deg)?;
+        let sides = sheet.beside(incidence_deg, places.azimuth_deg);
         let at = Incidence {
             sheet,
             incidence_deg,
             azimuth_deg: places.azimuth_deg,
             direction: &direction,
+            sides: &sides,
             uncertainty: Uncertainty::new(result, incidence_deg),
         };
         let mut lines = Vec::new();
         for axis in [Axis::Tangential, Axis::Sagittal] {
-            let line = Line::new(&sheet, &direction, incidence_deg, axis.normal())?;
-            lines.push((axis, line));
+            let of = |direction| Line::new(&sheet, direction, incidence_deg, axis.normal());
+            let sides = sides.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+            lines.push((axis, of(&direction)?, sides));
         }
-        for &floating_distance_mm in &places.floating_distance_mm {
-            for (axis, line) in &lines {
-                let curve = line.as_ref().map(|line| line.at(floating_distance_mm));
-                let frequencies = &places.frequency_per_mm;
-                predictions.push(at.prediction(*axis, floating_distance_mm, curve, frequencies));
+        for &r_mm in &places.floating_distance_mm {
+            for (axis, line, sides) in &lines {
+                let seen = Seen {
+                    curve: line.as_ref().map(|line| line.at(r_mm)),
+                    sides: sides
+                        .iter()
+                        .filter_map(|line| Some(line.as_ref()?.at(r_mm)))
+                        .collect(),
+                };
+                predictions.push(at.prediction(*axis, r_mm, &seen, &places.frequency_per_mm));
             }
         }
     }
@@ -165,31 +173,56 @@ struct Incidence<'a> {
     incidence_deg: f64,
     azimuth_deg: Option<f64>,
     direction: &'a Direction,
+    /// Directions at one standard error of a fitted azimuth to either side; else none.
+    sides: &'a [Direction],
     uncertainty: Uncertainty<'a>,
 }
 
+/// MTF along one axis at one distance.
+struct Seen<'a> {
+    /// Curve of the direction; `None` without light.
+    curve: Option<Curve<'a>>,
+    /// Curves at one standard error of a fitted azimuth to either side; else none.
+    sides: Vec<Curve<'a>>,
+}
+
+impl Seen<'_> {
+    /// Returns the standard error that the azimuth causes in a number of the curve.
+    fn by_azimuth(&self, number: impl Fn(&Curve) -> Option<f64>) -> f64 {
+        let sides: Option<Vec<f64>> = self.sides.iter().map(number).collect();
+        half_difference(sides.as_deref().unwrap_or_default())
+    }
+}
+
+/// Returns half the difference of two numbers, or 0 without them.
+fn half_difference(sides: &[f64]) -> f64 {
+    match sides {
+        [low, high] => 0.5 * (high - low).abs(),
+        _ => 0.0,
+    }
+}
+
 impl Incidence<'_> {
-    /// Makes the prediction of one curve; `None` stands for no light.
+    /// Makes the prediction of one curve.
     fn prediction(
         &self,
         axis: Axis,
         floating_distance_mm: f64,
-        curve: Option<Curve<'_>>,
+        seen: &Seen<'_>,
         frequency_per_mm: &[f64],
     ) -> Prediction {
         let (sheet, uncertainty) = (&self.sheet, &self.uncertainty);
-        let eta = self.direction.retroreflected;
+        let curve = seen.curve.as_ref();
         let points = |curve: &Curve| -> Vec<Derived> {
             let frequencies = frequency_per_mm.iter();
             frequencies.map(|&f| curve.derived(f)).collect()
         };
-        let mtf = curve.as_ref().map(points).unwrap_or_default();
+        let mtf = curve.map(points).unwrap_or_default();
         let crossing = |level| {
-            let found = curve.as_ref()?.falls_to(level)?;
-            Some((
-                found.value,
-                uncertainty.of_blur(&found, [0.0, f64::INFINITY]),
-            ))
+            let found = curve?.falls_to(level)?;
+            let beside = seen.by_azimuth(|side| Some(side.falls_to(level)?.value));
+            let interval = uncertainty.of_blur(&found, beside, [0.0, f64::INFINITY]);
+            Some((found.value, interval))
         };
         let (half, tenth) = (crossing(0.5), crossing(0.1));
         let place = Viewpoint {
@@ -197,31 +230,54 @@ impl Incidence<'_> {
             azimuth_deg: self.azimuth_deg,
             r_mm: floating_distance_mm,
         };
-        let by_mu = sheet.returned(self.incidence_deg, eta) * sheet.result.half_mirror;
-        let luminance = sheet.luminance(self.incidence_deg, eta);
+        let (luminance, luminance_interval) = self.luminance();
         let domain = sheet.result.domain.as_ref();
-        let intervals = mtf
-            .iter()
-            .map(|point| uncertainty.of_blur(point, [0.0, 1.0]));
+        let intervals = mtf.iter().zip(frequency_per_mm).map(|(point, &f)| {
+            let beside = seen.by_azimuth(|side| Some(side.mtf(f)));
+            uncertainty.of_blur(point, beside, [0.0, 1.0])
+        });
         Prediction {
             floating_distance_mm,
             incidence_deg: self.incidence_deg,
             azimuth_deg: self.azimuth_deg,
             axis,
-            retroreflected: eta,
+            retroreflected: self.direction.retroreflected,
             interpolated: self.direction.interpolated,
             luminance,
-            luminance_interval: luminance.and_then(|l| uncertainty.of_luminance(l, by_mu)),
+            luminance_interval,
             mtf50_per_mm: half.map(|(value, _)| value),
             mtf50_per_mm_interval: half.and_then(|(_, interval)| interval),
             mtf10_per_mm: tenth.map(|(value, _)| value),
             mtf10_per_mm_interval: tenth.and_then(|(_, interval)| interval),
             mtf_interval: intervals.collect::<Option<_>>().unwrap_or_default(),
-            mtf: mtf.into_iter().map(|point| point.value).collect(),
+            mtf: mtf.iter().map(|point| point.value).collect(),
             outside: domain.map_or_else(Vec::new, |domain| {
                 outside(domain, sheet.table.provenance.symmetry, &place)
             }),
         }
+    }
+
+    /// Returns the luminance, with its 95 % interval.
+    fn luminance(&self) -> (Option<f64>, Option<[f64; 2]>) {
+        let sheet = &self.sheet;
+        let of = |eta| sheet.luminance(self.incidence_deg, eta);
+        let eta = self.direction.retroreflected;
+        let Some(luminance) = of(eta) else {
+            return (None, None);
+        };
+        let by_mu = sheet.returned(self.incidence_deg, eta) * sheet.result.half_mirror;
+        let by_rays = of(eta + self.direction.standard_error).map_or(0.0, |more| more - luminance);
+        let sides: Option<Vec<f64>> = self
+            .sides
+            .iter()
+            .map(|side| of(side.retroreflected))
+            .collect();
+        let by_azimuth = half_difference(sides.as_deref().unwrap_or_default());
+        let beside = by_rays.hypot(by_azimuth);
+        (
+            Some(luminance),
+            self.uncertainty.of_luminance(luminance, by_mu, beside),
+        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! Fitted sheet: a result, a table of its cell, and the values of the parameters at any incidence.
 
-use tables::Table;
+use tables::{Direction, Table};
 
 use crate::model::Blur;
 use crate::model::baseline;
@@ -68,6 +68,24 @@ impl<'a> Fitted<'a> {
             1.0
         };
         Ok(Blur { spread, c_mm })
+    }
+
+    /// Returns the directions at one standard error of the fitted azimuth to either side of an
+    /// azimuth, degrees; none if the azimuth was not fitted or the table lacks one of them.
+    pub(crate) fn beside(&self, incidence_deg: f64, azimuth_deg: Option<f64>) -> Vec<Direction> {
+        let fitted = self
+            .result
+            .azimuth_deg
+            .and_then(|found| found.standard_error);
+        let (Some(error), Some(own)) = (fitted, azimuth_deg) else {
+            return Vec::new();
+        };
+        let side = |by: f64| self.table.direction(incidence_deg, Some(own + by)).ok();
+        [-error, error]
+            .into_iter()
+            .map(side)
+            .collect::<Option<_>>()
+            .unwrap_or_default()
     }
 
     /// Returns the share of the light that the model returns before mu, where the table returns

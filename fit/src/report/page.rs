@@ -14,6 +14,7 @@ mod photographs;
 mod provenance;
 pub(crate) mod shown;
 mod terms;
+mod trust;
 
 use crate::estimate::Verdict;
 use crate::report::page::markup::{count, escape, significant};

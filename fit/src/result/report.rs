@@ -8,6 +8,7 @@ use crate::estimate::Estimated;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
 use crate::estimate::Ranked;
+use crate::estimate::Trusted;
 use crate::estimate::Value;
 use crate::estimate::{Aerial, Scene};
 use crate::names::LobeShape;
@@ -294,6 +295,10 @@ pub struct ResultFile {
     /// Distances and directions of the photographs; absent from older results.
     #[serde(default)]
     pub domain: Option<Domain>,
+    /// Inputs that no photograph can check, with the effects of small errors of them; empty in
+    /// older results.
+    #[serde(default)]
+    pub trusted: Vec<Trusted>,
     /// Table that was used.
     pub table: TableResult,
     /// Warnings about the campaign as a whole.
@@ -355,7 +360,8 @@ impl ResultFile {
             half_mirror: scene.half_mirror,
             seen_in_mirror: Some(estimated.campaign.setup.is_in_mirror()),
             fit: Some(FitResult::new(&estimated.goodness, &estimated.suspects)),
-            domain: Some(Domain::of(scene)),
+            domain: Some(Domain::of(scene, estimated.azimuth_period_deg)),
+            trusted: estimated.trusted.clone(),
             table,
             warnings: estimated.warnings.clone(),
         }

@@ -1,12 +1,13 @@
 //! Tests of the azimuth that is estimated from the photographs alone, against planted azimuths.
 
-use crate::estimate::Choice;
-use crate::estimate::Kind;
-use crate::estimate::Watch;
+use crate::estimate::campaign::campaign as estimated;
+use crate::estimate::{Candidates, Choice, Given, Kind, Options, Watch};
 use crate::estimate::{find, scatter};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::simulate::PlantedSheet;
+use crate::simulate::photograph::photograph;
+use crate::study::trial;
 use crate::tests::planted::{Stream, camera, params, scene, table, truth};
 use tables::{Exact, Symmetry, Table};
 
@@ -93,4 +94,49 @@ fn a_planted_azimuth_comes_back() {
     // Chi-square with 6 degrees of freedom lies outside 0.4 to 22.5 in 0.1 % on either side.
     assert!((0.4..22.5).contains(&squares), "{pulls:?}");
     assert_eq!(pulls.len(), 6);
+}
+
+/// An azimuth is found for one of two views. If the manifest does not say which, and the other one
+/// differs at the azimuth that is found, a warning says so.
+#[test]
+fn an_azimuth_without_the_view_is_warned_of() {
+    let incidence = [20.0, 40.0];
+    let truth = truth(Kernel::Shift, LobeShape::Radial, 1.0, 0.31, 0.6);
+    let table = all_azimuths(&truth, &incidence);
+    let mut cases = 0;
+    for (planted, said, warned) in [
+        (13.0, None, true),
+        (13.0, Some(true), false),
+        (13.0, Some(false), false),
+    ] {
+        let mut campaign = params(3, truth.clone(), &incidence, &[200.0; 3], camera(2e5));
+        for (k, shot) in campaign.captures.iter_mut().enumerate() {
+            shot.azimuth_deg = planted;
+            shot.edge.normal_deg += [0.0, 55.0, 90.0][k % 3];
+        }
+        let mut stated = trial::campaign(&campaign, &[]);
+        stated.setup.seen_in_mirror = said;
+        stated
+            .captures
+            .iter_mut()
+            .for_each(|shot| shot.azimuth_deg = None);
+        let mut options = Options::new(Candidates {
+            kernels: vec![Kernel::Shift],
+            ..Candidates::proposed()
+        });
+        options.fit_azimuth = true;
+        let photographs = trial::source(&campaign, photograph);
+        let found = estimated(&stated, &photographs, &table, &options, &Watch::NOBODY).unwrap();
+        let count = found
+            .warnings
+            .iter()
+            .filter(|w| w.contains("seen_in_mirror"))
+            .count();
+        assert_eq!(count, usize::from(warned), "{said:?}: {:?}", found.warnings);
+        let trusts = |given| found.trusted.iter().any(|entry| entry.what == given);
+        // An azimuth that is estimated is not taken on trust.
+        assert!(!trusts(Given::AzimuthDeg) && trusts(Given::IncidenceDeg));
+        cases += 1;
+    }
+    assert_eq!(cases, 3);
 }

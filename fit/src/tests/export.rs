@@ -114,6 +114,28 @@ fn the_nearest_lobe_of_a_sheet_depends_on_the_distance() {
     assert!(slanted.reflectance < lobes[0].reflectance);
 }
 
+/// Each form says where the sheet was measured, if the result says it.
+#[test]
+fn materials_say_where_the_sheet_was_measured() {
+    let table = table();
+    let entries = json!({ "kernel": "mrm", "lobe": "ggx", "roughness": 9e-4 });
+    let mut own = result(&table, entries);
+    let forms = [Form::Openpbr, Form::Materialx, Form::Gltf];
+    let said = "The sheet was measured at";
+    for form in forms {
+        assert!(!at(&own, &table, 150.0, 0.0).text(form).contains(said));
+    }
+    let domain = json!({ "floating_distance_mm": [150.0, 300.0], "incidence_deg": [0.0, 40.0],
+        "azimuth_deg": [20.0, 20.0] });
+    own.domain = serde_json::from_value(domain).expect("a domain");
+    for form in forms {
+        let text = at(&own, &table, 150.0, 0.0).text(form);
+        let whole =
+            format!("{said} 150 to 300 mm, incidence 0 to 40 deg, azimuth 20 deg; elsewhere");
+        assert!(text.contains(&whole), "{text}");
+    }
+}
+
 #[test]
 fn every_form_says_roughness_reflectance_and_what_is_lost() {
     let table = table();

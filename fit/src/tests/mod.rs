@@ -44,4 +44,5 @@ mod strips;
 mod study;
 mod suspects;
 mod transfers;
+mod trusted;
 mod wave;

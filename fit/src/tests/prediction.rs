@@ -12,6 +12,7 @@ use crate::predict::{Places, Prediction, Viewpoint, predict, remarks};
 use crate::result::{Number, Parameter, ResultFile, TableResult};
 use crate::simulate::photograph::photograph;
 use crate::study::trial::{campaign, source};
+use crate::tests::azimuth::all_azimuths;
 use crate::tests::planted::{Stream, camera, params, table, truth};
 use crate::tests::statistics::check;
 
@@ -183,6 +184,63 @@ fn intervals_are_those_of_differences() {
     }
     println!("{cases} intervals, off by up to {worst:.1e} of themselves");
     assert_eq!(cases, 8 * 3 * 2 * 5);
+}
+
+/// Intervals hold the error of eta by rays, and that of a fitted azimuth: half the difference
+/// between predictions one standard error to either side. Both come on top of the covariance, as
+/// independent errors. All numbers are sums of few terms, so rounding alone differs.
+#[test]
+fn intervals_hold_the_errors_of_rays_and_of_the_azimuth() {
+    let planted = truth(Kernel::Eq1, LobeShape::Radial, 4.0, 0.24, 0.25);
+    let mut table = all_azimuths(&planted, &[0.0, 20.0, 40.0]);
+    let result = result(Kernel::Eq1, LobeShape::Radial, &table);
+    let halves = |result: &ResultFile, table: &Table| -> Vec<f64> {
+        let all = predict(result, table, &places(170.0, 20.0, vec![0.3, 0.9])).unwrap();
+        let ends = all.iter().flat_map(ends);
+        ends.map(|[low, high]| 0.5 * (high - low) / 1.959_964)
+            .collect()
+    };
+    let plain = halves(&result, &table);
+    assert_eq!(plain.len(), 2 * 5);
+    // The azimuth.
+    let mut turned = result.clone();
+    turned.azimuth_deg = Some(Number {
+        value: Some(7.0),
+        standard_error: Some(10.0),
+    });
+    let numbers = |azimuth: f64| -> Vec<f64> {
+        let places = Places {
+            azimuth_deg: Some(azimuth),
+            ..places(170.0, 20.0, vec![0.3, 0.9])
+        };
+        let all = predict(&result, &table, &places).unwrap();
+        all.iter().flat_map(parts).collect()
+    };
+    let sides = numbers(30.0).into_iter().zip(numbers(10.0));
+    let by_azimuth: Vec<f64> = sides.map(|(a, b)| 0.5 * (a - b).abs()).collect();
+    let found = halves(&turned, &table);
+    let mut most = 0.0_f64;
+    for ((found, plain), by_azimuth) in found.iter().zip(&plain).zip(&by_azimuth) {
+        let expected = plain.hypot(*by_azimuth);
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        most = most.max(by_azimuth / plain);
+    }
+    println!("the azimuth adds up to {most:.2} of the other errors");
+    assert!(most > 0.01);
+    // The rays: 3 % of eta, in the luminance alone.
+    let eta = table.retroreflected.clone();
+    let luminance = numbers(20.0)[0];
+    table.standard_error = eta * 0.03;
+    for (k, (found, plain)) in halves(&result, &table).into_iter().zip(plain).enumerate() {
+        let azimuths = table.direction(20.0, Some(20.0)).unwrap();
+        let share = azimuths.standard_error / azimuths.retroreflected;
+        let by_rays = if k % 5 == 0 { luminance * share } else { 0.0 };
+        let expected = plain.hypot(by_rays);
+        assert!(
+            (found / expected - 1.0).abs() < 1e-9,
+            "{k}: {found} {expected}"
+        );
+    }
 }
 
 /// The numbers of a prediction that have intervals.

@@ -39,7 +39,8 @@ pub struct Cell {
     pub glass: Vec<bool>,
     /// Entrance of the rays.
     pub entrance: Entrance,
-    /// Refractive index of a closed prism whose front face was taken off, as the file gives it.
+    /// Refractive index of a closed prism whose front face was taken off, as the file gives it; 1
+    /// if the file says that the cubes are hollow.
     pub refractive_index: Option<f64>,
     /// Abbe number V_d of the prism, as the file gives it.
     pub abbe_number: Option<f64>,

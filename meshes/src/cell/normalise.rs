@@ -226,7 +226,10 @@ fn placed(
             false => Vec::new(),
         },
         entrance,
-        refractive_index: mesh.refractive_index.filter(|_| closed),
+        refractive_index: match mesh.hollow {
+            true => Some(1.0),
+            false => mesh.refractive_index.filter(|_| closed),
+        },
         abbe_number: mesh.abbe_number.filter(|_| closed),
         closed,
         edge_length: frame.edge_length,

@@ -347,7 +347,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Result<Vec<[u32; 3]>, &'static str>
     })
 }
 
-/// Reads `lattice`, `design`, `edge_length` and `azimuth_zero` from extras.
+/// Reads `lattice`, `design`, `edge_length`, `azimuth_zero` and `hollow` from extras.
 ///
 /// The extras of the document, of its asset and of its scene are read in this order; the first
 /// value counts.
@@ -390,6 +390,13 @@ fn extras(document: &Document, mesh: &mut Mesh) -> Result<(), Fault> {
             };
             let direction = numbers(direction).ok_or(wrong)?;
             mesh.azimuth_zero = Some(DVec3::from_array(direction));
+        }
+        if let Some(hollow) = entries.get("hollow") {
+            let wrong = Fault::Extras {
+                key: "hollow",
+                wanted: "true or false",
+            };
+            mesh.hollow |= hollow.as_bool().ok_or(wrong)?;
         }
         if let (true, Some(design)) = (mesh.design.is_empty(), entries.get("design")) {
             let wrong = Fault::Extras {

@@ -230,8 +230,8 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L` and `# azimuth_zero
-/// x,y,z`.
+/// Reads `# design NAME`, `# lattice ax,ay,az,bx,by,bz`, `# edge_length L`, `# azimuth_zero x,y,z`
+/// and `# hollow`, which stands alone.
 ///
 /// Other comments are ignored.
 fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
@@ -241,6 +241,7 @@ fn comment(mesh: &mut Mesh, line: usize, content: &str) -> Result<(), Fault> {
         .unwrap_or((content, ""));
     match key {
         "design" => mesh.design = value.trim().to_owned(),
+        "hollow" if value.trim().is_empty() => mesh.hollow = true,
         "lattice" => {
             let [ax, ay, az, bx, by, bz] = numbers(value).ok_or_else(|| Fault::LatticeComment {
                 line,

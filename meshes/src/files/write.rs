@@ -36,9 +36,9 @@ fn joined(vectors: &[DVec3], separator: &str) -> String {
 
 /// Returns the mesh as OBJ text.
 ///
-/// It has `# design`, `# lattice`, `# edge_length` and `# azimuth_zero` comments if the mesh has
-/// these, then `v` and `f` lines, `vn` lines if it has normals, and `usemtl` lines if some faces
-/// are of glass. Every coordinate reads back as the same f64.
+/// It has `# design`, `# lattice`, `# edge_length`, `# azimuth_zero` and `# hollow` comments if the
+/// mesh has these, then `v` and `f` lines, `vn` lines if it has normals, and `usemtl` lines if some
+/// faces are of glass. Every coordinate reads back as the same f64.
 pub fn obj(mesh: &Mesh) -> String {
     let mut text = String::new();
     let mut line = |content: String| {
@@ -59,6 +59,9 @@ pub fn obj(mesh: &Mesh) -> String {
     }
     if let Some(direction) = mesh.azimuth_zero {
         line(format!("# azimuth_zero {}", joined(&[direction], ",")));
+    }
+    if mesh.hollow {
+        line("# hollow".into());
     }
     for &p in &mesh.positions {
         line(format!("v {}", joined(&[p + mesh.origin], " ")));
@@ -127,7 +130,8 @@ fn with_normals(mesh: &Mesh) -> (Cow<'_, Mesh>, Vec<DVec3>) {
     (Cow::Owned(split), normals)
 }
 
-/// Returns what glTF has no place for: design, lattice, edge length and azimuth zero.
+/// Returns what glTF has no place for: design, lattice, edge length, azimuth zero, and whether the
+/// cubes are hollow.
 fn extras(mesh: &Mesh) -> serde_json::Map<String, Value> {
     let mut extras = serde_json::Map::new();
     extras.insert("design".into(), mesh.design.as_str().into());
@@ -139,6 +143,9 @@ fn extras(mesh: &Mesh) -> serde_json::Map<String, Value> {
     }
     if let Some(direction) = mesh.azimuth_zero {
         extras.insert("azimuth_zero".into(), json!(direction.to_array()));
+    }
+    if mesh.hollow {
+        extras.insert("hollow".into(), true.into());
     }
     extras
 }

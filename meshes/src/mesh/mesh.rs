@@ -42,6 +42,8 @@ pub struct Mesh {
     /// Direction of azimuth 0 that the file states for a cell without an apex, file frame, any
     /// length (`# azimuth_zero` comment, `extras.azimuth_zero`).
     pub azimuth_zero: Option<DVec3>,
+    /// True if the file says that the cubes are hollow (`# hollow` comment, `extras.hollow`).
+    pub hollow: bool,
     /// Refractive index that the file gives (`KHR_materials_ior`).
     pub refractive_index: Option<f64>,
     /// Abbe number V_d that the file gives (`KHR_materials_dispersion`, which stores 20 / V_d).

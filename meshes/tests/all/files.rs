@@ -107,6 +107,40 @@ fn a_missing_file_and_bad_options_are_told() {
     }
 }
 
+/// A mesh that says that it is hollow has the index 1, in both formats, and is written so again. A
+/// comment that only begins with the word says nothing.
+#[test]
+fn a_mesh_can_say_that_it_is_hollow() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let design = Design::new(Shape::TriangularPair);
+    let mut cases = 0;
+    for hollow in [false, true] {
+        let mesh = meshes::Mesh {
+            hollow,
+            ..design.mesh().expect("a design")
+        };
+        for name in ["cell.obj", "cell.glb"] {
+            let path = folder.path().join(name);
+            meshes::write::save(&mesh, &path).expect("writes");
+            assert_eq!(
+                meshes::load(&path).expect("a mesh").hollow,
+                hollow,
+                "{name}"
+            );
+            let cell = load_cell(&path, &CellOptions::default()).expect("a cell");
+            assert_eq!(cell.refractive_index, hollow.then_some(1.0), "{name}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 4);
+    let path = folder.path().join("cell.obj");
+    let text = std::fs::read_to_string(&path).expect("an OBJ");
+    assert!(text.contains("\n# hollow\n"), "{text}");
+    std::fs::write(&path, text.replace("# hollow", "# hollow cubes of nickel")).expect("writes");
+    let cell = load_cell(&path, &CellOptions::default()).expect("a cell");
+    assert_eq!(cell.refractive_index, None);
+}
+
 /// Comparison of the facets of two cells as sets of vertex sets; file order and first corners do
 /// not matter.
 fn same_facets(a: &Cell, b: &Cell, tolerance: f64) -> bool {

@@ -92,7 +92,16 @@ fn every_example_runs_as_printed() {
     bake(here, &["design", "triangular", "-o", "cell.obj"]).done();
     for seed in ["1", "2"] {
         let table = format!("seed{seed}.h5");
-        let rays = ["--method", "rays", "--rays", "65536", "--seed", seed];
+        let rays = [
+            "--method",
+            "rays",
+            "--rays",
+            "65536",
+            "--seed",
+            seed,
+            "--refractive-index",
+            "1",
+        ];
         bake(
             here,
             &[&["trace", "cell.obj", "-o", &table][..], &rays].concat(),

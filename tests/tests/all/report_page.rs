@@ -189,6 +189,38 @@ fn the_page_is_whole_and_escaped() {
         assert!(light.contains(wanted), "{wanted} in {light}");
     }
 
+    // What is taken on trust has a row each. A pitch that is 1 % larger gives c + 1 % and a - 1 %.
+    let trusted = result["trusted"].as_array().unwrap();
+    let named = [
+        "pixel pitch",
+        "floating distances",
+        "half mirror (",
+        "exposure of",
+        "refractive index",
+        "incidence angles",
+        "azimuths",
+        "tangential axes",
+        "cell of",
+    ];
+    assert_eq!(trusted.len(), named.len());
+    for (entry, name) in trusted.iter().zip(named) {
+        let own: Vec<&Vec<String>> = rows.iter().filter(|r| r[0].starts_with(name)).collect();
+        assert_eq!((own.len(), own[0].len()), (1, 6), "{name}: {own:?}");
+        let cells = [("c_mm", 3), ("a_per_mm", 4), ("mu", 5)];
+        for (key, cell) in cells {
+            let shown = match entry["effect"][key].as_f64() {
+                Some(share) => format!("{:+.2} %", 100.0 * share).replace('-', "\u{2212}"),
+                None => "\u{2013}".into(),
+            };
+            assert_eq!(own[0][cell], shown, "{name}: {key}");
+        }
+    }
+    let pitch = rows
+        .iter()
+        .find(|row| row[0].starts_with("pixel pitch"))
+        .unwrap();
+    assert_eq!(pitch[2..5], ["1 %", "+1.00 %", "\u{2212}0.99 %"]);
+
     // The page names the table's content hash and the command line.
     for wanted in [
         result["table"]["content_hash"].as_str().unwrap(),

@@ -12,7 +12,16 @@ fn two_bakes_to_one_file_leave_one_of_them_whole() {
     bake(here, &["design", "triangular", "-o", "cell.obj"]).done();
     let trace = |seed: &str, file: &str| {
         let options = [
-            "--method", "rays", "--rays", "65536", "--bins", "64", "--seed", seed,
+            "--method",
+            "rays",
+            "--rays",
+            "65536",
+            "--bins",
+            "64",
+            "--seed",
+            seed,
+            "--refractive-index",
+            "1",
         ];
         let words = [&["trace", "cell.obj", "-o", file][..], &options].concat();
         bake(here, &words).done()

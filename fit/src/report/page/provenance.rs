@@ -2,6 +2,7 @@
 
 use crate::report::page::markup::{count, escape, significant};
 use crate::report::page::shown::Page;
+use crate::report::page::trust;
 use crate::result::ResultFile;
 
 /// Entry of the list: its name, and its value as markup.
@@ -20,7 +21,8 @@ pub(crate) fn section(page: &Page) -> String {
          <dl class=\"list\">\n{list}</dl>\n\
          <p>The method is that of Sugawara and Koizumi (SIGGRAPH Asia 2025 Posters, doi \
          10.1145/3757374.3771778). The file of the option <code>-o</code> holds all numbers, \
-         their errors and their correlations.</p>\n"
+         their errors and their correlations.</p>\n{}",
+        trust::part(page.result)
     )
 }
 
