@@ -28,6 +28,10 @@ const LEAST: f64 = 0.01;
 /// 10^10 photographs.
 const BELIEVED: f64 = 50.0;
 
+/// Fall of the light beyond which its polynomial goes on as an exponential with the same slope.
+/// Terms that are known to first order alone may fall below 0 in a corner.
+const FAR: f64 = 0.5;
+
 /// The light about an edge. It is 1 on the edge abreast of the window's centre. Lengths are in
 /// pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,19 +46,20 @@ impl Light {
     pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
         let (s, t) = self.line.place(pixel);
         let [by_s, by_t, curvature] = self.terms;
-        1.0 + by_s * s + by_t * t + curvature * (s * s + t * t)
+        let change = by_s * s + by_t * t + curvature * (s * s + t * t);
+        if change > -FAR {
+            return 1.0 + change;
+        }
+        (1.0 - FAR) * ((change + FAR) / (1.0 - FAR)).exp()
     }
 }
 
 /// Returns the ratio of the largest to the smallest light in the window, less 1. Several lights
-/// multiply. The result is infinite if one of them falls to 0.
+/// multiply.
 pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
     let (mut low, mut high) = (1.0_f64, 1.0_f64);
     for pixel in window.outline() {
-        let light: f64 = lights
-            .iter()
-            .map(|light| light.at(&pixel).max(0.0))
-            .product();
+        let light: f64 = lights.iter().map(|light| light.at(&pixel)).product();
         (low, high) = (low.min(light), high.max(light));
     }
     high / low - 1.0

@@ -51,8 +51,8 @@ fn holds_azimuth(range: [f64; 2], azimuth_deg: f64, symmetry: Symmetry) -> bool 
     })
 }
 
-/// Returns, in the order of [`QUANTITIES`], the value of each quantity in which a place lies outside
-/// of the photographs, with the range of the photographs.
+/// Returns, in the order of [`QUANTITIES`], the value of each quantity in which a place lies
+/// outside of the photographs, with the range of the photographs.
 fn left(domain: &Domain, symmetry: Symmetry, place: &Viewpoint) -> [Option<Left>; 3] {
     let plain = |value: f64, range| (!holds(range, value)).then_some(Left { value, range });
     let azimuths = place.azimuth_deg.zip(domain.azimuth_deg);
