@@ -28,9 +28,9 @@ const LEAST: f64 = 0.01;
 /// 10^10 photographs.
 const BELIEVED: f64 = 50.0;
 
-/// Fall of the light beyond which its polynomial goes on as an exponential with the same slope.
-/// Terms that are known to first order alone may fall below 0 in a corner.
-const FAR: f64 = 0.5;
+/// Least light down to which it is a polynomial. Light that falls lower is the exponential of the
+/// polynomial's change: terms that are known to first order alone may fall below 0 in a corner.
+const LOWEST: f64 = 0.7;
 
 /// The light about an edge. It is 1 on the edge abreast of the window's centre. Lengths are in
 /// pixels.
@@ -39,6 +39,8 @@ pub(crate) struct Light {
     line: EdgeLine,
     /// Coefficients of s, t and s^2 + t^2.
     terms: [f64; 3],
+    /// True if the light is an exponential.
+    is_steep: bool,
 }
 
 impl Light {
@@ -47,10 +49,11 @@ impl Light {
         let (s, t) = self.line.place(pixel);
         let [by_s, by_t, curvature] = self.terms;
         let change = by_s * s + by_t * t + curvature * (s * s + t * t);
-        if change > -FAR {
-            return 1.0 + change;
+        if self.is_steep {
+            change.exp()
+        } else {
+            1.0 + change
         }
-        (1.0 - FAR) * ((change + FAR) / (1.0 - FAR)).exp()
     }
 }
 
@@ -70,10 +73,12 @@ pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
 pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
     let (profile, [by_t, curvature], fall_along) = along(window, line, profile)?;
     let (by_s, fall_across) = across(&profile, curvature);
-    let light = Light {
+    let mut light = Light {
         line: *line,
         terms: [by_s, by_t, curvature],
+        is_steep: false,
     };
+    light.is_steep = window.outline().any(|pixel| light.at(&pixel) < LOWEST);
     (fall_along + fall_across > BELIEVED && unevenness(&[light], window) > LEAST).then_some(light)
 }
 
