@@ -2,8 +2,9 @@
 //!
 //! The light is a factor on everything, as vignetting and an uneven source are: 1 + g1 s + g2 t +
 //! g3 (s^2 + t^2). s is the distance from the edge and t the place along it. It has one curvature,
-//! as a lens has. On real photographs a curvature of its own across the edge, or a twist, takes the
-//! asymmetric tails of a blur for light of 100 % and more.
+//! as a lens has. Light that falls far is the exponential of these terms. On real photographs a
+//! curvature of its own across the edge, or a twist, takes the asymmetric tails of a blur for light
+//! of 100 % and more.
 //!
 //! - g2 and g3: an edge is the same all along t, so both show in pixels of equal s. Only pixels on
 //!   the plateaus are used, because a bowed edge has the same effect near the edge.
