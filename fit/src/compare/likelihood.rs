@@ -33,7 +33,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::compare::light;
-use crate::compare::light::{FIRST_ORDER, LIGHT, Lights, SECOND_ORDER, UNIT_PX, Uneven};
+use crate::compare::light::{LIGHT, Lights, Terms, UNIT_PX, Uneven};
 use crate::compare::pixels::{Bin, Pixels};
 use crate::compare::place::Place;
 use crate::compare::remainder::{Remainder, Sums};
@@ -68,17 +68,8 @@ pub(crate) struct Nuisances {
     pub step: f64,
 }
 
-/// Fall of chi-square by the five terms up to second order from which they are estimated, and by
-/// the other five from which these are estimated too. Noise reaches it in one photograph of 1,000.
-/// Where the light is even, the terms of second order would raise the errors of c and a by 6 % and
-/// those of mu by 80 %.
-const UNEVEN: f64 = 20.52;
-
 /// First column of the light.
 const FIRST_LIGHT: usize = 3;
-
-/// Mean and standard deviation of a share that may lie anywhere between 0 and 1.
-const SHARE: [f64; 2] = [0.5, 0.288_675_134_594_812_9];
 
 /// Edge profile of a trial model, with its derivatives by the fitted parameters: ln spread, ln c,
 /// then those of the lens.
@@ -87,40 +78,15 @@ pub(crate) struct Curves {
     by: Vec<Even>,
 }
 
-/// Terms of the light that are estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Terms {
-    /// None.
-    None,
-    /// Terms of first order.
-    First,
-    /// Terms up to second order, with the lit part of the dark plateau and the share of the lamp.
-    Second,
-    /// All, with the same.
-    All,
+/// Returns the column of ln(step), which is the last one of the nuisances. Those of the lit part
+/// and of the lamp stand before it, if they are estimated.
+fn step_column(terms: Terms) -> usize {
+    FIRST_LIGHT + terms.light() + if terms.are_many() { 2 } else { 0 }
 }
 
-impl Terms {
-    /// Returns the number of terms.
-    fn light(self) -> usize {
-        match self {
-            Terms::None => 0,
-            Terms::First => FIRST_ORDER,
-            Terms::Second => SECOND_ORDER,
-            Terms::All => LIGHT,
-        }
-    }
-
-    /// Returns the column of ln(step), which is the last one of the nuisances. Those of the lit
-    /// part and of the lamp stand before it, if they are estimated.
-    fn step(self) -> usize {
-        FIRST_LIGHT + self.light() + if self.are_many() { 2 } else { 0 }
-    }
-
-    /// Returns whether the light counts as uneven.
-    fn are_many(self) -> bool {
-        matches!(self, Terms::Second | Terms::All)
-    }
+/// Returns mean and standard deviation of a number that may lie anywhere between 0 and `most`.
+fn anywhere(most: f64) -> [f64; 2] {
+    [0.5 * most, most / 12.0_f64.sqrt()]
 }
 
 /// Photograph with its nuisances at their optimum.
@@ -181,7 +147,7 @@ impl<'a> Photograph<'a> {
                 dark: 0.0,
                 light: [0.0; LIGHT],
                 lit: 0.0,
-                lamp: SHARE[0],
+                lamp: anywhere(1.0)[0],
                 step: 1.0,
             },
         }
@@ -249,27 +215,30 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// Finds noise, weights and nuisances under a model that is near the truth.
-    ///
-    /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
-    /// cut off, the plateau moves with the noise, and each round leaves about a tenth of the
-    /// remaining error. Then five rounds are made.
-    pub(crate) fn settle(&mut self, curves: &Curves) {
-        let rounds = if self.pixels.cut.is_any() { 5 } else { 2 };
+    /// Finds noise, weights and nuisances under a model that is near the truth, in even light.
+    /// Returns the fall of chi-square by uneven light, see [`light::are_uneven`].
+    pub(crate) fn settle(&mut self, curves: &Curves) -> f64 {
         self.start = self.first_guess(curves);
-        self.settled(curves, rounds);
-        for (terms, without) in [(Terms::Second, Terms::None), (Terms::All, Terms::Second)] {
-            if !self.asks_for(terms, without, curves) {
-                break;
-            }
-            self.take(terms);
-            self.settled(curves, rounds);
-        }
+        self.make_rounds(curves);
+        let fall = self.unevenness(curves);
+        self.weigh(curves);
+        fall
+    }
+
+    /// Finds them in uneven light, after [`Photograph::settle`].
+    pub(crate) fn settle_unevenly(&mut self, curves: &Curves) {
+        self.take(Terms::All);
+        self.make_rounds(curves);
         self.weigh(curves);
     }
 
     /// Makes rounds of noise and nuisances.
-    fn settled(&mut self, curves: &Curves, rounds: usize) {
+    ///
+    /// Noise and light depend on each other only a little, so two rounds are enough. If noise is
+    /// cut off, the plateau moves with the noise, and each round leaves about a tenth of the
+    /// remaining error. Then five rounds are made.
+    fn make_rounds(&mut self, curves: &Curves) {
+        let rounds = if self.pixels.cut.is_any() { 5 } else { 2 };
         for _ in 0..rounds {
             self.weigh(curves);
             self.start = self.fit(curves).nuisances;
@@ -289,23 +258,22 @@ impl<'a> Photograph<'a> {
         };
     }
 
-    /// Returns whether the pixels ask for these terms, with the blur free.
-    fn asks_for(&mut self, terms: Terms, without: Terms, curves: &Curves) -> bool {
+    /// Returns the fall of chi-square by the terms of the light up to second order, with the blur
+    /// free. The weights have to be found anew.
+    fn unevenness(&mut self, curves: &Curves) -> f64 {
         let (settled, before) = (self.start, self.terms);
-        let [few, all] = [without, terms].map(|terms| {
+        self.start.light = [0.0; LIGHT];
+        let [few, all] = [Terms::None, Terms::Second].map(|terms| {
             self.take(terms);
-            if terms == Terms::None {
-                self.start.light = [0.0; LIGHT];
-            }
             let light = self.light(curves);
             self.set_weights(&light);
             // The problem is almost linear, so one step tells what the optimum would.
             unexplained(&self.normal(curves, self.start))
         });
-        let freedom = self.observations().saturating_sub(self.nuisances()).max(1) as f64;
+        let freedom = self.observations().saturating_sub(self.nuisances());
         self.take(before);
         self.start = settled;
-        few - all > UNEVEN * (all / freedom).max(1.0)
+        (few - all) / (all / freedom.max(1) as f64).max(1.0)
     }
 
     /// Estimates these terms of the light, whether the pixels ask for them or not. The noise has to
@@ -324,9 +292,9 @@ impl<'a> Photograph<'a> {
     /// Returns mean and standard deviation of the lit part of the dark plateau, of which nothing is
     /// known but that it lies between 0 and the plateau.
     fn lit_prior(&self) -> [f64; 2] {
-        let dark = self.dark.max(0.0);
         let least = 1e-6 * self.start.step.abs() + f64::MIN_POSITIVE;
-        [0.5 * dark, (dark / 12.0_f64.sqrt()).max(least)]
+        let [mean, deviation] = anywhere(self.dark.max(0.0));
+        [mean, deviation.max(least)]
     }
 
     /// Replaces the noise by a known one, as bounds at a planted truth need it.
@@ -453,7 +421,7 @@ impl<'a> Photograph<'a> {
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
         let mut nuisances = self.start;
-        let own = self.terms.step() + 1;
+        let own = step_column(self.terms) + 1;
         let columns = own + curves.by.len();
         let mut fitted = self.normal(curves, nuisances);
         for _ in 0..MOST {
@@ -472,7 +440,7 @@ impl<'a> Photograph<'a> {
     }
 
     fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
-        let columns = self.terms.step() + 1;
+        let columns = step_column(self.terms) + 1;
         let mut normal = Products::new(columns + curves.by.len() + 1);
         self.rows(curves, &nuisances, |row| normal.add(row));
         Fitted {
@@ -488,7 +456,7 @@ impl<'a> Photograph<'a> {
     /// The columns of a row are the derivatives by the nuisances, those by the curves' parameters,
     /// and the residual (model - data).
     pub(crate) fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
-        let step = self.terms.step();
+        let step = step_column(self.terms);
         let size = step + 1 + curves.by.len() + 1;
         let [mut mean, mut slope] = [const { Vec::new() }; 2];
         let many = self.terms.are_many();
@@ -556,7 +524,7 @@ impl<'a> Photograph<'a> {
         if many {
             for (column, value, [middle, deviation]) in [
                 (step - 2, at.lit, self.lit_prior()),
-                (step - 1, at.lamp, SHARE),
+                (step - 1, at.lamp, anywhere(1.0)),
             ] {
                 let mut prior = vec![0.0; size];
                 prior[column] = 1.0 / deviation;
@@ -599,7 +567,7 @@ impl<'a> Photograph<'a> {
     /// off. The estimate uses the mean of such pixels alone, which has a little less
     /// information.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
-        let size = self.terms.step() + 1 + curves.by.len() + 1;
+        let size = step_column(self.terms) + 1 + curves.by.len() + 1;
         let mut normal = Products::new(size);
         let gains: Vec<f64> = self
             .light(curves)
@@ -610,11 +578,7 @@ impl<'a> Photograph<'a> {
                 let (_, passed, left) = self.pixels.cut.clipped(light, weight.sigma);
                 let used = passed * passed / left;
                 let all = self.pixels.cut.information(light, weight.sigma) / weight.sigma.powi(2);
-                let gain = if self.pixels.cut.is_any() {
-                    (all / used.max(f64::MIN_POSITIVE)).sqrt()
-                } else {
-                    1.0
-                };
+                let gain = (all / used.max(f64::MIN_POSITIVE)).sqrt();
                 let rows = if bin.spread > 0.0 { 2 } else { 1 };
                 std::iter::repeat_n(gain, rows)
             })
@@ -642,11 +606,12 @@ impl Nuisances {
     }
 
     fn moved(self, step: &DVector<f64>, terms: Terms) -> Nuisances {
-        let own = terms.step();
+        let own = step_column(terms);
         let light = step.rows(FIRST_LIGHT, terms.light());
-        let [lit, lamp] = match terms {
-            Terms::Second | Terms::All => [step[own - 2], step[own - 1]],
-            Terms::None | Terms::First => [0.0; 2],
+        let [lit, lamp] = if terms.are_many() {
+            [step[own - 2], step[own - 1]]
+        } else {
+            [0.0; 2]
         };
         Nuisances {
             // A step from a poor start may be far too long: no edge lies more than a few pixels

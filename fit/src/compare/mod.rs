@@ -13,9 +13,12 @@ mod reflectance;
 mod remainder;
 mod view;
 
-pub(crate) use likelihood::{Curves, Fitted, Photograph};
 #[cfg(test)]
-pub(crate) use likelihood::{Nuisances, Terms};
+pub(crate) use light::Terms;
+pub(crate) use light::are_uneven;
+#[cfg(test)]
+pub(crate) use likelihood::Nuisances;
+pub(crate) use likelihood::{Curves, Fitted, Photograph};
 pub(crate) use pixels::Pixels;
 pub(crate) use reflectance::Contrast;
 pub(crate) use remainder::Remainder;

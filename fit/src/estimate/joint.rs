@@ -4,14 +4,14 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 use rayon::prelude::*;
 
-use crate::compare::{Curves, Fitted, Photograph, Remainder};
+use crate::compare::{Curves, Fitted, Photograph, Pixels, Remainder, are_uneven};
 use crate::estimate::choice::Choice;
 use crate::estimate::compared::model;
 use crate::estimate::covariance::{Covariances, Mu, Scatter};
 use crate::estimate::layout::Layout;
 use crate::estimate::optics::camera_of;
 use crate::estimate::scene::Scene;
-use crate::model::Camera;
+use crate::model::{Blur, Camera, Model};
 use crate::numerics::Evaluation;
 use crate::photographs::PixelNoise;
 
@@ -39,25 +39,29 @@ impl<'a> Joint<'a> {
     /// Finds noise and nuisances of each photograph under the model of `choice` at `parameters`
     /// (logarithms of c and of the spreads), which should be near the truth.
     pub fn new(scene: &'a Scene, choice: Choice, parameters: &DVector<f64>) -> Joint<'a> {
-        let pitch_mm = scene.optics.camera.pitch_mm;
+        let camera = &scene.optics.camera;
         let layout = Layout::new(choice, scene.groups.len());
-        let shots = scene
-            .shots
-            .par_iter()
-            .map(|shot| {
-                let mut photograph = Photograph::new(&shot.pixels, pitch_mm);
-                let model = model(shot, choice);
-                let blur = layout.blur(parameters, shot.group);
-                let curves = photograph.curves(Some((&model, blur)), &scene.optics.camera, 0);
-                photograph.settle(&curves);
-                photograph
-            })
-            .collect();
-        let reference = scene.reference.as_ref().map(|reference| {
-            let mut photograph = Photograph::new(&reference.pixels, pitch_mm);
-            photograph.settle(&photograph.curves(None, &scene.optics.camera, 0));
-            photograph
+        let settled = |pixels: &'a Pixels, model: Option<(&Model, Blur)>| {
+            let mut photograph = Photograph::new(pixels, camera.pitch_mm);
+            let curves = photograph.curves(model, camera, 0);
+            let fall = photograph.settle(&curves);
+            (photograph, curves, fall)
+        };
+        let shots = scene.shots.par_iter().map(|shot| {
+            let blur = layout.blur(parameters, shot.group);
+            settled(&shot.pixels, Some((&model(shot, choice), blur)))
         });
+        let mut all: Vec<(Photograph, Curves, f64)> = shots.collect();
+        let reference = scene.reference.as_ref();
+        all.extend(reference.map(|reference| settled(&reference.pixels, None)));
+        let falls: Vec<f64> = all.iter().map(|(_, _, fall)| *fall).collect();
+        if are_uneven(&falls) {
+            all.par_iter_mut()
+                .for_each(|(photograph, curves, _)| photograph.settle_unevenly(curves));
+        }
+        let mut photographs = all.into_iter().map(|(photograph, ..)| photograph);
+        let shots = photographs.by_ref().take(scene.shots.len()).collect();
+        let reference = photographs.next();
         Joint {
             scene,
             shots,

@@ -5,6 +5,12 @@ use nalgebra::DVector;
 use crate::estimate::choice::Choice;
 use crate::model::Blur;
 
+/// Returns a logarithm (of mm or 1/mm) between -14 and 14. Beyond these limits the model no longer
+/// changes. They keep a step that runs away finite.
+fn within(logarithm: f64) -> f64 {
+    logarithm.clamp(-14.0, 14.0)
+}
+
 /// Order of one candidate's parameters.
 pub struct Layout {
     /// Candidate that has these parameters.
@@ -47,13 +53,20 @@ impl Layout {
 
     /// Returns the blur of an incidence at these parameters.
     pub fn blur(&self, parameters: &DVector<f64>, group: usize) -> Blur {
-        // Beyond e^14 or e^-14 (of 1 mm or 1/mm) the model no longer changes. The clamp keeps a
-        // step that runs away finite.
-        let at = |i: Option<usize>| i.map_or(1.0, |i| parameters[i].clamp(-14.0, 14.0).exp());
+        let at = |i: Option<usize>| i.map_or(1.0, |i| within(parameters[i]).exp());
         Blur {
             spread: at(self.spread(group)),
             c_mm: at(self.c()),
         }
+    }
+
+    /// Takes the blur's parameters back to where the model still depends on them.
+    ///
+    /// Their standard errors are then those at the limit, which are wide. Far beyond it c itself
+    /// becomes 0, and so would its standard error.
+    pub fn limit(&self, parameters: &mut DVector<f64>) {
+        let blur = parameters.iter_mut().take(self.parameters());
+        blur.for_each(|value| *value = within(*value));
     }
 
     /// Returns the columns of the parameters on which one photograph depends, in the order of its

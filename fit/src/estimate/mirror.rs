@@ -1,7 +1,6 @@
 //! Warning about a manifest that does not say which way the camera saw the sheet, where the
 //! estimate depends on it.
 
-use nalgebra::DVector;
 use tables::Table;
 
 use crate::estimate::choice::Value;
@@ -34,8 +33,7 @@ pub(crate) fn unstated(
         return Ok(None);
     }
     let near = optimum(&mirrored, best.choice);
-    let at: &DVector<f64> = &near.solution.parameters.clone();
-    let loss = Loss::new(kind, &mirrored, (best.choice, at));
+    let loss = Loss::new(kind, &mirrored, (best.choice, &near.solution.parameters));
     let other = estimate(&mirrored, &loss, refined(&mirrored, &loss, near));
     let changed = best.values().zip(other.values()).any(|(own, other)| {
         (own.value - other.value).abs() > ANOTHER * own.standard_error.min(other.standard_error)

@@ -61,7 +61,9 @@ pub(crate) fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start
             let c = choice.kernel.has_c().then(|| start.c_mm.ln());
             let point = c.into_iter().chain((0..layout.spreads).map(spread));
             let point = DVector::from_iterator(layout.parameters(), point);
-            least_squares(point, ROUGH, |at| loss.evaluate(&layout, at))
+            let mut solution = least_squares(point, ROUGH, |at| loss.evaluate(&layout, at));
+            layout.limit(&mut solution.parameters);
+            solution
         })
         .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
         .expect("there is always a starting point");
@@ -83,6 +85,7 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
     let mut solution = least_squares(start, tolerance, |at| loss.evaluate(&layout, at));
+    layout.limit(&mut solution.parameters);
     solution.iterations += from.solution.iterations;
     Optimum {
         choice: from.choice,

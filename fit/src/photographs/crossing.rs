@@ -316,8 +316,6 @@ impl Fit {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use super::*;
     use crate::tests::planted::Stream;
 
@@ -332,10 +330,6 @@ mod tests {
     fn the_error_of_a_crossing_holds_in_noise() {
         const DRAWS: usize = 4000;
         let mut stream = Stream(5);
-        let mut normal = || {
-            let radius = (-2.0 * stream.between(f64::MIN_POSITIVE, 1.0).ln()).sqrt();
-            radius * stream.between(0.0, TAU).cos()
-        };
         let mut cases = 0;
         for (points, ratio) in [(17, 2.2), (17, 3.0), (25, 3.0), (25, 20.0)] {
             let level: f64 = 0.5;
@@ -353,7 +347,7 @@ mod tests {
             let spread = covariance.clone().cholesky().expect("it is regular").l();
             let (mut found, mut sum) = (0, 0.0);
             for _ in 0..DRAWS {
-                let noise = &spread * DVector::from_fn(ORDER + 1, |_, _| normal());
+                let noise = &spread * DVector::from_fn(ORDER + 1, |_, _| stream.normal());
                 let fit = Fit {
                     terms: std::array::from_fn(|j| truth[j] + noise[j]),
                     covariance: covariance.clone(),

@@ -10,6 +10,7 @@ pub(crate) mod slant;
 
 use crate::numerics::factor;
 use crate::numerics::factor::Products;
+use crate::photographs::edge::curve::Steepness;
 use crate::photographs::edge::fault::Fault;
 use crate::photographs::edge::line::EdgeLine;
 use crate::photographs::profile::{BIN_PX, Profile, smoothed};
@@ -184,21 +185,10 @@ fn half_level(profile: &Profile) -> Result<f64, Fault> {
 /// from the common profile are regressed on its slope times the position along the edge. A fall of
 /// light along the edge, which looks like a turn on the steep part, is known from the plateaus.
 fn turn(window: &Window, line: &mut EdgeLine, profile: &Profile) -> f64 {
-    let ruler = line.ruler();
-    let smooth = smoothed(&profile.mean, 2);
-    let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
-    let last = (profile.len() - 1) as f64;
     let (mut products, mut n) = (Products::new(4), 0.0);
-    for p in window.pixels() {
-        let (s, t) = ruler.place(p.x, p.y);
-        let at = s / BIN_PX + profile.reach as f64;
-        if !(0.0..last).contains(&at) {
-            continue;
-        }
-        let (j, part) = (at as usize, at.fract());
-        let between = |curve: &[f64]| curve[j] + (curve[j + 1] - curve[j]) * part;
-        let (expected, slope) = (between(&smooth), between(&slopes));
-        products.add(&[slope, expected * t, slope * t, p.value - expected]);
+    for told in Steepness::new(profile).all(window, line) {
+        let (t, slope) = (told.along_px, told.slope);
+        products.add(&[slope, told.level * t, slope * t, told.off]);
         n += 1.0;
     }
     let factor = factor::of(products.sum());

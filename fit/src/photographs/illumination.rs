@@ -2,8 +2,9 @@
 //!
 //! The light is a factor on everything, as vignetting and an uneven source are: 1 + g1 s + g2 t +
 //! g3 (s^2 + t^2). s is the distance from the edge and t the place along it. It has one curvature,
-//! as a lens has. On real photographs a curvature of its own across the edge, or a twist, takes the
-//! asymmetric tails of a blur for light of 100 % and more.
+//! as a lens has. Light that falls far is the exponential of these terms. On real photographs a
+//! curvature of its own across the edge, or a twist, takes the asymmetric tails of a blur for light
+//! of 100 % and more.
 //!
 //! - g2 and g3: an edge is the same all along t, so both show in pixels of equal s. Only pixels on
 //!   the plateaus are used, because a bowed edge has the same effect near the edge.
@@ -28,6 +29,10 @@ const LEAST: f64 = 0.01;
 /// 10^10 photographs.
 const BELIEVED: f64 = 50.0;
 
+/// Least light down to which it is a polynomial. Light that falls lower is the exponential of the
+/// polynomial's change: terms that are known to first order alone may fall below 0 in a corner.
+const LOWEST: f64 = 0.7;
+
 /// The light about an edge. It is 1 on the edge abreast of the window's centre. Lengths are in
 /// pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +40,8 @@ pub(crate) struct Light {
     line: EdgeLine,
     /// Coefficients of s, t and s^2 + t^2.
     terms: [f64; 3],
+    /// True if the light is an exponential.
+    is_steep: bool,
 }
 
 impl Light {
@@ -42,19 +49,21 @@ impl Light {
     pub(crate) fn at(&self, pixel: &Pixel) -> f64 {
         let (s, t) = self.line.place(pixel);
         let [by_s, by_t, curvature] = self.terms;
-        1.0 + by_s * s + by_t * t + curvature * (s * s + t * t)
+        let change = by_s * s + by_t * t + curvature * (s * s + t * t);
+        if self.is_steep {
+            change.exp()
+        } else {
+            1.0 + change
+        }
     }
 }
 
 /// Returns the ratio of the largest to the smallest light in the window, less 1. Several lights
-/// multiply. The result is infinite if one of them falls to 0.
+/// multiply.
 pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
     let (mut low, mut high) = (1.0_f64, 1.0_f64);
     for pixel in window.outline() {
-        let light: f64 = lights
-            .iter()
-            .map(|light| light.at(&pixel).max(0.0))
-            .product();
+        let light: f64 = lights.iter().map(|light| light.at(&pixel)).product();
         (low, high) = (low.min(light), high.max(light));
     }
     high / low - 1.0
@@ -65,10 +74,12 @@ pub(crate) fn unevenness(lights: &[Light], window: &Window) -> f64 {
 pub(crate) fn find(window: &Window, line: &EdgeLine, profile: &Profile) -> Option<Light> {
     let (profile, [by_t, curvature], fall_along) = along(window, line, profile)?;
     let (by_s, fall_across) = across(&profile, curvature);
-    let light = Light {
+    let mut light = Light {
         line: *line,
         terms: [by_s, by_t, curvature],
+        is_steep: false,
     };
+    light.is_steep = window.outline().any(|pixel| light.at(&pixel) < LOWEST);
     (fall_along + fall_across > BELIEVED && unevenness(&[light], window) > LEAST).then_some(light)
 }
 

@@ -20,9 +20,11 @@ use crate::photographs::{chart, correlation, defects, saturation};
 /// defects of a sensor.
 const MOST_OFF: f64 = 0.01;
 
-/// Unevenness of the light above which a polynomial of second order no longer describes it, and
-/// above which it no longer describes it well enough to even out a profile.
+/// Unevenness of the light above which a polynomial of second order no longer describes it.
 const MOST_UNEVEN: f64 = 4.0;
+
+/// Unevenness of the light above which a polynomial of second order does not describe it well
+/// enough to even out a profile.
 const MOST_EVENED: f64 = 1.0;
 
 /// Largest number of rounds of repair. Each round finds the edge again in the repaired window. Even
@@ -88,10 +90,12 @@ pub fn edge(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Me
         });
     }
     match (edges.pop(), fault) {
-        (Some((roi, _)), _) => {
+        (Some((roi, _)), fault) => {
             let mut measurement = region(photo, Some(roi))?;
             measurement.warnings.push(format!(
-                "the edge was found among other marks; give {roi} to choose it yourself"
+                "the edge was found among other marks; give {roi} to choose it yourself (only this \
+                part counts, and mu is that at its middle; the whole photograph was refused: \
+                {fault})"
             ));
             Ok(measurement)
         }
@@ -130,7 +134,7 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
     // light are judged by it.
     let excess = correlation::excess(&repaired.window, &repaired.line, &repaired.profile);
     if excess > 1.0 {
-        if repaired.lights.is_empty() && repaired.line.bend.is_none() {
+        if repaired.is_even() && repaired.line.bend.is_none() {
             // Neither was found by the smaller errors, so neither will be found by the larger ones.
             repaired.count_noise(excess)?;
         } else {
@@ -144,12 +148,12 @@ fn region(photo: &Photo, roi: Option<Roi>, accepted: &[Accepted]) -> Result<Meas
         ));
     }
     warnings.extend(repaired.warnings());
-    let unevenness = illumination::unevenness(&repaired.lights, &repaired.window);
     let Repaired {
         window,
         as_lit,
         line,
         profile,
+        unevenness,
         ..
     } = repaired;
     warnings.extend(shape::check(&window, &line, &profile, accepted)?);
@@ -172,10 +176,11 @@ impl Measurement {
     /// # Errors
     /// Fails if the light was too uneven to be evened out.
     pub fn even_enough(&self) -> Result<(), Fault> {
-        match self.unevenness {
-            unevenness if unevenness > MOST_EVENED => Err(Fault::Uneven { unevenness }),
-            _ => Ok(()),
+        let unevenness = self.unevenness;
+        if unevenness > MOST_EVENED {
+            return Err(Fault::Uneven { unevenness });
         }
+        Ok(())
     }
 }
 
@@ -186,7 +191,8 @@ struct Repaired {
     as_lit: Window,
     line: EdgeLine,
     profile: Profile,
-    lights: Vec<Light>,
+    /// Ratio of the largest to the smallest light that was evened out, less 1.
+    unevenness: f64,
     /// Number of pixels that were left out, and of all pixels.
     off: usize,
     pixels: usize,
@@ -197,14 +203,14 @@ struct Repaired {
 fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
     let pixels = window.pixels().count() + off;
     let as_lit = window.clone();
-    let mut lights: Vec<Light> = Vec::new();
+    let (mut lights, mut unevenness): (Vec<Light>, f64) = (Vec::new(), 0.0);
     let mut line = edge::straight(&window)?;
     let mut profile = Profile::new(&window, &line).ok_or(Fault::TooSmall)?;
     for round in 0..ROUNDS {
         let light = illumination::find(&window, &line, &profile);
         if let Some(light) = light {
             lights.push(light);
-            let unevenness = illumination::unevenness(&lights, &window);
+            unevenness = illumination::unevenness(&lights, &window);
             if unevenness > MOST_UNEVEN {
                 return Err(Fault::Uneven { unevenness });
             }
@@ -227,8 +233,9 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         if share > MOST_OFF {
             return Err(Fault::NotAlone { share });
         }
-        // The first round has found the light of a straight edge.
-        if round > 0 && light.is_none() && taken_out == 0 {
+        // The first round has looked for the light of a straight edge.
+        let was_bent = round == 0 && line.bend.is_some();
+        if light.is_none() && taken_out == 0 && !was_bent {
             break;
         }
     }
@@ -237,13 +244,18 @@ fn repaired(mut window: Window, mut off: usize) -> Result<Repaired, Fault> {
         as_lit,
         line,
         profile,
-        lights,
+        unevenness,
         off,
         pixels,
     })
 }
 
 impl Repaired {
+    /// Returns whether the light was even.
+    fn is_even(&self) -> bool {
+        self.unevenness == 0.0
+    }
+
     /// Counts the noise of means `excess` times, as a variance.
     fn count_noise(&mut self, excess: f64) -> Result<(), Fault> {
         self.window.set_excess(excess);
@@ -261,12 +273,12 @@ impl Repaired {
                 100.0 * *off as f64 / *pixels as f64
             )
         });
-        let light = (!self.lights.is_empty()).then(|| {
+        let light = (!self.is_even()).then(|| {
             format!(
                 "the light varies by {:.1} % over the window (vignetting or an uneven source), \
                 which was corrected for MTFs; their standard errors, and those of the losses mtf \
                 and mse, leave this correction out; the loss edge estimates the light itself",
-                100.0 * illumination::unevenness(&self.lights, &self.window)
+                100.0 * self.unevenness
             )
         });
         defects.into_iter().chain(light).collect()

@@ -28,14 +28,11 @@ const QUANTITIES: [(&str, &str, &str); 3] = [
     ("azimuth_deg", "azimuth", "deg"),
 ];
 
-/// Returns the value of each quantity at a place, and its range over the photographs. A quantity
-/// without a range is not compared.
-fn compared(domain: &Domain, place: &Viewpoint) -> [(Option<f64>, Option<[f64; 2]>); 3] {
-    [
-        (Some(place.r_mm), Some(domain.floating_distance_mm)),
-        (Some(place.incidence_deg), Some(domain.incidence_deg)),
-        (place.azimuth_deg, domain.azimuth_deg),
-    ]
+/// Value of a quantity outside of the photographs, and their range.
+#[derive(Clone, Copy)]
+struct Left {
+    value: f64,
+    range: [f64; 2],
 }
 
 /// Returns whether a value lies in a range.
@@ -54,18 +51,24 @@ fn holds_azimuth(range: [f64; 2], azimuth_deg: f64, symmetry: Symmetry) -> bool 
     })
 }
 
+/// Returns, in the order of [`QUANTITIES`], the value of each quantity in which a place lies
+/// outside of the photographs, with the range of the photographs.
+fn left(domain: &Domain, symmetry: Symmetry, place: &Viewpoint) -> [Option<Left>; 3] {
+    let plain = |value: f64, range| (!holds(range, value)).then_some(Left { value, range });
+    let azimuths = place.azimuth_deg.zip(domain.azimuth_deg);
+    let azimuth = azimuths.filter(|&(value, range)| !holds_azimuth(range, value, symmetry));
+    [
+        plain(place.r_mm, domain.floating_distance_mm),
+        plain(place.incidence_deg, domain.incidence_deg),
+        azimuth.map(|(value, range)| Left { value, range }),
+    ]
+}
+
 /// Returns the keys of the quantities in which a place lies outside of the photographs.
 pub(crate) fn outside(domain: &Domain, symmetry: Symmetry, place: &Viewpoint) -> Vec<&'static str> {
-    let pairs = compared(domain, place)
-        .into_iter()
-        .zip(QUANTITIES)
-        .enumerate();
-    let left = pairs.filter(|(which, ((value, range), _))| match (value, range) {
-        (Some(value), Some(range)) if *which == 2 => !holds_azimuth(*range, *value, symmetry),
-        (Some(value), Some(range)) => !holds(*range, *value),
-        _ => false,
-    });
-    left.map(|(_, (_, (key, ..)))| key).collect()
+    let found = left(domain, symmetry, place).into_iter().zip(QUANTITIES);
+    let keys = found.filter_map(|(left, (key, ..))| left.map(|_| key));
+    keys.collect()
 }
 
 /// Returns remarks on predictions at some places, one sentence each: the warnings of the result,
@@ -100,26 +103,23 @@ pub(crate) fn remarks(
 /// Returns a remark for each quantity in which places lie outside of the photographs.
 fn beyond(domain: &Domain, table: &Table, places: &[Viewpoint]) -> Vec<String> {
     let symmetry = table.provenance.symmetry;
-    let mut remarks = Vec::new();
-    for (which, (key, name, unit)) in QUANTITIES.into_iter().enumerate() {
-        let left = places
-            .iter()
-            .filter(|at| outside(domain, symmetry, at).contains(&key));
-        let values: Vec<f64> = left
-            .filter_map(|at| compared(domain, at)[which].0)
-            .collect();
-        let (Some(range), false) = (compared(domain, &places[0])[which].1, values.is_empty())
-        else {
-            continue;
-        };
-        remarks.push(format!(
+    let mut found: [Vec<Left>; 3] = Default::default();
+    for place in places {
+        for (found, left) in found.iter_mut().zip(left(domain, symmetry, place)) {
+            found.extend(left);
+        }
+    }
+    let remark = |(found, (_, name, unit)): (Vec<Left>, (_, &str, &str))| {
+        let range = found.first()?.range;
+        Some(format!(
             "{name} {} {unit} lies outside of the photographs ({} {unit}): nothing was measured \
             there, and the intervals do not hold this error; photograph there too",
-            words(values),
+            words(found.iter().map(|left| left.value).collect()),
             words(range.to_vec())
-        ));
-    }
-    remarks
+        ))
+    };
+    let remarks = found.into_iter().zip(QUANTITIES).filter_map(remark);
+    remarks.collect()
 }
 
 /// Returns the least and the greatest value in words, to two decimals.

@@ -6,6 +6,7 @@ use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::transfer::Transfer;
+use crate::tests::exposure::Order;
 
 /// Value of all pixels.
 const CODE: u8 = 160;
@@ -22,41 +23,34 @@ fn adobe() -> f64 {
 
 /// Exif data with a `ColorSpace` and an interoperability index. Those without a value are left out.
 fn exif(space: Option<u16>, index: Option<&[u8; 4]>, big: bool) -> Vec<u8> {
-    let word = |v: u16| {
-        if big {
-            v.to_be_bytes()
-        } else {
-            v.to_le_bytes()
-        }
-    };
-    let long = |v: u32| {
-        if big {
-            v.to_be_bytes()
-        } else {
-            v.to_le_bytes()
-        }
-    };
+    let order = Order { big };
     // An entry has tag, type, count and 4 bytes of a value.
     let entry = |tag: u16, kind: u16, count: u32, value: [u8; 4]| {
-        [&word(tag)[..], &word(kind), &long(count), &value].concat()
+        [
+            &order.word(tag)[..],
+            &order.word(kind),
+            &order.long(count),
+            &value,
+        ]
+        .concat()
     };
     let directory = |entries: &[Vec<u8>]| {
-        let count = word(entries.len() as u16);
-        [&count[..], &entries.concat(), &long(0)].concat()
+        let count = order.word(entries.len() as u16);
+        [&count[..], &entries.concat(), &order.long(0)].concat()
     };
     let length = |entries: usize| 2 + 12 * entries as u32 + 4;
     let mut bytes = if big { b"MM\0*" } else { b"II*\0" }.to_vec();
-    bytes.extend(long(8));
-    bytes.extend(directory(&[entry(0x8769, 4, 1, long(8 + length(1)))]));
+    bytes.extend(order.long(8));
+    bytes.extend(directory(&[entry(0x8769, 4, 1, order.long(8 + length(1)))]));
     let mut entries = Vec::new();
     if let Some(space) = space {
-        let [high, low] = word(space);
+        let [high, low] = order.word(space);
         entries.push(entry(0xa001, 3, 1, [high, low, 0, 0]));
     }
     if index.is_some() {
         let count = entries.len() + 1;
         let behind = 8 + length(1) + length(count);
-        entries.push(entry(0xa005, 4, 1, long(behind)));
+        entries.push(entry(0xa005, 4, 1, order.long(behind)));
     }
     bytes.extend(directory(&entries));
     if let Some(index) = index {

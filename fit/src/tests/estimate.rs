@@ -19,7 +19,7 @@ use crate::names::LobeShape;
 use crate::names::Spectrum;
 use crate::names::{ParameterId, ParameterKind};
 use crate::photographs::captures;
-use crate::tests::planted::{camera, params, scene, table, truth};
+use crate::tests::planted::{camera, fitted, params, scene, table, truth};
 use nalgebra::DVector;
 
 const SHARED: Choice = Choice {
@@ -385,4 +385,38 @@ fn the_plain_loss_is_the_mean_of_squares() {
         sum(plain) < sum(weighed) && weighed.chi2 < plain.chi2,
         "{losses:?}"
     );
+}
+
+/// A parameter that is not there has a wide standard error, never one of 0.
+///
+/// The planted sheet has a lobe alone, so c is 0. The model depends on c^2, whose estimate is z
+/// standard errors off 0, with a normal z. If z > 0, the standard error of c is c / (2 z). A z
+/// above 4 has a chance of 3e-5, so c stays below 8 of its errors. If z < 0, c runs to its limit,
+/// where the error is far wider than c.
+#[test]
+fn a_corner_size_that_is_not_there_has_a_wide_error() {
+    let planted = truth(Kernel::Lobe, LobeShape::Radial, 3.0, 0.3, 0.6);
+    let table = table(&planted, &[5.0, 25.0], 20.0);
+    let (mut cases, mut at_limit) = (0, 0);
+    for seed in 1..=4 {
+        let params = params(
+            seed,
+            planted.clone(),
+            &[5.0, 25.0],
+            &[150.0],
+            camera(4_000.0),
+        );
+        let scene = scene(&params, &table);
+        for kind in [Kind::Mtf, Kind::Edge] {
+            let found = fitted(&scene, SHARED, kind);
+            let c = found.c_mm.expect("eq1 has a c");
+            println!("seed {seed}, {}: {c:?}", kind.name());
+            assert!(c.value < 8.0 * c.standard_error, "{c:?}");
+            at_limit += usize::from(c.value < 1e-6);
+            cases += 1;
+        }
+    }
+    println!("{cases} estimates, {at_limit} of them at the limit");
+    assert_eq!(cases, 8);
+    assert!(at_limit > 0, "no estimate ran to the limit");
 }

@@ -16,61 +16,68 @@ struct Shot {
     iso: u16,
 }
 
+/// Order of the bytes of a number.
+#[derive(Clone, Copy)]
+pub(crate) struct Order {
+    /// True if the highest byte comes first.
+    pub big: bool,
+}
+
+impl Order {
+    /// Returns the bytes of a short number.
+    pub(crate) fn word(self, v: u16) -> [u8; 2] {
+        if self.big {
+            v.to_be_bytes()
+        } else {
+            v.to_le_bytes()
+        }
+    }
+
+    /// Returns the bytes of a long number.
+    pub(crate) fn long(self, v: u32) -> [u8; 4] {
+        if self.big {
+            v.to_be_bytes()
+        } else {
+            v.to_le_bytes()
+        }
+    }
+}
+
 /// An entry of an Exif directory: tag, type, and the value or its offset.
 type Entry = (u16, u16, u32);
 
-fn directory(entries: &[Entry], big: bool) -> Vec<u8> {
+fn directory(entries: &[Entry], order: Order) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let word = |v: u16| {
-        if big {
-            v.to_be_bytes()
-        } else {
-            v.to_le_bytes()
-        }
-    };
-    let long = |v: u32| {
-        if big {
-            v.to_be_bytes()
-        } else {
-            v.to_le_bytes()
-        }
-    };
-    bytes.extend(word(entries.len() as u16));
+    bytes.extend(order.word(entries.len() as u16));
     for &(tag, kind, value) in entries {
-        bytes.extend(word(tag));
-        bytes.extend(word(kind));
-        bytes.extend(long(1));
+        bytes.extend(order.word(tag));
+        bytes.extend(order.word(kind));
+        bytes.extend(order.long(1));
         match kind {
             3 => {
-                bytes.extend(word(value as u16));
-                bytes.extend(word(0));
+                bytes.extend(order.word(value as u16));
+                bytes.extend(order.word(0));
             }
-            _ => bytes.extend(long(value)),
+            _ => bytes.extend(order.long(value)),
         }
     }
-    bytes.extend(long(0));
+    bytes.extend(order.long(0));
     bytes
 }
 
 /// A TIFF structure of one 2 x 2 picture of 8-bit grey with an Exif directory. The tag `without` is
 /// left out.
 fn tiff(shot: Shot, big: bool, without: Option<u16>) -> Vec<u8> {
-    let long = |v: u32| {
-        if big {
-            v.to_be_bytes()
-        } else {
-            v.to_le_bytes()
-        }
-    };
+    let order = Order { big };
     let mut bytes = if big {
         b"MM\0*".to_vec()
     } else {
         b"II*\0".to_vec()
     };
     // Header 8, two rationals 16, pixels 4, then the directories: 11 entries are 2 + 132 + 4 bytes.
-    bytes.extend(long(28));
+    bytes.extend(order.long(28));
     for number in [shot.seconds, shot.f_number].as_flattened() {
-        bytes.extend(long(*number));
+        bytes.extend(order.long(*number));
     }
     bytes.extend([10, 20, 30, 40]);
     let main: [Entry; 10] = [
@@ -85,7 +92,7 @@ fn tiff(shot: Shot, big: bool, without: Option<u16>) -> Vec<u8> {
         (279, 4, 4),
         (0x8769, 4, 28 + 2 + 120 + 4),
     ];
-    bytes.extend(directory(&main, big));
+    bytes.extend(directory(&main, order));
     let exif: Vec<Entry> = [
         (0x829a, 5, 8),
         (0x829d, 5, 16),
@@ -94,7 +101,7 @@ fn tiff(shot: Shot, big: bool, without: Option<u16>) -> Vec<u8> {
     .into_iter()
     .filter(|(tag, ..)| Some(*tag) != without)
     .collect();
-    bytes.extend(directory(&exif, big));
+    bytes.extend(directory(&exif, order));
     bytes
 }
 

@@ -3,7 +3,7 @@
 //! A pixel holds the integral of the blurred edge over its square. The blur is a normal
 //! distribution, and the edge follows an arc of a circle.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
@@ -181,12 +181,9 @@ impl Known {
 
     /// Returns a photograph with normal noise of a standard deviation.
     fn photo(&self, noise: f64, stream: &mut Stream) -> Photo {
-        let mut normal = || {
-            let radius = (-2.0 * stream.between(f64::MIN_POSITIVE, 1.0).ln()).sqrt();
-            radius * stream.between(0.0, TAU).cos()
-        };
         let light = self.light();
-        let light = light.iter().map(|light| (light + noise * normal()) as f32);
+        let noisy = |light: &f64| (light + noise * stream.normal()) as f32;
+        let light = light.iter().map(noisy);
         Photo {
             width: self.size_px[0],
             height: self.size_px[1],

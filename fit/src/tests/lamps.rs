@@ -1,7 +1,7 @@
 //! Uneven light of a lamp, which is blurred with the edge, and of a camera, which is not. Both are
 //! planted by sums over pixels in two dimensions, which share nothing with the estimator.
 
-use crate::compare::{Photograph, Pixels};
+use crate::compare::{Photograph, Pixels, are_uneven};
 use crate::model::{Camera, Lens};
 use crate::photographs::measure;
 use crate::photographs::photo::plane::Photo;
@@ -98,7 +98,10 @@ fn pull(photo: &Photo) -> f64 {
     let sigma = (SIGMA_PX * SIGMA_PX - 1.0 / 12.0).sqrt();
     let truth = (SQRT_2 * PI * sigma * pitch_mm).ln();
     let mut photograph = Photograph::new(&pixels, pitch_mm);
-    photograph.settle(&photograph.curves(None, &camera(truth + 0.02), 1));
+    let curves = photograph.curves(None, &camera(truth + 0.02), 1);
+    if are_uneven(&[photograph.settle(&curves)]) {
+        photograph.settle_unevenly(&curves);
+    }
     let (mut at, mut error) = (truth + 0.02, f64::INFINITY);
     for _ in 0..6 {
         let fitted = photograph.fit(&photograph.curves(None, &camera(at), 1));

@@ -12,6 +12,7 @@ use crate::photographs::captures;
 use crate::simulate::cell;
 use crate::simulate::{ByIncidence, Params, PlantedCamera, PlantedEdge, PlantedSheet, PlantedShot};
 use ndarray::{Array2, Array3, Array4};
+use std::f64::consts::TAU;
 use tables::options::{Back, Losses, Method, StatedOptions};
 use tables::{Axes, Exact, Path, Provenance, Table};
 
@@ -26,6 +27,12 @@ impl Stream {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         low + (high - low) * ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Returns the next normal number, of mean 0 and variance 1 (Box and Muller).
+    pub(crate) fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * self.between(f64::MIN_POSITIVE, 1.0).ln()).sqrt();
+        radius * self.between(0.0, TAU).cos()
     }
 }
 

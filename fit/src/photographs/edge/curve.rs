@@ -25,7 +25,7 @@ const STRAIGHT_PX: f64 = 0.01;
 const STEEP: f64 = 0.05;
 
 /// Steepness of the profile, and what it says of the places of pixels.
-struct Steepness {
+pub(crate) struct Steepness {
     smooth: Vec<f64>,
     slopes: Vec<f64>,
     least: f64,
@@ -33,19 +33,22 @@ struct Steepness {
 }
 
 /// One pixel beside the profile.
-struct Told {
-    /// Distance from the edge and place along it, pixels.
+pub(crate) struct Told {
+    /// Distance from the edge, pixels.
     across_px: f64,
-    along_px: f64,
-    /// Value of the profile at the pixel, and its slope, per pixel.
-    level: f64,
-    slope: f64,
+    /// Place along the edge, pixels.
+    pub along_px: f64,
+    /// Value of the profile at the pixel.
+    pub level: f64,
+    /// Slope of the profile at the pixel, per pixel.
+    pub slope: f64,
     /// Distance of the pixel's value from the profile.
-    off: f64,
+    pub off: f64,
 }
 
 impl Steepness {
-    fn new(profile: &Profile) -> Steepness {
+    /// Smooths a profile and takes its slopes.
+    pub(crate) fn new(profile: &Profile) -> Steepness {
         let slopes: Vec<f64> = (0..profile.len()).map(|j| profile.slope(j, 4)).collect();
         let steepest = slopes.iter().copied().fold(0.0, f64::max);
         Steepness {
@@ -57,7 +60,11 @@ impl Steepness {
     }
 
     /// Returns the pixels in the reach of the profile.
-    fn all<'a>(&'a self, window: &'a Window, line: &EdgeLine) -> impl Iterator<Item = Told> + 'a {
+    pub(crate) fn all<'a>(
+        &'a self,
+        window: &'a Window,
+        line: &EdgeLine,
+    ) -> impl Iterator<Item = Told> + 'a {
         let ruler = line.ruler();
         let last = self.smooth.len() as f64 - 1.0;
         window.pixels().filter_map(move |pixel| {
