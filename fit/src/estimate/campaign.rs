@@ -123,7 +123,7 @@ pub struct Estimated {
     pub kind: Kind,
     /// One-sided bounds of the parameters that the photographs cannot determine.
     pub bounds: Bounds,
-    /// How well the estimate describes the photographs.
+    /// Quality of the fit: whether the estimate describes the photographs.
     pub goodness: Goodness,
     /// Mistakes that would explain why it does not, the best first.
     pub suspects: Vec<Suspect>,

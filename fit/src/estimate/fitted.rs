@@ -105,8 +105,8 @@ impl Estimate {
         (0..n).map(|i| own[(i, i)].sqrt()).collect()
     }
 
-    /// Multiplies the standard errors of the blur by the first number and those of mu by the second,
-    /// and the covariance accordingly.
+    /// Multiplies the standard errors of the blur by the first number and those of mu by the
+    /// second, and the covariance accordingly.
     pub(crate) fn raise(&mut self, [of_blur, of_mu]: [f64; 2]) {
         let blur = self.blur_parameters();
         let by = |i: usize| if i < blur { of_blur } else { of_mu };

@@ -36,7 +36,7 @@ const MATTERS: f64 = 0.5;
 /// by sqrt 3. This limit is a convention.
 const POOR: f64 = 2.0;
 
-/// How well a fit describes its photographs, in one word.
+/// Quality of a fit in one word: whether it describes its photographs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {

@@ -335,7 +335,7 @@ impl<'a> Joint<'a> {
     }
 }
 
-/// What one photograph tells of its light.
+/// Information of one photograph on its light.
 struct Light {
     /// Square root of the information on ln step.
     step: f64,

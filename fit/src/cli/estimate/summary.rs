@@ -1,0 +1,171 @@
+//! The printed summary of an estimate: a table for a reader.
+
+use std::fmt::Write;
+
+use crate::cli::terms::described;
+use crate::estimate::Bound;
+use crate::estimate::trusted_in_words;
+use crate::names::{ParameterId, ParameterKind};
+use crate::result::{FitResult, Number, Parameter, ResultFile};
+use crate::simulate::Truth;
+
+/// Returns the result as a table for a reader.
+pub(super) fn summary(result: &ResultFile, truth: Option<&Truth>) -> String {
+    let mut text = head(result);
+    let beside = if truth.is_some() {
+        "truth     difference"
+    } else {
+        ""
+    };
+    let _ = writeln!(
+        text,
+        "{:<12}{:>10}{:>12}{:>14}   {beside}",
+        "", "incidence", "estimate", "std. error"
+    );
+    let mut rows = Rows { text, truth };
+    let sizes = [result.c_mm, result.surface_roughness].map(|size| size.map(Parameter::Shared));
+    let azimuth = result.azimuth_deg.map(Parameter::Shared);
+    // Roughnesses are shown in thousandths.
+    let parameters = [
+        ("c (mm)", ParameterKind::CornerSize, 1.0, &sizes[0]),
+        (
+            "1000 x front",
+            ParameterKind::SurfaceRoughness,
+            1e3,
+            &sizes[1],
+        ),
+        (
+            "1000 x rough",
+            ParameterKind::Roughness,
+            1e3,
+            &result.roughness,
+        ),
+        ("a (1/mm)", ParameterKind::APerMm, 1.0, &result.a_per_mm),
+        ("a R", ParameterKind::ATimesR, 1.0, &result.a_times_r),
+        ("mu", ParameterKind::Mu, 1.0, &result.mu),
+        ("azimuth (°)", ParameterKind::Azimuth, 1.0, &azimuth),
+    ];
+    for (label, kind, scale, parameter) in parameters {
+        rows.add(label, kind, scale, parameter.as_ref());
+    }
+    let mut text = rows.text;
+    for (id, bound) in &result.bounds {
+        let _ = writeln!(text, "{}", bounded(*id, *bound));
+    }
+    if let Some(said) = trusted_in_words(&result.trusted) {
+        let _ = writeln!(text, "{said}");
+    }
+    text
+}
+
+/// Returns the first lines of the summary: the model in words, the data, and how well they agree.
+fn head(result: &ResultFile) -> String {
+    let lobe = result
+        .lobe
+        .map_or(String::new(), |l| format!(", lobe {}", l.name()));
+    let samples = result.sampling.as_ref().map_or(String::new(), |own| {
+        format!(", {} samples a pixel", own.sampling.samples)
+    });
+    format!(
+        "model: {} (kernel {}{lobe})\n\
+         fitted: {} photographs, table {}, loss {}{samples}; {} after {} evaluations, {:.2} s\n",
+        described(result.kernel),
+        result.kernel.name(),
+        result.captures.len(),
+        result.table.design,
+        result.loss.name(),
+        result.stop,
+        result.iterations,
+        result.seconds
+    ) + &result.fit.as_ref().map_or(String::new(), quality)
+}
+
+/// Returns the line of the summary that says how well the model describes the photographs.
+fn quality(fit: &FitResult) -> String {
+    let raised = if fit.scale > 1.0 {
+        format!("; standard errors x {:.2}", fit.scale)
+    } else {
+        String::new()
+    };
+    format!(
+        "fit: {}, chi-square {:.4} per degree of freedom ({}), p = {}{raised}\n",
+        fit.verdict.name(),
+        fit.reduced_chi2,
+        fit.degrees_of_freedom,
+        significant(fit.p_value)
+    )
+}
+
+/// Writes a probability with two digits.
+fn significant(p: f64) -> String {
+    if p >= 0.001 {
+        format!("{p:.2}")
+    } else {
+        format!("{p:.0e}")
+    }
+}
+
+/// Table of estimates, row by row.
+struct Rows<'a> {
+    text: String,
+    truth: Option<&'a Truth>,
+}
+
+impl Rows<'_> {
+    /// Adds the rows of a parameter, in units of 1 / `scale`.
+    fn add(&mut self, label: &str, kind: ParameterKind, scale: f64, parameter: Option<&Parameter>) {
+        let scaled = |value: Option<f64>, standard_error: Option<f64>| Number {
+            value: value.map(|v| v * scale),
+            standard_error: standard_error.map(|v| v * scale),
+        };
+        match parameter {
+            None => {}
+            Some(Parameter::Shared(n)) => {
+                self.row(label, kind.shared(), scaled(n.value, n.standard_error));
+            }
+            Some(Parameter::PerAngle { per_angle }) => {
+                for p in per_angle {
+                    let number = scaled(p.value, p.standard_error);
+                    self.row(label, kind.at(p.incidence_deg), number);
+                }
+            }
+        }
+    }
+
+    fn row(&mut self, label: &str, id: ParameterId, number: Number) {
+        let angle = id.incidence_deg.map_or(String::new(), |i| format!("{i}°"));
+        let shown = |v: Option<f64>| v.map_or("-".to_owned(), |v| format!("{v:.5}"));
+        let _ = write!(
+            self.text,
+            "{label:<12}{angle:>10}{:>12}{:>14}",
+            shown(number.value),
+            shown(number.standard_error)
+        );
+        let planted = |truth: &Truth| truth.of(id);
+        if let (Some(truth), Some(value)) = (self.truth.and_then(planted), number.value) {
+            let _ = write!(
+                self.text,
+                "   {truth:<8} {:>+9.3} %",
+                100.0 * (value / truth - 1.0)
+            );
+        }
+        self.text.push('\n');
+    }
+}
+
+/// Returns the line that states a bound.
+fn bounded(id: ParameterId, bound: Bound) -> String {
+    let shown = |v: f64| {
+        if v < 1e-3 {
+            format!("{v:.2e}")
+        } else {
+            format!("{v:.4}")
+        }
+    };
+    let side = match (bound.at_least, bound.at_most) {
+        (Some(v), _) => format!("> {}", shown(v)),
+        (_, Some(v)) => format!("< {}", shown(v)),
+        _ => "not bounded by these photographs".into(),
+    };
+    format!("{id} {side} ({:.0} % confidence)", 100.0 * bound.confidence)
+}

@@ -1,0 +1,340 @@
+//! The alternatives to a campaign as its manifest states it.
+
+use crate::estimate::choice::Choice;
+use crate::estimate::placed::{OtherIndex, Placed};
+use crate::estimate::scene::{Aerial, Scene};
+use crate::estimate::select::CLEAR;
+use crate::estimate::suspects::{Alternative, SURE, Search};
+use crate::estimate::watch::Watch;
+use crate::names::{Kernel, LobeShape};
+use crate::photographs::photo::transfer::Transfer;
+
+/// Step of the azimuths that are tried, degrees.
+const AZIMUTH_STEP_DEG: f64 = 10.0;
+
+/// Refractive indices that are tried: air, acrylic, crown glass and polycarbonate.
+const INDICES: [f64; 4] = [1.0, 1.49, 1.517, 1.586];
+
+impl Search<'_> {
+    /// Returns all alternatives.
+    pub(super) fn alternatives(&self) -> Vec<Alternative> {
+        let mut all = Vec::new();
+        self.exchanged(&mut all);
+        self.turned(&mut all);
+        self.of_another_sheet(&mut all);
+        self.at_other_distances(&mut all);
+        self.decoded_otherwise(&mut all);
+        self.alone(&mut all);
+        self.not_tried(&mut all);
+        all
+    }
+
+    /// Adds the scene with its photographs placed otherwise, if the table has their directions.
+    fn add(
+        &self,
+        all: &mut Vec<Alternative>,
+        what: String,
+        placed: &dyn Fn(&Aerial) -> Placed,
+        index: Option<OtherIndex>,
+    ) {
+        let shots = &self.scene.shots;
+        let before: Vec<Placed> = shots.iter().map(Aerial::placed).collect();
+        let after: Vec<Placed> = shots.iter().map(placed).collect();
+        let pairs = before.iter().zip(&after).zip(shots);
+        let changed: Vec<String> = pairs
+            .filter(|((before, after), _)| before != after)
+            .map(|(_, shot)| shot.image.clone())
+            .collect();
+        if changed.is_empty() && index.is_none() {
+            return;
+        }
+        if let Ok(scene) = self.scene.placed(self.table, index, &after) {
+            let captures = if changed.len() < shots.len() {
+                changed
+            } else {
+                Vec::new()
+            };
+            all.push(self.alternative(what, captures, scene));
+        }
+    }
+
+    fn alternative(&self, what: String, captures: Vec<String>, scene: Scene) -> Alternative {
+        Alternative {
+            what,
+            captures,
+            scene,
+            choices: self.fuller(),
+            cost: 0.0,
+        }
+    }
+
+    /// Returns the chosen candidate, and the one with both terms if the chosen one lacks one: the
+    /// mistake may have hidden the other.
+    fn fuller(&self) -> Vec<Choice> {
+        let own = self.fit.choice;
+        let both = Choice {
+            kernel: Kernel::Eq1,
+            ..own
+        };
+        if own.kernel == Kernel::Lobe || own.kernel == Kernel::Shift {
+            vec![own, both]
+        } else {
+            vec![own]
+        }
+    }
+
+    /// Adds exchanged incidences: of two angles, and of the worst photograph and another one. Where
+    /// all photographs have one incidence, those of the table take its place.
+    pub(super) fn exchanged(&self, all: &mut Vec<Alternative>) {
+        let scene = self.scene;
+        if let [own] = scene.groups[..] {
+            let axis = self.table.axes.incidence_deg.iter();
+            for &deg in axis.filter(|&&deg| deg != own) {
+                let placed = |shot: &Aerial| Placed {
+                    incidence_deg: deg,
+                    ..shot.placed()
+                };
+                self.add(
+                    all,
+                    format!("the incidence is {deg}, not {own} deg"),
+                    &placed,
+                    None,
+                );
+            }
+        }
+        let swapped = |deg: f64, [a, b]: [f64; 2]| match deg {
+            _ if deg == a => b,
+            _ if deg == b => a,
+            _ => deg,
+        };
+        for (i, &a) in scene.groups.iter().enumerate() {
+            for &b in &scene.groups[i + 1..] {
+                let placed = |shot: &Aerial| Placed {
+                    incidence_deg: swapped(shot.incidence_deg, [a, b]),
+                    ..shot.placed()
+                };
+                let what = format!("the incidences {a} and {b} deg are exchanged");
+                self.add(all, what, &placed, None);
+            }
+        }
+        let worst = self.goodness.worst.as_ref().map(|(image, _)| image);
+        let Some(worst) = scene.shots.iter().find(|shot| Some(&shot.image) == worst) else {
+            return;
+        };
+        for other in &scene.shots {
+            if other.incidence_deg == worst.incidence_deg {
+                continue;
+            }
+            let placed = |shot: &Aerial| Placed {
+                incidence_deg: match &shot.image {
+                    image if *image == worst.image => other.incidence_deg,
+                    image if *image == other.image => worst.incidence_deg,
+                    _ => shot.incidence_deg,
+                },
+                ..shot.placed()
+            };
+            let what = format!(
+                "the incidences of {} ({} deg) and {} ({} deg) are exchanged",
+                worst.image, worst.incidence_deg, other.image, other.incidence_deg
+            );
+            self.add(all, what, &placed, None);
+        }
+        for &deg in &scene.groups {
+            let placed = |shot: &Aerial| Placed {
+                incidence_deg: if shot.image == worst.image {
+                    deg
+                } else {
+                    shot.incidence_deg
+                },
+                ..shot.placed()
+            };
+            let what = format!("the incidence of {} is {deg} deg", worst.image);
+            self.add(all, what, &placed, None);
+        }
+    }
+
+    /// Adds turned axes, other azimuths, and the other view of the sheet.
+    pub(super) fn turned(&self, all: &mut Vec<Alternative>) {
+        let axis = |shot: &Aerial| Placed {
+            axis_turn_rad: shot.placed().axis_turn_rad + std::f64::consts::FRAC_PI_2,
+            ..shot.placed()
+        };
+        self.add(
+            all,
+            "the tangential axis is off by 90 deg".into(),
+            &axis,
+            None,
+        );
+        let view = |shot: &Aerial| Placed {
+            seen_in_mirror: !shot.seen_in_mirror,
+            ..shot.placed()
+        };
+        let seen = self
+            .scene
+            .shots
+            .first()
+            .is_some_and(|shot| shot.seen_in_mirror);
+        self.add(all, format!("seen_in_mirror is {}", !seen), &view, None);
+        if self.table.axes.is_mean() {
+            return;
+        }
+        let period = 360.0 / f64::from(self.table.provenance.symmetry.rotations);
+        let steps = (period / AZIMUTH_STEP_DEG).round() as usize;
+        for by in (1..steps).map(|step| step as f64 * AZIMUTH_STEP_DEG) {
+            let placed = |shot: &Aerial| Placed {
+                azimuth_deg: shot.facing.azimuth_deg.map(|deg| deg + by),
+                ..shot.placed()
+            };
+            let signed = if by > 0.5 * period { by - period } else { by };
+            self.add(
+                all,
+                format!("the azimuth is off by {signed} deg"),
+                &placed,
+                None,
+            );
+        }
+    }
+
+    /// Adds other tables, and other refractive indices.
+    pub(super) fn of_another_sheet(&self, all: &mut Vec<Alternative>) {
+        let placed: Vec<Placed> = self.scene.shots.iter().map(Aerial::placed).collect();
+        for other in self.others {
+            if let Ok(scene) = self.scene.placed(&other.table, None, &placed) {
+                let what = format!("the table of the sheet is {}", other.name);
+                all.push(self.alternative(what, Vec::new(), scene));
+            }
+        }
+        let own = self.table.provenance.refractive_index;
+        for index in INDICES
+            .into_iter()
+            .filter(|&index| (index - own).abs() > 0.01)
+        {
+            if let Some(other) = OtherIndex::of(self.table, index) {
+                let what = format!("the refractive index is {index}, not {own}");
+                self.add(all, what, &Aerial::placed, Some(other));
+            }
+        }
+    }
+
+    /// Adds distances in another unit: of all photographs, and of single ones.
+    fn at_other_distances(&self, all: &mut Vec<Alternative>) {
+        if !matches!(self.fit.choice.kernel, Kernel::Angular | Kernel::Wave) {
+            return;
+        }
+        for (factor, unit) in [(10.0, "cm"), (0.1, "tenths of a mm")] {
+            let placed = |shot: &Aerial| Placed {
+                r_mm: factor * shot.r_mm,
+                ..shot.placed()
+            };
+            let what = format!("the floating distances are in {unit}, not in mm");
+            self.add(all, what, &placed, None);
+            for one in &self.scene.shots {
+                let placed = |shot: &Aerial| Placed {
+                    r_mm: if shot.image == one.image {
+                        factor * shot.r_mm
+                    } else {
+                        shot.r_mm
+                    },
+                    ..shot.placed()
+                };
+                let what = format!("the floating distance of {} is in {unit}", one.image);
+                self.add(all, what, &placed, None);
+            }
+        }
+    }
+
+    /// Adds the other transfer: sRGB for linear values, or the reverse.
+    fn decoded_otherwise(&self, all: &mut Vec<Alternative>) {
+        let Some(first) = self.scene.shots.first() else {
+            return;
+        };
+        let is_linear = first.transfer.name == "linear";
+        let (to, what) = if is_linear {
+            (
+                Transfer::Srgb,
+                "the values of the photographs are sRGB, not linear",
+            )
+        } else {
+            (
+                Transfer::Linear,
+                "the values of the photographs are linear, not sRGB",
+            )
+        };
+        let mut campaign = self.campaign.clone();
+        let shots = campaign
+            .captures
+            .iter_mut()
+            .map(|capture| &mut capture.shot);
+        for shot in campaign.reference.iter_mut().chain(shots) {
+            shot.decode.transfer = Some(to);
+        }
+        let Ok(scene) = Scene::watched(&campaign, self.table, self.photo, &Watch::NOBODY) else {
+            return;
+        };
+        let other = scene
+            .shots
+            .first()
+            .is_some_and(|own| own.transfer.name != first.transfer.name);
+        if other {
+            all.push(self.alternative(format!("{what} (key transfer)"), Vec::new(), scene));
+        }
+    }
+
+    /// Adds the scenes without the worst photograph.
+    fn alone(&self, all: &mut Vec<Alternative>) {
+        let worst = self.goodness.worst.as_ref().map(|(image, _)| image);
+        let shots = &self.scene.shots;
+        let Some(i) = shots.iter().position(|shot| Some(&shot.image) == worst) else {
+            return;
+        };
+        if shots.len() < 2 {
+            return;
+        }
+        let image = shots[i].image.clone();
+        all.push(Alternative {
+            // A photograph explains its own misfit whatever its cause. So a suspect that says why
+            // comes first.
+            cost: SURE,
+            ..self.alternative(
+                format!("{image} alone does not agree with the others"),
+                vec![image],
+                self.scene.without(i),
+            )
+        });
+    }
+
+    /// Adds kernels and lobes that were not among the candidates.
+    fn not_tried(&self, all: &mut Vec<Alternative>) {
+        if self.fit.choice.kernel.is_baseline() {
+            return;
+        }
+        for shape in LobeShape::ALL {
+            for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
+                let same = |own: &&Choice| {
+                    own.kernel == kernel && (own.shape == shape || !kernel.has_lobe())
+                };
+                if self.tried.iter().any(|own| same(&own)) {
+                    continue;
+                }
+                let shaped = if kernel.has_lobe() {
+                    format!(" --lobe {}", shape.name())
+                } else {
+                    String::new()
+                };
+                all.push(Alternative {
+                    choices: vec![Choice {
+                        kernel,
+                        shape,
+                        ..self.fit.choice
+                    }],
+                    cost: CLEAR,
+                    ..self.alternative(
+                        format!("the blur is that of --kernel {}{shaped}", kernel.name()),
+                        Vec::new(),
+                        self.scene.clone(),
+                    )
+                });
+            }
+        }
+    }
+}

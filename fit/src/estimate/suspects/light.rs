@@ -1,0 +1,141 @@
+//! Suspects that the brightness of the photographs tells: mistakes that change mu.
+
+use rayon::prelude::*;
+
+use crate::estimate::covariance::scatter_at;
+use crate::estimate::layout::Layout;
+use crate::estimate::scene::Aerial;
+use crate::estimate::suspects::{Alternative, EXPLAINED, SURE, Search, Suspect};
+use crate::numerics::chance;
+
+/// Probability above which the mu of several incidences agree.
+const AGREE: f64 = 1e-3;
+
+impl Search<'_> {
+    /// Returns the mistakes that would explain why the photographs disagree on mu, where the blur
+    /// does not tell them.
+    pub(super) fn of_light(&self) -> Vec<Suspect> {
+        let Some(now) = self
+            .fit
+            .scatter
+            .as_ref()
+            .filter(|_| self.goodness.is_light_off())
+        else {
+            return Vec::new();
+        };
+        let excess = now.squares() - now.freedom as f64;
+        let left = |own: &Alternative| {
+            let fit = self.at_least(&own.scene, &own.choices)?;
+            let layout = Layout::new(fit.choice, own.scene.groups.len());
+            let scatter = scatter_at(&own.scene, &layout, &fit.at);
+            let fall = excess - (scatter.squares() - scatter.freedom as f64) - own.cost;
+            (fall > SURE.max(EXPLAINED * excess)).then(|| Suspect {
+                what: own.what.clone(),
+                captures: own.captures.clone(),
+                chi2_if_so: scatter.squares(),
+            })
+        };
+        self.alternatives().par_iter().filter_map(left).collect()
+    }
+
+    /// Returns the mistakes without which one mu would do for all incidences, where the photographs
+    /// asked for one each. A mu that falls with the incidence is no mistake. So a suspect is named
+    /// only if it makes the mu of all incidences agree within their errors.
+    ///
+    /// Nothing is fitted: mu is inversely proportional to the retroreflected share of the table,
+    /// and the rest of the fit hardly depends on it.
+    pub(crate) fn of_differing_mu(&self) -> Vec<Suspect> {
+        let Some(mu) = self.fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
+            return Vec::new();
+        };
+        let mut all = Vec::new();
+        self.exchanged(&mut all);
+        // Of two incidences one number tells, which one of many mistakes may explain by chance.
+        if mu.len() > 2 {
+            self.turned(&mut all);
+            self.of_another_sheet(&mut all);
+        }
+        let kernel = self.fit.choice.kernel;
+        let agrees = |own: &Alternative| {
+            let shots = self.scene.shots.iter().zip(&own.scene.shots);
+            let numbers = shots.map(|(shot, other)| {
+                let share = |shot: &Aerial| shot.returned(kernel).retroreflected;
+                let value = mu[shot.group];
+                let ln = (value.value * share(shot) / share(other)).ln();
+                (ln, value.standard_error / value.value)
+            });
+            // Photographs of one incidence share its mu, so they count once.
+            let mut groups: Vec<(f64, f64)> = numbers.collect();
+            groups.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            groups.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-12);
+            let squares = scatter_about_mean(&groups);
+            let chance = chance::of_squares(squares, groups.len().saturating_sub(1));
+            (own.scene.is_lit() && groups.len() > 1 && chance > AGREE).then(|| Suspect {
+                what: own.what.clone(),
+                captures: own.captures.clone(),
+                chi2_if_so: squares,
+            })
+        };
+        let mut found: Vec<Suspect> = all.iter().filter_map(agrees).collect();
+        found.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
+        found
+    }
+
+    /// Names the exposure that explains why the photographs disagree on mu. Of two photographs
+    /// alone it cannot tell which.
+    pub(super) fn exposure(&self) -> Option<Suspect> {
+        let scatter = self.fit.scatter.as_ref();
+        let scatter = scatter.filter(|_| self.goodness.is_light_off())?;
+        let all = scatter.squares();
+        let each = scatter.each.iter().enumerate();
+        let (i, &worst) = each.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let shots = &self.scene.shots;
+        let own = self.fit.choice.per_angle_mu;
+        let beside = |shot: &&Aerial| !own || shot.group == shots[i].group;
+        let beside: Vec<String> = shots
+            .iter()
+            .filter(beside)
+            .map(|s| s.image.clone())
+            .collect();
+        // Without one of n numbers the sum of squares about their mean falls by its square times
+        // n / (n - 1).
+        let n = beside.len() as f64;
+        let left = (all - worst * worst * n / (n - 1.0).max(1.0)).max(0.0);
+        let excess = all - scatter.freedom as f64;
+        if all - left <= SURE.max(EXPLAINED * excess) {
+            return None;
+        }
+        let image = shots[i].image.clone();
+        let side = if worst > 0.0 { "small" } else { "large" };
+        let (what, captures) = if let [a, b] = &beside[..] {
+            (
+                format!("the exposure of {a} or that of {b} is another"),
+                beside,
+            )
+        } else {
+            let what =
+                format!("the exposure of {image} is stated too {side}, or its light changed");
+            (what, vec![image])
+        };
+        Some(Suspect {
+            what,
+            captures,
+            chi2_if_so: left,
+        })
+    }
+}
+
+/// Returns the sum of squares of numbers about their weighted mean, each in units of its error.
+fn scatter_about_mean(numbers: &[(f64, f64)]) -> f64 {
+    let weight = |error: f64| error.max(1e-9).powi(-2);
+    let sum: f64 = numbers.iter().map(|&(_, error)| weight(error)).sum();
+    let mean = numbers
+        .iter()
+        .map(|&(v, error)| v * weight(error))
+        .sum::<f64>()
+        / sum;
+    let squares = numbers
+        .iter()
+        .map(|&(v, error)| (v - mean).powi(2) * weight(error));
+    squares.sum()
+}
