@@ -28,13 +28,14 @@ all: build
 build install demo: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
-	@$(CARGO) build --release --locked -p bake -p fit
+	@$(CARGO) build --release --locked -p bake -p fit -p reader
 
 # With the cmake that HDF5 wants, which a plain `cargo install` takes from PATH or from the variable
 # CMAKE.
 install: tools
 	@$(CARGO) install --locked --path bake
 	@$(CARGO) install --locked --path fit
+	@$(CARGO) install --locked --path reader
 
 # ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and
 # an interrupted or moved set-up is done again.
@@ -136,7 +137,7 @@ test-metrics: build
 		--lpips .tools/metrics/seeded.safetensors
 METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 
-# ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
+# ---- A wheel of the programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
 # HDF5.
 
 wheel: tools
@@ -215,7 +216,7 @@ QUIET = $$(test -t 1 || echo --quiet)
 
 demo: tools
 	@echo "demo: building bake and fit; the first time takes some 5 minutes on 2 cores" >&2
-	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit
+	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader
 	@mkdir -p demo
 	@echo "demo: a cell, its ray-shift table, and the estimate from" \
 		"$(words $(wildcard $(CAMPAIGN)/aerial_*.exr)) photographs" >&2

@@ -55,6 +55,16 @@ pub(crate) enum Failure {
     bake the table again",
         table.display(), mesh.display())]
     Retraced { table: PathBuf, mesh: PathBuf },
+    #[error("{}: {source}; somebody changed the table after the bake, bake it again",
+        file.display())]
+    Forged {
+        file: PathBuf,
+        source: crate::run::Forged,
+    },
+    #[error("{} does not agree with the exact bake of {} made again: their polygons differ by more \
+    than rounding explains; bake the table again",
+        table.display(), mesh.display())]
+    Rebaked { table: PathBuf, mesh: PathBuf },
     #[error("{} claims a symmetry that {} does not have, so it is wrong at the azimuths that it \
     leaves out; bake the table again",
         table.display(), mesh.display())]

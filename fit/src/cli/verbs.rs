@@ -52,7 +52,7 @@ enum Verb {
 ///
 /// `commit` names the commit that was built, if the build was told it; `--version` shows it.
 pub fn main(commit: Option<&str>) -> ExitCode {
-    tables::apart::serve();
+    tables::apart::start();
     let done = match arguments(commit).verb {
         Verb::Estimate(arguments) => estimate::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
