@@ -1,6 +1,5 @@
 //! Failures of the verbs of `bake`: one sentence each, and the exit code of the program.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use meshes::Fault;
@@ -107,8 +106,7 @@ pub(crate) enum Failure {
 impl Failure {
     /// Prints the failure to standard error.
     pub(crate) fn print(&self) {
-        // A closed standard error is no reason to stop.
-        let _ = writeln!(std::io::stderr(), "error: {self}");
+        tables::cli::fail(self);
     }
 
     /// Returns the exit code: 2 for wrong usage, 1 for work that failed.

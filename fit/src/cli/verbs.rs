@@ -1,9 +1,9 @@
 //! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use tables::cli as terminal;
 use tables::cli::{Completions, Manual, version};
 
 use crate::cli::failure::Failure;
@@ -70,7 +70,7 @@ pub fn main(commit: Option<&str>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            terminal::fail(&failure);
             ExitCode::from(failure.code())
         }
     }

@@ -17,6 +17,11 @@ pub(crate) fn set(bytes: u64, seconds: u64) {
     }
 }
 
+/// Returns the greatest length of a file that this process may write, bytes; `None` without a limit.
+pub(crate) fn longest_file() -> Option<u64> {
+    getrlimit(Resource::Fsize).current
+}
+
 /// Limits this process for the rest of its life, and forbids it a core file.
 ///
 /// Returns whether the system took all limits.

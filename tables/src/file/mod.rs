@@ -13,6 +13,7 @@ pub(crate) mod ledger;
 pub(crate) mod library;
 pub(crate) mod limits;
 pub(crate) mod output;
+pub(crate) mod partial;
 pub(crate) mod read;
 pub mod reader;
 pub(crate) mod received;

@@ -7,6 +7,7 @@
 mod bad_inputs;
 mod boundaries;
 mod campaigns;
+mod caps;
 mod channels;
 mod corpus;
 mod determinism;
