@@ -8,8 +8,8 @@ use crate::mesh::error::{Counted, Fault};
 
 /// Largest file, and most bytes of all buffers of a mesh.
 ///
-/// Sheets of thousands of cells take some MiB. With [`crate::mesh::mesh::MAX_ELEMENTS`] it keeps the
-/// memory of a mesh below 1 GiB.
+/// Sheets of thousands of cells take some MiB. With [`crate::mesh::mesh::MAX_ELEMENTS`] it keeps
+/// the memory of a mesh below 1 GiB.
 pub(crate) const MAX_BYTES: u64 = 1 << 27;
 
 /// Reads a regular file of at most `limit` bytes.

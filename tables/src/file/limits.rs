@@ -17,7 +17,8 @@ pub(crate) fn set(bytes: u64, seconds: u64) {
     }
 }
 
-/// Returns the greatest length of a file that this process may write, bytes; `None` without a limit.
+/// Returns the greatest length of a file that this process may write, bytes; `None` without a
+/// limit.
 pub(crate) fn longest_file() -> Option<u64> {
     getrlimit(Resource::Fsize).current
 }

@@ -22,8 +22,8 @@ pub struct Output {
 impl Output {
     /// Checks that a file can be written at `path`, and reserves the place.
     ///
-    /// A symbolic link stays, and the file that it names is replaced. Partial files that killed runs
-    /// of this machine left in the folder are removed.
+    /// A symbolic link stays, and the file that it names is replaced. Partial files that killed
+    /// runs of this machine left in the folder are removed.
     ///
     /// # Errors
     /// Returns [`OutputError::Dash`] for the name `-`, [`OutputError::DeadLink`] for a link that
@@ -122,19 +122,20 @@ impl Outputs {
     /// Reserves the output for a table, whose name must not promise another kind of file.
     ///
     /// # Errors
-    /// Returns [`OutputError::NotATable`] if the name ends as that of a mesh, a picture, a text or a
-    /// page, and the errors of [`Outputs::reserve`].
+    /// Returns [`OutputError::NotATable`] if the name ends as that of a mesh, a picture, a text or
+    /// a page, and the errors of [`Outputs::reserve`].
     pub fn reserve_table(&mut self, path: &Path) -> Result<Output, OutputError> {
         const OTHERS: [&str; 20] = [
             "obj", "gltf", "glb", "stl", "ply", "bin", "png", "svg", "exr", "tif", "tiff", "jpg",
             "jpeg", "json", "csv", "toml", "html", "txt", "md", "pdf",
         ];
+        let output = self.reserve(path)?;
         let extension = path.extension().map(|end| end.to_ascii_lowercase());
         if extension.is_some_and(|end| OTHERS.iter().any(|other| end == *other)) {
             let file = path.to_owned();
             return Err(OutputError::NotATable { file });
         }
-        self.reserve(path)
+        Ok(output)
     }
 
     /// Reserves one of the outputs.

@@ -132,11 +132,11 @@ fn photographs_cost_what_their_caps_say() {
     refused(here, &["fit", "mtf", "/dev/zero"], 1, "not a regular file");
     let estimate = ["fit", "estimate", "pipe.png", "--table", "none.h5"];
     refused(here, &estimate, 1, "not a regular file");
-    // 200 megapixels of four 16-bit channels would take 2.4 GB.
+    // 196 megapixels of four 16-bit channels would take 2.4 GB. The file is long enough to hold them.
     let mut header = b"\x89PNG\r\n\x1a\n".to_vec();
     let size = [14_000_u32.to_be_bytes(), 14_000_u32.to_be_bytes()].concat();
     header.extend(chunk(b"IHDR", &[&size[..], &[16, 6, 0, 0, 0]].concat()));
-    header.extend(chunk(b"IDAT", &[0; 64]));
+    header.extend(chunk(b"IDAT", &vec![0; 25_000_000]));
     fs::write(here.join("heavy.png"), header).unwrap();
     refused(
         here,
@@ -307,6 +307,50 @@ fn numbers_beyond_the_field_are_refused() {
     refused(here, &study, 1, "r.toml:1");
 }
 
+/// Numbers of a result that no sheet has.
+#[test]
+fn hostile_results_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let corpus = argument("fuzz/corpus/result/honest");
+    let mut honest: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(corpus).unwrap()).unwrap();
+    let table = bake_table_with(here, "triangular-pair", "0,20", "30", &["--bins", "16"]);
+    // The result of this very table.
+    let hash = tests::program::bake(here, &["verify", &table, "--json"]).done();
+    let hash: serde_json::Value = serde_json::from_str(&hash).unwrap();
+    honest["table"]["content_hash"] = hash["content_hash"].clone();
+    let predict = [
+        "fit",
+        "predict",
+        "r.json",
+        "--table",
+        &table,
+        "--distance",
+        "150",
+        "--incidence",
+        "0",
+    ];
+    let write = |value: &serde_json::Value| {
+        fs::write(here.join("r.json"), value.to_string()).unwrap();
+    };
+    write(&honest);
+    refused(here, &predict, 0, "");
+    let cases = [
+        ("c_mm", serde_json::json!(-0.3)),
+        ("a_per_mm", serde_json::json!(0)),
+        ("mu", serde_json::json!(1e300)),
+        ("mu", serde_json::json!(-1)),
+    ];
+    for (key, value) in &cases {
+        let mut hostile = honest.clone();
+        hostile[*key]["value"] = value.clone();
+        write(&hostile);
+        refused(here, &predict, 1, &format!("{key} is"));
+    }
+    println!("{} results", cases.len());
+}
+
 #[test]
 fn outputs_are_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
@@ -379,9 +423,9 @@ fn outputs_are_refused_before_the_work() {
     assert!(said(&run).contains("`ulimit -f` allows"), "{}", said(&run));
 }
 
-/// What a saved bake writes does not go through a link, and what a killed run left goes.
+/// Saves of a long bake do not go through a link.
 #[test]
-fn saves_follow_no_link_and_partial_files_go() {
+fn saves_follow_no_link() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     refused(

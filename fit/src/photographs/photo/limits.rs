@@ -43,6 +43,14 @@ pub(crate) fn check_packed(
 ) -> Result<(), Error> {
     let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     let needed = (width * height).saturating_mul(bytes.saturating_add(4));
+    if needed > FREE && needed > length.saturating_mul(PACKED) {
+        return Err(Error::Packed {
+            file: path.to_owned(),
+            width,
+            height,
+            bytes: length,
+        });
+    }
     if needed > MOST {
         return Err(Error::Heavy {
             file: path.to_owned(),
@@ -50,14 +58,6 @@ pub(crate) fn check_packed(
             height,
             bytes: needed,
             limit: MOST,
-        });
-    }
-    if needed > FREE && needed > length.saturating_mul(PACKED) {
-        return Err(Error::Packed {
-            file: path.to_owned(),
-            width,
-            height,
-            bytes: length,
         });
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Reading of PNG, TIFF and JPEG photographs.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use image::metadata::Orientation;
@@ -138,6 +138,7 @@ fn decode(
         format,
         source,
     };
+    let reader = sized(path, reader, format)?;
     let mut reader = ImageReader::with_format(
         reader,
         match format {
@@ -146,9 +147,8 @@ fn decode(
             Format::Png | Format::Exr | Format::Raw => ImageFormat::Png,
         },
     );
-    // A decoder with tight limits would refuse a large picture before it tells the size. These bound
-    // what stands before the pixels: a profile or a text may inflate a thousandfold. The pixels have
-    // a limit of their own.
+    // These limits bound what stands before the pixels: a profile may inflate a thousandfold. The
+    // pixels have a limit of their own.
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(HEADER_BYTES);
     reader.limits(limits);
@@ -195,6 +195,26 @@ fn decode(
         curves,
         warnings,
     })
+}
+
+/// Checks the size that the header of a PNG claims, before a decoder makes room for its rows.
+fn sized(
+    path: &Path,
+    mut reader: BufReader<File>,
+    format: Format,
+) -> Result<BufReader<File>, Error> {
+    // A signature of 8 bytes, length and name of the first chunk, then width and height.
+    let mut head = [0; 24];
+    if format == Format::Png && reader.read_exact(&mut head).is_ok() {
+        let word =
+            |at: usize| u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
+        check_size(path, word(16).into(), word(20).into())?;
+    }
+    reader.rewind().map_err(|source| Error::Io {
+        file: path.to_owned(),
+        source,
+    })?;
+    Ok(reader)
 }
 
 /// Returns the curve of a format whose file says nothing of it.
