@@ -132,7 +132,7 @@ fn photographs_cost_what_their_caps_say() {
     refused(here, &["fit", "mtf", "/dev/zero"], 1, "not a regular file");
     let estimate = ["fit", "estimate", "pipe.png", "--table", "none.h5"];
     refused(here, &estimate, 1, "not a regular file");
-    // 196 megapixels of four 16-bit channels would take 2.4 GB. The file is long enough to hold them.
+    // 196 megapixels of four 16-bit channels would take 2.4 GB. The file could hold them.
     let mut header = b"\x89PNG\r\n\x1a\n".to_vec();
     let size = [14_000_u32.to_be_bytes(), 14_000_u32.to_be_bytes()].concat();
     header.extend(chunk(b"IHDR", &[&size[..], &[16, 6, 0, 0, 0]].concat()));
