@@ -80,6 +80,9 @@ pub(crate) struct Arguments {
     /// Ray-shift table of the sheet, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
+    /// Content hash that the table must have, as `bake verify` prints it.
+    #[arg(long, value_name = "HASH")]
+    pub expect_table: Option<String>,
     /// File that receives the result, as JSON.
     #[arg(short, long, value_name = "RESULT.json")]
     pub output: Option<PathBuf>,
@@ -223,6 +226,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .transpose()?;
     let pool = terminal::pool(arguments.threads)?;
     let table = pool.install(|| tables::read(&arguments.table))?;
+    expected(arguments, &table)?;
     let job = Job {
         arguments,
         campaign: &campaign,
@@ -474,6 +478,18 @@ fn bounded(id: ParameterId, bound: Bound) -> String {
         _ => "not bounded by these photographs".into(),
     };
     format!("{id} {side} ({:.0} % confidence)", 100.0 * bound.confidence)
+}
+
+/// Refuses a table of another content hash than was asked for.
+fn expected(arguments: &Arguments, table: &tables::Table) -> Result<(), Failure> {
+    let found = table.content_hash();
+    match &arguments.expect_table {
+        Some(hash) if !hash.eq_ignore_ascii_case(&found) => Err(Failure::OtherTable {
+            table: arguments.table.clone(),
+            found,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Reads a RESULT.json of one fit.

@@ -307,6 +307,39 @@ fn numbers_beyond_the_field_are_refused() {
     refused(here, &study, 1, "r.toml:1");
 }
 
+/// A table of another content hash than the expected one is not used.
+#[test]
+fn an_unexpected_table_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table_with(here, "triangular-pair", "0:45:5", "30", &["--bins", "16"]);
+    let hash = tables::read(&here.join(&table)).unwrap().content_hash();
+    let manifest = argument("tests/captures/public_per_angle/captures.toml");
+    let estimate = |hash: &str, code: i32, what: &str| {
+        let words = [
+            "fit",
+            "estimate",
+            &manifest,
+            "--table",
+            &table,
+            "--kernel",
+            "eq1",
+            "--lobe",
+            "radial",
+            "--shared",
+            "a,c,mu",
+            "--loss",
+            "mtf",
+            "--expect-table",
+            hash,
+        ];
+        refused(here, &words, code, what);
+    };
+    estimate(&hash.to_uppercase(), 0, "");
+    estimate(&"0".repeat(64), 1, &format!("has the content hash {hash}"));
+    estimate(&hash[..63], 1, "not that of --expect-table");
+}
+
 /// Numbers of a result that no sheet has.
 #[test]
 fn hostile_results_are_refused() {
