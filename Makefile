@@ -6,7 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
 	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
-	test-wheel
+	test-wheel test-fuzz
 
 CARGO = cargo
 PYTHON = python3
@@ -28,13 +28,14 @@ all: build
 build install demo: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
-	@$(CARGO) build --release --locked -p bake -p fit
+	@$(CARGO) build --release --locked -p bake -p fit -p reader
 
 # With the cmake that HDF5 wants, which a plain `cargo install` takes from PATH or from the variable
 # CMAKE.
 install: tools
 	@$(CARGO) install --locked --path bake
 	@$(CARGO) install --locked --path fit
+	@$(CARGO) install --locked --path reader
 
 # ---- What a fresh machine lacks. Each step looks before it acts: no network once it is there, and
 # an interrupted or moved set-up is done again.
@@ -84,7 +85,8 @@ test: fmt lint doc python
 	@$(CARGO) test -p fit --lib --locked -- --ignored statistics
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel
+test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel \
+	test-fuzz
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
@@ -106,6 +108,16 @@ test-raw: rust tools
 	@echo "== camera raw" >&2
 	@$(CARGO) clippy -p fit --features raw --all-targets --locked -- -D warnings
 	@$(CARGO) test -p fit --features raw --lib --locked -- tests::raw tests::photographs
+
+# A minute of random files for each reader of files; hours are in CONTRIBUTING.md.
+test-fuzz: rust tools
+	@$(CARGO) +nightly fuzz --version >/dev/null 2>&1 || { \
+		echo "test-fuzz: needs rustup toolchain install nightly and cargo install cargo-fuzz" >&2; \
+		exit 1; }
+	@cd fuzz && for target in obj gltf table photograph toml result polygons; do \
+		echo "== fuzz $$target" >&2; \
+		ASAN_OPTIONS=detect_odr_violation=0:allocator_may_return_null=1 $(CARGO) +nightly fuzz run \
+			$$target -- -max_total_time=60 -timeout=30 -rss_limit_mb=1500 || exit 1; done
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what
 # it takes); MITSUBA_PYTHON: an interpreter that has mitsuba and h5py; ROUNDS: how often both are
@@ -136,7 +148,7 @@ test-metrics: build
 		--lpips .tools/metrics/seeded.safetensors
 METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 
-# ---- A wheel of both programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
+# ---- A wheel of the programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
 # HDF5.
 
 wheel: tools
@@ -215,7 +227,7 @@ QUIET = $$(test -t 1 || echo --quiet)
 
 demo: tools
 	@echo "demo: building bake and fit; the first time takes some 5 minutes on 2 cores" >&2
-	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit
+	@$(CARGO) build --release --locked $(QUIET) -p bake -p fit -p reader
 	@mkdir -p demo
 	@echo "demo: a cell, its ray-shift table, and the estimate from" \
 		"$(words $(wildcard $(CAMPAIGN)/aerial_*.exr)) photographs" >&2

@@ -74,7 +74,8 @@ pub use run::RunError;
 pub use run::Watch;
 pub use run::trace;
 pub use run::{Comparison, Row};
-pub use run::{RetraceError, retrace};
+pub use run::{Forged, consistent};
+pub use run::{RetraceError, rebake, retrace};
 pub use study::{Point, Reference, Series, Study, StudyError, StudyPlan, StudyRequest};
 pub use study::{Reached, Slope};
 

@@ -74,3 +74,64 @@ pub fn toml(bytes: &[u8]) {
     let _ = fit::StudyRanges::load(&path);
     let _ = fit::SimulationParams::load(&path);
 }
+
+/// Exact table of the corpus, honest.
+static EXACT: LazyLock<tables::Table> = LazyLock::new(|| {
+    let path = file("exact.h5", include_bytes!("../corpus/table/exact.h5"));
+    tables::read(&path).expect("the corpus holds an honest table")
+});
+
+/// Reads the bytes as a result.json, and predicts with it.
+pub fn result(bytes: &[u8]) {
+    let Ok(mut result) = serde_json::from_slice::<fit::ResultFile>(bytes) else {
+        return;
+    };
+    // Else nearly every result would be refused as that of another cell.
+    result.table = fit::TableResult::of(&EXACT);
+    let places = fit::Places {
+        floating_distance_mm: vec![1.0, 300.0],
+        incidence_deg: EXACT.axes.incidence_deg.clone(),
+        azimuth_deg: EXACT.axes.azimuth_deg.first().copied(),
+        frequency_per_mm: vec![0.0, 0.5, 5.0],
+    };
+    let _ = fit::predict_mtf(&result, &EXACT, &places);
+}
+
+/// Changes numbers of the polygons of an honest table; its spectrum must be finite if the rules of
+/// tables let it pass.
+///
+/// Twelve bytes are a change: the path, the number within it, and its new value.
+pub fn polygons(bytes: &[u8]) {
+    let mut table = EXACT.clone();
+    let Some(exact) = table.exact.as_mut() else {
+        return;
+    };
+    let mut paths: Vec<&mut tables::Path> = exact.paths.iter_mut().flatten().collect();
+    for change in bytes.as_chunks::<12>().0 {
+        let [p0, p1, n0, n1, value @ ..] = *change;
+        let path = usize::from(u16::from_le_bytes([p0, p1])) % paths.len();
+        let path = &mut *paths[path];
+        let numbers = path
+            .matrix
+            .as_flattened_mut()
+            .iter_mut()
+            .chain(&mut path.offset)
+            .chain(&mut path.deviation)
+            .chain([&mut path.weight])
+            .chain(path.polygon.as_flattened_mut());
+        let mut numbers: Vec<&mut f64> = numbers.collect();
+        let number = usize::from(u16::from_le_bytes([n0, n1])) % numbers.len();
+        *numbers[number] = f64::from_le_bytes(value);
+    }
+    if tables::check(&table).is_err() {
+        return;
+    }
+    let azimuth = table.axes.azimuth_deg.first().copied();
+    for &incidence in &table.axes.incidence_deg {
+        let Ok(direction) = table.direction(incidence, azimuth) else {
+            continue;
+        };
+        let otf = direction.otf_along([0.8, 0.6], &[0.0, 0.1, 10.0]);
+        assert!(otf.iter().all(|value| value.is_finite()), "{otf:?}");
+    }
+}

@@ -17,7 +17,7 @@
 //! # Ok::<(), tables::Error>(())
 //! ```
 //!
-//! A program that reads strangers' tables calls [`apart::serve`] first in its `main`.
+//! A program that reads strangers' tables calls [`apart::start`] first in its `main`.
 //!
 //! Frame and unit everywhere: shifts are (u, v) in the incidence frame of the entrance plane, in
 //! edge lengths. u points along the in-plane travel direction, and v = n x u. Angles are in
@@ -65,5 +65,6 @@ pub use file::apart;
 pub use file::layout::VERSION;
 pub use file::output::{Output, Outputs};
 pub use file::read::{is_sealed, read};
+pub use file::reader;
 pub use file::write::{commit, write};
 pub use merge::merge::merge;

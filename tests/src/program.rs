@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
 
+/// Name of the program that opens tables for the two.
+const READER: &str = "airr-reader";
+
 /// Exit code and output of a program that has ended.
 #[derive(Debug)]
 pub struct Run {
@@ -78,24 +81,32 @@ pub fn run_by<S: AsRef<str>>(
     }
 }
 
-/// Returns the path of `bake` or `fit` in the build folder of this test, and checks that the
-/// program is newer than the sources.
+/// Returns the path of a program in the build folder of this test, and checks that it and the
+/// reader are newer than the sources.
 ///
 /// `cargo test --workspace` builds the programs, but `cargo test -p tests` does not. Without the
 /// check, a test could run an old program.
-fn fresh(name: &str) -> PathBuf {
+///
+/// # Panics
+/// Panics if the program is missing or old.
+pub fn fresh(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test is a file");
     let program = test
         .ancestors()
         .nth(2)
         .expect("target/PROFILE/deps")
         .join(name);
+    // Both programs start the reader.
+    if name != READER {
+        fresh(READER);
+    }
     let modified = |path: &Path| path.metadata().and_then(|data| data.modified());
     let built = modified(&program).unwrap_or(SystemTime::UNIX_EPOCH);
     // Cargo does not rebuild a program if its own packages did not change. So only the sources of
     // these packages count.
     let packages: &[&str] = match name {
         "bake" => &["meshes", "tables", "bake"],
+        READER => &["tables", "reader"],
         _ => &["tables", "fit"],
     };
     let newest = packages

@@ -236,7 +236,7 @@ obj(
 obj("nine million vertices", "v 0 0 0\n" * 9000000 + "f 1 2 3\n", "9000000 vertices")
 gltf("10^12 vertices", accessor(10**12, INLINE), "")
 gltf("10^9 vertices", accessor(10**9, INLINE), "1000000000 vertices")
-gltf("a buffer of 10^15 bytes", accessor(3, INLINE, 10**15), "where 1000000000000000 are declared")
+gltf("a buffer of 10^15 bytes", accessor(3, INLINE, 10**15), "holds the number 1000000000000000")
 for name, uri in [
     ("above its folder", "../table.h5"),
     ("by an absolute path", "/etc/passwd"),
@@ -253,7 +253,7 @@ gltf(
 gltf(
     "a data URI of 200 MB",
     accessor(3, "data:application/octet-stream;base64," + "A" * 200_000_000),
-    "bytes of JSON",
+    "more than the limit of 134217728",
 )
 gltf(
     "a hundred thousand nodes deep",

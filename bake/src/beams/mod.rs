@@ -14,7 +14,8 @@ mod paths;
 mod share;
 mod view;
 
+pub(crate) use exact::spread;
 #[cfg(test)]
-pub(crate) use exact::{bake, prepare, spread};
+pub(crate) use exact::{bake, prepare};
 #[cfg(test)]
 pub(crate) use share::Share;

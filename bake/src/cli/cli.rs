@@ -186,7 +186,7 @@ fn parsed(
 ///
 /// `commit` names the commit that was built, if the build knew it. `--version` shows it.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, commit: Option<&str>) -> ExitCode {
-    tables::apart::serve();
+    tables::apart::start();
     let launched = Launched::from(|name| std::env::var(name).ok());
     let ranks = start::start(launched);
     let cli = match parsed(arguments, commit) {

@@ -1,6 +1,5 @@
 //! Failures of the verbs of `bake`: one sentence each, and the exit code of the program.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use meshes::Fault;
@@ -55,6 +54,16 @@ pub(crate) enum Failure {
     bake the table again",
         table.display(), mesh.display())]
     Retraced { table: PathBuf, mesh: PathBuf },
+    #[error("{}: {source}; somebody changed the table after the bake, bake it again",
+        file.display())]
+    Forged {
+        file: PathBuf,
+        source: crate::run::Forged,
+    },
+    #[error("{} does not agree with the exact bake of {} made again: their polygons differ by more \
+    than rounding explains; bake the table again",
+        table.display(), mesh.display())]
+    Rebaked { table: PathBuf, mesh: PathBuf },
     #[error("{} claims a symmetry that {} does not have, so it is wrong at the azimuths that it \
     leaves out; bake the table again",
         table.display(), mesh.display())]
@@ -97,8 +106,7 @@ pub(crate) enum Failure {
 impl Failure {
     /// Prints the failure to standard error.
     pub(crate) fn print(&self) {
-        // A closed standard error is no reason to stop.
-        let _ = writeln!(std::io::stderr(), "error: {self}");
+        tables::cli::fail(self);
     }
 
     /// Returns the exit code: 2 for wrong usage, 1 for work that failed.

@@ -23,7 +23,7 @@ pub(crate) struct MergeArgs {
 /// Runs `bake merge`.
 pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     // All tables are read before the output is written, so the output may be one of them.
-    let output = Outputs::beside([]).reserve(&args.output)?;
+    let output = Outputs::beside([]).reserve_table(&args.output)?;
     let parts = args
         .tables
         .iter()

@@ -164,7 +164,8 @@ pub(crate) fn directions_json(table: &Table) -> Value {
 /// Returns a comparison as text, one line for each direction.
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let mut text = String::from(
-        "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  agrees\n",
+        "incidence  azimuth  L1 distance  counting noise  largest bin  eta, sigmas  polygons  \
+        exits' L1  agrees\n",
     );
     for row in &comparison.rows {
         let azimuth = if row.azimuth_deg.is_nan() {
@@ -174,16 +175,23 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
         };
         let _ = writeln!(
             text,
-            "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2}  {}",
+            "{:9}  {azimuth:>7}  {:11.2e}  {:14.2e}  {:11.2e}  {:11.2}  {:>8}  {:>9}  {}",
             row.incidence_deg,
             row.l1,
             row.noise,
             row.largest,
             row.sigmas,
+            number(row.paths),
+            number(row.exits.map(|(l1, _)| l1)),
             if row.agrees() { "yes" } else { "no" }
         );
     }
     text
+}
+
+/// Returns a number that a direction may lack.
+fn number(value: Option<f64>) -> String {
+    value.map_or("-".into(), |value| format!("{value:.2e}"))
 }
 
 /// Returns a comparison as one line of JSON.
@@ -195,6 +203,7 @@ pub(crate) fn comparison_json(comparison: &Comparison) -> String {
             json!({
                 "incidence_deg": row.incidence_deg, "azimuth_deg": row.azimuth_deg, "l1": row.l1,
                 "counting_noise": row.noise, "largest_bin": row.largest, "sigmas": row.sigmas,
+                "polygons": row.paths, "exits_l1": row.exits.map(|(l1, _)| l1),
                 "agrees": row.agrees(),
             })
         })

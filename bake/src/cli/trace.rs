@@ -349,7 +349,7 @@ fn jobs<'a>(
     for (file, plan) in plans {
         let (mut output, mut before) = (None, None);
         if leads {
-            let reserved = outputs.reserve(file)?;
+            let reserved = outputs.reserve_table(file)?;
             before = saved_before(&SavedFile::of(reserved.path()), args.resume)?;
             output = Some(reserved);
         }

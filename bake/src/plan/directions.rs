@@ -40,14 +40,14 @@ pub(crate) fn full_step(text: &str) -> Result<Option<f64>, PlanError> {
         false => PlanError::Number {
             option: "--azimuth full",
             value,
-            range: "above 0 and at most 90, the widest step between azimuths, as in full:2",
+            range: "from 0.01 to 90, the widest step between azimuths, as in full:2",
         },
     };
     match text.trim().split_once(':') {
         None if text.trim() == "full" => Ok(Some(default::FULL_STEP_DEG)),
         Some(("full", step)) => {
             let step = step.trim().parse().unwrap_or(f64::NAN);
-            let allowed = step > 0.0 && step <= 90.0;
+            let allowed = (0.01..=90.0).contains(&step);
             allowed.then_some(Some(step)).ok_or_else(|| wrong(step))
         }
         _ => Ok(None),

@@ -3,7 +3,7 @@
 use crate::plan::default;
 use crate::plan::error::PlanError;
 use crate::plan::limits::RAYS_PER_RANDOMISATION;
-use crate::plan::number::{count, positive};
+use crate::plan::number::count;
 use crate::plan::request::Request;
 use std::num::NonZeroUsize;
 use tables::MOST_SHARDS;
@@ -52,8 +52,14 @@ impl Effort {
         if request.sampler == Sampler::Random {
             return Err(PlanError::ToleranceSampler);
         }
-        let range = "above 0 and at most 2, the greatest L1 distance";
-        positive("--tolerance", tolerance, 2.0, range)?;
+        // A hundred million rays reach some 1e-6 where they meet all bins; below, no bake ends.
+        if !(1e-7..=2.0).contains(&tolerance) {
+            return Err(PlanError::Number {
+                option: "--tolerance",
+                value: tolerance,
+                range: "from 1e-7 to 2, the greatest L1 distance",
+            });
+        }
         Ok(Effort::Tolerance(tolerance))
     }
 

@@ -1,7 +1,7 @@
 //! Reasons why the options of a bake make no plan.
 
 use crate::optics::MaterialError;
-use crate::plan::limits::DIRECTIONS_LIMIT;
+use crate::plan::limits::{DIRECTIONS_LIMIT, MOST_BYTES};
 use tables::MOST_SHARDS;
 use tables::cli::LONGEST_LIST;
 use thiserror::Error;
@@ -125,6 +125,19 @@ pub enum PlanError {
     Shard {
         /// Text that was given.
         text: String,
+    },
+    /// Histograms that take more memory than a table may.
+    #[error(
+        "--bins {bins} in {directions} directions make arrays of {bytes} bytes; a table holds at \
+        most {MOST_BYTES}: give fewer bins or fewer angles"
+    )]
+    Memory {
+        /// Number of bins along an axis.
+        bins: usize,
+        /// Number of directions.
+        directions: usize,
+        /// Length of the greatest array, bytes.
+        bytes: u64,
     },
     /// More directions than a table may hold.
     #[error(

@@ -8,5 +8,8 @@ pub(crate) const RAYS_PER_RANDOMISATION: u64 = 1 << 32;
 /// Largest number of bins along an axis.
 pub(crate) const BINS_LIMIT: usize = 4096;
 
+/// Largest array of a table, bytes. A table with a larger one could not be read again.
+pub(crate) const MOST_BYTES: u64 = 1 << 31;
+
 /// Largest number of directions of a table.
 pub(crate) const DIRECTIONS_LIMIT: usize = 100_000;

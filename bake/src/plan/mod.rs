@@ -22,6 +22,6 @@ mod tests;
 
 pub(crate) use effort::{Effort, Shard};
 pub use error::PlanError;
-pub(crate) use limits::RAYS_PER_RANDOMISATION;
+pub(crate) use limits::{MOST_BYTES, RAYS_PER_RANDOMISATION};
 pub use plan::Plan;
 pub use request::Request;

@@ -7,7 +7,7 @@ use crate::plan::effort;
 use crate::plan::effort::{Effort, Shard};
 use crate::plan::error::PlanError;
 use crate::plan::glass;
-use crate::plan::limits::{BINS_LIMIT, DIRECTIONS_LIMIT};
+use crate::plan::limits::{BINS_LIMIT, DIRECTIONS_LIMIT, MOST_BYTES};
 use crate::plan::losses;
 use crate::plan::number::{count, positive};
 use crate::plan::request::Request;
@@ -243,6 +243,21 @@ fn asked(request: &Request) -> Result<(Axes, Option<f64>), PlanError> {
     let directions = incidence_deg.len() * azimuth_deg.len();
     if directions > DIRECTIONS_LIMIT {
         return Err(PlanError::Directions { directions });
+    }
+    // Rays are counted in each of their randomisations. The exact method has the histogram alone.
+    let copies = match request.method {
+        Method::Rays => Effort::of(request)?.randomisations(request.sampler),
+        Method::Exact | Method::Auto => 1,
+    };
+    let bytes = [request.bins, request.bins, directions, copies]
+        .iter()
+        .fold(8_u64, |product, &n| product.saturating_mul(n as u64));
+    if bytes > MOST_BYTES {
+        return Err(PlanError::Memory {
+            bins: request.bins,
+            directions,
+            bytes,
+        });
     }
     let axes = Axes {
         incidence_deg,

@@ -48,6 +48,20 @@ pub enum RunError {
         /// Largest number of directions.
         directions: usize,
     },
+    /// Counts of rays that take more memory than a table may.
+    #[error(
+        "the rays of {directions} directions are counted in {bins} x {bins} bins and \
+        {randomisations} randomisations, which take more than 2 GiB; give fewer --bins, \
+        --incidence or --azimuth"
+    )]
+    Counts {
+        /// Number of directions of the table.
+        directions: usize,
+        /// Number of bins along an axis.
+        bins: usize,
+        /// Number of independent randomisations.
+        randomisations: usize,
+    },
     /// Exit directions of so many rays that they do not fit in memory.
     #[error(
         "the directions in which rays leave take more than 1 GiB of memory for {directions} \

@@ -49,6 +49,40 @@ pub fn retrace(
     seed: u64,
     watch: Watch<'_>,
 ) -> Result<Comparison, RetraceError> {
+    let axes = &table.axes;
+    let incidences = some(axes.incidence_deg.len(), PART[0], seed);
+    let azimuths = some(axes.azimuth_deg.len(), PART[1], seed);
+    let part = table.part(&incidences, &azimuths);
+    let traced = trace(prepared, &again(&part, prepared, rays, seed)?, watch)?;
+    Ok(Comparison::of(&part, &traced))
+}
+
+/// Makes the exact bake of a table again, in all its directions, and returns the comparison, path
+/// by path.
+///
+/// Returns `None` if the table has no polygons, or is a mean over azimuths.
+///
+/// # Errors
+/// Returns the errors of [`retrace`], and [`RetraceError::Run`] if the exact method does not take
+/// the cell.
+pub fn rebake(
+    table: &Table,
+    prepared: &Prepared,
+    watch: Watch<'_>,
+) -> Result<Option<Comparison>, RetraceError> {
+    if table.exact.is_none() || table.axes.is_mean() {
+        return Ok(None);
+    }
+    let plan = Plan {
+        method: Method::Exact,
+        ..again(table, prepared, 1, 0)?
+    };
+    let baked = trace(prepared, &plan, watch)?;
+    Ok(Some(Comparison::of(table, &baked)))
+}
+
+/// Returns the plan of a bake by `rays` random rays in each direction of `table`, with its options.
+fn again(table: &Table, prepared: &Prepared, rays: u64, seed: u64) -> Result<Plan, RetraceError> {
     let from = &table.provenance;
     let Stated {
         back,
@@ -58,12 +92,8 @@ pub fn retrace(
     if from.symmetry != Symmetry::NONE && from.symmetry != prepared.symmetry() {
         return Err(RetraceError::Symmetry);
     }
-    let axes = &table.axes;
-    let incidences = some(axes.incidence_deg.len(), PART[0], seed);
-    let azimuths = some(axes.azimuth_deg.len(), PART[1], seed);
-    let part = table.part(&incidences, &azimuths);
-    let plan = Plan {
-        axes: part.axes.clone(),
+    Ok(Plan {
+        axes: table.axes.clone(),
         full_step_deg: None,
         direction_tolerance: None,
         refractive_index: Some(from.refractive_index),
@@ -79,9 +109,7 @@ pub fn retrace(
         threads: None,
         shard: None,
         scene,
-    };
-    let traced = trace(prepared, &plan, watch)?;
-    Ok(Comparison::of(&part, &traced))
+    })
 }
 
 /// Returns up to `most` of the indices below `count`, chosen at random, ascending.

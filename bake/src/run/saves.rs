@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use tables::{Output, Table};
+use tables::{Output, OutputError, Table};
 
 /// Default time between two saves, seconds.
 pub(crate) const EVERY_SECONDS: &str = "10";
@@ -75,7 +75,8 @@ impl SavedFile {
 
     /// Returns whether an interrupted bake left the file.
     pub(crate) fn is_there(&self) -> bool {
-        self.path.is_file()
+        // A link is not followed: it would lead the save to another file.
+        std::fs::symlink_metadata(&self.path).is_ok_and(|found| found.is_file())
     }
 
     /// Reads the file; returns `None` if there is none.
@@ -93,6 +94,11 @@ impl SavedFile {
     /// # Errors
     /// Returns [`tables::Error`] if the file cannot be written; the older file then stays.
     pub(crate) fn write(&self, table: &Table) -> Result<(), tables::Error> {
+        let is_link = |found: std::fs::Metadata| found.is_symlink();
+        if std::fs::symlink_metadata(&self.path).is_ok_and(is_link) {
+            let file = self.path.clone();
+            return Err(OutputError::NotAFile { file }.into());
+        }
         tables::commit(table, Output::reserve(&self.path)?)
     }
 

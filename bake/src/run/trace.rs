@@ -1,7 +1,8 @@
 //! The bake: a prepared cell and a plan become a table. Nothing is printed.
 
 use crate::cell::Prepared;
-use crate::plan::{Effort, Plan};
+
+use crate::plan::{Effort, MOST_BYTES, Plan};
 use crate::rays::Tracer;
 use crate::run::bake::Bake;
 use crate::run::directions;
@@ -110,6 +111,19 @@ impl<'a> Bake<'a> {
         saves: Option<Saves<'_>>,
         ranks: &'b dyn Ranks,
     ) -> Result<Work<'b>, RunError> {
+        let (incidences, azimuths) = self.axes.shape();
+        let (directions, bins) = (incidences * azimuths, self.axes.bins);
+        let randomisations = self.plan.randomisations;
+        let bytes = [directions, bins, bins, randomisations]
+            .iter()
+            .fold(8_u64, |product, &n| product.saturating_mul(n as u64));
+        if bytes > MOST_BYTES {
+            return Err(RunError::Counts {
+                directions,
+                bins,
+                randomisations,
+            });
+        }
         let work = Work::new(self, watch)?;
         let mut rounds = Rounds { work, ranks, saves };
         rounds.go_on()?;

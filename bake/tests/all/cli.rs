@@ -310,13 +310,15 @@ fn outputs_that_would_be_lost_are_refused() {
             "trace",
             "cube.obj",
             "-o",
-            "cube.svg",
+            "cube.h5",
             "--incidence",
             "0",
             "--refractive-index",
             "1",
         ],
     );
+    // `bake` would not give a table this name.
+    std::fs::rename(here.join("cube.h5"), here.join("cube.svg")).expect("a table");
     let table = std::fs::read(here.join("cube.svg")).expect("a table");
     let refused = bake(here, &["inspect", "cube.svg", "--plot", "./cube.svg"]);
     assert_eq!(refused.status.code(), Some(1));

@@ -85,6 +85,11 @@ pub(crate) struct Arguments {
     /// describe the photographs.
     #[arg(long, value_name = "TABLE.h5", required = true)]
     pub table: Vec<PathBuf>,
+    /// Content hash that the table must have, as `bake verify` prints it.
+    ///
+    /// Of several tables it is that of the first one.
+    #[arg(long, value_name = "HASH")]
+    pub expect_table: Option<String>,
     /// File that receives the result, as JSON.
     #[arg(short, long, value_name = "RESULT.json")]
     pub output: Option<PathBuf>,
@@ -235,6 +240,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .transpose()?;
     let pool = terminal::pool(arguments.threads)?;
     let table = pool.install(|| tables::read(arguments.first_table()))?;
+    expected(arguments, &table)?;
     for path in arguments.table.iter().skip(1) {
         options.others.push(OtherTable {
             name: path.display().to_string(),
@@ -360,6 +366,18 @@ fn warn(result: &ResultFile, before: &str) {
         for warning in &capture.warnings {
             terminal::warn([format!("{before}{}: {warning}", capture.image)]);
         }
+    }
+}
+
+/// Refuses a table of another content hash than was asked for.
+fn expected(arguments: &Arguments, table: &tables::Table) -> Result<(), Failure> {
+    let found = table.content_hash();
+    match &arguments.expect_table {
+        Some(hash) if !hash.eq_ignore_ascii_case(&found) => Err(Failure::OtherTable {
+            table: arguments.first_table().to_owned(),
+            found,
+        }),
+        _ => Ok(()),
     }
 }
 

@@ -45,7 +45,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = parse::incidence)]
     pub incidence: f64,
     /// Azimuth of the light, degrees; that of the table if it holds one.
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = parse::turn,
+        allow_negative_numbers = true)]
     pub azimuth: Option<f64>,
     /// File that receives the material, in place of standard output.
     #[arg(short, long, value_name = "FILE")]

@@ -59,6 +59,18 @@ pub(crate) enum Failure {
     /// Failure of the simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
+    /// Table of another content hash than `--expect-table` names.
+    #[error(
+        "{}: has the content hash {found}, not that of --expect-table; get the table from who gave \
+        you the hash, or leave the option out",
+        table.display()
+    )]
+    OtherTable {
+        /// Path of the table.
+        table: PathBuf,
+        /// Content hash of the table, lower-case hex.
+        found: String,
+    },
     /// Output that cannot be reserved or written.
     #[error(transparent)]
     Output(#[from] OutputError),

@@ -5,6 +5,7 @@ use std::path::Path;
 use tables::cli::list;
 
 use crate::cli::failure::Failure;
+use crate::document::Bounds;
 use crate::photographs::photo::transfer::Transfer;
 
 /// Reads a list of incidence angles, degrees.
@@ -43,35 +44,45 @@ pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
 /// Reads a list of numbers above 0.
 ///
 /// # Errors
-/// Returns a message for clap if `text` is no list, or if a number is not above 0.
+/// Returns a message for clap if `text` is no list, or if a number is out of range.
 pub(crate) fn positives(text: &str) -> Result<Vec<f64>, String> {
     let list = list(text).map_err(|error| error.to_string())?;
-    match list.iter().find(|v| **v <= 0.0) {
-        Some(bad) => Err(format!("{bad} is not larger than 0")),
+    match list.iter().find(|v| !(Bounds::POSITIVE.holds)(**v)) {
+        Some(bad) => Err(format!("{bad} must be {}", Bounds::POSITIVE.words)),
         None => Ok(list),
     }
 }
 
-/// Reads one finite number above 0.
+/// Reads one number within bounds; NaN and infinity are within none.
+fn within(text: &str, bounds: Bounds) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && (bounds.holds)(value) => Ok(value),
+        _ => Err(format!("must be {}", bounds.words)),
+    }
+}
+
+/// Reads one number above 0.
 ///
 /// # Errors
 /// Returns a message for clap if `text` is no such number.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("must be a number larger than 0".into()),
-    }
+    within(text, Bounds::POSITIVE)
 }
 
-/// Reads one finite number that is 0 or larger.
+/// Reads one number that is 0 or larger.
 ///
 /// # Errors
 /// Returns a message for clap if `text` is no such number.
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("must be a number, 0 or larger".into()),
-    }
+    within(text, Bounds::NOT_NEGATIVE)
+}
+
+/// Reads an angle of a turn, degrees.
+///
+/// # Errors
+/// Returns a message for clap if `text` is no angle from -360 to 360.
+pub(crate) fn turn(text: &str) -> Result<f64, String> {
+    within(text, Bounds::TURN)
 }
 
 /// Reads the transfer function of stored integers: linear or srgb.

@@ -128,6 +128,7 @@ pub(crate) struct Arguments {
     #[arg(
         long,
         value_name = "DEG",
+        value_parser = parse::turn,
         allow_negative_numbers = true,
         help_heading = "Place"
     )]
@@ -144,6 +145,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "DEG",
         default_value_t = 0.0,
+        value_parser = parse::turn,
         allow_negative_numbers = true,
         help_heading = "Picture"
     )]

@@ -1,9 +1,9 @@
 //! The command line of `fit`: arguments in, exit code out (0 done, 1 failed, 2 wrong usage).
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use tables::cli as terminal;
 use tables::cli::{Completions, Manual, version};
 
 use crate::cli::failure::Failure;
@@ -52,7 +52,7 @@ enum Verb {
 ///
 /// `commit` names the commit that was built, if the build was told it; `--version` shows it.
 pub fn main(commit: Option<&str>) -> ExitCode {
-    tables::apart::serve();
+    tables::apart::start();
     let done = match arguments(commit).verb {
         Verb::Estimate(arguments) => estimate::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
@@ -70,7 +70,7 @@ pub fn main(commit: Option<&str>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            let _ = writeln!(std::io::stderr(), "error: {failure}");
+            terminal::fail(&failure);
             ExitCode::from(failure.code())
         }
     }

@@ -1,4 +1,12 @@
-//! Ranges that numbers in TOML files must lie in.
+//! Ranges that numbers of TOML files, results and options must lie in.
+//!
+//! No length in mm, angle, factor or count of this field is beyond them, and sums and products of
+//! such numbers stay finite.
+
+/// Least number above 0: a picometre in mm, and less.
+const LEAST: f64 = 1e-9;
+/// Greatest number: a thousand kilometres in mm.
+const MOST: f64 = 1e9;
 
 /// A condition that a number in a TOML file must meet.
 #[derive(Debug, Clone, Copy)]
@@ -10,20 +18,20 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Any finite number.
+    /// Any number of the field.
     pub(crate) const FINITE: Bounds = Bounds {
-        words: "a finite number",
-        holds: |_| true,
+        words: "a finite number, at most 1e9 in size",
+        holds: |x| x.abs() <= MOST,
     };
     /// A number above 0.
     pub(crate) const POSITIVE: Bounds = Bounds {
-        words: "greater than 0",
-        holds: |x| x > 0.0,
+        words: "greater than 0, from 1e-9 to 1e9",
+        holds: |x| (LEAST..=MOST).contains(&x),
     };
     /// 0 or a number above 0.
     pub(crate) const NOT_NEGATIVE: Bounds = Bounds {
-        words: "0 or greater",
-        holds: |x| x >= 0.0,
+        words: "0 or greater, at most 1e9",
+        holds: |x| (0.0..=MOST).contains(&x),
     };
     /// A share of a whole, above 0 and at most 1.
     pub(crate) const SHARE: Bounds = Bounds {

@@ -7,11 +7,13 @@
 mod bounds;
 pub(crate) mod error;
 mod line;
+mod regular;
 mod section;
 mod text;
 
 pub(crate) use bounds::Bounds;
 pub(crate) use error::Error;
 pub(crate) use line::FileLine;
+pub(crate) use regular::open;
 pub(crate) use section::{Document, NumberOrTable, Section};
 pub(crate) use text::read;

@@ -117,7 +117,7 @@ fn open(path: &Path) -> Result<Opened, Error> {
         file: path.to_owned(),
         source,
     };
-    let mut file = File::open(path).map_err(io)?;
+    let mut file = crate::document::open(path).map_err(io)?;
     let mut first = Vec::with_capacity(16);
     file.by_ref().take(16).read_to_end(&mut first).map_err(io)?;
     if first.is_empty() {

@@ -17,6 +17,19 @@ pub enum Error {
         /// The parameter.
         parameter: ParameterKind,
     },
+    /// Number of a result that no sheet and no camera has.
+    #[error(
+        "the result says that {what} is {value}, but it must be {must_be}; estimate again, or \
+        correct the file"
+    )]
+    Number {
+        /// Key of the number in the result.
+        what: &'static str,
+        /// The number.
+        value: f64,
+        /// The condition in words, to follow "must be".
+        must_be: &'static str,
+    },
     /// Table of another cell than the one that was fitted.
     #[error(
         "the result was fitted with a table of another cell ({fitted}) than this one ({given}): \

@@ -2,13 +2,14 @@
 
 use tables::{Direction, Table};
 
+use crate::document::Bounds;
 use crate::model::Blur;
 use crate::model::baseline;
 use crate::names::Kernel;
 use crate::names::ParameterKind;
 use crate::predict::error::Error;
-use crate::result::ResultFile;
 use crate::result::TableResult;
+use crate::result::{Number, Parameter, ResultFile};
 
 /// Result and table of the fitted cell.
 ///
@@ -26,8 +27,10 @@ impl<'a> Fitted<'a> {
     /// Combines a result with a table of its cell.
     ///
     /// # Errors
-    /// Returns [`Error::OtherCell`] if the table is not one of the fitted cell.
+    /// Returns [`Error::Number`] if a number of the result is out of range, and
+    /// [`Error::OtherCell`] if the table is not one of the fitted cell.
     pub(crate) fn new(result: &'a ResultFile, table: &'a Table) -> Result<Fitted<'a>, Error> {
+        numbers(result)?;
         let given = TableResult::of(table);
         if result.table.same_cell(&given) {
             return Ok(Fitted { result, table });
@@ -106,4 +109,44 @@ impl<'a> Fitted<'a> {
         let mu = self.result.mu.as_ref().and_then(|mu| mu.at(incidence_deg));
         mu.map(|mu| mu * self.returned(incidence_deg, eta) * self.result.half_mirror)
     }
+}
+
+/// Checks the numbers of a result that predictions are made of.
+fn numbers(result: &ResultFile) -> Result<(), Error> {
+    let all = |parameter: &Option<Parameter>| -> Vec<f64> {
+        match parameter {
+            None => Vec::new(),
+            Some(Parameter::Shared(number)) => number.value.into_iter().collect(),
+            Some(Parameter::PerAngle { per_angle }) => {
+                per_angle.iter().filter_map(|number| number.value).collect()
+            }
+        }
+    };
+    let one = |number: Option<Number>| -> Vec<f64> {
+        number.and_then(|number| number.value).into_iter().collect()
+    };
+    let checked = [
+        ("a_per_mm", all(&result.a_per_mm), Bounds::POSITIVE),
+        ("a_times_r", all(&result.a_times_r), Bounds::POSITIVE),
+        ("roughness", all(&result.roughness), Bounds::NOT_NEGATIVE),
+        ("mu", all(&result.mu), Bounds::NOT_NEGATIVE),
+        ("c_mm", one(result.c_mm), Bounds::NOT_NEGATIVE),
+        (
+            "surface_roughness",
+            one(result.surface_roughness),
+            Bounds::NOT_NEGATIVE,
+        ),
+        ("half_mirror", vec![result.half_mirror], Bounds::SHARE),
+    ];
+    for (what, values, bounds) in checked {
+        let wrong = |value: &&f64| !(value.is_finite() && (bounds.holds)(**value));
+        if let Some(&value) = values.iter().find(wrong) {
+            return Err(Error::Number {
+                what,
+                value,
+                must_be: bounds.words,
+            });
+        }
+    }
+    Ok(())
 }

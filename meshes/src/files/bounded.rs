@@ -6,15 +6,26 @@ use std::path::Path;
 
 use crate::mesh::error::{Counted, Fault};
 
-/// Largest file or buffer that is read, bytes.
-pub(crate) const MAX_BYTES: u64 = 1 << 29;
-
-/// Reads a file of at most `limit` bytes.
+/// Largest file, and most bytes of all buffers of a mesh.
 ///
-/// The size is checked before and while reading, because the file may be a pipe.
+/// Sheets of thousands of cells take some MiB. With [`crate::mesh::mesh::MAX_ELEMENTS`] it keeps
+/// the memory of a mesh below 1 GiB.
+pub(crate) const MAX_BYTES: u64 = 1 << 27;
+
+/// Reads a regular file of at most `limit` bytes.
+///
+/// A pipe would wait for its writer, and a device may never end. The size is checked before and
+/// while reading, because the file may grow.
 pub(crate) fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, Fault> {
+    let regular = |metadata: &std::fs::Metadata| match metadata.is_file() {
+        true => Ok(()),
+        false => Err(Fault::NotAFile),
+    };
+    // Opening a pipe would wait already.
+    regular(&std::fs::metadata(path).map_err(Fault::Unreadable)?)?;
     let file = File::open(path).map_err(Fault::Unreadable)?;
     let metadata = file.metadata().map_err(Fault::Unreadable)?;
+    regular(&metadata)?;
     if metadata.len() > limit {
         return Err(Fault::TooLarge {
             what: Counted::Bytes,

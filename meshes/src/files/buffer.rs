@@ -187,11 +187,22 @@ fn resolve_uri(buffer: usize, uri: &str, folder: Option<&Path>) -> Result<(Vec<u
     {
         return Err(wrong("it leaves the folder of the file"));
     }
-    let path = folder
-        .ok_or(wrong("there is no folder to look in"))?
-        .join(relative);
+    let folder = folder.ok_or(wrong("there is no folder to look in"))?;
+    let path = folder.join(relative);
+    // A link in the folder may lead anywhere, and errors could show what stands there.
+    let folder = if folder == Path::new("") {
+        Path::new(".")
+    } else {
+        folder
+    };
+    if let (Ok(folder), Ok(real)) = (folder.canonicalize(), path.canonicalize())
+        && !real.starts_with(folder)
+    {
+        return Err(wrong("it leaves the folder of the file"));
+    }
     match read_bounded(&path, MAX_BYTES) {
         Ok(content) => Ok((content, true)),
+        Err(Fault::NotAFile) => Err(wrong("it is no regular file")),
         Err(Fault::Unreadable(source)) => Err(Fault::BufferUnreadable {
             buffer,
             path,

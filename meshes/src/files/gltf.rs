@@ -43,6 +43,7 @@ pub fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Mesh, Fault> {
         (bytes, None)
     };
     light(json)?;
+    numbers_fit(json)?;
     let document = validated(json)?;
     let buffers = Buffers::resolve(&document, binary, folder)?;
     let external = buffers
@@ -95,6 +96,35 @@ fn light(json: &[u8]) -> Result<(), Fault> {
     }
 }
 
+/// Refuses whole numbers above those of 32 bits, outside of texts.
+///
+/// The `gltf` crate reads an index as a number of 64 bits and keeps 32 of them, so that 2^32 would
+/// name the first object. No count, offset or length is that great in a file that is read here.
+fn numbers_fit(json: &[u8]) -> Result<(), Fault> {
+    let (mut in_text, mut escaped) = (false, false);
+    let mut start = None;
+    for (at, &byte) in json.iter().chain(b" ").enumerate() {
+        if in_text {
+            in_text = escaped || byte != b'"';
+            escaped = !escaped && byte == b'\\';
+            continue;
+        }
+        in_text = byte == b'"';
+        if byte.is_ascii_alphanumeric() || b"+-.".contains(&byte) {
+            start = start.or(Some(at));
+        } else if let Some(start) = start.take() {
+            let word = &json[start..at];
+            let digits = word.iter().all(u8::is_ascii_digit);
+            let number = str::from_utf8(word).unwrap_or_default();
+            if digits && number.parse::<u32>().is_err() {
+                let number = number.chars().take(40).collect();
+                return Err(Fault::GltfNumber { number });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Parses the document and validates it with the `gltf` crate.
 ///
 /// The crate looks positions up before it checks their index, and panics if the index is wrong. So
@@ -104,6 +134,15 @@ fn validated(json: &[u8]) -> Result<Document, Fault> {
         .map_err(Fault::Gltf)?
         .document
         .into_json();
+    let version = &root.asset.version;
+    let least = root.asset.min_version.as_deref().unwrap_or("2.0");
+    if let Some(other) = [version.as_str(), least]
+        .into_iter()
+        .find(|version| version.split('.').next() != Some("2"))
+    {
+        let version = other.chars().take(40).collect();
+        return Err(Fault::GltfVersion { version });
+    }
     let positions = ::gltf::json::validation::Checked::Valid(::gltf::Semantic::Positions);
     for (mesh, source) in root.meshes.iter().enumerate() {
         let accessors = source

@@ -10,7 +10,7 @@ use crate::mesh::mesh::Mesh;
 /// Reads an OBJ, glTF or GLB file, by its extension.
 ///
 /// # Errors
-/// Fails if the file is missing, has another extension, is larger than 512 MiB, has more than 2^23
+/// Fails if the file is missing, has another extension, is larger than 128 MiB, has more than 2^21
 /// vertices or triangles, or is malformed.
 pub fn load(path: &Path) -> Result<Mesh, Error> {
     let extension = path

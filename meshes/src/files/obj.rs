@@ -86,7 +86,7 @@ fn normals(text: &str, vectors: &mut Vec<DVec3>) -> Vec<Option<NonZeroU32>> {
 
 /// Counts vertices and faces, and reads the comments that describe the cell.
 fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
-    let (mut vertices, mut faces) = (0, 0);
+    let (mut vertices, mut faces, mut words) = (0, 0, 0);
     let mut glass = false;
     for (line, content) in logical_lines(text) {
         match keyword(&content) {
@@ -97,6 +97,7 @@ fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
                     return Err(Fault::FewCorners { line, corners });
                 }
                 faces += 1;
+                words += content.split_whitespace().count() - 1;
                 mesh.glass.push(glass);
             }
             "usemtl" => glass = content.split_whitespace().nth(1) == Some(GLASS),
@@ -104,7 +105,12 @@ fn survey(text: &str, mesh: &mut Mesh) -> Result<(usize, usize), Fault> {
             _ => {}
         }
     }
-    for (what, found) in [(Counted::Vertices, vertices), (Counted::Triangles, faces)] {
+    for (what, found) in [
+        (Counted::Vertices, vertices),
+        (Counted::Triangles, faces),
+        // A polygon of n corners makes n - 2 triangles, at least n / 3.
+        (Counted::Triangles, words / 3),
+    ] {
         if found > MAX_ELEMENTS {
             return Err(Fault::TooLarge {
                 what,

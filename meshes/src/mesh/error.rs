@@ -144,6 +144,12 @@ pub enum Fault {
     GlbContainer { reason: &'static str },
     #[error("is not valid glTF 2.0 ({0}); export it again")]
     Gltf(#[source] ::gltf::Error),
+    #[error("is glTF of version {version:?}, and 2.0 is read; export it as glTF 2.0")]
+    GltfVersion { version: String },
+    #[error("holds the number {number}, above all indices and lengths of glTF; export it again")]
+    GltfNumber { number: String },
+    #[error("is no regular file; name a mesh file, not a folder, a pipe or a device")]
+    NotAFile,
     #[error("has no scene to read (no default scene and {scenes} scenes); set 'scene' in the file")]
     NoScene { scenes: usize },
     #[error("reaches node {node} twice; give every node one parent, without cycles")]

@@ -10,7 +10,7 @@ pub(crate) const GLASS: &str = "glass";
 /// Largest number of vertices and of triangles that is accepted.
 ///
 /// Beyond it the limit would be memory, not geometry.
-pub(crate) const MAX_ELEMENTS: usize = 1 << 23;
+pub(crate) const MAX_ELEMENTS: usize = 1 << 21;
 
 /// Triangles in file units and the file's own frame, with what the file says about them.
 #[derive(Debug, Clone, Default, PartialEq)]

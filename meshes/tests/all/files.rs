@@ -43,7 +43,58 @@ fn every_bad_file_gets_its_message() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert_eq!(cases, 73);
+    assert_eq!(cases, 75);
+}
+
+/// A pipe is not waited for, and a link does not lead out of the folder of the mesh.
+#[test]
+fn pipes_and_links_out_of_the_folder_are_refused() {
+    let whole = tempfile::tempdir().expect("a temporary folder");
+    let inner = whole.path().join("inner");
+    std::fs::create_dir(&inner).expect("a folder");
+    let said = |path: &Path| match load_cell(path, &CellOptions::default()) {
+        Ok(_) => "accepted".to_owned(),
+        Err(error) => error.to_string(),
+    };
+    let pipe = |name: &str| {
+        let path = inner.join(name);
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.expect("mkfifo").success());
+        path
+    };
+    let mesh = pipe("pipe.obj");
+    assert!(
+        said(&mesh).contains("is no regular file"),
+        "{}",
+        said(&mesh)
+    );
+    let gltf = inner.join("external.gltf");
+    std::fs::copy(folder("good/external.gltf"), &gltf).expect("a copy");
+    let buffer = inner.join("external buffer.bin");
+    // The buffer itself, a link to it elsewhere, a pipe, and a link within the folder.
+    let good = folder("good/external buffer.bin");
+    std::fs::copy(&good, &buffer).expect("a copy");
+    assert_eq!(said(&gltf), "accepted");
+    std::fs::remove_file(&buffer).expect("a file");
+    let outside = whole.path().join("secret");
+    std::fs::copy(&good, &outside).expect("a copy");
+    std::os::unix::fs::symlink(&outside, &buffer).expect("a link");
+    assert!(
+        said(&gltf).contains("it leaves the folder"),
+        "{}",
+        said(&gltf)
+    );
+    std::fs::remove_file(&buffer).expect("a file");
+    pipe("external buffer.bin");
+    assert!(
+        said(&gltf).contains("it is no regular file"),
+        "{}",
+        said(&gltf)
+    );
+    std::fs::remove_file(&buffer).expect("a file");
+    std::fs::copy(&good, inner.join("beside")).expect("a copy");
+    std::os::unix::fs::symlink(inner.join("beside"), &buffer).expect("a link");
+    assert_eq!(said(&gltf), "accepted");
 }
 
 #[test]

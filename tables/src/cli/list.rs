@@ -1,7 +1,7 @@
 //! Lists of numbers as a user types them: `0,5,10`, or `start:stop:step` with both ends.
 
 /// Largest number of values in a list.
-pub const LONGEST_LIST: usize = 100_000;
+pub const LONGEST_LIST: usize = 10_000;
 
 /// Reason why a text is no list of numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -17,5 +17,5 @@ pub use crate::cli::error::Error;
 pub use crate::cli::list::{LONGEST_LIST, ListError, list};
 pub use crate::cli::manual::{Completions, Manual, version};
 pub use crate::cli::plot_format::PlotFormat;
-pub use crate::cli::terminal::{deliver, note, print, reserve, reserve_plot, warn};
+pub use crate::cli::terminal::{deliver, fail, note, plain, print, reserve, reserve_plot, warn};
 pub use crate::cli::threads::{NoThreads, pool};

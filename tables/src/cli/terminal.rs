@@ -1,5 +1,6 @@
 //! Printing: results to standard output or a file, warnings and remarks to standard error.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
@@ -7,6 +8,28 @@ use std::path::Path;
 use crate::cli::error::Error;
 use crate::cli::plot_format::PlotFormat;
 use crate::file::output::{Output, Outputs};
+
+/// Returns a text without the characters that steer a terminal or turn the direction of writing.
+///
+/// Names of files, designs and keys come from strangers' files. Line feeds and tabs stay.
+pub fn plain(text: &str) -> Cow<'_, str> {
+    let steers = |c: char| {
+        (c.is_control() && c != '\n' && c != '\t')
+            || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if text.contains(steers) {
+        Cow::Owned(text.replace(steers, "\u{fffd}"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// Prints an error as a line `error: ...` to standard error.
+///
+/// A standard error that cannot be written is ignored.
+pub fn fail(error: impl Display) {
+    let _ = writeln!(std::io::stderr(), "error: {}", plain(&error.to_string()));
+}
 
 /// Prints a result to standard output.
 ///
@@ -16,7 +39,10 @@ use crate::file::output::{Output, Outputs};
 /// Returns [`Error::Stdout`] if standard output cannot be written, for example to a full disk.
 pub fn print(text: &str) -> Result<(), Error> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out
+        .write_all(plain(text).as_bytes())
+        .and_then(|()| out.flush())
+    {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Stdout(error)),
         _ => Ok(()),
     }
@@ -39,7 +65,11 @@ pub fn deliver(text: &str, output: Option<Output>) -> Result<(), Error> {
 /// A standard error that cannot be written is ignored.
 pub fn warn<W: Display>(warnings: impl IntoIterator<Item = W>) {
     for warning in warnings {
-        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+        let _ = writeln!(
+            std::io::stderr(),
+            "warning: {}",
+            plain(&warning.to_string())
+        );
     }
 }
 
@@ -47,7 +77,7 @@ pub fn warn<W: Display>(warnings: impl IntoIterator<Item = W>) {
 pub fn note(remark: impl Display) {
     let mut stderr = std::io::stderr();
     if stderr.is_terminal() {
-        let _ = writeln!(stderr, "{remark}");
+        let _ = writeln!(stderr, "{}", plain(&remark.to_string()));
     }
 }
 

@@ -2,6 +2,9 @@
 
 use std::num::NonZeroUsize;
 
+/// Largest number of threads: more than any machine has processors for.
+const MOST_THREADS: usize = 4096;
+
 /// Error of threads that could not be started.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("--threads {threads}: the threads could not be started ({reason}); ask for fewer")]
@@ -18,6 +21,12 @@ pub struct NoThreads {
 /// Returns [`NoThreads`] if the system does not start them.
 pub fn pool(threads: Option<NonZeroUsize>) -> Result<rayon::ThreadPool, NoThreads> {
     let threads = threads.map_or(0, NonZeroUsize::get);
+    if threads > MOST_THREADS {
+        return Err(NoThreads {
+            threads,
+            reason: format!("{MOST_THREADS} are the most"),
+        });
+    }
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

@@ -222,6 +222,20 @@ pub enum Error {
         /// Fate of the process, in words that follow "the process".
         what: String,
     },
+    /// Reader that is missing, or is not the one that belongs to this program.
+    #[error(
+        "{}: cannot be read: {}, the program that opens tables for `bake` and `fit`, {what}; put \
+        it beside this program, with `make install` or `cargo install --path reader`",
+        file.display(), reader.display()
+    )]
+    Reader {
+        /// Path of the table.
+        file: PathBuf,
+        /// Path at which the reader should be.
+        reader: PathBuf,
+        /// Fault of the reader, in words that follow its name.
+        what: String,
+    },
     /// Message of the process that reads tables, a sentence like the others here.
     #[error("{0}")]
     Told(String),

@@ -13,6 +13,30 @@ pub enum OutputError {
         /// Path that was asked for.
         file: PathBuf,
     },
+    /// Name that other programs take for standard output.
+    #[error(
+        "-: is no name of a file here; name a file, such as result.json, or ./- for a file of this \
+        name"
+    )]
+    Dash,
+    /// Extension of another kind of file.
+    #[error(
+        "{}: is a table, but its name ends as that of another kind of file; name it .h5 or .hdf5",
+        file.display()
+    )]
+    NotATable {
+        /// Path that was asked for.
+        file: PathBuf,
+    },
+    /// Symbolic link that leads to no file.
+    #[error(
+        "{}: is a link that leads nowhere; remove it, or choose another output",
+        file.display()
+    )]
+    DeadLink {
+        /// Path of the link.
+        file: PathBuf,
+    },
     /// Existing file that is write-protected.
     #[error("{}: is write-protected; choose another output or allow writing", file.display())]
     Protected {

@@ -1,101 +1,149 @@
-//! Reading of tables in a process of their own.
+//! Reading of tables by another program.
 //!
 //! The HDF5 library is written in C and trusts a file. A file that was made to do harm can crash it
 //! or keep it busy without end, whatever is checked before: a stranger can compute every checksum
-//! and seal. So a program starts its own executable again to open the file, under limits of memory
-//! and time ([`serve`]). The second process sends back the content in the form in which it is
-//! hashed, which is read without the library. If the second process crashes, the first one returns
-//! an error.
+//! and seal. So the library opens a file in `airr-reader`, a program beside this one, which has
+//! hard limits of memory and time and no right to files, sockets or processes. It gets the file as
+//! its standard input and no environment, and sends back the content in the form in which it is
+//! hashed. The content is read here without the library. If the reader crashes, this program
+//! returns an error.
 
-use std::ffi::OsStr;
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::thread;
+use std::time::Duration;
 
 use crate::error::error::Error;
-use crate::file::here::here;
+use crate::file::here::{here, opened};
+use crate::file::reader::{OTHER_VERSION, Protection, TABLE, VERSION};
 use crate::file::{ledger, limits, received};
 use crate::table::table::Table;
 
-/// First argument of a process that only reads a table.
-const MARK: &str = "--read-table-apart";
+/// Name of the reader, without the ending that programs have on some systems.
+pub const READER: &str = "airr-reader";
 
-/// First byte of an answer that is a table.
-const TABLE: u8 = b'T';
-/// First byte of an answer that is a refusal in words.
-const REFUSAL: u8 = b'R';
+/// Start of the names of the variables that steer the HDF5 library.
+const VARIABLES: &str = "HDF5_";
 
 /// Longest refusal that is read, bytes.
 const MOST_WORDS: u64 = 1 << 16;
 
-/// Set once [`serve`] has been called in the main process.
-static SERVED: AtomicBool = AtomicBool::new(false);
+/// Path of the reader, once [`start`] or [`start_with`] has been called.
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
-/// Serves as the reading process, or makes [`crate::read()`] start such processes from now on.
+/// Makes [`crate::read()`] use the reader that stands beside this program.
 ///
-/// Call it first in `main`. If this process was started to read a table, the call reads it and ends
-/// the process. Without this call tables are read in the process itself, under the same checks.
-pub fn serve() {
-    let mut arguments = std::env::args_os().skip(1);
-    if arguments.next().as_deref() == Some(OsStr::new(MARK)) {
-        let path = PathBuf::from(arguments.next().unwrap_or_default());
-        ledger::reader();
-        std::process::exit(answer(&path).is_err().into());
-    }
-    SERVED.store(true, Ordering::Relaxed);
+/// Call it first in `main`. Without this call tables are read in the process itself, under the same
+/// checks. If there are variables `HDF5_...` in the environment, which can make the HDF5 library
+/// load code, this program starts again without them.
+pub fn start() {
+    without_variables();
+    let folder = std::env::current_exe().ok().and_then(|program| {
+        let folder = program.parent()?;
+        Some(folder.to_owned())
+    });
+    let name = format!("{READER}{}", std::env::consts::EXE_SUFFIX);
+    start_with(folder.unwrap_or_default().join(name));
 }
 
-/// Reads a table and writes it, or the refusal, to standard output.
-fn answer(path: &Path) -> io::Result<()> {
-    let table = here(path);
-    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    match table {
-        Ok(table) => {
-            out.write_all(&[TABLE])?;
-            let mut sent = Ok(());
-            table.content(&mut |bytes| {
-                if sent.is_ok() {
-                    sent = out.write_all(bytes);
-                }
-            });
-            sent?;
+/// Makes [`crate::read()`] use this reader, for programs that do not stand beside it.
+pub fn start_with(reader: PathBuf) {
+    let _ = PROGRAM.set(reader);
+}
+
+/// Starts this program again without the variables of the HDF5 library, if there are any.
+fn without_variables() {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt;
+        let names = std::env::vars_os().map(|(name, _)| name);
+        let found: Vec<_> = names
+            .filter(|name| name.as_encoded_bytes().starts_with(VARIABLES.as_bytes()))
+            .collect();
+        let Ok(program) = std::env::current_exe() else {
+            return;
+        };
+        if found.is_empty() {
+            return;
         }
-        Err(error) => write!(out, "{}{error}", REFUSAL as char)?,
+        let mut arguments = std::env::args_os();
+        let mut again = Command::new(program);
+        if let Some(name) = arguments.next() {
+            again.arg0(name);
+        }
+        again.args(arguments);
+        for name in &found {
+            again.env_remove(name);
+        }
+        // It returns only if it fails. Then the library is still told to load nothing.
+        let _ = again.exec();
     }
-    out.flush()
 }
 
-/// Reads a table in a process of its own; `None` if [`serve`] was not called.
-pub(crate) fn read(path: &Path) -> Option<Result<Table, Error>> {
-    SERVED.load(Ordering::Relaxed).then(|| ask(path))
+/// Table, and what the reader that opened it lacked.
+#[derive(Debug)]
+pub struct Reading {
+    /// The table, checked.
+    pub table: Table,
+    /// Protections that the system did not give to the reader; all if there was no reader.
+    pub lacking: Vec<Protection>,
 }
 
-/// Starts a reading process, reads its answer and waits for its end.
-fn ask(path: &Path) -> Result<Table, Error> {
+/// Reads a table as [`crate::read()`] does, and says which protections were missing.
+///
+/// # Errors
+/// Returns the errors of [`crate::read()`].
+pub fn read(path: &Path) -> Result<Reading, Error> {
+    match PROGRAM.get() {
+        Some(program) => ask(path, program),
+        None => Ok(Reading {
+            table: here(path)?,
+            lacking: Protection::ALL.to_vec(),
+        }),
+    }
+}
+
+/// Starts the reader, reads its answer and waits for its end.
+fn ask(path: &Path, program: &Path) -> Result<Reading, Error> {
+    let (file, bytes) = opened(path)?;
     let failed = |what: String| Error::Apart {
         file: path.to_owned(),
         what,
     };
-    // The link leads to this very program, even if another one has since been installed in its
-    // place.
-    let mut child = Command::new("/proc/self/exe")
-        .arg(MARK)
+    let unusable = |what: String| Error::Reader {
+        file: path.to_owned(),
+        reader: program.to_owned(),
+        what,
+    };
+    let mut child = Command::new(program)
+        .arg(VERSION)
         .arg(path)
-        .stdin(Stdio::null())
+        .env_clear()
+        .stdin(file)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
-        .map_err(|error| failed(format!("cannot be started ({error})")))?;
-    let answer = child
-        .stdout
-        .take()
-        .map(|out| listen(BufReader::with_capacity(1 << 16, out)));
-    let status = child
-        .wait()
+        .map_err(|error| unusable(format!("cannot be started ({error})")))?;
+    let out = child.stdout.take();
+    let watched = Watched::new(child, ledger::patience(bytes));
+    let answer = out.map(|out| {
+        // More than the file may claim does not come from the reader that was started.
+        let most = 2 * ledger::most_content(bytes);
+        listen(BufReader::with_capacity(1 << 16, out.take(most)))
+    });
+    let (status, late) = watched
+        .end()
         .map_err(|error| failed(format!("is lost ({error})")))?;
     match answer {
-        Some(Ok(answer)) if status.success() => answer,
+        _ if late => Err(failed("took too long".to_owned())),
+        Some(Ok(Answer::Table(reading))) if status.success() => Ok(*reading),
+        Some(Ok(Answer::Refusal(words))) if status.success() => Err(Error::Told(words)),
+        Some(Ok(Answer::Version(version))) => Err(unusable(format!(
+            "is of version {version:?}, this program of {VERSION}"
+        ))),
         Some(Err(error)) if status.success() => {
             Err(failed(format!("sent an answer that is no table ({error})")))
         }
@@ -103,17 +151,78 @@ fn ask(path: &Path) -> Result<Table, Error> {
     }
 }
 
-/// Reads the answer of a reading process: a table, or its refusal.
-fn listen(mut from: BufReader<impl Read>) -> io::Result<Result<Table, Error>> {
-    let mut kind = [0];
-    from.read_exact(&mut kind)?;
-    if kind == [TABLE] {
-        return received::table(from).map(Ok);
+/// Process that is ended if it takes too long.
+struct Watched {
+    child: Arc<Mutex<Child>>,
+    done: Sender<()>,
+    watch: thread::JoinHandle<bool>,
+}
+
+impl Watched {
+    /// Starts the watch. Time in which this program is stopped does not count.
+    fn new(child: Child, patience: Duration) -> Watched {
+        const TICK: Duration = Duration::from_millis(100);
+        let child = Arc::new(Mutex::new(child));
+        let (done, ended) = channel();
+        let watched = Arc::clone(&child);
+        let watch = thread::spawn(move || {
+            let mut waited = Duration::ZERO;
+            while waited < patience {
+                if ended.recv_timeout(TICK) != Err(RecvTimeoutError::Timeout) {
+                    return false;
+                }
+                waited += TICK;
+            }
+            let mut child = watched.lock().unwrap_or_else(PoisonError::into_inner);
+            child.kill().is_ok()
+        });
+        Watched { child, done, watch }
+    }
+
+    /// Waits for the end; returns how it ended, and whether it was ended because of the time.
+    fn end(self) -> io::Result<(ExitStatus, bool)> {
+        let status = loop {
+            // The lock is free between the looks, for the watch.
+            let look = self
+                .child
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .try_wait()?;
+            match look {
+                Some(status) => break status,
+                None => thread::sleep(Duration::from_millis(1)),
+            }
+        };
+        let _ = self.done.send(());
+        Ok((status, self.watch.join().unwrap_or(false)))
+    }
+}
+
+/// Answer of a reader.
+enum Answer {
+    Table(Box<Reading>),
+    Refusal(String),
+    Version(String),
+}
+
+/// Reads the answer of a reader.
+fn listen(mut from: BufReader<impl Read>) -> io::Result<Answer> {
+    let mut head = [0; 2];
+    from.read_exact(&mut head)?;
+    let [kind, lacking] = head;
+    if kind == TABLE {
+        return Ok(Answer::Table(Box::new(Reading {
+            table: received::table(from)?,
+            lacking: Protection::of(lacking),
+        })));
     }
     let mut words = Vec::new();
     from.take(MOST_WORDS).read_to_end(&mut words)?;
     let words = String::from_utf8_lossy(&words).into_owned();
-    Ok(Err(Error::Told(words)))
+    Ok(match kind {
+        OTHER_VERSION => Answer::Version(words),
+        _ => Answer::Refusal(words),
+    })
 }
 
 /// Returns the end of a process in words.
@@ -125,5 +234,31 @@ fn end(status: ExitStatus) -> String {
             format!("was ended by signal {signal}: it crashed or asked for too much memory")
         }
         None => format!("failed ({status})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+
+    /// A process that neither answers nor ends: half a second of patience, not its ten minutes.
+    #[test]
+    fn a_process_without_end_is_ended() {
+        let start = |seconds: &str| {
+            Command::new("sleep")
+                .arg(seconds)
+                .spawn()
+                .expect("sleep starts")
+        };
+        let clock = Instant::now();
+        let watched = Watched::new(start("600"), Duration::from_millis(500));
+        let (status, late) = watched.end().expect("it is waited for");
+        assert!(late && !status.success(), "{status}");
+        assert!(clock.elapsed() < Duration::from_secs(60));
+        let watched = Watched::new(start("0"), Duration::from_secs(60));
+        let (status, late) = watched.end().expect("it is waited for");
+        assert!(!late && status.success(), "{status}");
     }
 }

@@ -1,16 +1,16 @@
-//! Reading of a table from its file, in this very process.
+//! Reading of a table from the bytes of its file, in this very process.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{self, Read};
 use std::path::Path;
 
 use crate::error::error::Error;
 use crate::file::seal::Seal;
-use crate::file::{heap, layout, ledger, seal};
+use crate::file::{heap, layout, ledger, library, seal};
 use crate::table::table::Table;
 
 /// Longest file that is read, bytes: the largest table within the memory limit, incompressible.
-const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
+pub(crate) const MOST_BYTES: u64 = (1 << 31) + (1 << 24);
 
 /// First bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
@@ -18,22 +18,77 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 /// Reads a table in this very process.
 ///
 /// # Errors
-/// Returns an [`Error`] if the file is no table, is damaged, breaks a rule, or has another content
-/// hash than it states.
+/// Returns the errors of [`opened`] and of [`table`].
 pub(crate) fn here(path: &Path) -> Result<Table, Error> {
-    guard(path)?;
-    ledger::confine();
-    let failed = |source| Error::Hdf5 {
+    let (file, bytes) = opened(path)?;
+    let content = content(file, bytes).map_err(|source| Error::Open {
         file: path.to_owned(),
-        place: "file".to_owned(),
+        source,
+    })?;
+    table(content, path)
+}
+
+/// Opens a file and returns it with its length in bytes.
+///
+/// Nothing else is opened: a pipe would wait for its writer, a device may do so.
+///
+/// # Errors
+/// Returns [`Error::Open`] if the file cannot be opened, [`Error::NotAFile`] if it is no regular
+/// file, and [`Error::FileSize`] if it is longer than any table.
+pub(crate) fn opened(path: &Path) -> Result<(File, u64), Error> {
+    let failed = |source| Error::Open {
+        file: path.to_owned(),
         source,
     };
-    let file = hdf5::File::open(path).map_err(failed)?;
-    let (table, stored) = layout::load(&file, path)?;
+    let not_a_file = || Error::NotAFile {
+        file: path.to_owned(),
+    };
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(not_a_file());
+    }
+    let file = File::open(path).map_err(failed)?;
+    // The name may lead elsewhere by now.
+    let metadata = file.metadata().map_err(failed)?;
+    if !metadata.is_file() {
+        return Err(not_a_file());
+    }
+    let bytes = metadata.len();
+    if bytes > MOST_BYTES {
+        return Err(Error::FileSize {
+            file: path.to_owned(),
+            bytes,
+            limit: MOST_BYTES,
+        });
+    }
+    Ok((file, bytes))
+}
+
+/// Reads a file of this length into memory, or what there is of it.
+pub(crate) fn content(file: impl Read, bytes: u64) -> io::Result<Vec<u8>> {
+    let mut content = Vec::new();
+    content.try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+    file.take(bytes).read_to_end(&mut content)?;
+    Ok(content)
+}
+
+/// Makes a table from the bytes of a file; `name` is for messages.
+///
+/// # Errors
+/// Returns an [`Error`] if the bytes are no table, are damaged, break a rule, or have another
+/// content hash than they state.
+pub(crate) fn table(content: Vec<u8>, name: &Path) -> Result<Table, Error> {
+    guard(&content, name)?;
+    ledger::confine(content.len() as u64);
+    let file = library::open(content).map_err(|source| Error::Hdf5 {
+        file: name.to_owned(),
+        place: "file".to_owned(),
+        source,
+    })?;
+    let (table, stored) = layout::load(&file, name)?;
     let computed = table.content_hash();
     if stored != computed {
         return Err(Error::ContentHash {
-            file: path.to_owned(),
+            file: name.to_owned(),
             stored,
             computed,
         });
@@ -42,52 +97,23 @@ pub(crate) fn here(path: &Path) -> Result<Table, Error> {
 }
 
 /// Checks all that can be checked without the HDF5 library, which is not made for damaged files.
-fn guard(path: &Path) -> Result<(), Error> {
-    let failed = |source| Error::Open {
-        file: path.to_owned(),
-        source,
-    };
-    // Opening a pipe would wait for its writer.
-    if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(Error::NotAFile {
-            file: path.to_owned(),
-        });
-    }
-    let mut file = File::open(path).map_err(failed)?;
-    let bytes = file.seek(SeekFrom::End(0)).map_err(failed)?;
-    if bytes > MOST_BYTES {
-        return Err(Error::FileSize {
-            file: path.to_owned(),
-            bytes,
-            limit: MOST_BYTES,
-        });
-    }
-    let mut start = Vec::new();
-    file.rewind().map_err(failed)?;
-    (&mut file)
-        .take(SIGNATURE.len() as u64)
-        .read_to_end(&mut start)
-        .map_err(failed)?;
-    if start != SIGNATURE {
+fn guard(content: &[u8], name: &Path) -> Result<(), Error> {
+    if !content.starts_with(&SIGNATURE) {
         return Err(Error::NotHdf5 {
-            file: path.to_owned(),
-            bytes,
+            file: name.to_owned(),
+            bytes: content.len() as u64,
         });
     }
-    let mut content = start;
-    file.take(MOST_BYTES)
-        .read_to_end(&mut content)
-        .map_err(failed)?;
-    if let Seal::Broken { stored, computed } = seal::check(&content) {
+    if let Seal::Broken { stored, computed } = seal::check(content) {
         return Err(Error::Damaged {
-            file: path.to_owned(),
+            file: name.to_owned(),
             stored,
             computed,
         });
     }
-    match heap::first_broken(&content) {
+    match heap::first_broken(content) {
         Some(offset) => Err(Error::Heap {
-            file: path.to_owned(),
+            file: name.to_owned(),
             offset,
         }),
         None => Ok(()),

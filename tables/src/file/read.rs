@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::error::Error;
-use crate::file::here::here;
+use crate::file::here::{content, opened};
 use crate::file::seal::Seal;
 use crate::file::{apart, seal};
 use crate::table::table::Table;
@@ -16,8 +16,8 @@ use crate::table::table::Table;
 /// there are counts, all other numbers are computed from them, so that two readers hold the same
 /// bits.
 ///
-/// In a program that calls [`crate::file::apart::serve`] first, the HDF5 library opens the file in
-/// a process of its own, and a crash of the library becomes an error here.
+/// In a program that calls [`crate::file::apart::start`] first, the HDF5 library opens the file in
+/// another program, and a crash of the library becomes an error here.
 ///
 /// # Errors
 /// Returns an [`Error`] if a check fails. Each check has a variant, which names the file, the
@@ -28,7 +28,7 @@ use crate::table::table::Table;
 /// assert!(error.to_string().contains("is not an HDF5 file"));
 /// ```
 pub fn read(path: &Path) -> Result<Table, Error> {
-    apart::read(path).unwrap_or_else(|| here(path))
+    Ok(apart::read(path)?.table)
 }
 
 /// Returns whether the file still ends with the seal that [`crate::write()`] puts there.
@@ -39,9 +39,10 @@ pub fn read(path: &Path) -> Result<Table, Error> {
 /// # Errors
 /// Returns [`Error::Open`] if the file cannot be read.
 pub fn is_sealed(path: &Path) -> Result<bool, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Open {
+    let (file, bytes) = opened(path)?;
+    let content = content(file, bytes).map_err(|source| Error::Open {
         file: path.to_owned(),
         source,
     })?;
-    Ok(seal::check(&bytes) == Seal::Intact)
+    Ok(seal::check(&content) == Seal::Intact)
 }

@@ -1,5 +1,4 @@
-//! Calls to the HDF5 library that its Rust crate does not offer; all unsafe code of the crate is
-//! here.
+//! Calls to the HDF5 library that its Rust crate does not offer.
 //!
 //! They are dimension scales (the H5DS calls of libhdf5_hl) and the image of a file that lives in
 //! memory. Every call runs inside `hdf5::sync::sync`, because the library is not safe for several
@@ -12,6 +11,8 @@ use std::ffi::{CStr, c_char, c_int, c_uint};
 use hdf5::sync::sync;
 use hdf5_sys::h5f::H5Fget_file_image;
 use hdf5_sys::h5i::hid_t;
+
+use crate::file::library::last_error;
 
 // hdf5-metno-sys (feature `hl`) links the hl library but declares none of its functions.
 unsafe extern "C" {
@@ -63,9 +64,4 @@ fn succeeded(status: c_int) -> Result<(), hdf5::Error> {
     } else {
         Ok(())
     }
-}
-
-/// Returns the last error of the library.
-fn last_error() -> hdf5::Error {
-    hdf5::Error::query().unwrap_or_else(|error| error)
 }

@@ -20,6 +20,11 @@ use crate::table::table::Table;
 /// Allowed rounding of sums that should be 1 and of areas that should be eta.
 pub(crate) const SUM: f64 = 1e-9;
 
+/// Greatest coordinate, shift and tangent in the polygons of a table, edge lengths.
+///
+/// A sheet has some, and the range of a histogram ends there too.
+const FARTHEST: f64 = 1e6;
+
 /// Greatest number of rays of a direction: f64 does not hold greater numbers exactly.
 pub(crate) const MOST_RAYS: u64 = 1 << 53;
 
@@ -178,17 +183,14 @@ fn values(table: &Table) -> Result<(), Invalid> {
 fn provenance(p: &Provenance) -> Result<(), Invalid> {
     let error = |x: f64| (0.0..=1.0).contains(&x);
     let positive = |x: f64| x.is_finite() && x > 0.0;
-    within(
-        "edge_length",
-        [&p.edge_length],
-        "finite positive numbers",
-        positive,
-    )?;
+    within("edge_length", [&p.edge_length], "1e-12 to 1e12", |x| {
+        (1e-12..=1e12).contains(&x)
+    })?;
     within(
         "refractive_index",
         [&p.refractive_index],
-        "finite positive numbers",
-        positive,
+        "0.001 to 1000",
+        |x| (1e-3..=1e3).contains(&x),
     )?;
     within(
         "azimuth_zero",
@@ -425,37 +427,19 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     within(
         "entrance_area",
         [&exact.entrance_area],
-        "finite positive numbers",
-        |x| x.is_finite() && x > 0.0,
+        "above 0 to 1e12",
+        |x| x > 0.0 && x <= FARTHEST * FARTHEST,
     )?;
     let flat = FlatPaths::new(exact);
-    within(
-        "path_matrix",
-        &flat.matrix,
-        "finite numbers",
-        f64::is_finite,
-    )?;
-    within(
-        "path_offset",
-        &flat.offset,
-        "finite numbers",
-        f64::is_finite,
-    )?;
-    within(
-        "path_deviation",
-        &flat.deviation,
-        "finite numbers",
-        f64::is_finite,
-    )?;
+    // Sums of products of such numbers are finite, and no light goes farther than [`FARTHEST`].
+    let bounded = |x: f64| x.abs() <= FARTHEST;
+    within("path_matrix", &flat.matrix, "-1e6 to 1e6", bounded)?;
+    within("path_offset", &flat.offset, "-1e6 to 1e6", bounded)?;
+    within("path_deviation", &flat.deviation, "-1e6 to 1e6", bounded)?;
     within("path_weight", &flat.weight, "0 to 1", |x| {
         (0.0..=1.0).contains(&x)
     })?;
-    within(
-        "polygon_vertex",
-        &flat.vertex,
-        "finite numbers",
-        f64::is_finite,
-    )?;
+    within("polygon_vertex", &flat.vertex, "-1e6 to 1e6", bounded)?;
     for (direction, paths) in exact.paths.iter().enumerate() {
         let mut returned = 0.0;
         for (index, path) in paths.iter().enumerate() {

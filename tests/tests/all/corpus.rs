@@ -19,12 +19,14 @@ type Target = (&'static str, fn(&[u8]));
 
 #[test]
 fn the_corpus_is_answered() {
-    let targets: [Target; 5] = [
+    let targets: [Target; 7] = [
         ("obj", fuzz::obj),
         ("gltf", fuzz::gltf),
         ("table", fuzz::table),
         ("photograph", fuzz::photograph),
         ("toml", fuzz::toml),
+        ("result", fuzz::result),
+        ("polygons", fuzz::polygons),
     ];
     for (name, answer) in targets {
         let folder = project().join("fuzz/corpus").join(name);

@@ -6,6 +6,7 @@
 //! to `lin5.weight` with one weight per output of that layer. The script fit/doc/lpips_weights.py
 //! writes the file from the `lpips` package.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use nalgebra::DMatrix;
@@ -91,10 +92,14 @@ impl Lpips {
     /// safetensors file, and [`Error::Tensor`] if a tensor is missing or has another type or size.
     pub(crate) fn read(path: &Path) -> Result<Lpips, Error> {
         let file = || path.to_owned();
-        let bytes = std::fs::read(path).map_err(|source| Error::Read {
-            file: file(),
-            source,
-        })?;
+        // The weights have 10 MB.
+        let mut bytes = Vec::new();
+        crate::document::open(path)
+            .and_then(|weights| weights.take(1 << 28).read_to_end(&mut bytes))
+            .map_err(|source| Error::Read {
+                file: file(),
+                source,
+            })?;
         let (header, data) = split(&bytes).ok_or_else(|| Error::Format { file: file() })?;
         Lpips::from_tensors(|name, count| {
             tensor(&header, data, name, count).ok_or_else(|| Error::Tensor {

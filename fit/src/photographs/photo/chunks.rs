@@ -5,6 +5,7 @@ use std::io::{BufRead, Seek, SeekFrom};
 
 use crate::photographs::photo::curve::Curve;
 use crate::photographs::photo::icc;
+use crate::photographs::photo::limits::HEADER_BYTES;
 use crate::photographs::photo::taken::Curves;
 use crate::photographs::photo::transfer::Transfer;
 
@@ -29,7 +30,10 @@ pub(crate) fn curves(
     if present.is_empty() || reader.rewind().is_err() {
         return Ok(None);
     }
-    let mut decoder = png::Decoder::new(reader);
+    let limits = png::Limits {
+        bytes: HEADER_BYTES as usize,
+    };
+    let mut decoder = png::Decoder::new_with_limits(reader, limits);
     decoder.set_ignore_text_chunk(true);
     // A header that cannot be read is refused when the pixels are.
     let Ok(reader) = decoder.read_info() else {

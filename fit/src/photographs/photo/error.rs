@@ -78,6 +78,24 @@ pub enum Error {
         /// Largest number of pixels that is read.
         limit: u64,
     },
+    /// Picture whose pixels take more memory than any photograph may.
+    #[error(
+        "{}: has {width} x {height} pixels, which take {bytes} bytes in memory, above the limit of \
+        {limit}; crop the photograph, or save fewer channels or bits",
+        file.display()
+    )]
+    Heavy {
+        /// Path of the photograph.
+        file: PathBuf,
+        /// Number of columns.
+        width: u64,
+        /// Number of rows.
+        height: u64,
+        /// Memory that the pixels take, bytes.
+        bytes: u64,
+        /// Greatest memory that is taken, bytes.
+        limit: u64,
+    },
     /// A header that claims far more pixels than the file has bytes for.
     #[error(
         "{file}: claims {width} x {height} pixels in {bytes} bytes, as a decompression bomb does; \

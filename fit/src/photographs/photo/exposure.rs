@@ -1,7 +1,6 @@
 //! Exposure of a photograph from the settings that the camera wrote into it (Exif 2.32, section
 //! 4.6.5).
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -20,13 +19,13 @@ impl Settings {
     /// settings. Returns the error of the system if the file cannot be read.
     pub fn of(image: &Path) -> Result<Settings, String> {
         let mut first = Vec::with_capacity(16);
-        let file = File::open(image).map_err(|error| error.to_string())?;
+        let file = crate::document::open(image).map_err(|error| error.to_string())?;
         let read = file.take(16).read_to_end(&mut first);
         read.map_err(|error| error.to_string())?;
         if is_raw(&extension(image), &first) {
             return raw::settings(image);
         }
-        let file = File::open(image).map_err(|error| error.to_string())?;
+        let file = crate::document::open(image).map_err(|error| error.to_string())?;
         let exif = exif_data::read(file).ok_or("no Exif data")?;
         let tags = [
             Tag::ExposureTime,

@@ -7,6 +7,10 @@ use crate::photographs::photo::error::Error;
 /// Largest photograph that is decoded, pixels. A larger one is refused by its header alone.
 pub(crate) const MAX_PIXELS: u64 = 200_000_000;
 
+/// Memory that all that stands before the pixels may take, bytes: the largest colour profiles have
+/// some MiB.
+pub(crate) const HEADER_BYTES: u64 = 64 << 20;
+
 /// Refuses pictures without pixels or with more than [`MAX_PIXELS`].
 pub(crate) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Error> {
     match width.checked_mul(height) {
@@ -22,6 +26,9 @@ pub(crate) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Err
 
 /// Memory that the pixels of any file may take, bytes.
 const FREE: u64 = 256 << 20;
+
+/// Memory that the pixels of a photograph may take, bytes: 150 megapixels of three 16-bit channels.
+const MOST: u64 = 3 << 29;
 
 /// Memory beyond [`FREE`] that the pixels may take, bytes per byte of the file. Noise can hardly be
 /// packed; an edge without noise can be packed twentyfold.
@@ -42,6 +49,15 @@ pub(crate) fn check_packed(
             width,
             height,
             bytes: length,
+        });
+    }
+    if needed > MOST {
+        return Err(Error::Heavy {
+            file: path.to_owned(),
+            width,
+            height,
+            bytes: needed,
+            limit: MOST,
         });
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! Reading of EXR photographs: the layer and channels are chosen, and their blocks streamed into
 //! planes.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -155,6 +156,8 @@ fn read_planes(
     let bytes = header.channels.bytes_per_pixel as u64;
     check_packed(path, [width as u64, height as u64], bytes)?;
     let mut planes = vec![vec![0.0_f32; width * height]; terms.len()];
+    // Blocks are found by offsets, and two offsets may be the same.
+    let (mut seen, mut covered) = (HashSet::new(), 0);
     blocks
         .filter_chunks(false, |_, tile, block| {
             block.layer == chosen && tile.is_largest_resolution_level()
@@ -162,6 +165,11 @@ fn read_planes(
         .and_then(|chunks| {
             chunks.decompress_parallel(false, |meta, block| {
                 let header = &meta.headers[chosen];
+                let (at, size) = (block.index.pixel_position, block.index.pixel_size);
+                if !seen.insert((at.x(), at.y())) {
+                    return Err(exr::error::Error::Invalid("a block is there twice".into()));
+                }
+                covered += size.area();
                 let mut pairs = planes.iter_mut().zip(&terms);
                 pairs.try_for_each(|(plane, terms)| {
                     add_block(plane, width, header, &block, terms, transfer)
@@ -173,6 +181,12 @@ fn read_planes(
             source,
         })?;
 
+    if covered != width * height {
+        return Err(Error::Exr {
+            file: file(),
+            source: exr::error::Error::Invalid("blocks are missing".into()),
+        });
+    }
     Ok((width, height, planes, warnings))
 }
 

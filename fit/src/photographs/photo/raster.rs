@@ -1,7 +1,7 @@
 //! Reading of PNG, TIFF and JPEG photographs.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use image::metadata::Orientation;
@@ -11,6 +11,7 @@ use image::{
 
 use rayon::prelude::*;
 
+use crate::document::open;
 use crate::photographs::photo::channel::{Channel, Decode, REC709};
 use crate::photographs::photo::curve::Curve;
 use crate::photographs::photo::error::Error;
@@ -18,7 +19,7 @@ use crate::photographs::photo::format::Format;
 use crate::photographs::photo::icc;
 use crate::photographs::photo::jpeg;
 use crate::photographs::photo::jpeg::Whole;
-use crate::photographs::photo::limits::{MAX_PIXELS, check_packed, check_size};
+use crate::photographs::photo::limits::{HEADER_BYTES, MAX_PIXELS, check_packed, check_size};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::plane::{Photo, TURNED};
 use crate::photographs::photo::statement;
@@ -137,6 +138,7 @@ fn decode(
         format,
         source,
     };
+    let reader = sized(path, reader, format)?;
     let mut reader = ImageReader::with_format(
         reader,
         match format {
@@ -145,10 +147,11 @@ fn decode(
             Format::Png | Format::Exr | Format::Raw => ImageFormat::Png,
         },
     );
-    // A decoder with limits would refuse a large picture before it tells the size. So the header is
-    // read without limits, which allocates nothing of the size of the picture. The limits are set
-    // before the pixels are read.
-    reader.no_limits();
+    // These limits bound what stands before the pixels: a profile may inflate a thousandfold. The
+    // pixels have a limit of their own.
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(HEADER_BYTES);
+    reader.limits(limits);
     let mut decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into())?;
@@ -194,6 +197,26 @@ fn decode(
     })
 }
 
+/// Checks the size that the header of a PNG claims, before a decoder makes room for its rows.
+fn sized(
+    path: &Path,
+    mut reader: BufReader<File>,
+    format: Format,
+) -> Result<BufReader<File>, Error> {
+    // A signature of 8 bytes, length and name of the first chunk, then width and height.
+    let mut head = [0; 24];
+    if format == Format::Png && reader.read_exact(&mut head).is_ok() {
+        let word =
+            |at: usize| u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
+        check_size(path, word(16).into(), word(20).into())?;
+    }
+    reader.rewind().map_err(|source| Error::Io {
+        file: path.to_owned(),
+        source,
+    })?;
+    Ok(reader)
+}
+
 /// Returns the curve of a format whose file says nothing of it.
 fn of_format(bits: u16) -> Curves {
     match bits {
@@ -203,6 +226,13 @@ fn of_format(bits: u16) -> Curves {
     }
 }
 
+/// Reads a file into memory. A JPEG of the largest photograph is shorter than its pixels.
+fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// Refuses a JPEG, or a TIFF of JPEGs, that is not whole.
 fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
     let io = |source| Error::Io {
@@ -210,8 +240,8 @@ fn whole(path: &Path, format: Format) -> Result<Whole, Error> {
         source,
     };
     let checked = match format {
-        Format::Jpeg => jpeg::check(&std::fs::read(path).map_err(io)?),
-        Format::Tiff => strips::check(BufReader::new(File::open(path).map_err(io)?)),
+        Format::Jpeg => jpeg::check(&bytes_of(path).map_err(io)?),
+        Format::Tiff => strips::check(BufReader::new(open(path).map_err(io)?)),
         Format::Png | Format::Exr | Format::Raw => return Ok(Whole::default()),
     };
     checked.map_err(|reason| Error::CutShort {

@@ -35,7 +35,7 @@ pub(crate) fn curves(
         reason,
     };
     let open = || {
-        let file = File::open(path).map_err(|source| Error::Io {
+        let file = crate::document::open(path).map_err(|source| Error::Io {
             file: path.to_owned(),
             source,
         })?;

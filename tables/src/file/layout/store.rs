@@ -1,13 +1,12 @@
 //! Writing of a table as HDF5 objects.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use hdf5::{Dataset, File, H5Type, Result};
 use ndarray::{Array1, ArrayView1, ArrayViewD};
 
 use crate::file::layout::deviations;
 use crate::file::layout::names::{self, Scale, Variable, attribute, exact};
 use crate::file::layout::put::{dataset, put, put_array, put_text, shaped, text};
+use crate::file::library::{load_no_code, unused_name};
 use crate::file::scales::{attach_scale, set_scale};
 use crate::table::exact::Exact;
 use crate::table::fate::Fate;
@@ -20,13 +19,12 @@ use crate::table::table::Table;
 ///
 /// Every reader since HDF5 1.10 opens its version, and its metadata have checksums.
 pub(crate) fn create() -> Result<File> {
-    // The library refuses two open files of one name, even in memory. The name is not in the bytes.
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    let name = format!("table-in-memory-{}", NEXT.fetch_add(1, Ordering::Relaxed));
+    load_no_code();
+    // The name is not in the bytes.
     File::with_options()
         .with_fapl(|access| access.core_filebacked(false).libver_v110())
         .with_fcpl(|creation| creation.obj_track_times(false).attr_phase_change(64, 32))
-        .create(name)
+        .create(unused_name())
 }
 
 /// Writes every object of the table into an empty file.

@@ -1,19 +1,18 @@
-//! Reading in a process of its own: equal tables and equal refusals, and a crash of the HDF5
-//! library becomes an error.
-//!
-//! It runs without the test harness, because `serve` must come first in `main`: the reading process
-//! is this program again.
+//! Reading by the reader: equal tables and equal refusals, and a crash of the HDF5 library becomes
+//! an error.
 
-#[path = "all/sample/mod.rs"]
+#[path = "../../tables/tests/all/sample/mod.rs"]
 mod sample;
 
 use std::path::Path;
 
 use sample::Numbers;
+use tables::reader::Protection;
 use tables::{Error, read, write};
 
-fn main() {
-    tables::apart::serve();
+#[test]
+fn the_reader_reads_what_the_library_reads() {
+    tables::apart::start_with(env!("CARGO_BIN_EXE_airr-reader").into());
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("table.h5");
     let kinds = [
@@ -26,18 +25,45 @@ fn main() {
         write(table, &file).unwrap();
         assert_eq!(read(&file).unwrap(), *table, "{kind}");
     }
-    let told = read(&folder.path().join("none.h5")).unwrap_err();
+    // A name that leads nowhere is refused before the reader starts, other bytes by the reader.
+    let none = read(&folder.path().join("none.h5")).unwrap_err();
+    assert!(matches!(none, Error::Open { .. }), "{none:?}");
+    let text = folder.path().join("text.h5");
+    std::fs::write(&text, "incidence,azimuth\n").unwrap();
+    let told = read(&text).unwrap_err();
     assert!(matches!(told, Error::Told(_)), "{told:?}");
     let told = told.to_string();
     assert!(
-        told.contains("none.h5: cannot be read (No such file"),
+        told.contains("text.h5: is not an HDF5 file (18 bytes"),
         "{told}"
     );
+    // Nothing is lacking here, or `verify` says what.
+    let lacking = tables::apart::read(&file).unwrap().lacking;
+    println!("lacking: {lacking:?}");
+    if cfg!(target_os = "linux") {
+        assert!(!lacking.contains(&Protection::Limits));
+    }
+    odd_names(folder.path(), &file);
     changes(&file);
     println!(
-        "apart: {} kinds of tables, one refusal, 200 changed files",
+        "apart: {} kinds of tables, two refusals, 200 changed files",
         kinds.len()
     );
+}
+
+/// A name that is no UTF-8, a lock of another program and a link do not make a table damaged.
+fn odd_names(folder: &Path, file: &Path) {
+    use std::os::unix::ffi::OsStrExt;
+    let odd = folder.join(std::ffi::OsStr::from_bytes(b"tab\xffle\x1b.h5"));
+    std::fs::copy(file, &odd).unwrap();
+    read(&odd).unwrap();
+    let link = folder.join("link.h5");
+    std::os::unix::fs::symlink(&odd, &link).unwrap();
+    read(&link).unwrap();
+    // As the HDF5 library locks a file that it writes to.
+    let locked = std::fs::File::open(&odd).unwrap();
+    locked.lock().unwrap();
+    read(&odd).unwrap();
 }
 
 /// Bytes changed all over a file without seal: each read ends in a table or an error, and never

@@ -1,0 +1,111 @@
+//! seccomp: a thread that can ask the system for memory and the clock, read standard input and
+//! write standard output.
+//!
+//! The list is what the library, the allocator and the runtime were seen to call while they read
+//! all kinds of tables and damaged ones. Any other call fails with "not permitted". It does not end
+//! the process: another C library may make a harmless call that was not seen here.
+
+use std::collections::BTreeMap;
+
+use seccompiler::{
+    BpfProgram, SeccompAction, SeccompCmpArgLen, SeccompCmpOp, SeccompCondition, SeccompFilter,
+    SeccompRule, apply_filter,
+};
+
+/// Calls that are allowed whatever their arguments are.
+const ALLOWED: &[i64] = &[
+    // Memory.
+    libc::SYS_brk,
+    libc::SYS_munmap,
+    libc::SYS_mremap,
+    libc::SYS_madvise,
+    // The clock, and a seed for hash tables.
+    libc::SYS_clock_gettime,
+    libc::SYS_gettimeofday,
+    libc::SYS_getrandom,
+    // Locks, signals and the end.
+    libc::SYS_futex,
+    libc::SYS_sched_yield,
+    libc::SYS_restart_syscall,
+    libc::SYS_rt_sigprocmask,
+    libc::SYS_rt_sigreturn,
+    libc::SYS_sigaltstack,
+    libc::SYS_exit,
+    libc::SYS_exit_group,
+];
+
+/// Descriptor that may be read, and those that may be written: input, output and errors.
+const INPUT: u64 = 0;
+const OUTPUTS: [u64; 2] = [1, 2];
+
+/// Gives up all other calls for this thread; returns whether it holds.
+///
+/// Sets `no_new_privs` too.
+pub(crate) fn give_up() -> bool {
+    program().is_ok_and(|program| apply_filter(&program).is_ok())
+}
+
+/// Returns the filter.
+fn program() -> Result<BpfProgram, seccompiler::BackendError> {
+    let when = |argument, value, how| {
+        SeccompCondition::new(argument, SeccompCmpArgLen::Dword, how, value)
+            .and_then(|condition| SeccompRule::new(vec![condition]))
+    };
+    let equal = |argument, value| when(argument, value, SeccompCmpOp::Eq);
+    // Memory that no code is run from.
+    let data = || {
+        let code = libc::PROT_EXEC as u64;
+        when(2, 0, SeccompCmpOp::MaskedEq(code)).map(|rule| vec![rule])
+    };
+    let mut rules: BTreeMap<i64, Vec<SeccompRule>> =
+        ALLOWED.iter().map(|&call| (call, Vec::new())).collect();
+    rules.insert(libc::SYS_mmap, data()?);
+    rules.insert(libc::SYS_mprotect, data()?);
+    rules.insert(libc::SYS_read, vec![equal(0, INPUT)?]);
+    let outputs = OUTPUTS.map(|output| equal(0, output));
+    rules.insert(
+        libc::SYS_write,
+        outputs.into_iter().collect::<Result<_, _>>()?,
+    );
+    // Its own soft limits, below the hard ones.
+    rules.insert(libc::SYS_prlimit64, vec![equal(0, 0)?]);
+    SeccompFilter::new(
+        rules,
+        SeccompAction::Errno(libc::EPERM as u32),
+        SeccompAction::Allow,
+        std::env::consts::ARCH.try_into()?,
+    )?
+    .try_into()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::io::ErrorKind;
+    use std::net::UdpSocket;
+    use std::thread;
+
+    use super::*;
+
+    /// The filter alone, in a thread of its own: the layer above Landlock refuses files too.
+    #[test]
+    fn seccomp_alone_refuses_files_and_sockets() {
+        let program = std::env::current_exe().expect("a test is a file");
+        File::open(&program).expect("it can be read before");
+        UdpSocket::bind("127.0.0.1:0").expect("it can be bound before");
+        let tried = thread::spawn(move || {
+            if !give_up() {
+                return None;
+            }
+            let file = File::open(program).map(|_| ());
+            let socket = UdpSocket::bind("127.0.0.1:0").map(|_| ());
+            Some([file, socket].map(|tried| tried.map_err(|error| error.kind())))
+        })
+        .join()
+        .expect("the thread ends");
+        match tried {
+            Some(tried) => assert_eq!(tried, [Err(ErrorKind::PermissionDenied); 2]),
+            None => println!("this kernel has no seccomp: 0 tries"),
+        }
+    }
+}

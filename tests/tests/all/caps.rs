@@ -1,0 +1,533 @@
+//! Caps on what a file, an option and an output may be: each is refused in one sentence, in little
+//! time, under a limit of memory.
+
+use std::fs;
+use std::io::Write;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::Instant;
+
+use tests::files::{argument, bake_table_with};
+use tests::program::fresh;
+
+/// Runs `bake` or `fit` in `folder` under a limit of memory, KiB, and one of the length of files.
+fn limited(folder: &Path, kib: u64, words: &[&str]) -> (Output, f64) {
+    let start = Instant::now();
+    let output = Command::new("sh")
+        .args(["-c", "ulimit -v $0 && exec \"$@\"", &kib.to_string()])
+        .arg(fresh(words[0]))
+        .args(&words[1..])
+        .current_dir(folder)
+        .output()
+        .expect("sh starts");
+    (output, start.elapsed().as_secs_f64())
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Checks that a command is refused with `code` and a sentence that holds `what`.
+#[track_caller]
+fn refused(folder: &Path, words: &[&str], code: i32, what: &str) {
+    let (output, seconds) = limited(folder, 2 << 20, words);
+    let said = said(&output);
+    let line = words.join(" ");
+    println!("{line}: {seconds:.2} s: {}", said.trim());
+    assert_eq!(output.status.code(), Some(code), "{line}\n{said}");
+    assert!(said.contains(what), "{line}\n{said}");
+    assert!(
+        !said.contains("panicked") && seconds < 60.0,
+        "{line}\n{said}"
+    );
+}
+
+/// Adler-32 and CRC-32 of PNG, slowly.
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0_u32, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            (crc >> 1) ^ (0xedb8_8320 & 0_u32.wrapping_sub(crc & 1))
+        })
+    })
+}
+
+fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
+    let body = [kind, data].concat();
+    let length = (data.len() as u32).to_be_bytes();
+    [&length[..], &body, &crc(&body).to_be_bytes()].concat()
+}
+
+/// A PNG of 16 x 16 pixels whose colour profile inflates to 2 GiB: zeros, deflated by python.
+fn profile_bomb(folder: &Path) {
+    let script = "import sys, zlib\n\
+        c = zlib.compressobj(9)\n\
+        with open(sys.argv[1], 'wb') as out:\n\
+        \x20   for _ in range(2048): out.write(c.compress(bytes(1 << 20)))\n\
+        \x20   out.write(c.flush())\n";
+    let packed = folder.join("zeros");
+    let status = Command::new("python3")
+        .args(["-c", script])
+        .arg(&packed)
+        .status();
+    assert!(status.expect("python3 starts").success());
+    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    bytes.extend(chunk(b"IHDR", &[0, 0, 0, 16, 0, 0, 0, 16, 8, 0, 0, 0, 0]));
+    let profile = [b"bomb\0\0".to_vec(), fs::read(&packed).unwrap()].concat();
+    bytes.extend(chunk(b"iCCP", &profile));
+    // 16 rows of a filter byte and 16 pixels, stored without compression.
+    let rows = [0_u8; 16 * 17];
+    let length = rows.len() as u16;
+    let mut stored = vec![0x78, 0x01, 1];
+    stored.extend(length.to_le_bytes());
+    stored.extend((!length).to_le_bytes());
+    stored.extend(rows);
+    // Adler-32 of n zeros: the low half is 1, the high half n.
+    stored.extend((u32::from(length) << 16 | 1).to_be_bytes());
+    bytes.extend(chunk(b"IDAT", &stored));
+    bytes.extend(chunk(b"IEND", &[]));
+    fs::write(folder.join("bomb.png"), bytes).unwrap();
+}
+
+/// An EXR of 16 rows whose second offset is its first.
+fn doubled(folder: &Path) {
+    use exr::prelude::*;
+    let path = folder.join("doubled.exr");
+    let layer = Layer::new(
+        (16, 16),
+        LayerAttributes::default(),
+        Encoding::UNCOMPRESSED,
+        SpecificChannels::build()
+            .with_channel("Y")
+            .with_pixel_fn(|Vec2(x, y)| (((x + 16 * y) as f32),)),
+    );
+    Image::from_layer(layer).write().to_file(&path).unwrap();
+    let mut bytes = fs::read(&path).unwrap();
+    // The table of 16 offsets: ascending numbers of 8 bytes, the first of which is its own end.
+    let word = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+    let table = (0..bytes.len() - 128)
+        .find(|&at| word(&bytes, at) == at as u64 + 128)
+        .expect("the table of offsets");
+    let first = bytes[table..table + 8].to_vec();
+    bytes[table + 8..table + 16].copy_from_slice(&first);
+    fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn photographs_cost_what_their_caps_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    profile_bomb(here);
+    doubled(here);
+    assert!(
+        Command::new("mkfifo")
+            .arg(here.join("pipe.png"))
+            .status()
+            .unwrap()
+            .success()
+    );
+    refused(here, &["fit", "mtf", "bomb.png"], 1, "iCCP");
+    refused(here, &["fit", "mtf", "doubled.exr"], 1, "there twice");
+    refused(here, &["fit", "mtf", "pipe.png"], 1, "not a regular file");
+    refused(here, &["fit", "mtf", "/dev/zero"], 1, "not a regular file");
+    let estimate = ["fit", "estimate", "pipe.png", "--table", "none.h5"];
+    refused(here, &estimate, 1, "not a regular file");
+    // 196 megapixels of four 16-bit channels would take 2.4 GB. The file could hold them.
+    let mut header = b"\x89PNG\r\n\x1a\n".to_vec();
+    let size = [14_000_u32.to_be_bytes(), 14_000_u32.to_be_bytes()].concat();
+    header.extend(chunk(b"IHDR", &[&size[..], &[16, 6, 0, 0, 0]].concat()));
+    header.extend(chunk(b"IDAT", &vec![0; 25_000_000]));
+    fs::write(here.join("heavy.png"), header).unwrap();
+    refused(
+        here,
+        &["fit", "mtf", "heavy.png"],
+        1,
+        "bytes in memory, above the limit",
+    );
+}
+
+/// Meshes at and beyond the caps: 1 GiB of memory is enough to refuse them, whatever they hold.
+#[test]
+fn meshes_cost_what_their_caps_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let write = |name: &str, line: &mut dyn FnMut(u32) -> String, lines: u32| {
+        let mut file = std::io::BufWriter::new(fs::File::create(here.join(name)).unwrap());
+        for number in 0..lines {
+            file.write_all(line(number).as_bytes()).unwrap();
+        }
+        file.flush().unwrap();
+    };
+    // As many vertices and faces as are read, with no cell in them, and one face more.
+    let most = 1 << 21;
+    let mesh = |n: u32| match n {
+        n if n < most => format!("v {n} {} 0.5\n", n % 7),
+        n => {
+            let corner = n - most;
+            format!(
+                "f {} {} {}\n",
+                corner % most + 1,
+                (corner + 1) % most + 1,
+                (corner + 2) % most + 1
+            )
+        }
+    };
+    write("most.obj", &mut { mesh }, 2 * most);
+    write("more.obj", &mut { mesh }, 2 * most + 1);
+    // One face of ten million corners.
+    fs::write(here.join("corners.obj"), {
+        let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\nf");
+        text.push_str(&" 1 2 3".repeat(3_400_000));
+        text
+    })
+    .unwrap();
+    let kib = 1 << 20;
+    for (name, what) in [
+        ("most.obj", "most.obj: "),
+        ("more.obj", "more than the limit"),
+        ("corners.obj", "more than the limit"),
+    ] {
+        let (output, seconds) = limited(here, kib, &["bake", "trace", name, "-o", "x.h5"]);
+        let said = said(&output);
+        println!("{name}: {seconds:.1} s: {}", said.trim());
+        assert_eq!(output.status.code(), Some(1), "{name}\n{said}");
+        assert!(
+            said.contains(what) && !said.contains("memory allocation"),
+            "{name}\n{said}"
+        );
+        assert!(seconds < 60.0, "{name}: {seconds} s");
+    }
+}
+
+#[test]
+fn numbers_beyond_the_field_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let options = ["--method", "rays", "--rays", "4096", "--bins", "16"];
+    let table = bake_table_with(here, "triangular", "0,20", "30", &options);
+    let trace = |option: &str, value: &str| {
+        let words = [
+            "bake",
+            "trace",
+            "triangular.obj",
+            "-o",
+            "x.h5",
+            option,
+            value,
+        ];
+        refused(here, &words, 2, option);
+    };
+    for (option, value) in [
+        ("--azimuth", "full:1e-9"),
+        ("--tolerance", "1e-17"),
+        ("--tolerance", "NaN"),
+        ("--threads", "1000000"),
+        ("--incidence", "0:89:1e-4"),
+        ("--range", "1e300"),
+    ] {
+        trace(option, value);
+    }
+    let bins = [
+        "bake",
+        "trace",
+        "triangular.obj",
+        "-o",
+        "x.h5",
+        "--bins",
+        "4096",
+        "--incidence",
+    ];
+    let bins = |more: &[&'static str]| [&bins[..], more].concat();
+    refused(here, &bins(&["0:45:1"]), 2, "--bins 4096");
+    refused(
+        here,
+        &bins(&["0:45:5", "--method", "rays"]),
+        2,
+        "--bins 4096",
+    );
+    let render = [
+        "fit", "render", "--source", "s.png", "--params", "r.json", "--table", &table,
+    ];
+    let place = ["--distance", "150", "--incidence", "0", "-o", "x.png"];
+    for (option, value) in [
+        ("--tangential-axis", "NaN"),
+        ("--exposure", "1e300"),
+        ("--ambient", "1e300"),
+        ("--pixel-pitch", "5e-324"),
+        ("--azimuth", "inf"),
+    ] {
+        refused(
+            here,
+            &[&render[..], &place, &[option, value]].concat(),
+            2,
+            option,
+        );
+    }
+    let predict = [
+        "fit",
+        "predict",
+        "r.json",
+        "--table",
+        &table,
+        "--distance",
+        "1:1e5:1",
+    ];
+    refused(
+        here,
+        &[&predict[..], &["--incidence", "0"]].concat(),
+        2,
+        "10000 values",
+    );
+    let photograph = argument("tests/captures/public_per_angle/source.exr");
+    let pitch = ["fit", "mtf", &photograph, "--pixel-pitch", "1e300"];
+    refused(here, &pitch, 2, "--pixel-pitch");
+    // A manifest, ranges and parameters of a simulation.
+    fs::write(here.join("m.toml"), "[setup]\npixel_pitch_mm = 1e300\n").unwrap();
+    refused(
+        here,
+        &["fit", "estimate", "m.toml", "--table", &table],
+        1,
+        "pixel_pitch_mm",
+    );
+    fs::write(
+        here.join("r.toml"),
+        "c_mm = { from = 1e-300, to = 1e300 }\n",
+    )
+    .unwrap();
+    let study = [
+        "fit",
+        "study",
+        "--ranges",
+        "r.toml",
+        "--table",
+        &table,
+        "--campaigns",
+        "2",
+    ];
+    refused(here, &study, 1, "r.toml:1");
+}
+
+/// A table of another content hash than the expected one is not used.
+#[test]
+fn an_unexpected_table_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let table = bake_table_with(here, "triangular-pair", "0:45:5", "30", &["--bins", "16"]);
+    let hash = tables::read(&here.join(&table)).unwrap().content_hash();
+    let manifest = argument("tests/captures/public_per_angle/captures.toml");
+    let estimate = |hash: &str, code: i32, what: &str| {
+        let words = [
+            "fit",
+            "estimate",
+            &manifest,
+            "--table",
+            &table,
+            "--kernel",
+            "eq1",
+            "--lobe",
+            "radial",
+            "--shared",
+            "a,c,mu",
+            "--loss",
+            "mtf",
+            "--expect-table",
+            hash,
+        ];
+        refused(here, &words, code, what);
+    };
+    estimate(&hash.to_uppercase(), 0, "");
+    estimate(&"0".repeat(64), 1, &format!("has the content hash {hash}"));
+    estimate(&hash[..63], 1, "not that of --expect-table");
+}
+
+/// Numbers of a result that no sheet has.
+#[test]
+fn hostile_results_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let corpus = argument("fuzz/corpus/result/honest");
+    let mut honest: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(corpus).unwrap()).unwrap();
+    let table = bake_table_with(here, "triangular-pair", "0,20", "30", &["--bins", "16"]);
+    // The result of this very table.
+    let hash = tests::program::bake(here, &["verify", &table, "--json"]).done();
+    let hash: serde_json::Value = serde_json::from_str(&hash).unwrap();
+    honest["table"]["content_hash"] = hash["content_hash"].clone();
+    let predict = [
+        "fit",
+        "predict",
+        "r.json",
+        "--table",
+        &table,
+        "--distance",
+        "150",
+        "--incidence",
+        "0",
+    ];
+    let write = |value: &serde_json::Value| {
+        fs::write(here.join("r.json"), value.to_string()).unwrap();
+    };
+    write(&honest);
+    refused(here, &predict, 0, "");
+    let cases = [
+        ("c_mm", serde_json::json!(-0.3)),
+        ("a_per_mm", serde_json::json!(0)),
+        ("mu", serde_json::json!(1e300)),
+        ("mu", serde_json::json!(-1)),
+    ];
+    for (key, value) in &cases {
+        let mut hostile = honest.clone();
+        hostile[*key]["value"] = value.clone();
+        write(&hostile);
+        refused(here, &predict, 1, &format!("{key} is"));
+    }
+    println!("{} results", cases.len());
+}
+
+#[test]
+fn outputs_are_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let long = format!("{}.obj", "x".repeat(300));
+    symlink(here.join("nowhere"), here.join("dead.obj")).unwrap();
+    let design = |output: &str, what: &str| {
+        refused(
+            here,
+            &["bake", "design", "triangular", "-o", output],
+            1,
+            what,
+        );
+    };
+    design("none/x.obj", "its folder takes no file");
+    design(&long, "its folder takes no file");
+    design("dead.obj", "is a link that leads nowhere");
+    refused(
+        here,
+        &["bake", "design", "triangular", "-o", "cell.obj"],
+        0,
+        "",
+    );
+    let trace = ["bake", "trace", "cell.obj", "-o"];
+    refused(
+        here,
+        &[&trace[..], &["-"]].concat(),
+        1,
+        "is no name of a file here",
+    );
+    refused(
+        here,
+        &[&trace[..], &["x.obj"]].concat(),
+        1,
+        "another kind of file",
+    );
+    let merge = ["bake", "merge", "a.h5", "b.h5", "-o", "x.glb"];
+    refused(here, &merge, 1, "another kind of file");
+    let left: Vec<String> = fs::read_dir(here)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name != "cell.obj" && name != "dead.obj")
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
+
+    // The rights of a file that is replaced stay, whatever the umask.
+    for mode in [0o600, 0o666, 0o640] {
+        fs::set_permissions(here.join("cell.obj"), fs::Permissions::from_mode(mode)).unwrap();
+        refused(
+            here,
+            &["bake", "design", "triangular", "-o", "cell.obj"],
+            0,
+            "",
+        );
+        let found = fs::metadata(here.join("cell.obj"))
+            .unwrap()
+            .permissions()
+            .mode();
+        assert_eq!(found & 0o777, mode);
+    }
+    // A limit of the shell on the length of files: blocks of 512 bytes or 1 KiB.
+    let run = Command::new("sh")
+        .args(["-c", "ulimit -f 1 && exec \"$@\"", "sh"])
+        .arg(fresh("bake"))
+        .args(["trace", "cell.obj", "-o", "cell.h5"])
+        .current_dir(here)
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1), "{}", said(&run));
+    assert!(said(&run).contains("`ulimit -f` allows"), "{}", said(&run));
+}
+
+/// Saves of a long bake do not go through a link.
+#[test]
+fn saves_follow_no_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    refused(
+        here,
+        &["bake", "design", "triangular", "-o", "cell.obj"],
+        0,
+        "",
+    );
+    let precious = here.join("precious");
+    fs::write(&precious, "mine").unwrap();
+    symlink(&precious, here.join("cell.h5.resume")).unwrap();
+    let trace = [
+        "bake",
+        "trace",
+        "cell.obj",
+        "-o",
+        "cell.h5",
+        "--method",
+        "rays",
+        "--rays",
+        "2000000",
+        "--incidence",
+        "0,10",
+        "--save-every",
+        "0",
+    ];
+    let (output, _) = limited(here, 2 << 20, &trace);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert!(
+        said(&output).contains("is not a regular file"),
+        "{}",
+        said(&output)
+    );
+    assert_eq!(fs::read_to_string(&precious).unwrap(), "mine");
+}
+
+/// Names in strangers' files do not steer the terminal.
+#[test]
+fn control_characters_reach_no_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    refused(
+        here,
+        &["bake", "design", "triangular", "-o", "cell.obj"],
+        0,
+        "",
+    );
+    let text = fs::read_to_string(here.join("cell.obj")).unwrap();
+    let named = "\u{1b}]0;owned\u{7}\u{202e}name";
+    let mut tried = 0;
+    for (file, text) in [
+        ("bad\u{1b}[2J.obj".to_owned(), "f 1 2 3\n".to_owned()),
+        ("line.obj".to_owned(), format!("{text}f {named} 2 3\n")),
+    ] {
+        fs::write(here.join(&file), text).unwrap();
+        let (output, _) = limited(here, 2 << 20, &["bake", "trace", &file, "-o", "x.h5"]);
+        let all = [output.stdout, output.stderr].concat();
+        let all = String::from_utf8_lossy(&all);
+        assert_eq!(output.status.code(), Some(1), "{all}");
+        assert!(!all.contains(['\u{1b}', '\u{7}', '\u{202e}']), "{all:?}");
+        tried += 1;
+    }
+    fs::write(here.join("m.toml"), format!("[setup]\n\"{named}\" = 1\n")).unwrap();
+    let (output, _) = limited(
+        here,
+        2 << 20,
+        &["fit", "estimate", "m.toml", "--table", "x.h5"],
+    );
+    let all = said(&output);
+    assert!(!all.contains(['\u{1b}', '\u{7}', '\u{202e}']), "{all:?}");
+    println!("{} texts", tried + 1);
+}

@@ -1,0 +1,167 @@
+//! Exact tables that were changed and sealed again. `fit` computes with the polygons, so `bake
+//! verify` and `bake compare` must look at them.
+
+use std::path::Path;
+
+use tables::Table;
+use tests::files::bake_table_with;
+use tests::program::bake;
+
+/// Change of a table.
+type Change = fn(&mut Table);
+
+/// Scales the maps of all paths: the shifts become half as large again.
+fn scaled(table: &mut Table) {
+    for path in table.exact.as_mut().unwrap().paths.iter_mut().flatten() {
+        path.matrix = path.matrix.map(|row| row.map(|x| 1.5 * x));
+        path.offset = path.offset.map(|x| 1.5 * x);
+    }
+}
+
+/// Turns the light of all paths by a milliradian.
+fn turned(table: &mut Table) {
+    for path in table.exact.as_mut().unwrap().paths.iter_mut().flatten() {
+        path.deviation[0] += 1e-3;
+    }
+}
+
+/// Moves the light of one direction out of the range, in the fates only.
+fn out_of_range(table: &mut Table) {
+    use tables::Fate;
+    let moved = table.fate[[1, 0, Fate::Retroreflected as usize]];
+    table.fate[[1, 0, Fate::Retroreflected as usize]] = 0.0;
+    table.fate[[1, 0, Fate::OutOfRange as usize]] += moved;
+}
+
+/// Turns each histogram by half a turn, which keeps its sum.
+fn reversed(table: &mut Table) {
+    let all: Vec<f64> = table.histogram.iter().copied().collect();
+    let each = table.axes.bins.pow(2);
+    let turned = all.chunks(each).flat_map(|one| one.iter().rev());
+    for (to, from) in table.histogram.iter_mut().zip(turned) {
+        *to = *from;
+    }
+    // Ideal cubes have symmetric histograms: one bin more makes a difference.
+    let mut first = table.histogram.iter_mut();
+    let (a, b) = (first.next().unwrap(), first.next().unwrap());
+    (*a, *b) = (0.5 * (*a + *b) + 1e-3, 0.5 * (*a + *b));
+    let sum: f64 = table.histogram.iter().take(each).sum();
+    table
+        .histogram
+        .iter_mut()
+        .take(each)
+        .for_each(|p| *p /= sum);
+}
+
+/// Reads the honest table, changes it, and writes it with a new hash and seal.
+fn forge(here: &Path, change: Change) {
+    let mut table = tables::read(&here.join("honest.h5")).unwrap();
+    change(&mut table);
+    tables::write(&table, &here.join("forged.h5")).unwrap();
+}
+
+#[test]
+fn a_changed_and_sealed_table_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let made = bake_table_with(here, "triangular-pair", "0:40:20", "30", &["--bins", "64"]);
+    std::fs::rename(here.join(made), here.join("honest.h5")).unwrap();
+    let mesh = ["--mesh", "triangular-pair.obj", "--rays", "65536"];
+
+    let verified = bake(here, &[&["verify", "honest.h5"], &mesh[..]].concat()).done();
+    assert!(verified.contains("path by path"), "{verified}");
+    bake(here, &["compare", "honest.h5", "honest.h5"]).done();
+
+    let inconsistent = "the polygons at incidence";
+    let rebaked = "the exact bake of triangular-pair.obj made again";
+    let cases: [(&str, Change, Option<&str>, &str); 4] = [
+        ("maps times 1.5", scaled, Some(inconsistent), inconsistent),
+        ("fates", out_of_range, Some(inconsistent), inconsistent),
+        ("histogram", reversed, Some(inconsistent), inconsistent),
+        // Polygons that agree with all else: only the mesh tells.
+        ("exit directions", turned, None, rebaked),
+    ];
+    for (what, change, alone, with_mesh) in cases {
+        forge(here, change);
+        let verify = bake(here, &["verify", "forged.h5"]);
+        match alone {
+            Some(says) => {
+                assert_eq!(verify.code, Some(1), "{what}: {}", verify.out);
+                assert!(verify.err.contains(says), "{what}: {}", verify.err);
+                assert!(
+                    verify.err.contains("bake it again"),
+                    "{what}: {}",
+                    verify.err
+                );
+            }
+            None => assert_eq!(verify.code, Some(0), "{what}: {}", verify.err),
+        }
+        let verify = bake(here, &[&["verify", "forged.h5"], &mesh[..]].concat());
+        assert_eq!(verify.code, Some(1), "{what}: {}", verify.out);
+        assert!(verify.err.contains(with_mesh), "{what}: {}", verify.err);
+    }
+    for change in [scaled, turned] {
+        forge(here, change);
+        let compared = bake(here, &["compare", "honest.h5", "forged.h5"]);
+        assert_eq!(compared.code, Some(1), "{}", compared.out);
+        assert!(
+            compared.err.contains("the tables differ"),
+            "{}",
+            compared.err
+        );
+    }
+    println!("{} forgeries", cases.len());
+}
+
+/// Exit directions of tables of rays: two seeds agree, a turned copy does not.
+#[test]
+fn exit_directions_of_rays_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let errors = [
+        "design",
+        "triangular",
+        "--dihedral-error-mrad",
+        "1,1,1",
+        "-o",
+        "worn.obj",
+    ];
+    bake(here, &errors).done();
+    for (name, seed) in [("a.h5", "1"), ("b.h5", "2")] {
+        let trace = [
+            "trace",
+            "worn.obj",
+            "-o",
+            name,
+            "--method",
+            "rays",
+            "--rays",
+            "65536",
+            "--sampler",
+            "random",
+            "--seed",
+            seed,
+            "--incidence",
+            "10",
+            "--bins",
+            "32",
+            "--deviations",
+            "20",
+        ];
+        bake(here, &trace).done();
+    }
+    let agreed = bake(here, &["compare", "a.h5", "b.h5", "--json"]).done();
+    assert!(!agreed.contains("\"exits_l1\":null"), "{agreed}");
+    let mut table = tables::read(&here.join("a.h5")).unwrap();
+    let deviations = table.deviations.as_mut().unwrap();
+    let bins = deviations.grid.bins as u64;
+    // Two bins across, within the same cell of shifts; counts and shifts stay as they are.
+    for entry in deviations.entries.iter_mut().flatten() {
+        if entry.place % bins + 2 < bins {
+            entry.place += 2;
+        }
+    }
+    tables::write(&table, &here.join("turned.h5")).unwrap();
+    let compared = bake(here, &["compare", "a.h5", "turned.h5"]);
+    assert_eq!(compared.code, Some(1), "{}", compared.out);
+}
