@@ -239,14 +239,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| parse::read_json(path, "holds a planted answer"))
         .transpose()?;
     let pool = terminal::pool(arguments.threads)?;
-    let table = pool.install(|| tables::read(arguments.first_table()))?;
-    expected(arguments, &table)?;
-    for path in arguments.table.iter().skip(1) {
-        options.others.push(OtherTable {
-            name: path.display().to_string(),
-            table: Arc::new(pool.install(|| tables::read(path))?),
-        });
-    }
+    let table = pool.install(|| read_tables(arguments, &mut options.others))?;
     let options = options;
     let job = Job {
         arguments,
@@ -367,6 +360,22 @@ fn warn(result: &ResultFile, before: &str) {
             terminal::warn([format!("{before}{}: {warning}", capture.image)]);
         }
     }
+}
+
+/// Reads the table, and adds the further ones to `others`.
+///
+/// # Errors
+/// Fails if a table cannot be read, or if the first one is not the expected one.
+fn read_tables(arguments: &Arguments, others: &mut Vec<OtherTable>) -> Result<Table, Failure> {
+    let table = tables::read(arguments.first_table())?;
+    expected(arguments, &table)?;
+    for path in arguments.table.iter().skip(1) {
+        others.push(OtherTable {
+            name: path.display().to_string(),
+            table: Arc::new(tables::read(path)?),
+        });
+    }
+    Ok(table)
 }
 
 /// Refuses a table of another content hash than was asked for.

@@ -538,7 +538,7 @@ impl<'a> Photograph<'a> {
     pub(crate) fn remainder(&self, curves: &Curves, fitted: &Fitted) -> Remainder {
         let mut rows = Vec::new();
         self.rows(curves, &fitted.nuisances, |row| {
-            rows.push(row[row.len() - 1])
+            rows.push(row[row.len() - 1]);
         });
         let (mut rows, mut sums) = (rows.into_iter(), Sums::default());
         for (bin, weight) in self.bins.iter().zip(&self.weights) {

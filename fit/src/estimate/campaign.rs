@@ -12,7 +12,7 @@ use crate::estimate::error::{Conflict, Error};
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::forward::Renders;
 use crate::estimate::goodness;
-use crate::estimate::goodness::{Goodness, Verdict};
+use crate::estimate::goodness::Goodness;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::mirror;
 use crate::estimate::optimum::refined;
@@ -203,7 +203,6 @@ pub fn campaign(
             Some(_) => mirror::unstated_azimuth(&scene, table, &best)?,
         });
     }
-    let tried: Vec<Choice> = compared.iter().map(|row| row.choice).collect();
     let search = Search {
         campaign: &campaign,
         photo,
@@ -212,14 +211,10 @@ pub fn campaign(
         scene: &scene,
         kind,
         fit: &best,
-        tried: &tried,
+        tried: &compared,
         goodness: &goodness,
     };
-    let suspects = match goodness.verdict {
-        Verdict::Good if candidates.per_angle_mu.is_none() => search.of_differing_mu(),
-        Verdict::Good => Vec::new(),
-        Verdict::Strained | Verdict::Poor => search.suspects(),
-    };
+    let suspects = search.suspects(candidates.per_angle_mu.is_none());
     let doubted = Doubted {
         scene: &scene,
         campaign: &campaign,

@@ -16,11 +16,12 @@ use tables::Table;
 
 use crate::estimate::choice::Choice;
 use crate::estimate::fitted::Estimate;
-use crate::estimate::goodness::Goodness;
+use crate::estimate::goodness::{Goodness, Verdict};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined_to, rough_from};
 use crate::estimate::scene::{Scene, Source};
+use crate::estimate::select::Ranked;
 use crate::estimate::start::Start;
 use crate::numerics::Stop;
 use crate::photographs::Campaign;
@@ -71,7 +72,7 @@ pub(crate) struct Search<'a> {
     pub kind: Kind,
     pub fit: &'a Estimate,
     /// Candidates that were compared.
-    pub tried: &'a [Choice],
+    pub tried: &'a [Ranked],
     pub goodness: &'a Goodness,
 }
 
@@ -96,8 +97,13 @@ struct Outcome {
 }
 
 impl Search<'_> {
-    /// Returns the mistakes that would explain the misfit, the best first.
-    pub(crate) fn suspects(&self) -> Vec<Suspect> {
+    /// Returns the mistakes that would explain the misfit, the best first. If the fit is good, they
+    /// would explain why mu differs between the incidences, which is looked at if `mu_was_open`.
+    pub(crate) fn suspects(&self, mu_was_open: bool) -> Vec<Suspect> {
+        if self.goodness.verdict == Verdict::Good {
+            let differs = mu_was_open.then(|| self.of_differing_mu());
+            return differs.unwrap_or_default();
+        }
         let mut found = self.of_blur();
         let mut light: Vec<Suspect> = self.exposure().into_iter().collect();
         if self.goodness.scale <= 1.0 {

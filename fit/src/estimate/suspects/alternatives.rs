@@ -310,10 +310,10 @@ impl Search<'_> {
         }
         for shape in LobeShape::ALL {
             for kernel in [Kernel::Eq1, Kernel::Angular, Kernel::Shift, Kernel::Lobe] {
-                let same = |own: &&Choice| {
+                let same = |own: Choice| {
                     own.kernel == kernel && (own.shape == shape || !kernel.has_lobe())
                 };
-                if self.tried.iter().any(|own| same(&own)) {
+                if self.tried.iter().any(|row| same(row.choice)) {
                     continue;
                 }
                 let shaped = if kernel.has_lobe() {

@@ -44,7 +44,7 @@ impl Search<'_> {
     ///
     /// Nothing is fitted: mu is inversely proportional to the retroreflected share of the table,
     /// and the rest of the fit hardly depends on it.
-    pub(crate) fn of_differing_mu(&self) -> Vec<Suspect> {
+    pub(super) fn of_differing_mu(&self) -> Vec<Suspect> {
         let Some(mu) = self.fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
             return Vec::new();
         };
