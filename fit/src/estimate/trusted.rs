@@ -24,7 +24,7 @@ use crate::estimate::bound::Bounds;
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::Optimum;
+use crate::estimate::optimum::{Optimum, optimum};
 use crate::estimate::placed::{OtherIndex, Placed, sends_straight_back};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::suspects::OtherTable;
@@ -165,9 +165,11 @@ impl Doubted<'_> {
         if !scene.is_lit() || scene.groups.len() != self.scene.groups.len() {
             return None;
         }
-        let at = &self.best.solution.parameters;
         let choice = self.best.choice;
         let layout = Layout::new(choice, scene.groups.len());
+        // Noise and light are found as the estimate in the other scene would find them.
+        let near = (way == Way::Fit).then(|| optimum(scene, choice).solution.parameters);
+        let at = near.as_ref().unwrap_or(&self.best.solution.parameters);
         let loss = Loss::new(self.kind, scene, (choice, at));
         let start = loss.start(&at.rows(0, layout.parameters()).into_owned());
         // The lens of the optimum, if the loss has one.

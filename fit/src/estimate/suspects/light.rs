@@ -40,7 +40,8 @@ impl Search<'_> {
 
     /// Returns the mistakes without which one mu would do for all incidences, where the photographs
     /// asked for one each. A mu that falls with the incidence is no mistake. So a suspect is named
-    /// only if it makes the mu of all incidences agree within their errors.
+    /// only if it makes the mu of all incidences agree within their errors, and if they are apart
+    /// by more than chance allows without it.
     ///
     /// Nothing is fitted: mu is inversely proportional to the retroreflected share of the table,
     /// and the rest of the fit hardly depends on it.
@@ -56,6 +57,11 @@ impl Search<'_> {
             self.of_another_sheet(&mut all);
         }
         let kernel = self.fit.choice.kernel;
+        let own: Vec<(f64, f64)> = mu
+            .iter()
+            .map(|mu| (mu.value.ln(), mu.standard_error / mu.value))
+            .collect();
+        let now = scatter_about_mean(&own);
         let agrees = |own: &Alternative| {
             let shots = self.scene.shots.iter().zip(&own.scene.shots);
             let numbers = shots.map(|(shot, other)| {
@@ -70,7 +76,8 @@ impl Search<'_> {
             groups.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-12);
             let squares = scatter_about_mean(&groups);
             let chance = chance::of_squares(squares, groups.len().saturating_sub(1));
-            (own.scene.is_lit() && groups.len() > 1 && chance > AGREE).then(|| Suspect {
+            let explains = now - squares > SURE && chance > AGREE;
+            (own.scene.is_lit() && groups.len() > 1 && explains).then(|| Suspect {
                 what: own.what.clone(),
                 captures: own.captures.clone(),
                 chi2_if_so: squares,
