@@ -64,7 +64,7 @@ impl OtherIndex {
     }
 
     /// Returns the incidence at which the table holds the light of `incidence_deg`, degrees.
-    fn held_at_deg(self, incidence_deg: f64) -> f64 {
+    pub(crate) fn held_at_deg(self, incidence_deg: f64) -> f64 {
         if self.own == self.other {
             return incidence_deg;
         }

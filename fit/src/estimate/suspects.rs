@@ -20,6 +20,7 @@ use crate::estimate::goodness::{Goodness, Verdict};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined_to, rough_from};
+use crate::estimate::placed::{OtherIndex, Placed};
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::Ranked;
 use crate::estimate::start::Start;
@@ -74,6 +75,17 @@ pub(crate) struct Search<'a> {
     /// Candidates that were compared.
     pub tried: &'a [Ranked],
     pub goodness: &'a Goodness,
+}
+
+/// Photographs as they would have been taken without a mistake.
+struct Otherwise<'a> {
+    what: String,
+    captures: Vec<String>,
+    table: &'a Table,
+    /// Refractive index in place of the table's.
+    index: Option<OtherIndex>,
+    /// Conditions under which each photograph was taken.
+    placed: Vec<Placed>,
 }
 
 /// One alternative to the campaign as the manifest states it.

@@ -1,10 +1,12 @@
 //! The alternatives to a campaign as its manifest states it.
 
+use rayon::prelude::*;
+
 use crate::estimate::choice::Choice;
 use crate::estimate::placed::{OtherIndex, Placed};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::select::CLEAR;
-use crate::estimate::suspects::{Alternative, SURE, Search};
+use crate::estimate::suspects::{Alternative, Otherwise, SURE, Search};
 use crate::estimate::watch::Watch;
 use crate::names::{Kernel, LobeShape};
 use crate::photographs::photo::transfer::Transfer;
@@ -18,21 +20,26 @@ const INDICES: [f64; 4] = [1.0, 1.49, 1.517, 1.586];
 impl Search<'_> {
     /// Returns all alternatives.
     pub(super) fn alternatives(&self) -> Vec<Alternative> {
-        let mut all = Vec::new();
-        self.exchanged(&mut all);
-        self.turned(&mut all);
-        self.of_another_sheet(&mut all);
-        self.at_other_distances(&mut all);
+        let mut stated = Vec::new();
+        self.exchanged(&mut stated);
+        self.turned(&mut stated);
+        self.of_another_sheet(&mut stated);
+        self.at_other_distances(&mut stated);
+        let scenes = stated.into_par_iter().filter_map(|own| {
+            let scene = self.scene.placed(own.table, own.index, &own.placed);
+            Some(self.alternative(own.what, own.captures, scene.ok()?))
+        });
+        let mut all: Vec<Alternative> = scenes.collect();
         self.decoded_otherwise(&mut all);
         self.alone(&mut all);
         self.not_tried(&mut all);
         all
     }
 
-    /// Adds the scene with its photographs placed otherwise, if the table has their directions.
-    fn add(
-        &self,
-        all: &mut Vec<Alternative>,
+    /// Adds the photographs placed otherwise, if that changes any.
+    fn add<'s>(
+        &'s self,
+        all: &mut Vec<Otherwise<'s>>,
         what: String,
         placed: &dyn Fn(&Aerial) -> Placed,
         index: Option<OtherIndex>,
@@ -48,14 +55,18 @@ impl Search<'_> {
         if changed.is_empty() && index.is_none() {
             return;
         }
-        if let Ok(scene) = self.scene.placed(self.table, index, &after) {
-            let captures = if changed.len() < shots.len() {
-                changed
-            } else {
-                Vec::new()
-            };
-            all.push(self.alternative(what, captures, scene));
-        }
+        let captures = if changed.len() < shots.len() {
+            changed
+        } else {
+            Vec::new()
+        };
+        all.push(Otherwise {
+            what,
+            captures,
+            table: self.table,
+            index,
+            placed: after,
+        });
     }
 
     fn alternative(&self, what: String, captures: Vec<String>, scene: Scene) -> Alternative {
@@ -85,7 +96,7 @@ impl Search<'_> {
 
     /// Adds exchanged incidences: of two angles, and of the worst photograph and another one. Where
     /// all photographs have one incidence, those of the table take its place.
-    pub(super) fn exchanged(&self, all: &mut Vec<Alternative>) {
+    pub(super) fn exchanged<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
         let scene = self.scene;
         if let [own] = scene.groups[..] {
             let axis = self.table.axes.incidence_deg.iter();
@@ -154,7 +165,7 @@ impl Search<'_> {
     }
 
     /// Adds turned axes, other azimuths, and the other view of the sheet.
-    pub(super) fn turned(&self, all: &mut Vec<Alternative>) {
+    pub(super) fn turned<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
         let axis = |shot: &Aerial| Placed {
             axis_turn_rad: shot.placed().axis_turn_rad + std::f64::consts::FRAC_PI_2,
             ..shot.placed()
@@ -196,13 +207,16 @@ impl Search<'_> {
     }
 
     /// Adds other tables, and other refractive indices.
-    pub(super) fn of_another_sheet(&self, all: &mut Vec<Alternative>) {
+    pub(super) fn of_another_sheet<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
         let placed: Vec<Placed> = self.scene.shots.iter().map(Aerial::placed).collect();
         for other in self.others {
-            if let Ok(scene) = self.scene.placed(&other.table, None, &placed) {
-                let what = format!("the table of the sheet is {}", other.name);
-                all.push(self.alternative(what, Vec::new(), scene));
-            }
+            all.push(Otherwise {
+                what: format!("the table of the sheet is {}", other.name),
+                captures: Vec::new(),
+                table: &other.table,
+                index: None,
+                placed: placed.clone(),
+            });
         }
         let own = self.table.provenance.refractive_index;
         for index in INDICES
@@ -217,7 +231,7 @@ impl Search<'_> {
     }
 
     /// Adds distances in another unit: of all photographs, and of single ones.
-    fn at_other_distances(&self, all: &mut Vec<Alternative>) {
+    fn at_other_distances<'s>(&'s self, all: &mut Vec<Otherwise<'s>>) {
         if !matches!(self.fit.choice.kernel, Kernel::Angular | Kernel::Wave) {
             return;
         }

@@ -1,11 +1,14 @@
 //! Suspects that the brightness of the photographs tells: mistakes that change mu.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::estimate::covariance::scatter_at;
 use crate::estimate::layout::Layout;
+use crate::estimate::placed::Placed;
 use crate::estimate::scene::Aerial;
-use crate::estimate::suspects::{Alternative, EXPLAINED, SURE, Search, Suspect};
+use crate::estimate::suspects::{Alternative, EXPLAINED, Otherwise, SURE, Search, Suspect};
 use crate::numerics::chance;
 
 /// Probability above which the mu of several incidences agree.
@@ -44,9 +47,12 @@ impl Search<'_> {
     /// by more than chance allows without it.
     ///
     /// Nothing is fitted: mu is inversely proportional to the retroreflected share of the table,
-    /// and the rest of the fit hardly depends on it.
+    /// and the rest of the fit hardly depends on it. Baselines lose light at the front too, so
+    /// there are no suspects for them.
     pub(super) fn of_differing_mu(&self) -> Vec<Suspect> {
-        let Some(mu) = self.fit.mu.as_ref().filter(|mu| mu.len() > 1) else {
+        let is_rough = self.fit.choice.kernel.is_baseline();
+        let mu = self.fit.mu.as_ref();
+        let Some(mu) = mu.filter(|mu| mu.len() > 1 && !is_rough) else {
             return Vec::new();
         };
         let mut all = Vec::new();
@@ -56,28 +62,31 @@ impl Search<'_> {
             self.turned(&mut all);
             self.of_another_sheet(&mut all);
         }
-        let kernel = self.fit.choice.kernel;
         let own: Vec<(f64, f64)> = mu
             .iter()
             .map(|mu| (mu.value.ln(), mu.standard_error / mu.value))
             .collect();
         let now = scatter_about_mean(&own);
-        let agrees = |own: &Alternative| {
-            let shots = self.scene.shots.iter().zip(&own.scene.shots);
-            let numbers = shots.map(|(shot, other)| {
-                let share = |shot: &Aerial| shot.returned(kernel).retroreflected;
+        let mut shares = Shares::default();
+        let agrees = |own: &Otherwise| {
+            let is_own = std::ptr::eq(own.table, self.table);
+            let mut groups = Vec::new();
+            for (shot, placed) in self.scene.shots.iter().zip(&own.placed) {
+                let other = shares
+                    .of(own, is_own, placed)
+                    .filter(|&share| share > 0.0)?;
                 let value = mu[shot.group];
-                let ln = (value.value * share(shot) / share(other)).ln();
-                (ln, value.standard_error / value.value)
-            });
+                let share = shot.facing.returned.retroreflected;
+                let ln = (value.value * share / other).ln();
+                groups.push((ln, value.standard_error / value.value));
+            }
             // Photographs of one incidence share its mu, so they count once.
-            let mut groups: Vec<(f64, f64)> = numbers.collect();
             groups.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
             groups.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-12);
             let squares = scatter_about_mean(&groups);
             let chance = chance::of_squares(squares, groups.len().saturating_sub(1));
             let explains = now - squares > SURE && chance > AGREE;
-            (own.scene.is_lit() && groups.len() > 1 && explains).then(|| Suspect {
+            (groups.len() > 1 && explains).then(|| Suspect {
                 what: own.what.clone(),
                 captures: own.captures.clone(),
                 chi2_if_so: squares,
@@ -129,6 +138,31 @@ impl Search<'_> {
             captures,
             chi2_if_so: left,
         })
+    }
+}
+
+/// Retroreflected shares of the table, each looked up once: by incidence and azimuth.
+#[derive(Default)]
+struct Shares(BTreeMap<[u64; 2], Option<f64>>);
+
+impl Shares {
+    /// Returns the share for a photograph, or `None` if the table lacks its direction. `is_own`
+    /// says whether the table is that of the estimate.
+    fn of(&mut self, own: &Otherwise, is_own: bool, placed: &Placed) -> Option<f64> {
+        let deg = placed.incidence_deg;
+        let held_deg = own.index.map_or(deg, |index| index.held_at_deg(deg));
+        let look_up = || {
+            let found = own.table.direction(held_deg, placed.azimuth_deg);
+            found.ok().map(|direction| direction.retroreflected)
+        };
+        if !is_own {
+            return look_up();
+        }
+        let azimuth = placed.azimuth_deg.map_or(u64::MAX, f64::to_bits);
+        *self
+            .0
+            .entry([held_deg.to_bits(), azimuth])
+            .or_insert_with(look_up)
     }
 }
 
