@@ -77,7 +77,7 @@ fn bad_options_name_option_value_and_remedy() {
                 azimuth: "full:0".into(),
                 ..base()
             },
-            "--azimuth full 0: give a number above 0 and at most 90, the widest step",
+            "--azimuth full 0: give a number from 0.01 to 90, the widest step",
         ),
         (
             Request {
