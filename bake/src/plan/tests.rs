@@ -124,7 +124,7 @@ fn bad_options_name_option_value_and_remedy() {
                 tolerance: Some(-1.0),
                 ..base()
             },
-            "--tolerance -1: give a number above 0",
+            "--tolerance -1: give a number from 1e-7 to 2, the greatest L1 distance",
         ),
         (
             Request {
