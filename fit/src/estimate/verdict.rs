@@ -85,8 +85,8 @@ fn unlike_diffraction(scene: &Scene, best: &Estimate) -> Option<String> {
     (!(LEAST_UM..=MOST_UM).contains(&wavelength_um)).then(|| {
         format!(
             "diffraction at apertures of {:.3} mm would need light of {wavelength_um:.2} um to \
-            give a R = {a_times_r:.0}; check that floating_distance_mm and pixel_pitch_mm are in mm \
-            (other causes of blur, such as rough facets, raise this number too)",
+            give a R = {a_times_r:.0}; check that floating_distance_mm and pixel_pitch_mm are in \
+            mm (other causes of blur, such as rough facets, raise this number too)",
             c.value
         )
     })
