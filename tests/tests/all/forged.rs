@@ -147,6 +147,8 @@ fn exit_directions_of_rays_are_compared() {
             "32",
             "--deviations",
             "20",
+            "--refractive-index",
+            "1",
         ];
         bake(here, &trace).done();
     }
