@@ -1,5 +1,6 @@
 //! `fit study`: measures how good the estimates are.
 
+mod all;
 mod mistaken;
 mod written;
 
@@ -9,17 +10,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tables::cli as terminal;
 
-use rayon::prelude::*;
 use tables::{Outputs, Table};
 
 use crate::cli::failure::Failure;
 use crate::cli::output;
-use crate::cli::progress::Progress;
+use crate::cli::study::all::run_all;
 use crate::cli::study::mistaken::Mistaken;
 use crate::cli::study::written::{spreadsheet, table_of};
 use crate::cli::terms::{Terms, described};
 use crate::cli::{forward, sampled};
-use crate::estimate::Error;
 use crate::estimate::Forward;
 use crate::estimate::Kind;
 use crate::estimate::Scene;
@@ -29,7 +28,6 @@ use crate::photographs::captures;
 #[cfg(feature = "report")]
 use crate::report::{picture, speed as speed_picture};
 use crate::study::Ranges;
-use crate::study::Refused;
 use crate::study::Summary;
 use crate::study::refused;
 use crate::study::{Speed, speed};
@@ -297,7 +295,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     #[cfg(feature = "report")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
-        let (trials, refused) = run_all(arguments, pool, |index| {
+        let (trials, refused) = run_all(arguments.campaigns, pool, |index| {
             let params = ranges.open_campaign(arguments.seed, index, &directions);
             choice::run(&params, index, &table)
         });
@@ -310,7 +308,10 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     }
     if arguments.mistakes {
         let study = Mistaken {
-            arguments,
+            campaigns: arguments.campaigns,
+            seed: arguments.seed,
+            other_tables: &arguments.other_table,
+            is_json: arguments.json,
             ranges: &ranges,
             table: &table,
             directions: &directions,
@@ -321,7 +322,7 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
         }
         return Ok(text);
     }
-    let (trials, refused) = run_all(arguments, pool, |index| {
+    let (trials, refused) = run_all(arguments.campaigns, pool, |index| {
         let params = ranges.campaign(arguments.seed, index, &directions);
         trial::run(&params, index, &table)
     });
@@ -338,26 +339,6 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     } else {
         table_of(&summary)
     })
-}
-
-/// Runs all campaigns in parallel. Returns their trials, and the refused campaigns by reason.
-fn run_all<T: Send>(
-    arguments: &Arguments,
-    pool: &rayon::ThreadPool,
-    run: impl Fn(u64) -> Result<T, Error> + Sync,
-) -> (Vec<T>, Vec<Refused>) {
-    let progress = Progress::of(arguments.campaigns);
-    let all: Vec<_> = pool.install(|| {
-        let campaigns = (0..arguments.campaigns).into_par_iter();
-        let one = |index| {
-            let trial = run(index);
-            progress.step();
-            trial
-        };
-        campaigns.map(one).collect()
-    });
-    progress.done();
-    refused::part(all)
 }
 
 fn choices(summary: &choice::Summary) -> String {

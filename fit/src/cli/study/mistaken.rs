@@ -1,19 +1,23 @@
 //! `fit study --mistakes`: how often a planted mistake is noticed.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use tables::Table;
 
 use crate::cli::failure::Failure;
 use crate::cli::output;
-use crate::cli::study::{Arguments, run_all};
+use crate::cli::study::all::run_all;
 use crate::estimate::{OtherTable, Verdict};
 use crate::study::{Ranges, mistakes, refused};
 
 /// Inputs of a study of planted mistakes.
 pub(super) struct Mistaken<'a> {
-    pub(super) arguments: &'a Arguments,
+    pub(super) campaigns: u64,
+    pub(super) seed: u64,
+    pub(super) other_tables: &'a [PathBuf],
+    pub(super) is_json: bool,
     pub(super) ranges: &'a Ranges,
     pub(super) table: &'a Table,
     pub(super) directions: &'a [[f64; 2]],
@@ -23,20 +27,20 @@ impl Mistaken<'_> {
     /// Runs the study. Returns its text, and one row for each campaign as CSV.
     pub(super) fn run(&self, pool: &rayon::ThreadPool) -> Result<(String, String), Failure> {
         let mut options = mistakes::options();
-        for path in &self.arguments.other_table {
+        for path in self.other_tables {
             options.others.push(OtherTable {
                 name: path.display().to_string(),
                 table: Arc::new(tables::read(path)?),
             });
         }
-        let seed = self.arguments.seed;
-        let (trials, refused) = run_all(self.arguments, pool, |index| {
+        let seed = self.seed;
+        let (trials, refused) = run_all(self.campaigns, pool, |index| {
             let directions = self.of_one_azimuth(index);
             let params = self.ranges.campaign(seed, index, &directions);
             mistakes::run(&params, (seed, index), self.table, &options)
         });
         let (rows, bands) = (mistakes::rows(&trials), mistakes::bands(&trials));
-        let text = if self.arguments.json {
+        let text = if self.is_json {
             output::json(&serde_json::json!({
                 "mistakes": rows,
                 "effects": bands,
