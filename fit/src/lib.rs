@@ -107,7 +107,7 @@ pub use crate::estimate::Error;
 pub use crate::estimate::Estimate;
 pub use crate::estimate::Kind as LossKind;
 pub use crate::estimate::campaign::campaign as estimate_campaign;
-pub use crate::estimate::{Chances, Goodness, Verdict};
+pub use crate::estimate::{Chances, Goodness, Verdict, Worst};
 pub use crate::estimate::{Choice, Value};
 pub use crate::estimate::{Effect, Given, Trusted};
 pub use crate::estimate::{Estimated, Options};

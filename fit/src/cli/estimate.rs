@@ -5,7 +5,6 @@ mod summary;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 use tables::cli as terminal;
 
@@ -370,10 +369,7 @@ fn read_tables(arguments: &Arguments, others: &mut Vec<OtherTable>) -> Result<Ta
     let table = tables::read(arguments.first_table())?;
     expected(arguments, &table)?;
     for path in arguments.table.iter().skip(1) {
-        others.push(OtherTable {
-            name: path.display().to_string(),
-            table: Arc::new(tables::read(path)?),
-        });
+        others.push(OtherTable::read(path)?);
     }
     Ok(table)
 }

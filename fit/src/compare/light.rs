@@ -17,6 +17,7 @@
 //! d and t are in units of [`UNIT_PX`].
 
 use crate::compare::pixels::Bin;
+use crate::numerics::chance;
 
 /// Number of terms of uneven light.
 pub(crate) const LIGHT: usize = 10;
@@ -72,14 +73,8 @@ impl Terms {
 /// light and the higher orders can hide in noise and still move the step, to the same side in most
 /// photographs.
 pub(crate) fn are_uneven(falls: &[f64]) -> bool {
-    /// Standard deviations that a normal number exceeds with a chance of 1/1,000.
-    const RARE: f64 = 3.090;
-    // The cube root of chi-square over its degrees of freedom is almost normal (Wilson and
-    // Hilferty, 1931).
-    let freedom = (SECOND_ORDER * falls.len()) as f64;
-    let variance = 2.0 / (9.0 * freedom);
-    let limit = freedom * (1.0 - variance + RARE * variance.sqrt()).powi(3);
-    falls.iter().sum::<f64>() > limit
+    const RARE: f64 = 1e-3;
+    chance::of_squares(falls.iter().sum(), SECOND_ORDER * falls.len()) < RARE
 }
 
 /// Light in one bin, or its derivative by one term.
@@ -189,12 +184,12 @@ mod tests {
     use super::*;
 
     /// Compares the limits with tables of chi-square for a chance of 1/1,000 at 5, 10, 35 and 100
-    /// degrees of freedom. The formula is off by 1.2 % at 5 degrees, and by less at more.
+    /// degrees of freedom, whose values have five digits.
     #[test]
     fn noise_makes_light_uneven_once_in_a_thousand_campaigns() {
         let mut cases = 0;
         for (photographs, limit) in [(1, 20.515), (2, 29.588), (7, 66.619), (20, 149.449)] {
-            for (factor, expected) in [(0.985, false), (1.015, true)] {
+            for (factor, expected) in [(0.9999, false), (1.0001, true)] {
                 let falls = vec![factor * limit / photographs as f64; photographs];
                 assert_eq!(are_uneven(&falls), expected, "{photographs} photographs");
                 cases += 1;

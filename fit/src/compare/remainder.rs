@@ -78,6 +78,11 @@ impl Sums {
 }
 
 impl Remainder {
+    /// Returns the sum of squares per degree of freedom.
+    pub(crate) fn reduced(&self) -> f64 {
+        self.squares / self.freedom.max(1) as f64
+    }
+
     /// Makes the remainder of an MTF from the differences in units of their noise, in the order of
     /// the frequencies.
     pub(crate) fn of_mtf(differences: &[f64]) -> Remainder {

@@ -12,7 +12,7 @@ use tables::Table;
 
 use crate::estimate::choice::{Choice, Value};
 use crate::estimate::error::Error;
-use crate::estimate::fitted::{Estimate, estimate};
+use crate::estimate::fitted::estimate;
 use crate::estimate::loss::{Kind, Loss};
 use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::scene::Scene;
@@ -238,7 +238,7 @@ pub(crate) fn scatter(
         let near = optimum(scene, choice);
         let loss = Loss::new(kind, scene, (choice, &near.solution.parameters));
         let fit = estimate(scene, &loss, refined(scene, &loss, near));
-        sides.push(logarithms(&fit));
+        sides.push(fit.logarithms());
     }
     let half: Vec<f64> = sides[0]
         .iter()
@@ -248,8 +248,4 @@ pub(crate) fn scatter(
     Ok(DMatrix::from_fn(half.len(), half.len(), |i, j| {
         half[i] * half[j]
     }))
-}
-
-fn logarithms(fit: &Estimate) -> Vec<f64> {
-    fit.values().map(|value| value.value.ln()).collect()
 }

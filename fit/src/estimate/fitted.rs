@@ -80,6 +80,11 @@ impl Estimate {
         blur.chain(self.mu.iter().flatten())
     }
 
+    /// Returns the logarithms of all values in the order of `parameters`.
+    pub(crate) fn logarithms(&self) -> Vec<f64> {
+        self.values().map(|value| value.value.ln()).collect()
+    }
+
     /// Adds the scatter of the estimates by their samples to the errors, and records it.
     /// [`Estimate::add_scatter`] explains `scatter`.
     pub fn add_sampling_error(&mut self, sampling: Sampling, scatter: &DMatrix<f64>) {

@@ -90,6 +90,11 @@ impl Chances {
         let all = [self.chi2, self.across, self.along, self.photograph];
         all.into_iter().fold(1.0, f64::min)
     }
+
+    /// Returns whether the differences have a structure that noise does not explain.
+    fn are_structured(self) -> bool {
+        self.across.min(self.along) < SIGNIFICANT
+    }
 }
 
 /// Quality of a fit.
@@ -108,8 +113,17 @@ pub struct Goodness {
     pub scale_of_mu: f64,
     /// The quality in one word.
     pub verdict: Verdict,
-    /// Photograph with the largest misfit: its name, and its chi-square per degree of freedom.
-    pub worst: Option<(String, f64)>,
+    /// Photograph with the largest misfit.
+    pub worst: Option<Worst>,
+}
+
+/// Photograph with the largest misfit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// Name of the file.
+    pub image: String,
+    /// Chi-square per degree of freedom of this photograph.
+    pub reduced_chi2: f64,
 }
 
 impl Goodness {
@@ -142,8 +156,7 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         .map(|own| chance::of_squares(own.squares, own.freedom))
         .collect();
     let worst = (0..own.len()).min_by(|&a, &b| {
-        let reduced = |i: usize| remainders[i].squares / remainders[i].freedom.max(1) as f64;
-        let by_reduced = || reduced(b).total_cmp(&reduced(a));
+        let by_reduced = || remainders[b].reduced().total_cmp(&remainders[a].reduced());
         own[a].total_cmp(&own[b]).then_with(by_reduced)
     });
     let least = worst.map_or(1.0, |worst| own[worst]);
@@ -166,14 +179,23 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         verdict: Verdict::Good,
         worst: worst.map(|worst| {
             let shot = scene.shots.get(worst);
-            let name = shot.map_or(REFERENCE.to_owned(), |shot| shot.image.clone());
-            let own = &remainders[worst];
-            (name, own.squares / own.freedom.max(1) as f64)
+            Worst {
+                image: shot.map_or(REFERENCE.to_owned(), |shot| shot.image.clone()),
+                reduced_chi2: remainders[worst].reduced(),
+            }
         }),
     };
-    let of_blur = || misfit(scene, loss, fit, &goodness, worst);
+    let misfit = || {
+        let left_out = LeftOut::all(loss, &layout, fit);
+        let moved = worst.and_then(|worst| left_out.moved(worst, fit));
+        let is_small = moved.is_some_and(|moved| moved < MATTERS);
+        let by_chi2 = goodness.reduced_chi2().sqrt();
+        let scale = || by_chi2.max(left_out.scale(scene, fit)).max(1.0);
+        (chances.are_structured() || !is_small).then(scale)
+    };
+    // A misfit of one photograph that does not matter raises nothing.
     if chances.least() < SIGNIFICANT
-        && let Some(scale) = of_blur()
+        && let Some(scale) = misfit()
     {
         goodness.scale = scale;
         goodness.verdict = Verdict::of(scale);
@@ -185,26 +207,6 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         goodness.verdict = goodness.verdict.max(Verdict::Strained);
     }
     goodness
-}
-
-/// Returns the factor on the standard errors, or `None` if the misfit is that of one photograph
-/// that does not matter.
-fn misfit(
-    scene: &Scene,
-    loss: &Loss,
-    fit: &Estimate,
-    goodness: &Goodness,
-    worst: Option<usize>,
-) -> Option<f64> {
-    let layout = Layout::new(fit.choice, scene.groups.len());
-    let left_out = LeftOut::all(loss, &layout, fit);
-    let moved = worst.and_then(|worst| left_out.moved(worst, fit));
-    let structured = goodness.chances.across.min(goodness.chances.along) < SIGNIFICANT;
-    if !structured && moved.is_some_and(|moved| moved < MATTERS) {
-        return None;
-    }
-    let by_chi2 = goodness.reduced_chi2().sqrt();
-    Some(by_chi2.max(left_out.scale(scene, fit)).max(1.0))
 }
 
 /// Returns the probability of the sums that `of` names, over all photographs.

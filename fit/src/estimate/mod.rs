@@ -67,7 +67,7 @@ pub(crate) use forward::Forward;
 pub(crate) use forward::RANDOMISATIONS;
 pub(crate) use forward::Renders;
 pub(crate) use goodness::of as goodness;
-pub use goodness::{Chances, Goodness, Verdict};
+pub use goodness::{Chances, Goodness, Verdict, Worst};
 pub(crate) use joint::{Joint, Used};
 pub(crate) use layout::Layout;
 pub use loss::Kind;

@@ -8,10 +8,12 @@
 mod alternatives;
 mod light;
 
+use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use tables::Table;
 
 use crate::estimate::choice::Choice;
@@ -42,7 +44,7 @@ const BEST: usize = 4;
 const ROUGH: f64 = 1e-3;
 
 /// Mistake that would explain a misfit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Suspect {
     /// The mistake, as a sentence.
     pub what: String,
@@ -60,6 +62,19 @@ pub struct OtherTable {
     pub name: String,
     /// The table.
     pub table: Arc<Table>,
+}
+
+impl OtherTable {
+    /// Reads a table, whose name is then its path.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be read as a table.
+    pub fn read(path: &Path) -> Result<OtherTable, tables::Error> {
+        Ok(OtherTable {
+            name: path.display().to_string(),
+            table: Arc::new(tables::read(path)?),
+        })
+    }
 }
 
 /// Inputs of the search.
@@ -98,12 +113,11 @@ struct Alternative {
     cost: f64,
 }
 
-/// Sum of squares of an alternative, less its degrees of freedom and its cost.
+/// Fit of an alternative to the MTFs.
 struct Outcome {
-    alternative: usize,
     choice: Choice,
+    /// Sum of squares, less its degrees of freedom.
     excess: f64,
-    squares: f64,
     /// Parameters of the fit.
     at: DVector<f64>,
 }
@@ -135,28 +149,22 @@ impl Search<'_> {
         let now = self
             .at_least(self.scene, &[self.fit.choice])
             .map_or(0.0, |of| of.excess);
-        let mut rough: Vec<Outcome> = alternatives
+        let mut rough: Vec<(f64, &Alternative, Choice)> = alternatives
             .par_iter()
-            .enumerate()
-            .filter_map(|(i, own)| {
+            .filter_map(|own| {
                 let found = self.at_least(&own.scene, &own.choices)?;
-                Some(Outcome {
-                    alternative: i,
-                    excess: found.excess + own.cost,
-                    ..found
-                })
+                Some((found.excess + own.cost, own, found.choice))
             })
-            .filter(|found| now - found.excess > SURE.max(EXPLAINED * now))
+            .filter(|(left, ..)| now - left > SURE.max(EXPLAINED * now))
             .collect();
-        rough.sort_by(|a, b| a.excess.total_cmp(&b.excess));
+        rough.sort_by(|a, b| a.0.total_cmp(&b.0));
         rough.truncate(BEST);
         let by_mtf = self.kind != Kind::Edge;
         let excess = self.goodness.chi2 - self.goodness.degrees_of_freedom as f64;
         let mut named: Vec<(f64, Suspect)> = rough
             .into_par_iter()
-            .filter_map(|found| {
-                let own = &alternatives[found.alternative];
-                let fit = self.by_the_loss(&own.scene, found.choice, by_mtf)?;
+            .filter_map(|(_, own, choice)| {
+                let fit = self.by_the_loss(&own.scene, choice, by_mtf)?;
                 let left = freed(&fit) + own.cost;
                 let enough = excess - left > SURE.max(EXPLAINED * excess);
                 enough.then(|| {
@@ -180,21 +188,19 @@ impl Search<'_> {
             return None;
         }
         let fits = choices.iter().filter_map(|&choice| {
-            let fit = rough_from(scene, choice, vec![self.start(scene, choice)?]);
+            let fit = rough_from(scene, choice, vec![self.start(scene, choice)]);
             (fit.solution.stop != Stop::Failed).then(|| Outcome {
-                alternative: 0,
                 choice,
                 excess: freed(&fit),
-                squares: fit.solution.sum_of_squares(),
                 at: fit.solution.parameters,
             })
         });
-        fits.filter(|fit| fit.squares.is_finite())
+        fits.filter(|fit| fit.excess.is_finite())
             .min_by(|a, b| a.excess.total_cmp(&b.excess))
     }
 
     /// Returns the estimate as the start of a candidate, with its mean spread.
-    fn start(&self, scene: &Scene, choice: Choice) -> Option<Start> {
+    fn start(&self, scene: &Scene, choice: Choice) -> Start {
         let fit = self.fit;
         let spread = if fit.spread.is_empty() {
             4.0
@@ -204,10 +210,10 @@ impl Search<'_> {
         let from = fit.choice.kernel.distance_scale(scene.mean_distance_mm());
         let to = choice.kernel.distance_scale(scene.mean_distance_mm());
         let count = Layout::new(choice, scene.groups.len()).spreads.max(1);
-        Some(Start {
+        Start {
             c_mm: fit.c_mm.map_or(0.2, |c| c.value),
             spread: vec![spread * to / from; count],
-        })
+        }
     }
 
     /// Fits an alternative by the loss of the estimate.

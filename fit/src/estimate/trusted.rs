@@ -16,7 +16,6 @@
 //!   become R / s and lambda / s. So c is that of a fit at R / s, times s, and a is divided by s.
 //!   A = a R keeps its value at R / s. The waves depend on lambda R alone: their fit is at R / s^2.
 
-use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use tables::Table;
 
@@ -24,12 +23,12 @@ use crate::estimate::bound::Bounds;
 use crate::estimate::fitted::{Estimate, estimate};
 use crate::estimate::layout::Layout;
 use crate::estimate::loss::{Kind, Loss};
-use crate::estimate::optimum::{Optimum, optimum};
+use crate::estimate::optimum::{Optimum, optimum, refined};
 use crate::estimate::placed::{OtherIndex, Placed, sends_straight_back};
 use crate::estimate::scene::{Aerial, Scene};
 use crate::estimate::suspects::OtherTable;
 use crate::names::{Kernel, ParameterKind};
-use crate::numerics::{CONVERGED, Solution, Stop, least_squares};
+use crate::numerics::{Solution, Stop};
 use crate::photographs::Campaign;
 
 /// Step of a number that is a scale: 1 %.
@@ -147,7 +146,7 @@ impl Doubted<'_> {
         // Samples give another optimum than the closed form, in which the effects are computed.
         let base = match self.best.sampling {
             Some(_) => self.found(self.scene, Way::Fit),
-            None => Some(logarithms(self.best)),
+            None => Some(self.best.logarithms()),
         };
         let doubts = Doubts {
             doubted: self,
@@ -165,33 +164,26 @@ impl Doubted<'_> {
         if !scene.is_lit() || scene.groups.len() != self.scene.groups.len() {
             return None;
         }
-        let choice = self.best.choice;
-        let layout = Layout::new(choice, scene.groups.len());
         // Noise and light are found as the estimate in the other scene would find them.
-        let near = (way == Way::Fit).then(|| optimum(scene, choice).solution.parameters);
-        let at = near.as_ref().unwrap_or(&self.best.solution.parameters);
-        let loss = Loss::new(self.kind, scene, (choice, at));
-        let start = loss.start(&at.rows(0, layout.parameters()).into_owned());
-        // The lens of the optimum, if the loss has one.
-        let start = match start.len() == at.len() {
-            true => at.clone(),
-            false => start,
+        let near = match way {
+            Way::Step => self.best.optimum(),
+            Way::Fit => optimum(scene, self.best.choice),
         };
-        let optimum = Optimum {
-            choice,
-            solution: match way {
-                Way::Step => self.stepped(&loss, &layout, start),
-                Way::Fit => refitted(&loss, &layout, start),
-            }?,
-            observations: loss.observations(),
+        let loss = Loss::new(self.kind, scene, (near.choice, &near.solution.parameters));
+        let found = match way {
+            Way::Step => self.stepped(scene, &loss, near)?,
+            Way::Fit => refined(scene, &loss, near),
         };
-        Some(logarithms(&estimate(scene, &loss, optimum)))
+        let is_found = found.solution.stop != Stop::Failed;
+        is_found.then(|| estimate(scene, &loss, found).logarithms())
     }
 
     /// Makes one step of Gauss and Newton. Parameters that are only bounded stay. Returns `None` if
     /// a parameter would change by more than a factor of e, where the step has no meaning.
-    fn stepped(&self, loss: &Loss, layout: &Layout, start: DVector<f64>) -> Option<Solution> {
-        let (residuals, jacobian) = loss.evaluate(layout, &start);
+    fn stepped(&self, scene: &Scene, loss: &Loss, from: Optimum) -> Option<Optimum> {
+        let layout = Layout::new(from.choice, scene.groups.len());
+        let start = from.solution.parameters;
+        let (residuals, jacobian) = loss.evaluate(&layout, &start);
         let mut free = jacobian.clone();
         for (i, id) in self
             .best
@@ -211,25 +203,18 @@ impl Doubted<'_> {
         let normal = normal.svd(true, true);
         let least = f64::EPSILON * normal.singular_values.max();
         let step = normal.solve(&free.tr_mul(&residuals), least).ok()?;
-        step.iter().all(|by| by.abs() < 1.0).then(|| Solution {
-            parameters: start - step,
-            residuals,
-            jacobian,
-            iterations: 1,
-            stop: Stop::IterationLimit,
+        step.iter().all(|by| by.abs() < 1.0).then(|| Optimum {
+            choice: from.choice,
+            solution: Solution {
+                parameters: start - step,
+                residuals,
+                jacobian,
+                iterations: 1,
+                stop: Stop::IterationLimit,
+            },
+            observations: loss.observations(),
         })
     }
-}
-
-/// Returns the logarithms of all parameters.
-fn logarithms(found: &Estimate) -> Vec<f64> {
-    found.values().map(|value| value.value.ln()).collect()
-}
-
-/// Fits to the end.
-fn refitted(loss: &Loss, layout: &Layout, start: DVector<f64>) -> Option<Solution> {
-    let solution = least_squares(start, CONVERGED, |at| loss.evaluate(layout, at));
-    (solution.stop != Stop::Failed).then_some(solution)
 }
 
 /// Doubts about the inputs of an estimate.

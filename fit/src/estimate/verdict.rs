@@ -122,12 +122,10 @@ fn misfit(goodness: &Goodness, suspects: &[Suspect]) -> Option<String> {
             } else {
                 "noise does not explain all differences between photographs and model"
             };
-            let worst = goodness
-                .worst
-                .as_ref()
-                .map_or(String::new(), |(image, reduced)| {
-                    format!("; {image} fits worst, with {reduced:.2}")
-                });
+            let worst = goodness.worst.as_ref().map_or(String::new(), |worst| {
+                let (image, reduced) = (&worst.image, worst.reduced_chi2);
+                format!("; {image} fits worst, with {reduced:.2}")
+            });
             let remedy = if said.is_empty() {
                 "No single mistake that was tried explains it: check the manifest, the \
                 photographs and the table"

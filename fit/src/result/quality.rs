@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Chances, Goodness, Suspect, Verdict};
+use crate::estimate::{Chances, Goodness, Suspect, Verdict, Worst};
 
 /// Quality of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,28 +27,7 @@ pub struct FitResult {
     /// Photograph with the largest misfit.
     pub worst: Option<Worst>,
     /// Mistakes that would explain the misfit, the best first.
-    pub suspects: Vec<Suspected>,
-}
-
-/// Mistake that would explain a misfit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Suspected {
-    /// The mistake, as a sentence.
-    pub what: String,
-    /// Photographs that it concerns; empty if it concerns all.
-    pub captures: Vec<String>,
-    /// Sum of squares of the fit without the mistake. If the mistake is an exposure, it is that of
-    /// the differences of light.
-    pub chi2_if_so: f64,
-}
-
-/// Photograph with the largest misfit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Worst {
-    /// Name of the file.
-    pub image: String,
-    /// Chi-square per degree of freedom of this photograph.
-    pub reduced_chi2: f64,
+    pub suspects: Vec<Suspect>,
 }
 
 impl FitResult {
@@ -63,18 +42,8 @@ impl FitResult {
             scale: goodness.scale,
             scale_of_mu: goodness.scale_of_mu,
             verdict: goodness.verdict,
-            worst: goodness.worst.as_ref().map(|(image, reduced)| Worst {
-                image: image.clone(),
-                reduced_chi2: *reduced,
-            }),
-            suspects: suspects
-                .iter()
-                .map(|own| Suspected {
-                    what: own.what.clone(),
-                    captures: own.captures.clone(),
-                    chi2_if_so: own.chi2_if_so,
-                })
-                .collect(),
+            worst: goodness.worst.clone(),
+            suspects: suspects.to_vec(),
         }
     }
 }

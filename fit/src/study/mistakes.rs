@@ -129,40 +129,25 @@ pub(crate) fn run(
         campaign(manifest, &photographs, table, options, &Watch::NOBODY)
     };
     let right = estimate(params, &manifest_of(params, &[]))?;
-    let (params, manifest) = planted(params, mistake, &mut draw);
-    Ok(if mistake == Mistake::None {
-        Trial {
-            index,
-            mistake,
-            effect: 0.0,
-            verdict: Some(right.goodness.verdict),
-            suspects: suspects(&right),
-            first: false,
-        }
-    } else {
-        trial(index, mistake, &right, estimate(&params, &manifest).ok())
-    })
-}
-
-fn suspects(found: &Estimated) -> Vec<String> {
-    found.suspects.iter().map(|own| own.what.clone()).collect()
-}
-
-fn trial(index: u64, mistake: Mistake, right: &Estimated, wrong: Option<Estimated>) -> Trial {
-    let suspects = wrong.as_ref().map_or(Vec::new(), suspects);
-    let effect = wrong
-        .as_ref()
-        .map_or(f64::INFINITY, |wrong| effect(right, wrong));
-    Trial {
+    let wrong = (mistake != Mistake::None).then(|| {
+        let (params, manifest) = planted(params, mistake, &mut draw);
+        estimate(&params, &manifest).ok()
+    });
+    let shown = wrong.as_ref().map_or(Some(&right), Option::as_ref);
+    let suspects = shown.map_or(Vec::new(), |shown| {
+        let suspects = shown.suspects.iter();
+        suspects.map(|own| own.what.clone()).collect()
+    });
+    Ok(Trial {
         index,
         mistake,
-        effect,
-        verdict: wrong.map(|wrong| wrong.goodness.verdict),
+        effect: shown.map_or(f64::INFINITY, |shown| effect(&right, shown)),
+        verdict: shown.map(|shown| shown.goodness.verdict),
         first: suspects
             .first()
             .is_some_and(|what| mistake.is_said_by(what)),
         suspects,
-    }
+    })
 }
 
 /// Returns the largest change of c, a and mu between two estimates, in standard errors of the
@@ -236,7 +221,7 @@ fn planted(params: &Params, mistake: Mistake, draw: &mut PixelNoise) -> (Params,
             }
         }
         Mistake::Exposure => {
-            let by = (1.01_f64.ln() + between(0.0, 1.0) * (1.3_f64 / 1.01).ln()).exp();
+            let by = between(1.01_f64.ln(), 1.3_f64.ln()).exp();
             let up = between(0.0, 1.0) < 0.5;
             captures[one].shot.exposure *= if up { by } else { 1.0 / by };
         }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use tables::Table;
 
@@ -28,10 +27,7 @@ impl Mistaken<'_> {
     pub(super) fn run(&self, pool: &rayon::ThreadPool) -> Result<(String, String), Failure> {
         let mut options = mistakes::options();
         for path in self.other_tables {
-            options.others.push(OtherTable {
-                name: path.display().to_string(),
-                table: Arc::new(tables::read(path)?),
-            });
+            options.others.push(OtherTable::read(path)?);
         }
         let seed = self.seed;
         let (trials, refused) = run_all(self.campaigns, pool, |index| {

@@ -69,6 +69,32 @@ impl Search<'_> {
         });
     }
 
+    /// Adds the photographs with one of them placed otherwise, if that changes it.
+    fn add_one<'s>(
+        &'s self,
+        all: &mut Vec<Otherwise<'s>>,
+        what: String,
+        image: &str,
+        place: &dyn Fn(&mut Placed),
+    ) {
+        let placed = |shot: &Aerial| {
+            let mut placed = shot.placed();
+            if shot.image == image {
+                place(&mut placed);
+            }
+            placed
+        };
+        self.add(all, what, &placed, None);
+    }
+
+    /// Returns the number of the photograph with the largest misfit; `None` if that is the
+    /// reference.
+    fn worst(&self) -> Option<usize> {
+        let worst = &self.goodness.worst.as_ref()?.image;
+        let mut shots = self.scene.shots.iter();
+        shots.position(|shot| shot.image == *worst)
+    }
+
     fn alternative(&self, what: String, captures: Vec<String>, scene: Scene) -> Alternative {
         Alternative {
             what,
@@ -128,14 +154,10 @@ impl Search<'_> {
                 self.add(all, what, &placed, None);
             }
         }
-        let worst = self.goodness.worst.as_ref().map(|(image, _)| image);
-        let Some(worst) = scene.shots.iter().find(|shot| Some(&shot.image) == worst) else {
+        let Some(worst) = self.worst().map(|i| &scene.shots[i]) else {
             return;
         };
         for other in &scene.shots {
-            if other.incidence_deg == worst.incidence_deg {
-                continue;
-            }
             let placed = |shot: &Aerial| Placed {
                 incidence_deg: match &shot.image {
                     image if *image == worst.image => other.incidence_deg,
@@ -151,16 +173,10 @@ impl Search<'_> {
             self.add(all, what, &placed, None);
         }
         for &deg in &scene.groups {
-            let placed = |shot: &Aerial| Placed {
-                incidence_deg: if shot.image == worst.image {
-                    deg
-                } else {
-                    shot.incidence_deg
-                },
-                ..shot.placed()
-            };
             let what = format!("the incidence of {} is {deg} deg", worst.image);
-            self.add(all, what, &placed, None);
+            self.add_one(all, what, &worst.image, &|placed| {
+                placed.incidence_deg = deg;
+            });
         }
     }
 
@@ -242,17 +258,9 @@ impl Search<'_> {
             };
             let what = format!("the floating distances are in {unit}, not in mm");
             self.add(all, what, &placed, None);
-            for one in &self.scene.shots {
-                let placed = |shot: &Aerial| Placed {
-                    r_mm: if shot.image == one.image {
-                        factor * shot.r_mm
-                    } else {
-                        shot.r_mm
-                    },
-                    ..shot.placed()
-                };
-                let what = format!("the floating distance of {} is in {unit}", one.image);
-                self.add(all, what, &placed, None);
+            for Aerial { image, .. } in &self.scene.shots {
+                let what = format!("the floating distance of {image} is in {unit}");
+                self.add_one(all, what, image, &|placed| placed.r_mm *= factor);
             }
         }
     }
@@ -296,14 +304,10 @@ impl Search<'_> {
 
     /// Adds the scenes without the worst photograph.
     fn alone(&self, all: &mut Vec<Alternative>) {
-        let worst = self.goodness.worst.as_ref().map(|(image, _)| image);
         let shots = &self.scene.shots;
-        let Some(i) = shots.iter().position(|shot| Some(&shot.image) == worst) else {
+        let Some(i) = self.worst().filter(|_| shots.len() > 1) else {
             return;
         };
-        if shots.len() < 2 {
-            return;
-        }
         let image = shots[i].image.clone();
         all.push(Alternative {
             // A photograph explains its own misfit whatever its cause. So a suspect that says why
