@@ -46,6 +46,7 @@ use crate::numerics::factor;
 use crate::numerics::factor::Products;
 use crate::photographs::BIN_PX;
 use crate::photographs::PixelNoise;
+use crate::photographs::edge::line::{Bend, ORDERS};
 
 /// Nuisances of a photograph, in the order of their columns: the numbers that each photograph has
 /// for itself.
@@ -55,6 +56,9 @@ pub(crate) struct Nuisances {
     pub place_px: f64,
     /// Turn of the edge against the line, rad.
     pub turn_rad: f64,
+    /// Distance of the edge from the curve of its line, pixels: coefficients of the curve's orders
+    /// 2, 3, ....
+    pub bend_px: [f64; ORDERS - 1],
     /// Dark plateau.
     pub dark: f64,
     /// Unevenness of the light.
@@ -76,12 +80,6 @@ const FIRST_LIGHT: usize = 3;
 pub(crate) struct Curves {
     value: Even,
     by: Vec<Even>,
-}
-
-/// Returns the column of ln(step), which is the last one of the nuisances. Those of the lit part
-/// and of the lamp stand before it, if they are estimated.
-fn step_column(terms: Terms) -> usize {
-    FIRST_LIGHT + terms.light() + if terms.are_many() { 2 } else { 0 }
 }
 
 /// Returns mean and standard deviation of a number that may lie anywhere between 0 and `most`.
@@ -144,6 +142,7 @@ impl<'a> Photograph<'a> {
             start: Nuisances {
                 place_px: 0.0,
                 turn_rad: 0.0,
+                bend_px: [0.0; ORDERS - 1],
                 dark: 0.0,
                 light: [0.0; LIGHT],
                 lit: 0.0,
@@ -286,7 +285,46 @@ impl<'a> Photograph<'a> {
     /// Returns the number of nuisances that the pixels alone determine. The lit part of the dark
     /// plateau and the share of the lamp have priors.
     pub(crate) fn nuisances(&self) -> usize {
-        FIRST_LIGHT + self.terms.light() + 1
+        FIRST_LIGHT + self.terms.light() + self.bends() + 1
+    }
+
+    /// Returns the number of the curve's orders that are estimated.
+    ///
+    /// In even light a wrong curve does not touch the blur to first order. In uneven light a bow
+    /// and the light look alike, and so each takes a part of the other.
+    fn bends(&self) -> usize {
+        let orders = |bend: Bend| bend.order.saturating_sub(1);
+        let bend = self.pixels.line.bend.filter(|_| self.terms.are_many());
+        bend.map_or(0, orders)
+    }
+
+    /// Returns the column of ln(step), which is the last one of the nuisances. Those of the curve,
+    /// of the lit part and of the lamp stand before it, if they are estimated.
+    fn step_column(&self) -> usize {
+        let priors = if self.terms.are_many() { 2 } else { 0 };
+        FIRST_LIGHT + self.terms.light() + self.bends() + priors
+    }
+
+    /// Locates the pixels of a bin in the edge profile.
+    fn place(&self, bin: &Bin, at: &Nuisances) -> Place {
+        let mut line = [at.place_px, at.turn_rad];
+        for (term, tangent) in at.bend_px.iter().zip(self.tangents(bin)) {
+            line[0] += term * tangent[0];
+            line[1] -= term * tangent[1];
+        }
+        Place::new(bin, line)
+    }
+
+    /// Returns the tangents of the curve's orders that are estimated, at the middle of a bin: the
+    /// height on the line through the window's middle, pixels, and the slope; for 1 pixel each.
+    ///
+    /// What the curve leaves of its tangent within a bin is a constant of the second order and the
+    /// slope of the third, so the lower terms take it.
+    fn tangents(&self, bin: &Bin) -> impl Iterator<Item = [f64; 2]> {
+        let orders = self.bends();
+        let bend = self.pixels.line.bend.filter(|_| orders > 0);
+        let tangents = bend.map(|bend| bend.tangents(bin.along));
+        tangents.into_iter().flatten().take(orders)
     }
 
     /// Returns mean and standard deviation of the lit part of the dark plateau, of which nothing is
@@ -340,7 +378,7 @@ impl<'a> Photograph<'a> {
         let start = &self.start;
         let bins = self.bins.iter();
         bins.map(|bin| {
-            let place = Place::new(bin, start.line());
+            let place = self.place(bin, start);
             let Lights { all, .. } = self.lights(bin, &start.light);
             let unit @ [_, _, across, _] = place.of(&curves.value);
             [
@@ -420,10 +458,9 @@ impl<'a> Photograph<'a> {
     /// The start is so near that the problem is almost linear.
     pub(crate) fn fit(&self, curves: &Curves) -> Fitted {
         const MOST: usize = 12;
-        let mut nuisances = self.start;
-        let own = step_column(self.terms) + 1;
+        let own = self.step_column() + 1;
         let columns = own + curves.by.len();
-        let mut fitted = self.normal(curves, nuisances);
+        let mut fitted = self.normal(curves, self.start);
         for _ in 0..MOST {
             let rest = fitted.factor.column(columns);
             let squares = rest.norm_squared();
@@ -433,14 +470,34 @@ impl<'a> Photograph<'a> {
                 break;
             }
             let step = factor::back_substituted(&fitted.factor, own, columns);
-            nuisances = nuisances.moved(&step, self.terms);
-            fitted = self.normal(curves, nuisances);
+            let Some(next) = self.lower(curves, &fitted, &step) else {
+                break;
+            };
+            fitted = next;
         }
         fitted
     }
 
+    /// Makes a step, or the largest of a few parts of it that lowers chi-square. Returns `None` if
+    /// none does. Far from the optimum many weak terms of light and curve make a whole step too
+    /// long.
+    fn lower(&self, curves: &Curves, from: &Fitted, step: &DVector<f64>) -> Option<Fitted> {
+        const PARTS: [f64; 4] = [1.0, 0.25, 0.0625, 0.015_625];
+        let columns = from.factor.ncols() - 1;
+        let squares = |fitted: &Fitted| fitted.factor.column(columns).norm_squared();
+        let parts = PARTS.iter().map(|part| {
+            let moved = from
+                .nuisances
+                .moved(&(step * *part), self.terms, self.bends());
+            self.normal(curves, moved)
+        });
+        let before = squares(from);
+        let mut lower = parts.filter(|next| squares(next) <= before);
+        lower.next()
+    }
+
     fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
-        let columns = step_column(self.terms) + 1;
+        let columns = self.step_column() + 1;
         let mut normal = Products::new(columns + curves.by.len() + 1);
         self.rows(curves, &nuisances, |row| normal.add(row));
         Fitted {
@@ -456,7 +513,7 @@ impl<'a> Photograph<'a> {
     /// The columns of a row are the derivatives by the nuisances, those by the curves' parameters,
     /// and the residual (model - data).
     pub(crate) fn rows(&self, curves: &Curves, at: &Nuisances, mut take: impl FnMut(&[f64])) {
-        let step = step_column(self.terms);
+        let step = self.step_column();
         let size = step + 1 + curves.by.len() + 1;
         let [mut mean, mut slope] = [const { Vec::new() }; 2];
         let many = self.terms.are_many();
@@ -468,7 +525,7 @@ impl<'a> Photograph<'a> {
         let slope_across = at.light[0] / UNIT_PX;
         let of_lamp = at.lamp * slope_across;
         for (bin, weight) in self.bins.iter().zip(&self.weights) {
-            let place = Place::new(bin, at.line());
+            let place = self.place(bin, at);
             let lights = self.lights(bin, &at.light);
             // A curve in this light: its mean, and its slope along the edge.
             let lit = |curve: [f64; 4], moment: [f64; 4]| {
@@ -490,8 +547,10 @@ impl<'a> Photograph<'a> {
                 mean.push(by[0] * factor * weights[0]);
                 slope.push(by[1] * factor * weights[1]);
             };
-            push(lit(place.by_place(unit), place.by_place(bump)), at.step);
-            push(lit(place.by_turn(unit), place.by_turn(bump)), at.step);
+            let by_place = lit(place.by_place(unit), place.by_place(bump));
+            let by_turn = lit(place.by_turn(unit), place.by_turn(bump));
+            push(by_place, at.step);
+            push(by_turn, at.step);
             push([1.0, 0.0], 1.0);
             for (i, by) in lights.by.iter().enumerate().take(self.terms.light()) {
                 let lamp = if i == 0 { at.lamp / UNIT_PX } else { 0.0 };
@@ -503,6 +562,12 @@ impl<'a> Photograph<'a> {
                 push(
                     [0, 1].map(|k| at.step * of_edge[k] + at.lit * of_dark[k]),
                     1.0,
+                );
+            }
+            for [height, slope] in self.tangents(bin) {
+                push(
+                    [0, 1].map(|k| height * by_place[k] - slope * by_turn[k]),
+                    at.step,
                 );
             }
             if many {
@@ -567,7 +632,7 @@ impl<'a> Photograph<'a> {
     /// off. The estimate uses the mean of such pixels alone, which has a little less
     /// information.
     pub(crate) fn information(&self, curves: &Curves, at: &Nuisances) -> DMatrix<f64> {
-        let size = step_column(self.terms) + 1 + curves.by.len() + 1;
+        let size = self.step_column() + 1 + curves.by.len() + 1;
         let mut normal = Products::new(size);
         let gains: Vec<f64> = self
             .light(curves)
@@ -600,14 +665,11 @@ fn unexplained(fitted: &Fitted) -> f64 {
 }
 
 impl Nuisances {
-    /// Returns place (pixels) and turn (rad) of the edge.
-    fn line(&self) -> [f64; 2] {
-        [self.place_px, self.turn_rad]
-    }
-
-    fn moved(self, step: &DVector<f64>, terms: Terms) -> Nuisances {
-        let own = step_column(terms);
+    /// Returns the nuisances after a step, whose last entry is that of ln(step).
+    fn moved(self, step: &DVector<f64>, terms: Terms, bends: usize) -> Nuisances {
+        let own = step.len() - 1;
         let light = step.rows(FIRST_LIGHT, terms.light());
+        let bend = step.rows(FIRST_LIGHT + terms.light(), bends);
         let [lit, lamp] = if terms.are_many() {
             [step[own - 2], step[own - 1]]
         } else {
@@ -618,6 +680,9 @@ impl Nuisances {
             // from its half level.
             place_px: self.place_px - step[0].clamp(-4.0, 4.0),
             turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
+            bend_px: std::array::from_fn(|i| {
+                self.bend_px[i] - bend.get(i).map_or(0.0, |by| by.clamp(-4.0, 4.0))
+            }),
             dark: self.dark - step[2],
             light: std::array::from_fn(|i| self.light[i] - light.get(i).unwrap_or(&0.0)),
             lit: self.lit - lit,

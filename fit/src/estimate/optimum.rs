@@ -84,7 +84,13 @@ pub(crate) fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
 pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
-    let mut solution = least_squares(start, tolerance, |at| loss.evaluate(&layout, at));
+    let raised = noticeable(loss, &layout, &start);
+    let starts = std::iter::once(start).chain(raised);
+    let solutions =
+        starts.map(|start| least_squares(start, tolerance, |at| loss.evaluate(&layout, at)));
+    let mut solution = solutions
+        .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
+        .expect("there is always a start");
     layout.limit(&mut solution.parameters);
     solution.iterations += from.solution.iterations;
     Optimum {
@@ -92,6 +98,23 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
         solution,
         observations: loss.observations(),
     }
+}
+
+/// Returns another start if c is so small that the photographs do not notice it: the least c that
+/// they notice. The MTFs may lose c where the light is uneven, and where it has no effect it has no
+/// slope, so no fit finds back.
+fn noticeable(loss: &Loss, layout: &Layout, start: &DVector<f64>) -> Option<DVector<f64>> {
+    let c = layout.c().filter(|_| matches!(loss, Loss::Edge(_)))?;
+    let is_noticed = |at: &DVector<f64>| {
+        let (_, jacobian) = loss.evaluate(layout, at);
+        // A change of c by a factor of e changes chi-square by about the square of this.
+        jacobian.column(c).norm() > 1.0
+    };
+    let mut at = start.clone();
+    while at[c] < 0.0 && !is_noticed(&at) {
+        at[c] += 1.0;
+    }
+    (at[c] > start[c] && at[c] < 0.0).then_some(at)
 }
 
 /// Evaluates a candidate by any loss at the parameters of `from`. The sum of squares is an upper

@@ -14,6 +14,7 @@ use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::numerics::clip::Cut;
 use crate::photographs::PixelNoise;
+use crate::photographs::edge::line::{Bend, ORDERS};
 use crate::simulate::Params;
 use crate::simulate::photograph as simulate;
 use crate::tests::planted::{SHARED, camera, params, scene, table, truth};
@@ -39,7 +40,14 @@ fn nuisance_derivatives_match_differences() {
         &table,
     );
     let shot = &scene.shots[0];
-    let mut photograph = Photograph::new(&shot.pixels, scene.optics.camera.pitch_mm);
+    let mut pixels = (*shot.pixels).clone();
+    pixels.line.bend = Some(Bend {
+        middle_px: 5.0,
+        half_px: 70.0,
+        terms_px: [0.0; ORDERS - 1],
+        order: 4,
+    });
+    let mut photograph = Photograph::new(&pixels, scene.optics.camera.pitch_mm);
     let model = crate::estimate::model(shot, SHARED);
     let blur = Blur {
         spread: 3.4,
@@ -50,6 +58,7 @@ fn nuisance_derivatives_match_differences() {
     let at = Nuisances {
         place_px: 0.3,
         turn_rad: 3e-4,
+        bend_px: [0.01, -0.005, 0.002, 0.0, 0.0, 0.0, 0.0, 0.0],
         dark: 0.01,
         light: [
             0.02, -0.01, 0.01, -0.02, 0.015, 0.01, -0.01, 0.02, 0.01, -0.01,
@@ -64,6 +73,7 @@ fn nuisance_derivatives_match_differences() {
     let steps = [1e-3, 1e-5, 1e-4]
         .into_iter()
         .chain([1e-4; 10])
+        .chain([1e-3; 3])
         .chain([1e-4, 1e-3, 1e-4]);
     let mut cases = 0;
     for (column, h) in steps.enumerate() {
@@ -74,8 +84,9 @@ fn nuisance_derivatives_match_differences() {
                 1 => at.turn_rad += h,
                 2 => at.dark += h,
                 3..13 => at.light[column - 3] += h,
-                13 => at.lit += h,
-                14 => at.lamp += h,
+                13..16 => at.bend_px[column - 13] += h,
+                16 => at.lit += h,
+                17 => at.lamp += h,
                 _ => at.step *= h.exp(),
             }
             rows(&photograph, &curves, &at)
@@ -87,7 +98,7 @@ fn nuisance_derivatives_match_differences() {
         assert!(error < 1e-3, "nuisance {column}: {error:.1e}");
         cases += 1;
     }
-    assert_eq!(cases, 16);
+    assert_eq!(cases, 19);
 }
 
 /// Checks the noise of pixels whose scatter is made: in a bin of n pixels, n - 2 times the same
@@ -255,7 +266,7 @@ impl Plain {
                 }
                 _ => 0.0,
             };
-            (own[4] * d + own[5] * t + second).exp()
+            (1.0 + own[4] * d + own[5] * t) * second.exp()
         };
         let lamp = if own.len() > 6 { 0.5 * own[4] } else { 0.0 };
         let moments = moments(&unit, distance);

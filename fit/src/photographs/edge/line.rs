@@ -113,6 +113,22 @@ impl Bend {
     }
 }
 
+impl Bend {
+    /// Returns the tangents of the orders 2, 3, ... at a place along the line, for a coefficient of
+    /// 1 pixel each: the height of the tangent at the line's origin, pixels, and its slope.
+    pub(crate) fn tangents(&self, along_px: f64) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let place = (along_px - self.middle_px) / self.half_px;
+        let x = place.clamp(-1.0, 1.0);
+        let (values, slopes) = legendre(x);
+        let per_px = if x == place { 1.0 / self.half_px } else { 0.0 };
+        let orders = values.into_iter().zip(slopes).skip(2);
+        orders.map(move |(value, slope)| {
+            let slope = slope * per_px;
+            [value - slope * along_px, slope]
+        })
+    }
+}
+
 impl Ruler {
     /// Returns the distance of a position from the edge and the place along it, pixels. x and y
     /// count from the window's centre.
@@ -184,6 +200,33 @@ mod tests {
             }
         }
         assert_eq!(cases, 25);
+    }
+
+    /// Checks heights and slopes of the tangents against those of a curve with one term of 1 px:
+    /// both are the same sums, so they agree to rounding. Beyond its ends the curve is parallel to
+    /// the line.
+    #[test]
+    fn tangents_touch_the_curve() {
+        let mut cases = 0;
+        for order in 2..=ORDERS {
+            let mut terms_px = [0.0; ORDERS - 1];
+            terms_px[order - 2] = 1.0;
+            let bend = Bend {
+                middle_px: -4.0,
+                half_px: 60.0,
+                terms_px,
+                order,
+            };
+            for along in [-80.0, -50.0, 3.0, 41.0] {
+                let (height, slope) = bend.at(along);
+                let tangent = bend.tangents(along).nth(order - 2);
+                let [origin, own] = tangent.expect("one for each order");
+                assert!((own - slope).abs() < 1e-14, "{order} {along}");
+                assert!((origin + own * along - height).abs() < 1e-13);
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 32);
     }
 
     /// Checks the polynomials of orders 2, 3 and 9 against their values in tables, and the slopes
