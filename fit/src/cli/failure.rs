@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use tables::OutputError;
 
+use crate::cli::expected::Asked;
+use crate::document::FileLine;
 use crate::estimate::error as estimate;
 use crate::estimate::scene;
 #[cfg(feature = "images")]
@@ -59,17 +61,32 @@ pub(crate) enum Failure {
     /// Failure of the simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
-    /// Table of another content hash than `--expect-table` names.
+    /// Table of another content hash than `--expect-table` or the manifest names.
     #[error(
-        "{}: has the content hash {found}, not that of --expect-table; get the table from who gave \
-        you the hash, or leave the option out",
-        table.display()
+        "{}: has the content hash {found}, not that of {asked}; get the table from who gave you \
+        the hash, or leave {} out",
+        table.display(), asked.name()
     )]
     OtherTable {
         /// Path of the table.
         table: PathBuf,
         /// Content hash of the table, lower-case hex.
         found: String,
+        /// Where the expected hash stands.
+        asked: Asked,
+    },
+    /// Manifest and command line that ask for different tables.
+    #[error(
+        "{place}: `expect_table` and --expect-table name different hashes, {key} and {option}; \
+        correct one of them, or leave one out"
+    )]
+    TwoTables {
+        /// Place of the key.
+        place: FileLine,
+        /// Hash of the key.
+        key: String,
+        /// Hash of the option.
+        option: String,
     },
     /// Output that cannot be reserved or written.
     #[error(transparent)]

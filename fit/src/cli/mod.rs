@@ -7,6 +7,7 @@
 mod estimate;
 #[cfg(feature = "images")]
 mod evaluate;
+mod expected;
 mod export;
 mod failure;
 mod forward;

@@ -1,0 +1,81 @@
+//! The table that a user asks for by its content hash, and the refusal of any other.
+
+use std::fmt;
+use std::path::Path;
+
+use tables::Table;
+
+use crate::cli::failure::Failure;
+use crate::document::FileLine;
+use crate::photographs::captures::expected::ExpectedTable;
+
+/// Place where the hash of the expected table stands.
+#[derive(Debug, Clone)]
+pub(crate) enum Asked {
+    /// Option `--expect-table`.
+    Option,
+    /// Key of the manifest, at this line.
+    Key(FileLine),
+}
+
+impl Asked {
+    /// Returns the name of the option or key, as a user writes it.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Asked::Option => "--expect-table",
+            Asked::Key(_) => "`expect_table`",
+        }
+    }
+}
+
+impl fmt::Display for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Asked::Option => f.write_str(self.name()),
+            Asked::Key(place) => write!(f, "{} in {place}", self.name()),
+        }
+    }
+}
+
+/// Hash that a table must have, if the user named one.
+#[derive(Debug)]
+pub(crate) struct Expected(Option<(String, Asked)>);
+
+impl Expected {
+    /// Returns what the option `--expect-table` and the key of the manifest ask for together.
+    ///
+    /// # Errors
+    /// Returns [`Failure::TwoTables`] if they name different hashes.
+    pub(crate) fn new(option: Option<&str>, key: Option<ExpectedTable>) -> Result<Self, Failure> {
+        let Some(key) = key else {
+            let hash = option.map(|hash| (hash.to_ascii_lowercase(), Asked::Option));
+            return Ok(Expected(hash));
+        };
+        match option {
+            Some(option) if !option.eq_ignore_ascii_case(&key.hash) => Err(Failure::TwoTables {
+                place: key.place,
+                key: key.hash,
+                option: option.to_owned(),
+            }),
+            _ => Ok(Expected(Some((key.hash, Asked::Key(key.place))))),
+        }
+    }
+
+    /// Reads a table and refuses one of another hash.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Table`] if the table cannot be read, and [`Failure::OtherTable`] if it
+    /// has another content hash.
+    pub(crate) fn read(&self, path: &Path) -> Result<Table, Failure> {
+        let table = tables::read(path)?;
+        let found = table.content_hash();
+        match &self.0 {
+            Some((hash, asked)) if *hash != found => Err(Failure::OtherTable {
+                table: path.to_owned(),
+                found,
+                asked: asked.clone(),
+            }),
+            _ => Ok(table),
+        }
+    }
+}
