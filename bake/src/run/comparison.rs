@@ -6,7 +6,7 @@
 //! directions are compared where at least one of the tables counted them.
 
 use crate::run::cuts::uncut;
-use crate::run::exits::{ExitGap, exits};
+use crate::run::exits::{ABSOLUTE, ExitGap, exits};
 use crate::run::paths::{SAME, apart};
 use tables::Table;
 
@@ -121,9 +121,6 @@ impl Row {
             && self.exits.is_none_or(|gap| gap.l1 <= gap.limit)
     }
 }
-
-/// Mean absolute value of a normal variable of unit variance, sqrt(2/pi).
-pub(crate) const ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 
 /// Returns how far the light of two exact tables is apart in one direction.
 fn paths(a: &Table, b: &Table, (i, j): (usize, usize)) -> Option<f64> {

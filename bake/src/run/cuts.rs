@@ -124,7 +124,7 @@ fn length(corners: &[DVec2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Region in the shape of an L, which is not convex, moved right by `x`.
+    /// Returns a region in the shape of an L, which is not convex, moved right by `x`.
     fn ell(x: f64) -> Vec<[f64; 2]> {
         let corners = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
         corners.map(|[u, v]| [u + x, v]).to_vec()

@@ -10,7 +10,9 @@ use tables::deviation::Grid;
 use tables::{Path, Table};
 
 use crate::beams::spread;
-use crate::run::comparison::ABSOLUTE;
+
+/// Mean absolute value of a normal variable of unit variance, sqrt(2/pi).
+pub(crate) const ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 
 /// Number of standard deviations beyond the mean that counting explains.
 ///

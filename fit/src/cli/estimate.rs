@@ -12,7 +12,7 @@ use tables::cli as terminal;
 use tables::{Outputs, Table};
 
 use crate::cli::estimate::summary::summary;
-use crate::cli::expected::Expected;
+use crate::cli::expected::{self, Expected};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
@@ -28,7 +28,6 @@ use crate::estimate::error;
 use crate::estimate::{Estimated, Options};
 use crate::names::Family;
 use crate::names::Spectrum;
-use crate::photographs::captures::{self, Manifest};
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::{Campaign, Shot};
 #[cfg(feature = "report")]
@@ -228,11 +227,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let start = Instant::now();
-    let Manifest {
-        campaign,
-        expected_table,
-    } = captures::read(&arguments.captures)?;
-    let expected = Expected::new(arguments.expect_table.as_deref(), expected_table)?;
+    let option = arguments.expect_table.as_deref();
+    let (campaign, expected) = expected::campaign(&arguments.captures, option)?;
     let mut outputs = Outputs::beside(inputs(arguments, &campaign));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]

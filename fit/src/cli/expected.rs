@@ -7,7 +7,9 @@ use tables::Table;
 
 use crate::cli::failure::Failure;
 use crate::document::FileLine;
+use crate::photographs::Campaign;
 use crate::photographs::captures::expected::ExpectedTable;
+use crate::photographs::captures::{self, Manifest};
 
 /// Place where the hash of the expected table stands.
 #[derive(Debug, Clone)]
@@ -41,12 +43,26 @@ impl fmt::Display for Asked {
 #[derive(Debug)]
 pub(crate) struct Expected(Option<(String, Asked)>);
 
+/// Reads a manifest, and returns its campaign and the table that it and the option
+/// `--expect-table` ask for.
+///
+/// # Errors
+/// Returns [`Failure::Captures`] if the manifest cannot be used, and [`Failure::TwoTables`] if it
+/// and the option name different hashes.
+pub(crate) fn campaign(file: &Path, option: Option<&str>) -> Result<(Campaign, Expected), Failure> {
+    let Manifest {
+        campaign,
+        expected_table,
+    } = captures::read(file)?;
+    Ok((campaign, Expected::new(option, expected_table)?))
+}
+
 impl Expected {
     /// Returns what the option `--expect-table` and the key of the manifest ask for together.
     ///
     /// # Errors
     /// Returns [`Failure::TwoTables`] if they name different hashes.
-    pub(crate) fn new(option: Option<&str>, key: Option<ExpectedTable>) -> Result<Self, Failure> {
+    fn new(option: Option<&str>, key: Option<ExpectedTable>) -> Result<Self, Failure> {
         let Some(key) = key else {
             let hash = option.map(|hash| (hash.to_ascii_lowercase(), Asked::Option));
             return Ok(Expected(hash));

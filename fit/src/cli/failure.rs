@@ -72,7 +72,7 @@ pub(crate) enum Failure {
         table: PathBuf,
         /// Content hash of the table, lower-case hex.
         found: String,
-        /// Where the expected hash stands.
+        /// Place where the expected hash stands.
         asked: Asked,
     },
     /// Manifest and command line that ask for different tables.

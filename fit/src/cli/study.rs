@@ -12,7 +12,7 @@ use tables::cli as terminal;
 
 use tables::{Outputs, Table};
 
-use crate::cli::expected::Expected;
+use crate::cli::expected;
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::study::all::run_all;
@@ -25,7 +25,6 @@ use crate::estimate::Kind;
 use crate::estimate::Scene;
 use crate::estimate::Watch;
 use crate::estimate::select::select;
-use crate::photographs::captures::{self, Manifest};
 #[cfg(feature = "report")]
 use crate::report::{picture, speed as speed_picture};
 use crate::study::Ranges;
@@ -178,11 +177,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             rendered(arguments, captures, &pool)?
         }
         (None, Some(captures)) => {
-            let Manifest {
-                campaign,
-                expected_table,
-            } = captures::read(captures)?;
-            let expected = Expected::new(None, expected_table)?;
+            let (campaign, expected) = expected::campaign(captures, None)?;
             #[cfg(feature = "report")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
             #[cfg(feature = "report")]
@@ -217,11 +212,7 @@ fn rendered(
 ) -> Result<String, Failure> {
     let mut open = arguments.terms.candidates("fit study");
     sampled::only(&mut open, None, "fit study");
-    let Manifest {
-        campaign,
-        expected_table,
-    } = captures::read(captures)?;
-    let expected = Expected::new(None, expected_table)?;
+    let (campaign, expected) = expected::campaign(captures, None)?;
     #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
     #[cfg(feature = "report")]

@@ -138,7 +138,7 @@ fn moved(table: &mut Table) {
     table.exact.as_mut().unwrap().paths[0][0].offset[0] += 1e-6;
 }
 
-/// The same light in other polygons is the same table; what is changed besides is noticed.
+/// Tables of equal light in other polygons agree; what is changed besides is noticed.
 #[test]
 fn tables_with_other_cuts_agree() {
     let folder = tempfile::tempdir().unwrap();
@@ -290,12 +290,12 @@ fn exit_directions_of_polygons_and_rays_are_compared() {
     // limit that is far too wide would show here.
     assert!((0.2..1.0).contains(&largest), "{largest}");
 
-    let one = |table: &mut Table| {
+    let one: Change = |table| {
         for paths in &mut table.exact.as_mut().unwrap().paths {
             paths[0].deviation[1] += 1e-3;
         }
     };
-    let forgeries: [(&str, &dyn Fn(&mut Table)); 2] = [("all", &turned), ("one", &one)];
+    let forgeries: [(&str, Change); 2] = [("all", turned), ("one", one)];
     for (what, change) in forgeries {
         let mut table = exact.clone();
         change(&mut table);

@@ -19,14 +19,14 @@ pub(crate) struct Case {
     pub(crate) words: Vec<String>,
     /// Files or folders that the command writes.
     outputs: &'static [&'static str],
-    /// What must hold of an output that is neither as it was nor as an undisturbed run makes it.
+    /// Rule for an output that is neither as it was nor as an undisturbed run makes it.
     between: Between,
 }
 
 /// State of an output that is neither the old one nor the undisturbed one.
 #[derive(Clone, Copy)]
 enum Between {
-    /// It does not occur.
+    /// The state does not occur.
     Never,
     /// The file holds times, and differs from run to run. It ends as its format does.
     Timed,
@@ -274,9 +274,11 @@ impl Random {
 struct Ends {
     /// Runs that ended before the kill.
     done: u32,
-    /// Killed runs that left all outputs old, all new, or other.
+    /// Killed runs that left all outputs as they were.
     old: u32,
+    /// Killed runs that left all outputs as an undisturbed run makes them.
     new: u32,
+    /// Killed runs that left some outputs old and some new, or files that hold times.
     other: u32,
 }
 
@@ -295,10 +297,9 @@ fn kill(here: &Path, case: &Case, kills: u32) -> Ends {
     let paths: Vec<_> = case.outputs.iter().map(|name| folder.join(name)).collect();
     let old: Vec<Content> = paths.iter().map(|path| earlier(here, path)).collect();
     let reset = || {
-        paths
-            .iter()
-            .zip(&old)
-            .for_each(|(path, old)| restore(path, old))
+        for (path, old) in paths.iter().zip(&old) {
+            restore(path, old);
+        }
     };
     let once = || {
         reset();
@@ -347,7 +348,7 @@ fn kill(here: &Path, case: &Case, kills: u32) -> Ends {
                 }
             };
             assert!(is_whole, "{name}: cut short by a kill after {after:?}");
-            states.push((found == *old, found != *old));
+            states.push((found == *old, found == *new));
         }
         ends.done += u32::from(is_done);
         match (
@@ -369,15 +370,8 @@ fn kill(here: &Path, case: &Case, kills: u32) -> Ends {
 /// Returns what an output holds before a run: a text, an older campaign, or nothing.
 fn earlier(here: &Path, path: &Path) -> Content {
     if path.extension().is_some() {
-        return Content::from([("old".to_owned(), b"what was there before\n".to_vec())])
-            .into_values()
-            .map(|bytes| {
-                (
-                    path.file_name().unwrap().to_string_lossy().into_owned(),
-                    bytes,
-                )
-            })
-            .collect();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        return Content::from([(name, b"what was there before\n".to_vec())]);
     }
     if path.ends_with("old") {
         let folder = here.join("earlier");

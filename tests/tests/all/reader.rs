@@ -59,7 +59,7 @@ fn no_plug_in_is_loaded() {
         assert!(named(b"HDF5_PLUGIN_PATH"), "{program} holds the library");
         assert!(
             !named(b"/lib/plugin"),
-            "{program} names a folder of plug-ins; was HDF5 built long ago? cargo clean -p hdf5-metno-src"
+            "{program} names a folder of plug-ins; built long ago? cargo clean -p hdf5-metno-src"
         );
     }
     let verbs: [(&str, &[&str]); 5] = [

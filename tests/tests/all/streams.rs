@@ -28,7 +28,7 @@ const OTHERS: [&str; 15] = [
     "fit estimate ../campaign/captures.toml --table ../pair.h5 --kernel eq1 --lobe radial --json",
 ];
 
-/// What is done to the standard streams of a command.
+/// Damage to the standard streams of a command.
 #[derive(Debug, Clone, Copy)]
 enum Broken {
     NoErrors,
