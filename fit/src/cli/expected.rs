@@ -1,43 +1,13 @@
 //! The table that a user asks for by its content hash, and the refusal of any other.
 
-use std::fmt;
 use std::path::Path;
 
 use tables::Table;
 
-use crate::cli::failure::Failure;
-use crate::document::FileLine;
+use crate::cli::failure::{Asked, Failure};
 use crate::photographs::Campaign;
 use crate::photographs::captures::expected::ExpectedTable;
 use crate::photographs::captures::{self, Manifest};
-
-/// Place where the hash of the expected table stands.
-#[derive(Debug, Clone)]
-pub(crate) enum Asked {
-    /// Option `--expect-table`.
-    Option,
-    /// Key of the manifest, at this line.
-    Key(FileLine),
-}
-
-impl Asked {
-    /// Returns the name of the option or key, as a user writes it.
-    pub(crate) fn name(&self) -> &'static str {
-        match self {
-            Asked::Option => "--expect-table",
-            Asked::Key(_) => "`expect_table`",
-        }
-    }
-}
-
-impl fmt::Display for Asked {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Asked::Option => f.write_str(self.name()),
-            Asked::Key(place) => write!(f, "{} in {place}", self.name()),
-        }
-    }
-}
 
 /// Hash that a table must have, if the user named one.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! Errors that end a verb.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use tables::OutputError;
 
-use crate::cli::expected::Asked;
 use crate::document::FileLine;
 use crate::estimate::error as estimate;
 use crate::estimate::scene;
@@ -17,6 +17,34 @@ use crate::predict::error as predict;
 #[cfg(feature = "report")]
 use crate::report::plot;
 use crate::simulate::error as simulate;
+
+/// Place where the hash of the expected table stands.
+#[derive(Debug, Clone)]
+pub(crate) enum Asked {
+    /// Option `--expect-table`.
+    Option,
+    /// Key of the manifest, at this line.
+    Key(FileLine),
+}
+
+impl Asked {
+    /// Returns the name of the option or key, as a user writes it.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Asked::Option => "--expect-table",
+            Asked::Key(_) => "`expect_table`",
+        }
+    }
+}
+
+impl fmt::Display for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Asked::Option => f.write_str(self.name()),
+            Asked::Key(place) => write!(f, "{} in {place}", self.name()),
+        }
+    }
+}
 
 /// Error that ends a verb.
 #[derive(Debug, thiserror::Error)]
