@@ -6,7 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
 	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
-	test-wheel test-fuzz
+	test-wheel test-fuzz test-kills
 
 CARGO = cargo
 PYTHON = python3
@@ -86,7 +86,13 @@ test: fmt lint doc python
 
 # What takes minutes or wants more than a fresh machine has.
 test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel \
-	test-fuzz
+	test-fuzz test-kills
+
+# A hundred kills of every command that writes, at random times.
+test-kills: rust tools
+	@echo "== kills" >&2
+	@$(CARGO) build --workspace --locked
+	@$(CARGO) test -p tests --test all --locked -- --ignored --nocapture hundred_kills
 
 test-mpi: rust tools
 	@command -v mpirun >/dev/null || { \
@@ -114,7 +120,7 @@ test-fuzz: rust tools
 	@$(CARGO) +nightly fuzz --version >/dev/null 2>&1 || { \
 		echo "test-fuzz: needs rustup toolchain install nightly and cargo install cargo-fuzz" >&2; \
 		exit 1; }
-	@cd fuzz && for target in obj gltf table photograph toml result polygons; do \
+	@cd fuzz && for target in obj gltf table photograph toml result polygons view; do \
 		echo "== fuzz $$target" >&2; \
 		ASAN_OPTIONS=detect_odr_violation=0:allocator_may_return_null=1 $(CARGO) +nightly fuzz run \
 			$$target -- -max_total_time=60 -timeout=30 -rss_limit_mb=1500 || exit 1; done

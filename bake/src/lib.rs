@@ -73,7 +73,7 @@ pub use rays::Tracer;
 pub use run::RunError;
 pub use run::Watch;
 pub use run::trace;
-pub use run::{Comparison, Row};
+pub use run::{Comparison, ExitGap, Row};
 pub use run::{Forged, consistent};
 pub use run::{RetraceError, rebake, retrace};
 pub use study::{Point, Reference, Series, Study, StudyError, StudyPlan, StudyRequest};

@@ -97,6 +97,30 @@ pub fn result(bytes: &[u8]) {
     let _ = fit::predict_mtf(&result, &EXACT, &places);
 }
 
+/// Table of all azimuths, honest: a view shows each pixel at its own azimuth.
+static ALL_ROUND: LazyLock<tables::Table> = LazyLock::new(|| {
+    let path = file("all_round.h5", include_bytes!("../all_round.h5"));
+    tables::read(&path).expect("this folder holds an honest table")
+});
+
+/// Result of the corpus for the table [`ALL_ROUND`], honest.
+static FITTED: LazyLock<fit::ResultFile> = LazyLock::new(|| {
+    let result = serde_json::from_slice(include_bytes!("../corpus/result/honest"));
+    let mut result: fit::ResultFile = result.expect("the corpus holds an honest result");
+    result.table = fit::TableResult::of(&ALL_ROUND);
+    result
+});
+
+/// Reads the bytes as a VIEW.toml, and renders a small picture as its camera sees it. What is
+/// rendered must be finite.
+pub fn view(bytes: &[u8]) {
+    let path = file("view.toml", bytes);
+    if let Ok(image) = fit::cli::render_view(&path, &FITTED, &ALL_ROUND) {
+        let finite = image.planes.iter().flatten().all(|value| value.is_finite());
+        assert!(finite, "{:?}", image.planes);
+    }
+}
+
 /// Changes numbers of the polygons of an honest table; its spectrum must be finite if the rules of
 /// tables let it pass.
 ///

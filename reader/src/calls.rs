@@ -34,11 +34,12 @@ const ALLOWED: &[i64] = &[
     libc::SYS_exit_group,
 ];
 
-/// Descriptor that may be read, and those that may be written: input, output and errors.
+/// Descriptor that may be read: standard input.
 const INPUT: u64 = 0;
+/// Descriptors that may be written: standard output and standard error.
 const OUTPUTS: [u64; 2] = [1, 2];
 
-/// Gives up all other calls for this thread; returns whether it holds.
+/// Gives up all calls but those of this file for the thread; returns whether that holds.
 ///
 /// Sets `no_new_privs` too.
 pub(crate) fn give_up() -> bool {
@@ -52,7 +53,7 @@ fn program() -> Result<BpfProgram, seccompiler::BackendError> {
             .and_then(|condition| SeccompRule::new(vec![condition]))
     };
     let equal = |argument, value| when(argument, value, SeccompCmpOp::Eq);
-    // Memory that no code is run from.
+    // Memory may be mapped if no code can be run from it.
     let data = || {
         let code = libc::PROT_EXEC as u64;
         when(2, 0, SeccompCmpOp::MaskedEq(code)).map(|rule| vec![rule])
@@ -67,7 +68,7 @@ fn program() -> Result<BpfProgram, seccompiler::BackendError> {
         libc::SYS_write,
         outputs.into_iter().collect::<Result<_, _>>()?,
     );
-    // Its own soft limits, below the hard ones.
+    // The process changes its own soft limits, which stay below the hard ones.
     rules.insert(libc::SYS_prlimit64, vec![equal(0, 0)?]);
     SeccompFilter::new(
         rules,

@@ -27,7 +27,7 @@ fn rights() -> (bool, bool) {
         maximum: Some(0),
     };
     let files = crate::files::give_up();
-    // No new descriptor and no process. Memory and time are limited already.
+    // The process may open no descriptor and start no process. Memory and time are limited already.
     for resource in [Resource::Nofile, Resource::Nproc] {
         let _ = setrlimit(resource, none);
     }

@@ -35,7 +35,11 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         [only] if only == "--help" || only == "-h" => (out.write_all(HELP.as_bytes()), 0),
         [version, _] if version != VERSION => (answer_other_version(out), 0),
         [_, name] => (serve(Path::new(name), out), 0),
-        _ => (io::stderr().write_all(HELP.as_bytes()), 2),
+        _ => {
+            // Wrong usage stays wrong usage where it cannot be told.
+            let _ = io::stderr().write_all(HELP.as_bytes());
+            (Ok(()), 2)
+        }
     };
     match done {
         Ok(()) => ExitCode::from(code),

@@ -20,19 +20,19 @@ type Try = (&'static str, fn(&Path, u32) -> io::Result<()>);
 
 /// Confines this process as for a table, tries everything, and prints a line for each try.
 ///
-/// The exit code is 0 if all tries are refused.
+/// The exit code is 0 if all tries are refused and all lines are printed.
 pub(crate) fn run(mut out: impl Write) -> ExitCode {
     let program = std::env::current_exe().unwrap_or_default();
     let parent = parent();
     let lacking = confine(0);
-    let mut refused = true;
+    let (mut refused, mut printed) = (true, true);
     for protection in Protection::ALL {
         let has = if lacking.contains(&protection) {
             "lacks"
         } else {
             "has"
         };
-        let _ = writeln!(out, "{has} {}", protection.words());
+        printed &= writeln!(out, "{has} {}", protection.words()).is_ok();
     }
     for (what, tried) in tries() {
         let said = match tried(&program, parent) {
@@ -42,9 +42,9 @@ pub(crate) fn run(mut out: impl Write) -> ExitCode {
             }
             Err(error) => format!("refused ({error})"),
         };
-        let _ = writeln!(out, "{what}: {said}");
+        printed &= writeln!(out, "{what}: {said}").is_ok();
     }
-    if refused {
+    if refused && printed {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE

@@ -60,7 +60,7 @@ fn odd_names(folder: &Path, file: &Path) {
     let link = folder.join("link.h5");
     std::os::unix::fs::symlink(&odd, &link).unwrap();
     read(&link).unwrap();
-    // As the HDF5 library locks a file that it writes to.
+    // The HDF5 library locks a file in this way while it writes to it.
     let locked = std::fs::File::open(&odd).unwrap();
     locked.lock().unwrap();
     read(&odd).unwrap();

@@ -58,3 +58,28 @@ fn a_person_is_told_what_it_is() {
         format!("V\0{}", env!("CARGO_PKG_VERSION"))
     );
 }
+
+/// Text that cannot be printed is a failure, and wrong usage stays wrong usage.
+#[cfg(target_os = "linux")]
+#[test]
+fn full_streams_have_their_exit_codes() {
+    let full = || std::fs::File::options().write(true).open("/dev/full");
+    let cases: [(&[&str], i32); 5] = [
+        (&["--try"], 1),
+        (&["--help"], 1),
+        (&["--version"], 1),
+        (&["0.0.1", "table.h5"], 1),
+        (&[], 2),
+    ];
+    for (arguments, code) in cases {
+        let status = Command::new(env!("CARGO_BIN_EXE_airr-reader"))
+            .args(arguments)
+            .stdin(std::process::Stdio::null())
+            .stdout(full().expect("Linux has it"))
+            .stderr(full().expect("Linux has it"))
+            .status()
+            .expect("the reader starts");
+        assert_eq!(status.code(), Some(code), "{arguments:?}");
+    }
+    println!("{} runs", cases.len());
+}

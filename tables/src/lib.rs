@@ -64,6 +64,7 @@ pub use otf::wave::{NoWaves, WaveLine};
 pub use file::apart;
 pub use file::layout::VERSION;
 pub use file::output::{Output, Outputs};
+pub use file::partial::scratch_folder;
 pub use file::read::{is_sealed, read};
 pub use file::reader;
 pub use file::write::{commit, write};

@@ -182,7 +182,7 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
             row.largest,
             row.sigmas,
             number(row.paths),
-            number(row.exits.map(|(l1, _)| l1)),
+            number(row.exits.map(|gap| gap.l1)),
             if row.agrees() { "yes" } else { "no" }
         );
     }
@@ -203,7 +203,8 @@ pub(crate) fn comparison_json(comparison: &Comparison) -> String {
             json!({
                 "incidence_deg": row.incidence_deg, "azimuth_deg": row.azimuth_deg, "l1": row.l1,
                 "counting_noise": row.noise, "largest_bin": row.largest, "sigmas": row.sigmas,
-                "polygons": row.paths, "exits_l1": row.exits.map(|(l1, _)| l1),
+                "polygons": row.paths, "exits_l1": row.exits.map(|gap| gap.l1),
+                "exits_limit": row.exits.map(|gap| gap.limit),
                 "agrees": row.agrees(),
             })
         })

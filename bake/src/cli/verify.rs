@@ -19,9 +19,9 @@ pub(crate) struct VerifyArgs {
     table: PathBuf,
     /// Mesh that is compared with the table
     ///
-    /// Rays are traced at some of the table's directions, and eta and the shifts are compared. The
-    /// exact bake of an exact table is made again in all directions, and compared path by path,
-    /// with exit directions and weights.
+    /// Rays are traced at some of the table's directions, and eta, shifts and exit directions are
+    /// compared. The exact bake of an exact table is made again in all directions, and compared
+    /// path by path, with exit directions and weights.
     #[arg(long)]
     mesh: Option<PathBuf>,
     #[command(flatten)]

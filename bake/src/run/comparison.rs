@@ -1,23 +1,17 @@
 //! Comparison of two tables, direction by direction.
 //!
 //! It says how much the tables differ, and whether their errors explain the difference. Of two
-//! exact tables the polygons are compared, path by path, because `fit` computes with them and not
-//! with the histogram. Of two tables of rays the exit directions are compared, where they were
-//! counted on the same grid.
+//! exact tables the polygons are compared, because `fit` computes with them and not with the
+//! histogram: path by path, and where the paths are cut differently, by their regions. Exit
+//! directions are compared where at least one of the tables counted them.
 
-use std::collections::BTreeMap;
-
-use crate::run::paths::apart;
+use crate::run::cuts::uncut;
+use crate::run::exits::{ABSOLUTE, ExitGap, exits};
+use crate::run::paths::{SAME, apart};
 use tables::Table;
 
 /// Number of standard errors by which two retroreflected fractions may differ.
 const SIGMAS: f64 = 4.0;
-
-/// Largest difference of two polygons, maps, weights or deviations that agree.
-///
-/// They are made of some hundred sums and products of numbers of a few edge lengths, each rounded
-/// to 2^-53, and are enlarged where facets meet at small angles; 1e-9 leaves four digits for that.
-const PATHS: f64 = 1e-9;
 
 /// Comparison of two tables with equal axes, direction by direction.
 pub struct Comparison {
@@ -39,14 +33,16 @@ pub struct Row {
     pub sigmas: f64,
     /// L1 distance that the counting errors of both tables explain.
     pub noise: f64,
-    /// Largest difference of the polygons, maps, weights and deviations of two exact tables.
+    /// Difference of the light of two exact tables; `None` unless both have polygons of this
+    /// direction.
     ///
-    /// It is infinite if a path of one table has no counterpart in the other, and `None` unless
-    /// both tables have polygons of this direction.
+    /// It is the largest difference of their polygons, maps, weights and deviations, path by path,
+    /// or, if that is less, the mean distance of the outlines of equal light, edge lengths. The
+    /// latter does not depend on the polygons into which a region is cut.
     pub paths: Option<f64>,
-    /// L1 distance of the exit directions, and the distance that the counting errors explain;
-    /// `None` unless both tables counted them on the same grid.
-    pub exits: Option<(f64, f64)>,
+    /// Difference of the exit directions; `None` unless one table counted them and the other
+    /// counted them on the same grid or has polygons.
+    pub exits: Option<ExitGap>,
 }
 
 impl Comparison {
@@ -115,53 +111,27 @@ impl Comparison {
 impl Row {
     /// Returns whether the two tables agree in this direction.
     ///
-    /// They agree if the fractions are within 4 standard errors, the histograms and the exit
-    /// directions within 1.5 times the mean counting noise (or to 1e-9, where there is no noise),
-    /// and polygons to 1e-9.
+    /// They agree if the fractions are within 4 standard errors, the histograms within 1.5 times
+    /// the mean counting noise (or to 1e-9, where there is no noise), the exit directions within
+    /// [`ExitGap::limit`], and polygons to 1e-9.
     pub fn agrees(&self) -> bool {
-        let near = |l1: f64, noise: f64| l1 <= 1.5 * noise + 1e-9;
         self.sigmas <= SIGMAS
-            && near(self.l1, self.noise)
-            && self.paths.is_none_or(|apart| apart <= PATHS)
-            && self.exits.is_none_or(|(l1, noise)| near(l1, noise))
+            && self.l1 <= 1.5 * self.noise + 1e-9
+            && self.paths.is_none_or(|apart| apart <= SAME)
+            && self.exits.is_none_or(|gap| gap.l1 <= gap.limit)
     }
 }
 
-/// Mean absolute value of a normal variable of unit variance, sqrt(2/pi).
-const ABSOLUTE: f64 = 0.797_884_560_802_865_4;
-
-/// Returns how far the paths of two exact tables are apart in one direction.
+/// Returns how far the light of two exact tables is apart in one direction.
 fn paths(a: &Table, b: &Table, (i, j): (usize, usize)) -> Option<f64> {
     let at = i * a.axes.shape().1 + j;
     let of = |table: &Table| Some(table.exact.as_ref()?.paths.get(at)?.clone());
     (!a.axes.is_mean()).then_some(())?;
-    Some(apart(&of(a)?, &of(b)?))
-}
-
-/// Returns the L1 distance of the exit directions of two tables in one direction, all shifts taken
-/// together, and the distance that the counting errors explain.
-fn exits(a: &Table, b: &Table, (i, j): (usize, usize)) -> Option<(f64, f64)> {
-    let (of_a, of_b) = (a.deviations.as_ref()?, b.deviations.as_ref()?);
-    if of_a.grid != of_b.grid {
-        return None;
-    }
-    let (rays_a, rays_b) = (a.rays[[i, j]] as f64, b.rays[[i, j]] as f64);
-    if rays_a == 0.0 || rays_b == 0.0 {
-        return None;
-    }
-    let at = i * a.axes.shape().1 + j;
-    let mut shares: BTreeMap<[usize; 2], [f64; 2]> = BTreeMap::new();
-    for (k, (found, rays)) in [(of_a, rays_a), (of_b, rays_b)].into_iter().enumerate() {
-        for entry in &found.entries[at] {
-            let (_, bin) = found.grid.at(entry.place);
-            shares.entry(bin).or_default()[k] += entry.rays as f64 / rays;
-        }
-    }
-    let per_ray = 1.0 / rays_a + 1.0 / rays_b;
-    let l1 = shares.values().map(|[a, b]| (a - b).abs()).sum();
-    let noise = shares
-        .values()
-        .map(|&[a, b]| (f64::midpoint(a, b) * per_ray).sqrt())
-        .sum::<f64>();
-    Some((l1, ABSOLUTE * noise))
+    let (a, b) = (of(a)?, of(b)?);
+    let in_pairs = apart(&a, &b);
+    Some(if in_pairs <= SAME {
+        in_pairs
+    } else {
+        in_pairs.min(uncut(&a, &b))
+    })
 }

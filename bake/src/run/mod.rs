@@ -8,8 +8,10 @@
 mod bake;
 mod beams;
 mod comparison;
+mod cuts;
 mod directions;
 mod error;
+mod exits;
 mod paths;
 mod provenance;
 mod ranks;
@@ -26,6 +28,7 @@ mod world;
 pub(crate) use bake::Bake;
 pub use comparison::{Comparison, Row};
 pub use error::RunError;
+pub use exits::ExitGap;
 pub use paths::{Forged, consistent};
 pub(crate) use provenance::stated;
 #[cfg(test)]

@@ -9,8 +9,14 @@ use thiserror::Error;
 
 use crate::beams::spread;
 
+/// Largest difference of two polygons, maps, weights or deviations that agree.
+///
+/// They are made of some hundred sums and products of numbers of a few edge lengths, each rounded
+/// to 2^-53, and are enlarged where facets meet at small angles; 1e-9 leaves four digits for that.
+pub(crate) const SAME: f64 = 1e-9;
+
 /// Longest lists of which the order does not matter, paths; a direction of a sheet has some tens.
-const MOST_PAIRED: usize = 4096;
+pub(crate) const MOST_PAIRED: usize = 4096;
 
 /// Difference below which lists are taken to be in the same order.
 const NEAR: f64 = 1e-6;

@@ -11,6 +11,7 @@ use tables::cli as terminal;
 use tables::{Outputs, Table};
 
 use crate::cli::estimate::summary::summary;
+use crate::cli::expected::{self, Expected};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
@@ -26,7 +27,6 @@ use crate::estimate::error;
 use crate::estimate::{Estimated, Options};
 use crate::names::Family;
 use crate::names::Spectrum;
-use crate::photographs::captures;
 use crate::photographs::photo::channel::Channel;
 use crate::photographs::{Campaign, Shot};
 #[cfg(feature = "report")]
@@ -86,7 +86,8 @@ pub(crate) struct Arguments {
     pub table: Vec<PathBuf>,
     /// Content hash that the table must have, as `bake verify` prints it.
     ///
-    /// Of several tables it is that of the first one.
+    /// Of several tables it is that of the first one. The key expect_table in [setup] of the
+    /// manifest does the same. If both are given, they must agree.
     #[arg(long, value_name = "HASH")]
     pub expect_table: Option<String>,
     /// File that receives the result, as JSON.
@@ -225,7 +226,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             .exit();
     }
     let start = Instant::now();
-    let campaign = captures::load(&arguments.captures)?;
+    let option = arguments.expect_table.as_deref();
+    let (campaign, expected) = expected::campaign(&arguments.captures, option)?;
     let mut outputs = Outputs::beside(inputs(arguments, &campaign));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
@@ -238,7 +240,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|path| parse::read_json(path, "holds a planted answer"))
         .transpose()?;
     let pool = terminal::pool(arguments.threads)?;
-    let table = pool.install(|| read_tables(arguments, &mut options.others))?;
+    let table = pool.install(|| read_tables(arguments, &expected, &mut options.others))?;
     let options = options;
     let job = Job {
         arguments,
@@ -365,25 +367,16 @@ fn warn(result: &ResultFile, before: &str) {
 ///
 /// # Errors
 /// Fails if a table cannot be read, or if the first one is not the expected one.
-fn read_tables(arguments: &Arguments, others: &mut Vec<OtherTable>) -> Result<Table, Failure> {
-    let table = tables::read(arguments.first_table())?;
-    expected(arguments, &table)?;
+fn read_tables(
+    arguments: &Arguments,
+    expected: &Expected,
+    others: &mut Vec<OtherTable>,
+) -> Result<Table, Failure> {
+    let table = expected.read(arguments.first_table())?;
     for path in arguments.table.iter().skip(1) {
         others.push(OtherTable::read(path)?);
     }
     Ok(table)
-}
-
-/// Refuses a table of another content hash than was asked for.
-fn expected(arguments: &Arguments, table: &tables::Table) -> Result<(), Failure> {
-    let found = table.content_hash();
-    match &arguments.expect_table {
-        Some(hash) if !hash.eq_ignore_ascii_case(&found) => Err(Failure::OtherTable {
-            table: arguments.first_table().to_owned(),
-            found,
-        }),
-        _ => Ok(()),
-    }
 }
 
 /// Reads a RESULT.json of one fit.

@@ -1,9 +1,11 @@
 //! Errors that end a verb.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use tables::OutputError;
 
+use crate::document::FileLine;
 use crate::estimate::error as estimate;
 use crate::estimate::scene;
 #[cfg(feature = "images")]
@@ -15,6 +17,34 @@ use crate::predict::error as predict;
 #[cfg(feature = "report")]
 use crate::report::plot;
 use crate::simulate::error as simulate;
+
+/// Place where the hash of the expected table stands.
+#[derive(Debug, Clone)]
+pub(crate) enum Asked {
+    /// Option `--expect-table`.
+    Option,
+    /// Key of the manifest, at this line.
+    Key(FileLine),
+}
+
+impl Asked {
+    /// Returns the name of the option or key, as a user writes it.
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Asked::Option => "--expect-table",
+            Asked::Key(_) => "`expect_table`",
+        }
+    }
+}
+
+impl fmt::Display for Asked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Asked::Option => f.write_str(self.name()),
+            Asked::Key(place) => write!(f, "{} in {place}", self.name()),
+        }
+    }
+}
 
 /// Error that ends a verb.
 #[derive(Debug, thiserror::Error)]
@@ -59,17 +89,32 @@ pub(crate) enum Failure {
     /// Failure of the simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),
-    /// Table of another content hash than `--expect-table` names.
+    /// Table of another content hash than `--expect-table` or the manifest names.
     #[error(
-        "{}: has the content hash {found}, not that of --expect-table; get the table from who gave \
-        you the hash, or leave the option out",
-        table.display()
+        "{}: has the content hash {found}, not that of {asked}; get the table from who gave you \
+        the hash, or leave {} out",
+        table.display(), asked.name()
     )]
     OtherTable {
         /// Path of the table.
         table: PathBuf,
         /// Content hash of the table, lower-case hex.
         found: String,
+        /// Place where the expected hash stands.
+        asked: Asked,
+    },
+    /// Manifest and command line that ask for different tables.
+    #[error(
+        "{place}: `expect_table` and --expect-table name different hashes, {key} and {option}; \
+        correct one of them, or leave one out"
+    )]
+    TwoTables {
+        /// Place of the key.
+        place: FileLine,
+        /// Hash of the key.
+        key: String,
+        /// Hash of the option.
+        option: String,
     },
     /// Output that cannot be reserved or written.
     #[error(transparent)]

@@ -7,6 +7,7 @@
 mod estimate;
 #[cfg(feature = "images")]
 mod evaluate;
+mod expected;
 mod export;
 mod failure;
 mod forward;
@@ -22,5 +23,9 @@ mod simulate;
 mod study;
 mod terms;
 mod verbs;
+#[cfg(feature = "images")]
+mod view;
 
 pub use verbs::main;
+#[cfg(feature = "images")]
+pub use view::render_view;

@@ -76,6 +76,9 @@ pub(crate) struct Arguments {
     /// Parameters of the campaign: camera, sheet and captures, as TOML.
     pub params: PathBuf,
     /// Folder that is made and receives the campaign.
+    ///
+    /// The manifest captures.toml comes last: a folder that has one is whole, even if the program
+    /// was killed.
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Exact table of the sheet, in place of the ideal cube.

@@ -12,6 +12,7 @@ use tables::cli as terminal;
 
 use tables::{Outputs, Table};
 
+use crate::cli::expected;
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::study::all::run_all;
@@ -24,7 +25,6 @@ use crate::estimate::Kind;
 use crate::estimate::Scene;
 use crate::estimate::Watch;
 use crate::estimate::select::select;
-use crate::photographs::captures;
 #[cfg(feature = "report")]
 use crate::report::{picture, speed as speed_picture};
 use crate::study::Ranges;
@@ -177,12 +177,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             rendered(arguments, captures, &pool)?
         }
         (None, Some(captures)) => {
-            let campaign = captures::load(captures)?;
+            let (campaign, expected) = expected::campaign(captures, None)?;
             #[cfg(feature = "report")]
             let mut outputs = Outputs::beside([captures.as_path(), &arguments.table]);
             #[cfg(feature = "report")]
             let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
-            let table = tables::read(&arguments.table)?;
+            let table = expected.read(&arguments.table)?;
             let open = arguments.terms.candidates("fit study");
             let start = Instant::now();
             let scene = pool.install(|| Scene::load(&campaign, &table))?;
@@ -212,12 +212,12 @@ fn rendered(
 ) -> Result<String, Failure> {
     let mut open = arguments.terms.candidates("fit study");
     sampled::only(&mut open, None, "fit study");
-    let campaign = captures::load(captures)?;
+    let (campaign, expected) = expected::campaign(captures, None)?;
     #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
     #[cfg(feature = "report")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
-    let table = tables::read(&arguments.table)?;
+    let table = expected.read(&arguments.table)?;
     let speed = pool.install(|| -> Result<Speed, Failure> {
         let scene = Scene::load(&campaign, &table)?;
         let choice = select(&scene, Kind::Mtf, &open, &Watch::NOBODY)?

@@ -6,6 +6,7 @@
 //! is returned is finite and in range, and every image exists.
 
 pub(crate) mod error;
+pub(crate) mod expected;
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,7 @@ use crate::document::error as document;
 use crate::document::{Document, Section};
 use crate::names::Spectrum;
 use crate::photographs::captures::error::Error;
+use crate::photographs::captures::expected::ExpectedTable;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
@@ -33,12 +35,13 @@ const SHARED: [&str; 6] = [
     "accept",
 ];
 /// Keys of `[setup]` alone.
-const SETUP: [&str; 5] = [
+const SETUP: [&str; 6] = [
     "pixel_pitch_mm",
     "seen_in_mirror",
     "half_mirror_transmittance",
     "half_mirror_reflectance",
     "wavelength_nm",
+    expected::KEY,
 ];
 /// Keys of a photograph, with or without the sheet.
 const SHOT: [&str; 6] = ["image", "exposure", "roi", "transfer", "channel", "accept"];
@@ -225,7 +228,19 @@ impl Campaign {
     }
 }
 
+/// A manifest that has been checked: its campaign, and the table that the campaign asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Manifest {
+    /// Campaign of the manifest.
+    pub(crate) campaign: Campaign,
+    /// Table that the campaign must be fitted with; `None` if any table will do.
+    pub(crate) expected_table: Option<ExpectedTable>,
+}
+
 /// Reads and checks a manifest. Photographs are only looked for here; [`Shot::load`] decodes them.
+///
+/// The key `expect_table` is checked to be a hash. The programs compare it with their table; a
+/// caller of this function chooses the table in code.
 ///
 /// If the manifest does not give `exposure`, it is 1 for the reference. For a capture it is then
 /// the ratio of the camera's settings (Exif) to those of the reference, because mu is a ratio of
@@ -236,6 +251,14 @@ impl Campaign {
 /// is not TOML, a key that is unknown, missing or out of range, an image that does not exist, an
 /// exposure that neither the manifest nor the camera gives, or a manifest without captures.
 pub fn load(file: &Path) -> Result<Campaign, Error> {
+    Ok(read(file)?.campaign)
+}
+
+/// Reads and checks a manifest as [`load`] does, and keeps the table that it asks for.
+///
+/// # Errors
+/// Returns the errors of [`load`].
+pub(crate) fn read(file: &Path) -> Result<Manifest, Error> {
     let document = Document::read(file)?;
     let table = document.parse()?;
     let root = Section::root(&document, &table, &["setup", "reference", "capture"])?;
@@ -243,6 +266,7 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
     let setup_keys = root.required("setup", root.section("setup", &known)?)?;
     let mut warnings = Vec::new();
     let setup = read_setup(&setup_keys, file, &mut warnings)?;
+    let expected_table = expected::read(&setup_keys)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let shared = Shared {
         keys: &setup_keys,
@@ -303,12 +327,15 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
             ));
         }
     }
-    Ok(Campaign {
-        file: file.to_owned(),
-        setup,
-        reference,
-        captures,
-        warnings,
+    Ok(Manifest {
+        campaign: Campaign {
+            file: file.to_owned(),
+            setup,
+            reference,
+            captures,
+            warnings,
+        },
+        expected_table,
     })
 }
 

@@ -1,17 +1,25 @@
-//! Writing of a simulated campaign: photographs, captures.toml and truth.json, all or nothing.
+//! Writing of a simulated campaign: photographs, truth.json and captures.toml.
+//!
+//! A folder that has captures.toml is whole: the manifest is the first file that goes and the last
+//! that comes.
 
 use std::fmt::Write as _;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage,
 };
 use serde_json::{Value, json};
+use tempfile::TempDir;
 
 use crate::simulate::error::Error;
 use crate::simulate::jpeg;
 use crate::simulate::params::{ByIncidence, Params, PlantedShot};
 use crate::simulate::photograph::photograph;
+
+/// Name of the manifest.
+const MANIFEST: &str = "captures.toml";
 
 /// A summary of the files that were written.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +36,10 @@ pub(crate) struct Report {
 
 /// Simulates a campaign into `folder`, which is created. The same parameters give the same bytes.
 ///
-/// All files are made in a temporary folder beside `folder` and moved when they are complete.
+/// All files are made in a temporary folder beside `folder`. If there is no `folder` yet, the
+/// temporary one is renamed, in one step. Else an old manifest is removed, the files are moved one
+/// by one, and the manifest comes last. So a folder that has a manifest is whole, whenever the
+/// program is killed.
 ///
 /// # Errors
 /// Returns [`Error::NotEmpty`] if the folder holds anything and `force` is not set,
@@ -53,13 +64,10 @@ pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report,
         .filter(|path| !path.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
     std::fs::create_dir_all(parent).map_err(cannot(parent))?;
-    let scratch = tempfile::Builder::new()
-        .prefix(".simulate")
-        .tempdir_in(parent)
-        .map_err(cannot(parent))?;
+    let scratch = tables::scratch_folder(parent).map_err(cannot(parent))?;
 
     let mut report = Report {
-        manifest: folder.join("captures.toml"),
+        manifest: folder.join(MANIFEST),
         photographs: 0,
         clipped: 0,
         warnings: Vec::new(),
@@ -84,19 +92,12 @@ pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report,
         )?;
         names.push(name);
     }
-    for (name, text) in [
-        ("captures.toml", manifest(params)),
-        ("truth.json", truth(params)),
-    ] {
+    for (name, text) in [("truth.json", truth(params)), (MANIFEST, manifest(params))] {
         let file = scratch.path().join(name);
         std::fs::write(&file, text).map_err(cannot(&file))?;
         names.push(name.to_owned());
     }
-    std::fs::create_dir_all(folder).map_err(cannot(folder))?;
-    for name in names {
-        let target = folder.join(&name);
-        std::fs::rename(scratch.path().join(&name), &target).map_err(cannot(&target))?;
-    }
+    put(&scratch, folder, &names)?;
     if report.clipped > 0 {
         report.warnings.push(format!(
             "{} pixels are clipped at full scale; lower `exposure`.",
@@ -104,6 +105,30 @@ pub(crate) fn run(params: &Params, folder: &Path, force: bool) -> Result<Report,
         ));
     }
     Ok(report)
+}
+
+/// Moves the files of a temporary folder to their place, the last of `names` last.
+///
+/// # Errors
+/// Returns [`Error::Write`] if a file or folder cannot be moved.
+fn put(scratch: &TempDir, folder: &Path, names: &[String]) -> Result<(), Error> {
+    let cannot = |file: &Path| {
+        let file = file.to_owned();
+        move |source| Error::Write { file, source }
+    };
+    if !folder.exists() {
+        return std::fs::rename(scratch.path(), folder).map_err(cannot(folder));
+    }
+    let manifest = folder.join(MANIFEST);
+    match std::fs::remove_file(&manifest) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(cannot(&manifest)(error)),
+        _ => {}
+    }
+    for name in names {
+        let target = folder.join(name);
+        std::fs::rename(scratch.path().join(name), &target).map_err(cannot(&target))?;
+    }
+    Ok(())
 }
 
 fn save(

@@ -45,7 +45,7 @@ fn every_bad_file_is_refused_with_its_message() {
         .parse()
         .unwrap();
     let groups: [(&str, Refuse, usize); 3] = [
-        ("manifests", manifest_error, 30),
+        ("manifests", manifest_error, 31),
         ("images", image_error, 21),
         ("simulate", simulate_error, 4),
     ];

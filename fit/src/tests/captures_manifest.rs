@@ -189,3 +189,31 @@ fn what_is_left_out_has_a_default_and_a_warning() {
         );
     }
 }
+
+#[test]
+fn the_expected_table_is_a_hash_of_either_case() {
+    let hash = "0123456789abcdefABCDEF0123456789abcdefABCDEF0123456789abcdefABCD";
+    let folder = tempfile::tempdir().unwrap();
+    let image = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad/good.exr");
+    std::fs::copy(&image, folder.path().join("one.exr")).unwrap();
+    let file = folder.path().join("captures.toml");
+    let read = |key: &str| {
+        let text = format!(
+            "[setup]\npixel_pitch_mm = 0.05\n{key}\n[[capture]]\nimage = \"one.exr\"\n\
+            floating_distance_mm = 150\nincidence_deg = 20\n"
+        );
+        std::fs::write(&file, text).unwrap();
+        captures::read(&file).map(|manifest| manifest.expected_table)
+    };
+    let found = read(&format!("expect_table = \"{hash}\""))
+        .unwrap()
+        .unwrap();
+    assert_eq!((found.hash, found.place.line), (hash.to_lowercase(), 3));
+    assert_eq!(read("").unwrap(), None);
+    let long = format!("{hash}0");
+    let none = hash.replace('0', "g");
+    for bad in [&hash[1..], &long, &none, ""] {
+        let error = read(&format!("expect_table = \"{bad}\"")).unwrap_err();
+        assert!(error.to_string().contains("no content hash"), "{error}");
+    }
+}

@@ -21,11 +21,7 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 /// Returns the errors of [`opened`] and of [`table`].
 pub(crate) fn here(path: &Path) -> Result<Table, Error> {
     let (file, bytes) = opened(path)?;
-    let content = content(file, bytes).map_err(|source| Error::Open {
-        file: path.to_owned(),
-        source,
-    })?;
-    table(content, path)
+    table(content(file, bytes, path)?, path)
 }
 
 /// Opens a file and returns it with its length in bytes.
@@ -63,12 +59,21 @@ pub(crate) fn opened(path: &Path) -> Result<(File, u64), Error> {
     Ok((file, bytes))
 }
 
-/// Reads a file of this length into memory, or what there is of it.
-pub(crate) fn content(file: impl Read, bytes: u64) -> io::Result<Vec<u8>> {
-    let mut content = Vec::new();
-    content.try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-    file.take(bytes).read_to_end(&mut content)?;
-    Ok(content)
+/// Reads at most `bytes` bytes of a file into memory; `name` is for messages.
+///
+/// # Errors
+/// Returns [`Error::Open`] if the file cannot be read, or if there is no memory for it.
+pub(crate) fn content(file: impl Read, bytes: u64, name: &Path) -> Result<Vec<u8>, Error> {
+    let read = || {
+        let mut content = Vec::new();
+        content.try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+        file.take(bytes).read_to_end(&mut content)?;
+        io::Result::Ok(content)
+    };
+    read().map_err(|source| Error::Open {
+        file: name.to_owned(),
+        source,
+    })
 }
 
 /// Makes a table from the bytes of a file; `name` is for messages.

@@ -101,7 +101,9 @@ fn memory(file_bytes: u64, claimed: u64) -> u64 {
 
 /// Returns the greatest time on the processor for a file of this length, seconds.
 ///
-/// A second hashes and searches 32 MiB of the file at least twice over, and inflates 200 MiB.
+/// The start takes 5 seconds at most. A second is given for every 32 MiB of the file, which can be
+/// hashed and searched more than twice in it, and for every 32 MiB of content, of which a second
+/// inflates 200 MiB.
 fn processor(file_bytes: u64, claimed: u64) -> u64 {
     5 + (file_bytes >> 25) + (claimed >> 25)
 }

@@ -10,11 +10,8 @@ pub(crate) const OUT_OF_TIME: i32 = Signal::XCPU.as_raw();
 /// Limits can be raised again, up to those of [`cap`]. If the system refuses, the process goes on
 /// without them.
 pub(crate) fn set(bytes: u64, seconds: u64) {
-    for (resource, wanted) in [(Resource::As, bytes), (Resource::Cpu, seconds)] {
-        let maximum = getrlimit(resource).maximum;
-        let current = Some(maximum.map_or(wanted, |most| wanted.min(most)));
-        let _ = setrlimit(resource, Rlimit { current, maximum });
-    }
+    limit(Resource::As, bytes, None);
+    limit(Resource::Cpu, seconds, None);
 }
 
 /// Returns the greatest length of a file that this process may write, bytes; `None` without a
@@ -27,21 +24,22 @@ pub(crate) fn longest_file() -> Option<u64> {
 ///
 /// Returns whether the system took all limits.
 pub(crate) fn cap(bytes: u64, seconds: u64) -> bool {
+    let memory = limit(Resource::As, bytes, Some(bytes));
     // The soft limit of the processor's time sends a signal that can be told from others.
-    let limits = [
-        (Resource::As, bytes, bytes),
-        (Resource::Cpu, seconds, seconds + 1),
-        (Resource::Core, 0, 0),
-    ];
-    limits
-        .into_iter()
-        .fold(true, |taken, (resource, soft, hard)| {
-            let most = getrlimit(resource).maximum;
-            let below = |wanted: u64| Some(most.map_or(wanted, |most| wanted.min(most)));
-            let limit = Rlimit {
-                current: below(soft),
-                maximum: below(hard),
-            };
-            setrlimit(resource, limit).is_ok() && taken
-        })
+    let time = limit(Resource::Cpu, seconds, Some(seconds + 1));
+    let core = limit(Resource::Core, 0, Some(0));
+    memory && time && core
+}
+
+/// Sets a soft limit, and a hard one if it is given, no higher than the hard limit that there is.
+///
+/// Returns whether the system took it.
+fn limit(resource: Resource, soft: u64, hard: Option<u64>) -> bool {
+    let most = getrlimit(resource).maximum;
+    let below = |wanted: u64| Some(most.map_or(wanted, |most| wanted.min(most)));
+    let limit = Rlimit {
+        current: below(soft),
+        maximum: hard.map_or(most, below),
+    };
+    setrlimit(resource, limit).is_ok()
 }

@@ -1,9 +1,10 @@
-//! Partial files: their names, and the removal of those that a killed run left behind.
+//! Partial files and folders: their names, and the removal of those that a killed run left behind.
 //!
 //! A name holds the start of the machine, the space of processes and the process, so that a later
 //! run can prove that its writer is dead: no other machine and no container shares the first two.
 
 use std::fs;
+use std::io;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -12,6 +13,8 @@ use rustix::process::{Pid, test_kill_process};
 use sha2::{Digest, Sha256};
 
 use crate::file::content::hex;
+
+use tempfile::TempDir;
 
 /// Start of the names of partial files.
 const PREFIX: &str = ".airr-";
@@ -41,7 +44,28 @@ fn home() -> Option<&'static str> {
     home.as_deref()
 }
 
-/// Removes the partial files in a folder whose writers are dead.
+/// Makes a partial folder within `parent`, for an output that is a folder. It is removed when it is
+/// dropped, unless it was renamed.
+///
+/// Partial files and folders that killed runs of this machine left in `parent` are removed.
+///
+/// # Errors
+/// Returns the error of the system if `parent` takes no folder.
+pub fn scratch_folder(parent: &Path) -> io::Result<TempDir> {
+    sweep(parent);
+    let prefix = prefix();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(SUFFIX);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // The rights of any new folder (the umask applies), for it is renamed to the output.
+        builder.permissions(fs::Permissions::from_mode(0o777));
+    }
+    builder.tempdir_in(parent)
+}
+
+/// Removes the partial files and folders in a folder whose writers are dead.
 pub(crate) fn sweep(folder: &Path) {
     let (Some(home), Ok(entries)) = (home(), fs::read_dir(folder)) else {
         return;
@@ -55,10 +79,15 @@ pub(crate) fn sweep(folder: &Path) {
             .filter(|rest| rest.ends_with(SUFFIX))
             .and_then(|rest| rest.split('-').next()?.parse::<i32>().ok())
             .and_then(Pid::from_raw);
-        let is_file = || entry.file_type().is_ok_and(|kind| kind.is_file());
-        if writer.is_some_and(is_dead) && is_file() {
-            let _ = fs::remove_file(entry.path());
+        if !writer.is_some_and(is_dead) {
+            continue;
         }
+        // A link is neither a file nor a folder here, and stays.
+        let _ = match entry.file_type() {
+            Ok(kind) if kind.is_file() => fs::remove_file(entry.path()),
+            Ok(kind) if kind.is_dir() => fs::remove_dir_all(entry.path()),
+            _ => Ok(()),
+        };
     }
 }
 
@@ -100,10 +129,23 @@ mod tests {
         for (name, _) in &names {
             fs::write(folder.path().join(name), "").expect("a file");
         }
-        sweep(folder.path());
+        let of_dead = |random: &str| {
+            folder
+                .path()
+                .join(format!(".airr-{home}-{dead}-{random}.partial"))
+        };
+        let (left, link) = (of_dead("folder"), of_dead("link"));
+        fs::create_dir(&left).expect("a folder");
+        fs::write(left.join("image"), "").expect("a file in it");
+        let precious = tempfile::tempdir().expect("a folder elsewhere");
+        fs::write(precious.path().join("mine"), "").expect("a file in it");
+        std::os::unix::fs::symlink(precious.path(), &link).expect("a link");
+        let living = scratch_folder(folder.path()).expect("it sweeps, and makes a folder");
+        assert!(!left.exists() && living.path().is_dir());
+        assert!(link.is_symlink() && precious.path().join("mine").exists());
         for (name, stays) in &names {
             assert_eq!(folder.path().join(name).exists(), *stays, "{name}");
         }
-        println!("{} names", names.len());
+        println!("{} names", names.len() + 3);
     }
 }

@@ -40,9 +40,5 @@ pub fn read(path: &Path) -> Result<Table, Error> {
 /// Returns [`Error::Open`] if the file cannot be read.
 pub fn is_sealed(path: &Path) -> Result<bool, Error> {
     let (file, bytes) = opened(path)?;
-    let content = content(file, bytes).map_err(|source| Error::Open {
-        file: path.to_owned(),
-        source,
-    })?;
-    Ok(seal::check(&content) == Seal::Intact)
+    Ok(seal::check(&content(file, bytes, path)?) == Seal::Intact)
 }

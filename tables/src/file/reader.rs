@@ -8,7 +8,6 @@
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
-use crate::error::error::Error;
 use crate::file::{here, ledger};
 
 /// Version of this crate, which both programs must share.
@@ -33,7 +32,7 @@ pub enum Protection {
 }
 
 impl Protection {
-    /// All of them.
+    /// All protections.
     pub const ALL: [Protection; 3] = [Protection::Limits, Protection::Files, Protection::Calls];
 
     /// Returns the protection in words, for a sentence.
@@ -51,7 +50,7 @@ impl Protection {
         1 << self as u8
     }
 
-    /// Returns those whose bits are set.
+    /// Returns the protections whose bits are set.
     pub(crate) fn of(bits: u8) -> Vec<Protection> {
         let mut found = Protection::ALL.to_vec();
         found.retain(|one| bits & one.bit() != 0);
@@ -81,12 +80,8 @@ pub fn answer(
     out: impl Write,
 ) -> io::Result<()> {
     let missing = lacking.iter().fold(0, |bits, one| bits | one.bit());
-    let table = here::content(from, file_bytes)
-        .map_err(|source| Error::Open {
-            file: name.to_owned(),
-            source,
-        })
-        .and_then(|content| here::table(content, name));
+    let content = here::content(from, file_bytes, name);
+    let table = content.and_then(|content| here::table(content, name));
     let mut out = BufWriter::with_capacity(1 << 16, out);
     match table {
         Ok(table) => {

@@ -43,7 +43,14 @@ fn refused(folder: &Path, words: &[&str], code: i32, what: &str) {
     );
 }
 
-/// Adler-32 and CRC-32 of PNG, slowly.
+/// Writes the mesh of a cube corner to cell.obj.
+#[track_caller]
+fn design_a_cell(here: &Path) {
+    let words = ["bake", "design", "triangular", "-o", "cell.obj"];
+    refused(here, &words, 0, "");
+}
+
+/// Computes the CRC-32 of a part of a PNG, bit by bit.
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0_u32, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte), |crc, _| {
@@ -158,7 +165,8 @@ fn meshes_cost_what_their_caps_say() {
         }
         file.flush().unwrap();
     };
-    // As many vertices and faces as are read, with no cell in them, and one face more.
+    // The first mesh has the greatest numbers of vertices and faces that are read, and no cell in
+    // them. The second has one face more.
     let most = 1 << 21;
     let mesh = |n: u32| match n {
         n if n < most => format!("v {n} {} 0.5\n", n % 7),
@@ -307,39 +315,6 @@ fn numbers_beyond_the_field_are_refused() {
     refused(here, &study, 1, "r.toml:1");
 }
 
-/// A table of another content hash than the expected one is not used.
-#[test]
-fn an_unexpected_table_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    let table = bake_table_with(here, "triangular-pair", "0:45:5", "30", &["--bins", "16"]);
-    let hash = tables::read(&here.join(&table)).unwrap().content_hash();
-    let manifest = argument("tests/captures/public_per_angle/captures.toml");
-    let estimate = |hash: &str, code: i32, what: &str| {
-        let words = [
-            "fit",
-            "estimate",
-            &manifest,
-            "--table",
-            &table,
-            "--kernel",
-            "eq1",
-            "--lobe",
-            "radial",
-            "--shared",
-            "a,c,mu",
-            "--loss",
-            "mtf",
-            "--expect-table",
-            hash,
-        ];
-        refused(here, &words, code, what);
-    };
-    estimate(&hash.to_uppercase(), 0, "");
-    estimate(&"0".repeat(64), 1, &format!("has the content hash {hash}"));
-    estimate(&hash[..63], 1, "not that of --expect-table");
-}
-
 /// Numbers of a result that no sheet has.
 #[test]
 fn hostile_results_are_refused() {
@@ -401,12 +376,7 @@ fn outputs_are_refused_before_the_work() {
     design("none/x.obj", "its folder takes no file");
     design(&long, "its folder takes no file");
     design("dead.obj", "is a link that leads nowhere");
-    refused(
-        here,
-        &["bake", "design", "triangular", "-o", "cell.obj"],
-        0,
-        "",
-    );
+    design_a_cell(here);
     let trace = ["bake", "trace", "cell.obj", "-o"];
     refused(
         here,
@@ -432,12 +402,7 @@ fn outputs_are_refused_before_the_work() {
     // The rights of a file that is replaced stay, whatever the umask.
     for mode in [0o600, 0o666, 0o640] {
         fs::set_permissions(here.join("cell.obj"), fs::Permissions::from_mode(mode)).unwrap();
-        refused(
-            here,
-            &["bake", "design", "triangular", "-o", "cell.obj"],
-            0,
-            "",
-        );
+        design_a_cell(here);
         let found = fs::metadata(here.join("cell.obj"))
             .unwrap()
             .permissions()
@@ -461,12 +426,7 @@ fn outputs_are_refused_before_the_work() {
 fn saves_follow_no_link() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    refused(
-        here,
-        &["bake", "design", "triangular", "-o", "cell.obj"],
-        0,
-        "",
-    );
+    design_a_cell(here);
     let precious = here.join("precious");
     fs::write(&precious, "mine").unwrap();
     symlink(&precious, here.join("cell.h5.resume")).unwrap();
@@ -500,12 +460,7 @@ fn saves_follow_no_link() {
 fn control_characters_reach_no_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    refused(
-        here,
-        &["bake", "design", "triangular", "-o", "cell.obj"],
-        0,
-        "",
-    );
+    design_a_cell(here);
     let text = fs::read_to_string(here.join("cell.obj")).unwrap();
     let named = "\u{1b}]0;owned\u{7}\u{202e}name";
     let mut tried = 0;

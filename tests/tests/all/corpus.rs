@@ -19,7 +19,7 @@ type Target = (&'static str, fn(&[u8]));
 
 #[test]
 fn the_corpus_is_answered() {
-    let targets: [Target; 7] = [
+    let targets: [Target; 8] = [
         ("obj", fuzz::obj),
         ("gltf", fuzz::gltf),
         ("table", fuzz::table),
@@ -27,6 +27,7 @@ fn the_corpus_is_answered() {
         ("toml", fuzz::toml),
         ("result", fuzz::result),
         ("polygons", fuzz::polygons),
+        ("view", fuzz::view),
     ];
     for (name, answer) in targets {
         let folder = project().join("fuzz/corpus").join(name);

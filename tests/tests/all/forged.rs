@@ -113,6 +113,61 @@ fn a_changed_and_sealed_table_is_noticed() {
     println!("{} forgeries", cases.len());
 }
 
+/// Cuts every polygon in two, from its first corner to the middle of its second edge, and turns the
+/// order of the paths around.
+fn recut(table: &mut Table) {
+    for paths in &mut table.exact.as_mut().unwrap().paths {
+        let halves = paths.iter().rev().flat_map(|path| {
+            let (first, [a, b]) = (path.polygon[0], [path.polygon[1], path.polygon[2]]);
+            let middle = [0, 1].map(|k| f64::midpoint(a[k], b[k]));
+            let polygons = [
+                vec![first, a, middle],
+                [&[first, middle], &path.polygon[2..]].concat(),
+            ];
+            polygons.map(|polygon| tables::Path {
+                polygon,
+                ..path.clone()
+            })
+        });
+        *paths = halves.collect();
+    }
+}
+
+/// Moves the light of one half by a millionth of an edge length.
+fn moved(table: &mut Table) {
+    table.exact.as_mut().unwrap().paths[0][0].offset[0] += 1e-6;
+}
+
+/// Tables of equal light in other polygons agree; what is changed besides is noticed.
+#[test]
+fn tables_with_other_cuts_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let cells = ["triangular-pair", "triangular", "full-cube", "canted"];
+    let changes: [(&str, Change); 3] = [
+        ("maps times 1.5", scaled),
+        ("exit directions", turned),
+        ("the shift of one half", moved),
+    ];
+    for cell in cells {
+        let made = bake_table_with(here, cell, "0:40:20", "0,30", &["--bins", "64"]);
+        std::fs::rename(here.join(made), here.join("honest.h5")).unwrap();
+        forge(here, recut);
+        bake(here, &["verify", "forged.h5"]).done();
+        bake(here, &["compare", "honest.h5", "forged.h5"]).done();
+        bake(here, &["compare", "forged.h5", "honest.h5"]).done();
+        for (what, change) in changes {
+            let mut table = tables::read(&here.join("honest.h5")).unwrap();
+            recut(&mut table);
+            change(&mut table);
+            tables::write(&table, &here.join("forged.h5")).unwrap();
+            let compared = bake(here, &["compare", "honest.h5", "forged.h5"]);
+            assert_eq!(compared.code, Some(1), "{cell}, {what}: {}", compared.out);
+        }
+    }
+    println!("{} cells, {} changes of each", cells.len(), changes.len());
+}
+
 /// Exit directions of tables of rays: two seeds agree, a turned copy does not.
 #[test]
 fn exit_directions_of_rays_are_compared() {
@@ -166,4 +221,93 @@ fn exit_directions_of_rays_are_compared() {
     tables::write(&table, &here.join("turned.h5")).unwrap();
     let compared = bake(here, &["compare", "a.h5", "turned.h5"]);
     assert_eq!(compared.code, Some(1), "{}", compared.out);
+}
+
+/// Exit directions of an exact table and of tables of rays: honest ones agree, those whose light is
+/// turned, all of it or one path of it, do not.
+#[test]
+fn exit_directions_of_polygons_and_rays_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let worn = [
+        "design",
+        "triangular-pair",
+        "--dihedral-error-mrad",
+        "1,0.5,-0.7",
+    ];
+    bake(here, &[&worn[..], &["-o", "worn.obj"]].concat()).done();
+    let asked = [
+        "--incidence",
+        "0:40:5",
+        "--azimuth",
+        "0:50:10",
+        "--bins",
+        "16",
+    ];
+    let trace = |name: &str, method: &[&str]| {
+        let files = [
+            "trace",
+            "worn.obj",
+            "-o",
+            name,
+            "--refractive-index",
+            "1.49",
+        ];
+        bake(here, &[&files[..], &asked, method].concat()).done();
+    };
+    trace("honest.h5", &["--method", "exact"]);
+    let exact = tables::read(&here.join("honest.h5")).unwrap();
+    let rows = |first: &str, second: &str| {
+        let run = bake(here, &["compare", first, second, "--json"]);
+        let said: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+        (run.code, said["directions"].as_array().unwrap().clone())
+    };
+    let ratio = |row: &serde_json::Value| {
+        row["exits_l1"].as_f64().unwrap() / row["exits_limit"].as_f64().unwrap()
+    };
+    let (mut compared, mut largest) = (0, 0.0_f64);
+    for seed in ["1", "2", "3"] {
+        for sampler in ["random", "sobol"] {
+            let rays = [
+                "--method",
+                "rays",
+                "--rays",
+                "16384",
+                "--seed",
+                seed,
+                "--sampler",
+                sampler,
+            ];
+            trace("rays.h5", &rays);
+            for (first, second) in [("honest.h5", "rays.h5"), ("rays.h5", "honest.h5")] {
+                let (_, rows) = rows(first, second);
+                compared += rows.len();
+                largest = rows.iter().map(ratio).fold(largest, f64::max);
+            }
+        }
+    }
+    // The limit is 5 standard deviations above the mean: no row comes near it by chance, and a
+    // limit that is far too wide would show here.
+    assert!((0.2..1.0).contains(&largest), "{largest}");
+
+    let one: Change = |table| {
+        for paths in &mut table.exact.as_mut().unwrap().paths {
+            paths[0].deviation[1] += 1e-3;
+        }
+    };
+    let forgeries: [(&str, Change); 2] = [("all", turned), ("one", one)];
+    for (what, change) in forgeries {
+        let mut table = exact.clone();
+        change(&mut table);
+        tables::write(&table, &here.join("forged.h5")).unwrap();
+        let (code, rows) = rows("forged.h5", "rays.h5");
+        assert_eq!(code, Some(1), "{what}");
+        let noticed = rows.iter().filter(|row| ratio(row) > 1.0).count();
+        println!(
+            "turned {what}: noticed in {noticed} of {} directions",
+            rows.len()
+        );
+        assert!(noticed * 10 > rows.len() * 9, "{what}: {noticed}");
+    }
+    println!("{compared} directions compared, the largest at {largest:.2} of the limit");
 }

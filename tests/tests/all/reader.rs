@@ -5,7 +5,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use tests::files::bake_table_with;
+use tests::files::{argument, bake_table_with};
 use tests::program::fresh;
 
 /// Bakes a small table in `folder` and returns the path of a copy without its second half.
@@ -59,7 +59,7 @@ fn no_plug_in_is_loaded() {
         assert!(named(b"HDF5_PLUGIN_PATH"), "{program} holds the library");
         assert!(
             !named(b"/lib/plugin"),
-            "{program} names a folder of plug-ins"
+            "{program} names a folder of plug-ins; built long ago? cargo clean -p hdf5-metno-src"
         );
     }
     let verbs: [(&str, &[&str]); 5] = [
@@ -112,6 +112,69 @@ fn with_reader(here: &Path, script: Option<&str>) -> PathBuf {
         fs::set_permissions(&reader, fs::Permissions::from_mode(0o755)).unwrap();
     }
     bin.join("bake")
+}
+
+/// The three programs copied to a folder, as an installation puts them, find one another: by their
+/// path, by a link from elsewhere, with an empty environment, and from another folder.
+#[test]
+fn installed_programs_find_the_reader() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bin, links) = (folder.path().join("bin"), folder.path().join("links"));
+    let table = bake_table_with(folder.path(), "triangular-pair", "20", "30", &[]);
+    for made in [&bin, &links] {
+        fs::create_dir(made).unwrap();
+    }
+    for program in ["bake", "fit", "airr-reader"] {
+        fs::copy(fresh(program), bin.join(program)).unwrap();
+    }
+    for program in ["bake", "fit"] {
+        std::os::unix::fs::symlink(bin.join(program), links.join(program)).unwrap();
+    }
+    let fitted = argument("fuzz/corpus/result/honest");
+    let places = ["--distance", "150", "--incidence", "20"];
+    let predict = [&["predict", &fitted, "--table", &table][..], &places].concat();
+    let cases: [(&str, &[&str]); 2] = [("bake", &["verify", &table]), ("fit", &predict)];
+    let mut tried = 0;
+    for started in [&bin, &links] {
+        for (program, words) in cases {
+            let output = unbusy(|| {
+                Command::new(started.join(program))
+                    .args(words)
+                    .env_clear()
+                    .current_dir(folder.path())
+                    .output()
+            });
+            assert_eq!(
+                output.status.code(),
+                Some(0),
+                "{program}: {}",
+                said(&output)
+            );
+            tried += 1;
+        }
+    }
+    println!("{tried} runs");
+}
+
+/// Everything that installs the programs installs the reader too.
+#[test]
+fn the_reader_is_packed_with_the_programs() {
+    let read = |file: &str| fs::read_to_string(argument(file)).unwrap();
+    let wheel: toml::Table = read("wheel/Cargo.toml").parse().unwrap();
+    let packed: Vec<&str> = wheel["bin"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|bin| bin["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(packed, ["bake", "fit", "airr-reader"]);
+    let make = read("Makefile");
+    for package in ["bake", "fit", "reader"] {
+        assert!(
+            make.contains(&format!("install --locked --path {package}\n")),
+            "{package}"
+        );
+    }
 }
 
 /// Runs a program that was written a moment ago, again if it is busy.

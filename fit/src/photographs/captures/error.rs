@@ -38,6 +38,17 @@ pub enum Error {
         /// Path at which the image was looked for.
         image: PathBuf,
     },
+    /// A key `expect_table` that is no content hash.
+    #[error(
+        "{place}: `expect_table` is \"{text}\", which is no content hash; write the 64 hex digits \
+        that `bake verify` prints"
+    )]
+    NotAHash {
+        /// Place of the key.
+        place: FileLine,
+        /// Text of the key.
+        text: String,
+    },
     /// A manifest without any capture.
     #[error("{file}: has no [[capture]]; add one for each photograph of the mid-air image")]
     NoCaptures {

@@ -1,0 +1,67 @@
+//! The table that a user asks for by its content hash, and the refusal of any other.
+
+use std::path::Path;
+
+use tables::Table;
+
+use crate::cli::failure::{Asked, Failure};
+use crate::photographs::Campaign;
+use crate::photographs::captures::expected::ExpectedTable;
+use crate::photographs::captures::{self, Manifest};
+
+/// Hash that a table must have, if the user named one.
+#[derive(Debug)]
+pub(crate) struct Expected(Option<(String, Asked)>);
+
+/// Reads a manifest, and returns its campaign and the table that it and the option
+/// `--expect-table` ask for.
+///
+/// # Errors
+/// Returns [`Failure::Captures`] if the manifest cannot be used, and [`Failure::TwoTables`] if it
+/// and the option name different hashes.
+pub(crate) fn campaign(file: &Path, option: Option<&str>) -> Result<(Campaign, Expected), Failure> {
+    let Manifest {
+        campaign,
+        expected_table,
+    } = captures::read(file)?;
+    Ok((campaign, Expected::new(option, expected_table)?))
+}
+
+impl Expected {
+    /// Returns what the option `--expect-table` and the key of the manifest ask for together.
+    ///
+    /// # Errors
+    /// Returns [`Failure::TwoTables`] if they name different hashes.
+    fn new(option: Option<&str>, key: Option<ExpectedTable>) -> Result<Self, Failure> {
+        let Some(key) = key else {
+            let hash = option.map(|hash| (hash.to_ascii_lowercase(), Asked::Option));
+            return Ok(Expected(hash));
+        };
+        match option {
+            Some(option) if !option.eq_ignore_ascii_case(&key.hash) => Err(Failure::TwoTables {
+                place: key.place,
+                key: key.hash,
+                option: option.to_owned(),
+            }),
+            _ => Ok(Expected(Some((key.hash, Asked::Key(key.place))))),
+        }
+    }
+
+    /// Reads a table and refuses one of another hash.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Table`] if the table cannot be read, and [`Failure::OtherTable`] if it
+    /// has another content hash.
+    pub(crate) fn read(&self, path: &Path) -> Result<Table, Failure> {
+        let table = tables::read(path)?;
+        let found = table.content_hash();
+        match &self.0 {
+            Some((hash, asked)) if *hash != found => Err(Failure::OtherTable {
+                table: path.to_owned(),
+                found,
+                asked: asked.clone(),
+            }),
+            _ => Ok(table),
+        }
+    }
+}
