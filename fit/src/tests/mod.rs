@@ -16,6 +16,7 @@ mod correlation;
 mod curves;
 mod edge;
 mod estimate;
+mod exponent;
 #[cfg(feature = "report")]
 mod export;
 mod exposure;
