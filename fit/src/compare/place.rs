@@ -87,8 +87,8 @@ mod tests {
     use super::*;
 
     /// Moments of the pixels of a bin that is moved and turned, against means over the pixels
-    /// themselves, in double precision of numbers up to 10. The third moment is that of an edge that
-    /// is not turned: its part by the turn is left out.
+    /// themselves, in double precision of numbers up to 10. The third moment is that of an edge
+    /// that is not turned: its part by the turn is left out.
     #[test]
     fn moments_are_those_of_the_moved_pixels() {
         // Distance from the bin's centre, and position along the edge, pixels.

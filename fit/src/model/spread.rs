@@ -185,9 +185,9 @@ mod tests {
         assert_eq!(cases, 602);
     }
 
-    /// A normal blur may be a third as wide as the profile: the period is three profiles long, and at
-    /// the end of the profile the next image is five deviations away. It is a share of 3e-7 there,
-    /// with which the Fourier sum of a wide blur agrees to rounding.
+    /// A normal blur may be a third as wide as the profile: the period is three profiles long, and
+    /// at the end of the profile the next image is five deviations away. It is a share of 3e-7
+    /// there, with which the Fourier sum of a wide blur agrees to rounding.
     #[test]
     fn images_of_a_wide_blur_stay_away_from_a_long_profile() {
         let (bins, pitch_mm) = (1200_i32, 0.1);

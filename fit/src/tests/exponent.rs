@@ -122,8 +122,8 @@ fn stated_errors_hold_for_a_lens_with_the_exponent_1_6() {
 }
 
 /// The likelihood's derivatives by blur and exponent of the lens match differences. The gradient of
-/// the sum of squares, with the nuisances at their optimum, is 2 J^T r. Central differences with h =
-/// 1e-3 have an error of h^2/6 third derivatives: 1e-6 of the change of the gradient over a unit.
+/// the sum of squares, with the nuisances at their optimum, is 2 J^T r. Central differences with h
+/// = 1e-3 have an error of h^2/6 third derivatives: 1e-6 of the change of the gradient over a unit.
 /// The gradient is large 5 % off the optimum, and 1e-3 of it is enough to find any wrong column.
 #[test]
 fn derivatives_by_blur_and_exponent_of_the_lens_match_differences() {

@@ -38,6 +38,7 @@ mod prediction;
 mod raw;
 #[cfg(feature = "images")]
 mod render;
+mod ripples;
 mod sample;
 mod simulate_campaign;
 mod statistics;

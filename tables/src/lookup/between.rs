@@ -808,7 +808,8 @@ mod tests {
         }
     }
 
-    /// Returns two directions at `at` and `-at` in tau, each with half of the share and one polygon.
+    /// Returns two directions at `at` and `-at` in tau, each with half of the share and one
+    /// polygon.
     fn two(at: f64, polygons: [Vec<[f64; 2]>; 2]) -> [Node; 2] {
         let mut side = 1.0;
         polygons.map(|polygon| {
@@ -860,8 +861,8 @@ mod tests {
     /// In the middle the mean of two normals has the length cos(w/2), so that the sides lie 1 /
     /// cos(w/2) from the centre. If the normals move by more, all eight sides are lines of their
     /// own. In the other direction each touches the square at its corner, at cos(w) + sin(w). An
-    /// octagon about a circle of radius r with the turns w and pi/2 - w has the area 4 r^2 (tan(w/2)
-    /// + tan(pi/4 - w/2)).
+    /// octagon about a circle of radius r with the turns w and pi/2 - w has the area 4 r^2
+    /// (tan(w/2) + tan(pi/4 - w/2)).
     #[test]
     fn a_line_turns_by_three_tenths_and_no_further() {
         for (normals_apart, keeps) in [(0.299_f64, true), (0.301, false)] {
