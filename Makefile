@@ -206,11 +206,11 @@ manual: build
 		> target/manual/$$program.$(or $(SHELL_NAME),bash); done
 
 # Random small changes to the code of the rooms that compute (.cargo/mutants.toml), each tried by
-# its crate's own tests. SHARD: which sample is taken, 0 to 799; 12 changes each.
+# its crate's own tests. SHARD: which sample is taken, 0 to 2799; 4 changes each.
 mutants: tools
 	@$(CARGO) mutants --version >/dev/null 2>&1 && $(CARGO) nextest --version >/dev/null 2>&1 || { \
 		echo "mutants: needs cargo install --locked cargo-mutants cargo-nextest" >&2; exit 1; }
-	@CARGO_TARGET_DIR="$(CURDIR)/target/mutants" $(CARGO) mutants --shard $(or $(SHARD),0)/800 \
+	@CARGO_TARGET_DIR="$(CURDIR)/target/mutants" $(CARGO) mutants --shard $(or $(SHARD),0)/2800 \
 		--sharding round-robin --baseline skip --timeout 240 --output target
 
 bench: tools

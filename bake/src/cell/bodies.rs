@@ -368,3 +368,24 @@ fn same_facets(one: &[[DVec3; 3]], other: &[[DVec3; 3]], tolerance: f64) -> bool
             found.map(|i| free.swap_remove(i)).is_some()
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distances by hand, beside a side and beyond both of its ends. They round by an ulp of 5.
+    #[test]
+    fn beyond_its_ends_a_side_is_as_near_as_its_end() {
+        let (a, b) = (DVec2::new(1.0, -1.0), DVec2::new(3.0, -1.0));
+        let cases = [
+            (DVec2::new(2.0, 2.0), 3.0),
+            (DVec2::new(3.08, -1.0), 0.08),
+            (DVec2::new(0.95, -1.0), 0.05),
+            (DVec2::new(6.0, 3.0), 5.0),
+        ];
+        for (p, expected) in cases {
+            let found = distance_to_side(p, a, b);
+            assert!((found - expected).abs() < 2e-15, "{p}: {found}");
+        }
+    }
+}

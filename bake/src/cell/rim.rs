@@ -119,4 +119,32 @@ mod tests {
             "not planar"
         );
     }
+
+    /// Two triangular pits touch at a corner, in every direction from the origin and turned by
+    /// every angle in steps of 15 degrees. Each keeps its own three sides.
+    #[test]
+    fn pits_that_touch_at_a_corner_stay_two() {
+        let mut cases = 0;
+        for step in 0..24 {
+            let turn = DVec2::from_angle(f64::from(step) * 15_f64.to_radians());
+            for away in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
+                let place = |x: f64, y: f64| 3.0 * away + turn.rotate(DVec2::new(x, y));
+                let touching = place(0.0, 0.0);
+                let pits = [
+                    [place(1.0, -1.0), place(1.0, 1.0), touching],
+                    [place(-1.0, 1.0), place(-1.0, -1.0), touching],
+                ];
+                let triangles = pits.iter().flat_map(|pit| {
+                    let bottom = ((pit[0] + pit[1] + pit[2]) / 3.0).extend(-1.0);
+                    [0, 1, 2].map(|i| [bottom, pit[i].extend(0.0), pit[(i + 1) % 3].extend(0.0)])
+                });
+                let facets = join(&triangles.collect::<Vec<_>>());
+                let found = openings(&facets, 0.0, 2.0).expect("two pits");
+                let corners: Vec<usize> = found.iter().map(Vec::len).collect();
+                assert_eq!(corners, [3, 3], "{step} {away}");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 24 * 4);
+    }
 }

@@ -191,3 +191,38 @@ impl<'a> Form<'a> {
         one.len() == other.len() && one.iter().all(has)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::planes::join;
+    use meshes::Entrance;
+
+    /// A corner of three equal facets has the symmetry of its rim. If one corner of its triangle is
+    /// cut off, one mirror plane is left, which goes through the cut.
+    #[test]
+    fn a_corner_is_as_symmetric_as_its_rim() {
+        // Any height gives three equal facets.
+        let end = |k: f64| DVec2::from_angle(k * std::f64::consts::TAU / 3.0).extend(0.7);
+        let ends = [0.0, 1.0, 2.0].map(end);
+        let facets = join(&[0, 1, 2].map(|i| [DVec3::ZERO, ends[i], ends[(i + 1) % 3]]));
+        let [a, b, c] = ends.map(DVec3::truncate);
+        let cut = vec![a.lerp(c, 0.2), a.lerp(b, 0.2), b, c];
+        for (polygon, rotations) in [(vec![a, b, c], 3), (cut, 1)] {
+            let part = Part {
+                facets: facets.clone(),
+                entrance: Entrance {
+                    height: ends[0].z,
+                    polygon,
+                    lattice: None,
+                },
+                copies: 1,
+            };
+            let expected = Symmetry {
+                rotations,
+                mirror_deg: Some(0.0),
+            };
+            assert_eq!(of(&[part]), expected);
+        }
+    }
+}

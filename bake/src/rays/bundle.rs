@@ -348,4 +348,26 @@ mod tests {
         }
         assert_eq!(cases, 24);
     }
+
+    /// Two facets lie in one place. Whichever is offered first, all rays take the lower number.
+    #[test]
+    fn of_two_facets_in_one_place_the_lower_number_is_met() {
+        let corners = [
+            DVec3::new(-1.0, -1.0, 0.0),
+            DVec3::new(3.0, -1.0, 0.0),
+            DVec3::new(-1.0, 3.0, 0.0),
+        ];
+        let facet = crate::optics::Triangle::new(corners).expect("it spans a plane");
+        let aspect = facet.along(DVec3::NEG_Z).expect("it is met from the front");
+        for order in [[4, 7], [7, 4]] {
+            let mut bundle = Bundle::new();
+            let (x, y, z) = ([0.0, 0.25, 0.5], [0.5, 0.25, 0.0], [1.0, 2.0, 3.0]);
+            bundle.fill([&x, &y, &z], &[1e-15; 3], 1e-15);
+            for index in order {
+                assert!(bundle.offer(index, &aspect));
+            }
+            assert_eq!(bundle.facet[..3], [4; 3], "{order:?}");
+            assert_eq!(bundle.distance[..3], z);
+        }
+    }
 }

@@ -303,3 +303,45 @@ impl Node {
 fn single(v: DVec3) -> Vec3A {
     v.as_vec3a()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rays from ten million radii away meet what a loop over all facets says. Counted from there,
+    /// a position in f32 would be off by half a radius. In f64 it is off by 1e-9 radii, for both
+    /// alike, and the boxes are padded by more.
+    #[test]
+    fn rays_from_far_away_lose_no_digits() {
+        let side = 12;
+        let facets: Vec<Triangle> = (0..side * side)
+            .filter_map(|k| {
+                let low = DVec3::new(f64::from(k % side), f64::from(k / side), 0.0);
+                let lift = 0.1 * f64::from(k % 5);
+                Triangle::new([
+                    low,
+                    low + DVec3::new(0.9, 0.0, lift),
+                    low + DVec3::new(0.0, 0.9, 0.0),
+                ])
+            })
+            .collect();
+        let tree = Hierarchy::new(&facets);
+        let (mut cases, mut met) = (0, 0);
+        for k in 0..400 {
+            let target = DVec3::new(0.31 * f64::from(k % 40), 1.17 * f64::from(k / 40), 0.0);
+            let direction = DVec3::new(0.1, -0.2, -1.0).normalize();
+            let distance = 1e7 * tree.radius;
+            let ray = Ray::new(target - distance * direction, direction, tree.radius);
+            let mut slow = Nearest::within(f64::INFINITY);
+            for (index, facet) in facets.iter().enumerate() {
+                slow.offer(index, facet, &ray);
+            }
+            let fast = tree.nearest(&facets, &ray, f64::INFINITY);
+            assert_eq!((fast.facet, fast.distance), (slow.facet, slow.distance));
+            cases += 1;
+            met += u32::from(slow.facet.is_some());
+        }
+        assert_eq!(cases, 400);
+        assert!((100..300).contains(&met), "{met}");
+    }
+}

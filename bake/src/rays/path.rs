@@ -331,3 +331,52 @@ pub(crate) fn trace(
         travel: path.course.direction,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tables::options::Element;
+
+    /// In a sheet with glass, light is retroreflected if it leaves within the tolerance of straight
+    /// back, whatever the plane in which it is off. Within 1 % of the tolerance, the length of the
+    /// difference is off by at least 1e-6 of lengths that round by 1e-16.
+    #[test]
+    fn light_leaves_glass_straight_back_up_to_the_tolerance_and_no_further() {
+        let travel = DVec3::new(0.36, 0.48, -0.8);
+        let mut cases = 0;
+        for tolerance in [1e-4, 8.7e-3, 0.2] {
+            for kind in [Element::Retroreflector, Element::Plate] {
+                let rules = Rules {
+                    angular_tolerance_rad: tolerance,
+                    element: kind,
+                    glass_index: Some(1.5),
+                    ..Rules::mirrors(1.0)
+                };
+                let back = element::imaging(kind) * travel;
+                let across = back.cross(DVec3::X).normalize();
+                for axis in [across, back.cross(across)] {
+                    for part in [0.0, 0.99, -0.99, 1.01, -1.01] {
+                        let course = Course {
+                            direction: DMat3::from_axis_angle(axis, part * tolerance) * back,
+                            map: DMat3::IDENTITY,
+                            bounces: 1,
+                            crossings: 2,
+                        };
+                        let beyond = match kind {
+                            Element::Retroreflector => Fate::LeftAfter1,
+                            Element::Plate => Fate::Transmitted,
+                        };
+                        let expected = match part.abs() < 1.0 {
+                            true => Fate::Retroreflected,
+                            false => beyond,
+                        };
+                        let found = course.left_glass(travel, &rules);
+                        assert_eq!(found, expected, "{kind:?} {tolerance} {part}");
+                        cases += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(cases, 3 * 2 * 2 * 5);
+    }
+}

@@ -31,6 +31,9 @@ const STEPS: usize = 512;
 /// Largest depth of the tree, which is the number of masks that a bundle of rays keeps.
 pub(crate) const DEPTH: usize = 24;
 
+// No program is as deep as the limit of reflections, so no step tests for it.
+const _: () = assert!(DEPTH <= BOUNCE_LIMIT as usize);
+
 /// Largest distance that counts as rounding when tests are left out, edge lengths.
 const ROUNDING: f64 = 1e-12;
 
@@ -389,9 +392,6 @@ impl Builder<'_> {
         let cosine = line.direction.dot(facet.normal);
         if cosine > 0.0 {
             return self.step(bounces, tests, End::Fate(Fate::Absorbed));
-        }
-        if bounces as u32 == BOUNCE_LIMIT {
-            return self.step(bounces, tests, End::Fate(Fate::BounceLimit));
         }
         if self.rules.lets_through(cosine) {
             return self.step(bounces, tests, End::Fate(Fate::Transmitted));

@@ -81,3 +81,62 @@ impl Place {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Moments of the pixels of a bin that is moved and turned, against means over the pixels
+    /// themselves, in double precision of numbers up to 10. The third moment is that of an edge
+    /// that is not turned: its part by the turn is left out.
+    #[test]
+    fn moments_are_those_of_the_moved_pixels() {
+        // Distance from the bin's centre, and position along the edge, pixels.
+        let pixels = [
+            (-0.11, -3.0),
+            (0.02, -1.5),
+            (0.09, 0.5),
+            (0.12, 2.0),
+            (-0.05, 3.0),
+        ];
+        let n = pixels.len() as f64;
+        let mean =
+            |of: &dyn Fn(f64, f64) -> f64| pixels.iter().map(|&(u, t)| of(u, t)).sum::<f64>() / n;
+        let along = mean(&|_, t| t);
+        let bin = Bin {
+            number: 7,
+            count: n,
+            across: [1, 2, 3].map(|power| mean(&|u, _| u.powi(power))),
+            along,
+            spread: n * mean(&|_, t| (t - along).powi(2)),
+            cross: [1, 2].map(|power| n * mean(&|u, t| (t - along) * u.powi(power))),
+            ..Bin::default()
+        };
+        let mut cases = 0;
+        for place in [0.0, 0.1, -0.07, 0.81] {
+            for turn in [0.0, 0.02, -0.03] {
+                let found = Place::new(&bin, [place, turn]);
+                let whole = (place / BIN_PX).round();
+                assert_eq!(found.offset, 7 - whole as i64);
+                let moved = |u: f64, t: f64| (u - place + turn * t) / BIN_PX + whole;
+                let expected = [
+                    mean(&|u, t| moved(u, t)),
+                    mean(&|u, t| moved(u, t).powi(2)) - 1.0 / 12.0,
+                ];
+                for (found, expected) in found.moments.into_iter().zip(expected) {
+                    assert!((found - expected).abs() < 1e-14, "{place} {turn}: {found}");
+                }
+                if turn == 0.0 {
+                    let expected = mean(&|u, t| moved(u, t).powi(3));
+                    assert!((found.moments[2] - expected).abs() < 1e-14, "{place}");
+                }
+                let expected = [along, mean(&|u, t| t * moved(u, t))];
+                for (found, expected) in found.turned.into_iter().zip(expected) {
+                    assert!((found - expected).abs() < 1e-14, "{place} {turn}: {found}");
+                }
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 12);
+    }
+}

@@ -185,6 +185,35 @@ mod tests {
         assert_eq!(cases, 602);
     }
 
+    /// A normal blur may be a third as wide as the profile: the period is three profiles long, and
+    /// at the end of the profile the next image is five deviations away. It is a share of 3e-7
+    /// there, with which the Fourier sum of a wide blur agrees to rounding.
+    #[test]
+    fn images_of_a_wide_blur_stay_away_from_a_long_profile() {
+        let (bins, pitch_mm) = (1200_i32, 0.1);
+        let grid = Grid::new(bins as usize, pitch_mm);
+        let deviation = f64::from(bins) / 3.0;
+        let deviation_mm = deviation * BIN_PX * pitch_mm;
+        let otf: Vec<Complex64> = grid
+            .frequencies_per_mm()
+            .map(|f| (-2.0 * (PI * deviation_mm * f).powi(2)).exp().into())
+            .collect();
+        let edge = grid.even(&otf, 0.0);
+        let mut cases = 0;
+        for offset in (-bins / 2..=bins / 2).step_by(20) {
+            let z = f64::from(offset) / deviation;
+            let expected = 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+            let found = edge.around(offset.into())[0];
+            // The bins add a twelfth of a squared bin to a variance of 160,000, 3e-7.
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "{offset}: {found} {expected}"
+            );
+            cases += 1;
+        }
+        assert_eq!(cases, 61);
+    }
+
     /// Compares the profile behind a kinked OTF with its closed form: exp(-2 pi g |f|) belongs to
     /// the line spread g / (pi (s^2 + g^2)), whose tails fall as 1/s^2. Its edge 1/2 + atan(s/g)/pi
     /// is averaged over each bin.

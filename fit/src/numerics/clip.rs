@@ -122,6 +122,28 @@ mod tests {
         assert!((mirrored.0 - mirrored.1).abs() < 1e-12, "{mirrored:?}");
     }
 
+    /// A pixel feels the limit that is nearer, whatever the full scale. The two limits are mirror
+    /// images of each other, so the means differ from their limits by the same numbers.
+    #[test]
+    fn a_pixel_feels_the_nearer_limit() {
+        let mut cases = 0;
+        for full in [0.125, 1.0, 8.0] {
+            let cut = Cut {
+                zero: true,
+                full: Some(full),
+            };
+            for part in [0.0, 0.125, 0.375] {
+                let (mean, sigma) = (part * full, 0.25 * full);
+                let expected @ (below, slope, variance) = clipped(mean, sigma);
+                assert_eq!(cut.clipped(mean, sigma), expected, "{full} {part}");
+                let mirrored = (full - below, slope, variance);
+                assert_eq!(cut.clipped(full - mean, sigma), mirrored, "{full} {part}");
+                cases += 2;
+            }
+        }
+        assert_eq!(cases, 18);
+    }
+
     /// Compares with sums over a fine grid of the normal density: 2e4 points over +-10 sigma. Their
     /// error is below rounding for a smooth integrand, and step^2 / 8 = 1.3e-7 at the kink.
     #[test]

@@ -16,6 +16,7 @@ mod correlation;
 mod curves;
 mod edge;
 mod estimate;
+mod exponent;
 #[cfg(feature = "report")]
 mod export;
 mod exposure;
@@ -37,6 +38,7 @@ mod prediction;
 mod raw;
 #[cfg(feature = "images")]
 mod render;
+mod ripples;
 mod sample;
 mod simulate_campaign;
 mod statistics;
