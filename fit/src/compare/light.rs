@@ -1,23 +1,20 @@
 //! Uneven light on the pixels of a bin.
 //!
-//! The light is L = (1 + l) exp(q), where l and q are polynomials in the place d across the line of
-//! the edge and the place t along it. A bend of the edge does not bend the light.
+//! The light is L = exp(q), where q is a polynomial in the place d across the line of the edge and
+//! the place t along it. A bend of the edge does not bend the light.
 //!
 //! ```text
-//! l:  d, t
-//! q, second order:  d^2, d t, t^2
-//! q, third order:   d^3, d^2 t, d t^2, t^3
-//! q, fourth order:  (d^2 + t^2)^2
+//! first order:   d, t
+//! second order:  d^2, d t, t^2
+//! third order:   d^3, d^2 t, d t^2, t^3
+//! fourth order:  (d^2 + t^2)^2
 //! ```
 //!
-//! Light that varies linearly is described exactly, and so is light that falls as a Gaussian about
-//! the middle. Of the fall by cos^4 the exponential of second order leaves a third of what a
-//! polynomial of second order leaves. The higher orders describe the rest, and a hot spot on a
-//! floor of light. Their fourth order has one term: vignetting and a hot spot are round, and the
-//! other four of fourth order would widen the error of mu by a third.
+//! An exponential of second order describes light that falls as a Gaussian exactly. Of the fall by
+//! cos^4 it leaves a third of what a polynomial of second order leaves. The higher orders describe
+//! the rest, and a hot spot on a floor of light. Their fourth order has one term: vignetting and a
+//! hot spot are round, and the other four of fourth order would widen the error of mu by a third.
 //! d and t are in units of [`UNIT_PX`].
-
-use std::ops::Range;
 
 use crate::compare::pixels::Bin;
 use crate::numerics::chance;
@@ -125,32 +122,25 @@ pub(crate) fn of(bin: &Bin, from_px: f64, terms: &Uneven, count: usize) -> Light
         bin.along / UNIT_PX,
         share / UNIT_PX.powi(2),
     );
-    let sum = |of: &[f64; LIGHT], orders: Range<usize>| {
-        let all = of.iter().zip(terms).take(count);
-        let own = all.skip(orders.start).take(orders.len());
-        own.map(|(v, c)| v * c).sum::<f64>()
+    let sum = |of: &[f64; LIGHT]| {
+        let terms = terms.iter().take(count);
+        of.iter().zip(terms).map(|(v, c)| v * c).sum::<f64>()
     };
-    let (first, higher) = (0..FIRST_ORDER, FIRST_ORDER..LIGHT);
-    let linear = 1.0 + sum(&means, first.clone());
-    let linear_by_t = sum(&slopes, first) / UNIT_PX;
-    let middle = sum(&means, higher.clone()).exp();
-    let slope = sum(&slopes, higher) / UNIT_PX;
-    // The mean of exp(slope (t - mean t)) to second order, and that of its product with t - mean t.
-    let (curved, tilted) = (1.0 + 0.5 * slope * slope * share, slope * share);
-    let value = middle * (linear * curved + linear_by_t * tilted);
-    let by_t = middle * (linear_by_t + linear * slope);
+    let (exponent, slope) = (sum(&means), sum(&slopes) / UNIT_PX);
+    let middle = exponent.exp();
+    // The mean of exp(slope (t - mean t)) to second order.
+    let value = middle * (1.0 + 0.5 * slope * slope * share);
     let lit = |value: f64, by_t: f64| Lit { value, by_t, share };
     let by = |i: usize| {
-        let (mean, own) = (means[i], slopes[i] / UNIT_PX);
-        if i < FIRST_ORDER {
-            let value = middle * (mean * curved + own * tilted);
-            return lit(value, middle * (own + mean * slope));
-        }
-        let by_slope = middle * (linear * slope + linear_by_t) * share * own;
-        lit(value * mean + by_slope, by_t * mean + middle * linear * own)
+        let own = slopes[i] / UNIT_PX;
+        let by_slope = middle * slope * share * own;
+        lit(
+            value * means[i] + by_slope,
+            middle * (own + slope * means[i]),
+        )
     };
     Lights {
-        all: lit(value, by_t),
+        all: lit(value, middle * slope),
         by: std::array::from_fn(|i| if i < count { by(i) } else { lit(0.0, 0.0) }),
     }
 }
@@ -250,11 +240,8 @@ mod tests {
                 t.powi(3),
                 square.powi(2),
             ];
-            let [linear, exponent] = [0..FIRST_ORDER, FIRST_ORDER..LIGHT].map(|orders| {
-                let own = all[orders.clone()].iter().zip(&terms[orders]);
-                own.map(|(v, c)| v * c).sum::<f64>()
-            });
-            (1.0 + linear) * exponent.exp()
+            let exponent: f64 = all.iter().zip(&terms).map(|(v, c)| v * c).sum();
+            exponent.exp()
         };
         let mean = places.iter().map(|&t| at(t)).sum::<f64>() / n;
         let by_t = places.iter().map(|&t| (t - along) * at(t)).sum::<f64>() / spread;

@@ -470,30 +470,10 @@ impl<'a> Photograph<'a> {
                 break;
             }
             let step = factor::back_substituted(&fitted.factor, own, columns);
-            let Some(next) = self.lower(curves, &fitted, &step) else {
-                break;
-            };
-            fitted = next;
+            let next = fitted.nuisances.moved(&step, self.terms, self.bends());
+            fitted = self.normal(curves, next);
         }
         fitted
-    }
-
-    /// Makes a step, or the largest of a few parts of it that lowers chi-square. Returns `None` if
-    /// none does. Far from the optimum many weak terms of light and curve make a whole step too
-    /// long.
-    fn lower(&self, curves: &Curves, from: &Fitted, step: &DVector<f64>) -> Option<Fitted> {
-        const PARTS: [f64; 4] = [1.0, 0.25, 0.0625, 0.015_625];
-        let columns = from.factor.ncols() - 1;
-        let squares = |fitted: &Fitted| fitted.factor.column(columns).norm_squared();
-        let parts = PARTS.iter().map(|part| {
-            let moved = from
-                .nuisances
-                .moved(&(step * *part), self.terms, self.bends());
-            self.normal(curves, moved)
-        });
-        let before = squares(from);
-        let mut lower = parts.filter(|next| squares(next) <= before);
-        lower.next()
     }
 
     fn normal(&self, curves: &Curves, nuisances: Nuisances) -> Fitted {
@@ -681,7 +661,7 @@ impl Nuisances {
             place_px: self.place_px - step[0].clamp(-4.0, 4.0),
             turn_rad: self.turn_rad - step[1].clamp(-0.02, 0.02),
             bend_px: std::array::from_fn(|i| {
-                self.bend_px[i] - bend.get(i).map_or(0.0, |by| by.clamp(-4.0, 4.0))
+                self.bend_px[i] - bend.get(i).map_or(0.0, |by| by.clamp(-1.0, 1.0))
             }),
             dark: self.dark - step[2],
             light: std::array::from_fn(|i| self.light[i] - light.get(i).unwrap_or(&0.0)),

@@ -1,8 +1,6 @@
 //! The parameters with which a candidate describes the photographs best.
 
-#[cfg(test)]
-use nalgebra::DMatrix;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::choice::Choice;
 use crate::estimate::layout::Layout;
@@ -54,19 +52,16 @@ pub(crate) fn rough_from(scene: &Scene, choice: Choice, starts: Vec<start::Start
     const ROUGH: f64 = 1e-3;
     let loss = Loss::Mtf(scene);
     let layout = Layout::new(choice, scene.groups.len());
-    let solution = starts
-        .into_iter()
-        .map(|start| {
-            let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
-            let c = choice.kernel.has_c().then(|| start.c_mm.ln());
-            let point = c.into_iter().chain((0..layout.spreads).map(spread));
-            let point = DVector::from_iterator(layout.parameters(), point);
-            let mut solution = least_squares(point, ROUGH, |at| loss.evaluate(&layout, at));
-            layout.limit(&mut solution.parameters);
-            solution
-        })
-        .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
-        .expect("there is always a starting point");
+    let solutions = starts.into_iter().map(|start| {
+        let spread = |g: usize| start.spread[if choice.per_angle_a { g } else { 0 }].ln();
+        let c = choice.kernel.has_c().then(|| start.c_mm.ln());
+        let point = c.into_iter().chain((0..layout.spreads).map(spread));
+        let point = DVector::from_iterator(layout.parameters(), point);
+        let mut solution = least_squares(point, ROUGH, |at| loss.evaluate(&layout, at));
+        layout.limit(&mut solution.parameters);
+        solution
+    });
+    let solution = least(solutions).expect("there is always a starting point");
     Optimum {
         choice,
         solution,
@@ -88,9 +83,7 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
     let starts = std::iter::once(start).chain(raised);
     let solutions =
         starts.map(|start| least_squares(start, tolerance, |at| loss.evaluate(&layout, at)));
-    let mut solution = solutions
-        .min_by(|a, b| a.sum_of_squares().total_cmp(&b.sum_of_squares()))
-        .expect("there is always a start");
+    let mut solution = least(solutions).expect("there is always a start");
     layout.limit(&mut solution.parameters);
     solution.iterations += from.solution.iterations;
     Optimum {
@@ -100,21 +93,41 @@ pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optim
     }
 }
 
-/// Returns another start if c is so small that the photographs do not notice it: the least c that
-/// they notice. The MTFs may lose c where the light is uneven, and where it has no effect it has no
-/// slope, so no fit finds back.
-fn noticeable(loss: &Loss, layout: &Layout, start: &DVector<f64>) -> Option<DVector<f64>> {
-    let c = layout.c().filter(|_| matches!(loss, Loss::Edge(_)))?;
-    let is_noticed = |at: &DVector<f64>| {
-        let (_, jacobian) = loss.evaluate(layout, at);
-        // A change of c by a factor of e changes chi-square by about the square of this.
-        jacobian.column(c).norm() > 1.0
+/// Returns the solution with the least sum of squares. A sum that is no number, as in a fit that
+/// failed, is larger than all.
+fn least(solutions: impl Iterator<Item = Solution>) -> Option<Solution> {
+    let squares = |of: &Solution| {
+        let squares = of.sum_of_squares();
+        if squares.is_nan() {
+            f64::INFINITY
+        } else {
+            squares
+        }
     };
-    let mut at = start.clone();
-    while at[c] < 0.0 && !is_noticed(&at) {
-        at[c] += 1.0;
+    solutions.min_by(|a, b| squares(a).total_cmp(&squares(b)))
+}
+
+/// Returns another start if the photographs do not notice c at this one, because it is too small:
+/// the best of a few c that they notice. The MTFs may lose c where the light is uneven. Where c has
+/// no effect it has no slope, so no fit finds back.
+fn noticeable(loss: &Loss, layout: &Layout, start: &DVector<f64>) -> Option<DVector<f64>> {
+    // Logarithms of c, mm: corners of 7 um to 1 mm.
+    const STEPS: i32 = 11;
+    let c = layout.c().filter(|_| matches!(loss, Loss::Edge(_)))?;
+    // A change of c by a factor of e changes chi-square by about the square of this.
+    let is_noticed = |jacobian: &DMatrix<f64>| jacobian.column(c).norm() > 1.0;
+    if is_noticed(&loss.evaluate(layout, start).1) {
+        return None;
     }
-    (at[c] > start[c] && at[c] < 0.0).then_some(at)
+    let tried = (0..STEPS).filter_map(|k| {
+        let mut at = start.clone();
+        at[c] = -0.5 * f64::from(k);
+        let (residuals, jacobian) = loss.evaluate(layout, &at);
+        let squares = residuals.norm_squared();
+        (squares.is_finite() && is_noticed(&jacobian)).then_some((squares, at))
+    });
+    let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, at)| at)
 }
 
 /// Evaluates a candidate by any loss at the parameters of `from`. The sum of squares is an upper

@@ -153,24 +153,26 @@ fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
         0.01 + light * (0.005 + 0.6 * edge)
     });
     let picture = with_noise(picture, 5, 0.002);
-    let straight = EdgeLine {
-        normal_rad: 8_f64.to_radians(),
-        offset_px: 0.0,
-        normal_standard_error_rad: 0.0,
-        bend: None,
-    };
-    let [right, error] = step(&picture, straight);
-    let mut cases = 0;
-    for order in [2, 3, 4] {
+    let beside = |order: usize, by_px: f64| {
         let mut terms_px = [0.0; ORDERS - 1];
-        terms_px[order - 2] = 0.3;
-        let bend = Some(Bend {
+        terms_px[order - 2] = by_px;
+        let bend = Bend {
             middle_px: 0.0,
             half_px: 80.0,
             terms_px,
             order,
-        });
-        let [found, _] = step(&picture, EdgeLine { bend, ..straight });
+        };
+        let line = EdgeLine {
+            normal_rad: 8_f64.to_radians(),
+            offset_px: 0.0,
+            normal_standard_error_rad: 0.0,
+            bend: Some(bend),
+        };
+        step(&picture, line)
+    };
+    let mut cases = 0;
+    for order in [2, 3, 4] {
+        let ([right, error], [found, _]) = (beside(order, 0.0), beside(order, 0.3));
         let off = (found - right) / error;
         println!("order {order}: {off:.3} of {error:.1e}");
         assert!(off.abs() < 0.1, "{order}: {off}");

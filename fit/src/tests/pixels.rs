@@ -266,7 +266,7 @@ impl Plain {
                 }
                 _ => 0.0,
             };
-            (1.0 + own[4] * d + own[5] * t) * second.exp()
+            (own[4] * d + own[5] * t + second).exp()
         };
         let lamp = if own.len() > 6 { 0.5 * own[4] } else { 0.0 };
         let moments = moments(&unit, distance);
