@@ -567,16 +567,24 @@ impl<'a> Photograph<'a> {
             }
         }
         if many {
-            for (column, value, [middle, deviation]) in [
-                (step - 2, at.lit, self.lit_prior()),
-                (step - 1, at.lamp, anywhere(1.0)),
-            ] {
-                let mut prior = vec![0.0; size];
-                prior[column] = 1.0 / deviation;
-                prior[size - 1] = (value - middle) / deviation;
-                take(&prior);
-            }
+            self.priors(at, size).iter().for_each(|prior| take(prior));
         }
+    }
+
+    /// Returns the rows, of `size` columns, that hold what is known of the lit part of the dark
+    /// plateau and of the share of the lamp.
+    fn priors(&self, at: &Nuisances, size: usize) -> [Vec<f64>; 2] {
+        let step = self.step_column();
+        let all = [
+            (step - 2, at.lit, self.lit_prior()),
+            (step - 1, at.lamp, anywhere(1.0)),
+        ];
+        all.map(|(column, value, [middle, deviation])| {
+            let mut prior = vec![0.0; size];
+            prior[column] = 1.0 / deviation;
+            prior[size - 1] = (value - middle) / deviation;
+            prior
+        })
     }
 
     /// Returns what a fitted model leaves of the photograph, in units of the noise.
