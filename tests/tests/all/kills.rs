@@ -310,10 +310,9 @@ fn kill(here: &Path, case: &Case, kills: u32) -> Ends {
     let new: Vec<Content> = paths.iter().map(|path| content(path)).collect();
     let files = names(&folder);
 
-    let seed = case
-        .name
-        .bytes()
-        .fold(1, |seed, byte| 31 * seed + u64::from(byte));
+    let seed = case.name.bytes().fold(1_u64, |seed, byte| {
+        seed.wrapping_mul(31).wrapping_add(u64::from(byte))
+    });
     let mut random = Random(seed);
     let mut ends = Ends::default();
     for _ in 0..kills {
