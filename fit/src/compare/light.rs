@@ -63,6 +63,12 @@ impl Terms {
     pub(crate) fn are_many(self) -> bool {
         matches!(self, Terms::Second | Terms::All)
     }
+
+    /// Returns whether the orders of the curve are estimated with these terms. With no terms they
+    /// are too, so that the fall of chi-square from none to second order is that of the light alone.
+    pub(crate) fn free_the_curve(self) -> bool {
+        self != Terms::First
+    }
 }
 
 /// Returns whether light counts as uneven, from the falls of chi-square of all photographs by their

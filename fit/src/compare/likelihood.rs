@@ -293,9 +293,12 @@ impl<'a> Photograph<'a> {
     /// In even light a wrong curve does not touch the blur to first order. In uneven light a bow
     /// and the light look alike, and so each takes a part of the other.
     fn bends(&self) -> usize {
-        let orders = |bend: Bend| bend.order.saturating_sub(1);
-        let bend = self.pixels.line.bend.filter(|_| self.terms.are_many());
-        bend.map_or(0, orders)
+        self.curve().map_or(0, |bend| bend.order.saturating_sub(1))
+    }
+
+    /// Returns the curve whose orders are estimated.
+    fn curve(&self) -> Option<Bend> {
+        self.pixels.line.bend.filter(|_| self.terms.free_the_curve())
     }
 
     /// Returns the column of ln(step), which is the last one of the nuisances. Those of the curve,
@@ -305,26 +308,15 @@ impl<'a> Photograph<'a> {
         FIRST_LIGHT + self.terms.light() + self.bends() + priors
     }
 
-    /// Locates the pixels of a bin in the edge profile.
-    fn place(&self, bin: &Bin, at: &Nuisances) -> Place {
-        let mut line = [at.place_px, at.turn_rad];
-        for (term, tangent) in at.bend_px.iter().zip(self.tangents(bin)) {
-            line[0] += term * tangent[0];
-            line[1] -= term * tangent[1];
-        }
-        Place::new(bin, line)
-    }
-
-    /// Returns the tangents of the curve's orders that are estimated, at the middle of a bin: the
-    /// height on the line through the window's middle, pixels, and the slope; for 1 pixel each.
+    /// Returns the tangents of the curve's orders that are estimated, at the middle of a bin, see
+    /// [`Bend::tangents`].
     ///
-    /// What the curve leaves of its tangent within a bin is a constant of the second order and the
-    /// slope of the third, so the lower terms take it.
-    fn tangents(&self, bin: &Bin) -> impl Iterator<Item = [f64; 2]> {
-        let orders = self.bends();
-        let bend = self.pixels.line.bend.filter(|_| orders > 0);
-        let tangents = bend.map(|bend| bend.tangents(bin.along));
-        tangents.into_iter().flatten().take(orders)
+    /// Within a bin the curve leaves its tangent by a little. Place, turn and the lower orders take
+    /// this.
+    fn tangents(&self, bin: &Bin) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
+        let curve = self.curve();
+        let tangents = curve.map(|bend| bend.tangents(bin.along));
+        tangents.into_iter().flatten()
     }
 
     /// Returns mean and standard deviation of the lit part of the dark plateau, of which nothing is
@@ -378,7 +370,7 @@ impl<'a> Photograph<'a> {
         let start = &self.start;
         let bins = self.bins.iter();
         bins.map(|bin| {
-            let place = self.place(bin, start);
+            let place = start.place(bin, self.tangents(bin));
             let Lights { all, .. } = self.lights(bin, &start.light);
             let unit @ [_, _, across, _] = place.of(&curves.value);
             [
@@ -505,7 +497,8 @@ impl<'a> Photograph<'a> {
         let slope_across = at.light[0] / UNIT_PX;
         let of_lamp = at.lamp * slope_across;
         for (bin, weight) in self.bins.iter().zip(&self.weights) {
-            let place = self.place(bin, at);
+            let tangents = self.tangents(bin);
+            let place = at.place(bin, tangents.clone());
             let lights = self.lights(bin, &at.light);
             // A curve in this light: its mean, and its slope along the edge.
             let lit = |curve: [f64; 4], moment: [f64; 4]| {
@@ -544,7 +537,7 @@ impl<'a> Photograph<'a> {
                     1.0,
                 );
             }
-            for [height, slope] in self.tangents(bin) {
+            for [height, slope] in tangents {
                 push(
                     [0, 1].map(|k| height * by_place[k] - slope * by_turn[k]),
                     at.step,
@@ -653,6 +646,16 @@ fn unexplained(fitted: &Fitted) -> f64 {
 }
 
 impl Nuisances {
+    /// Locates the pixels of a bin in the edge profile. `tangents` are those of the curve's orders.
+    fn place(&self, bin: &Bin, tangents: impl Iterator<Item = [f64; 2]>) -> Place {
+        let mut line = [self.place_px, self.turn_rad];
+        for (term, [height, slope]) in self.bend_px.iter().zip(tangents) {
+            line[0] += term * height;
+            line[1] -= term * slope;
+        }
+        Place::new(bin, line)
+    }
+
     /// Returns the nuisances after a step, whose last entry is that of ln(step).
     fn moved(self, step: &DVector<f64>, terms: Terms, bends: usize) -> Nuisances {
         let own = step.len() - 1;

@@ -7,7 +7,7 @@ use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::scene::Scene;
 use crate::estimate::start;
-use crate::numerics::{CONVERGED, Solution, least_squares};
+use crate::numerics::{CONVERGED, Evaluation, Solution, least_squares, least_squares_from};
 
 /// Optimum of one candidate.
 #[derive(Debug, Clone)]
@@ -79,10 +79,12 @@ pub(crate) fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
 pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
-    let raised = noticeable(loss, &layout, &start);
-    let starts = std::iter::once(start).chain(raised);
-    let solutions =
-        starts.map(|start| least_squares(start, tolerance, |at| loss.evaluate(&layout, at)));
+    let now = loss.evaluate(&layout, &start);
+    let raised = noticeable(loss, &layout, &start, &now);
+    let starts = std::iter::once((start, now)).chain(raised);
+    let solutions = starts.map(|(start, now)| {
+        least_squares_from(start, now, tolerance, |at| loss.evaluate(&layout, at))
+    });
     let mut solution = least(solutions).expect("there is always a start");
     layout.limit(&mut solution.parameters);
     solution.iterations += from.solution.iterations;
@@ -107,27 +109,32 @@ fn least(solutions: impl Iterator<Item = Solution>) -> Option<Solution> {
     solutions.min_by(|a, b| squares(a).total_cmp(&squares(b)))
 }
 
-/// Returns another start if the photographs do not notice c at this one, because it is too small:
-/// the best of a few c that they notice. The MTFs may lose c where the light is uneven. Where c has
-/// no effect it has no slope, so no fit finds back.
-fn noticeable(loss: &Loss, layout: &Layout, start: &DVector<f64>) -> Option<DVector<f64>> {
+/// Returns another start and its evaluation if the photographs do not notice c at this one, because
+/// it is too small: the best of a few c that they notice. The MTFs may lose c where the light is
+/// uneven. Where c has no effect it has no slope, so no fit finds back.
+fn noticeable(
+    loss: &Loss,
+    layout: &Layout,
+    start: &DVector<f64>,
+    (_, jacobian): &Evaluation,
+) -> Option<(DVector<f64>, Evaluation)> {
     // Logarithms of c, mm: corners of 7 um to 1 mm.
     const STEPS: i32 = 11;
     let c = layout.c().filter(|_| matches!(loss, Loss::Edge(_)))?;
     // A change of c by a factor of e changes chi-square by about the square of this.
     let is_noticed = |jacobian: &DMatrix<f64>| jacobian.column(c).norm() > 1.0;
-    if is_noticed(&loss.evaluate(layout, start).1) {
+    if is_noticed(jacobian) {
         return None;
     }
     let tried = (0..STEPS).filter_map(|k| {
         let mut at = start.clone();
         at[c] = -0.5 * f64::from(k);
-        let (residuals, jacobian) = loss.evaluate(layout, &at);
-        let squares = residuals.norm_squared();
-        (squares.is_finite() && is_noticed(&jacobian)).then_some((squares, at))
+        let now = loss.evaluate(layout, &at);
+        let squares = now.0.norm_squared();
+        (squares.is_finite() && is_noticed(&now.1)).then_some((squares, (at, now)))
     });
     let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map(|(_, at)| at)
+    best.map(|(_, start)| start)
 }
 
 /// Evaluates a candidate by any loss at the parameters of `from`. The sum of squares is an upper

@@ -13,5 +13,5 @@ mod solve;
 
 pub(crate) use fourier::{fast_length, smooth, smooth_even, smooth_odd};
 pub(crate) use quadrature::GAUSS_16;
-pub(crate) use solve::{CONVERGED, Evaluation, least_squares};
+pub(crate) use solve::{CONVERGED, Evaluation, least_squares, least_squares_from};
 pub(crate) use solve::{Solution, Stop};

@@ -105,6 +105,16 @@ pub(crate) fn least_squares(
     evaluate: impl Fn(&DVector<f64>) -> Evaluation,
 ) -> Solution {
     let now = evaluate(&start);
+    least_squares_from(start, now, tolerance, evaluate)
+}
+
+/// Does the same as [`least_squares`] from a start whose evaluation `now` is known.
+pub(crate) fn least_squares_from(
+    start: DVector<f64>,
+    now: Evaluation,
+    tolerance: f64,
+    evaluate: impl Fn(&DVector<f64>) -> Evaluation,
+) -> Solution {
     let problem = Problem {
         evaluate,
         parameters: start,

@@ -141,8 +141,8 @@ const WIDE_PX: f64 = 9.0;
 
 /// Light that falls along an edge looks like a bow of the edge, and a wrong bow like light. So the
 /// curve is estimated with the light: a curve that is wrong by a third of a pixel leaves the step
-/// where it was. With the curve held, the step moves by 1.5 to 5 of its errors here. What is left
-/// is of second order, (0.3 / 9)^2 of a change of 5 errors; the limit is a tenth of an error.
+/// where it was. With the curve held, a bow of 0.3 px moves the step by 9.3 of its errors here. What
+/// is left is of second order: h^2 E'' / 2 beside h E' is h / (2 blur) = 1/60, or 0.16 errors.
 #[test]
 fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
     let (sin, cos) = 8_f64.to_radians().sin_cos();
@@ -175,7 +175,7 @@ fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
         let ([right, error], [found, _]) = (beside(order, 0.0), beside(order, 0.3));
         let off = (found - right) / error;
         println!("order {order}: {off:.3} of {error:.1e}");
-        assert!(off.abs() < 0.1, "{order}: {off}");
+        assert!(off.abs() < 0.16, "{order}: {off}");
         cases += 1;
     }
     assert_eq!(cases, 3);

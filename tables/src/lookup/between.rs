@@ -774,6 +774,17 @@ mod tests {
         }
     }
 
+    /// Returns a path of weight 1 that mirrors `polygon` at the origin.
+    fn point_mirror(polygon: Vec<[f64; 2]>) -> Path {
+        Path {
+            polygon,
+            matrix: [[-2.0, 0.0], [0.0, -2.0]],
+            offset: [0.0; 2],
+            weight: 1.0,
+            deviation: [0.0; 2],
+        }
+    }
+
     /// The square of the third direction lacks the edge across a corner that the first two have.
     /// That edge moves out by too little to clear the corner by itself. In its own direction the
     /// square stays whole.
@@ -787,13 +798,7 @@ mod tests {
             Node {
                 tau: [x, 0.0],
                 azimuth_rad: 0.0,
-                paths: vec![Path {
-                    polygon,
-                    matrix: [[-2.0, 0.0], [0.0, -2.0]],
-                    offset: [0.0; 2],
-                    weight: 1.0,
-                    deviation: [0.0; 2],
-                }],
+                paths: vec![point_mirror(polygon)],
                 share: 1.0 / 3.0,
             }
         };
@@ -817,13 +822,7 @@ mod tests {
             Node {
                 tau: [side * at, 0.3],
                 azimuth_rad: 0.0,
-                paths: vec![Path {
-                    polygon,
-                    matrix: [[-2.0, 0.0], [0.0, -2.0]],
-                    offset: [0.0; 2],
-                    weight: 1.0,
-                    deviation: [0.0; 2],
-                }],
+                paths: vec![point_mirror(polygon)],
                 share: 0.5,
             }
         })

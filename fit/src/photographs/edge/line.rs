@@ -114,14 +114,18 @@ impl Bend {
 }
 
 impl Bend {
-    /// Returns the tangents of the orders 2, 3, ... at a place along the line, for a coefficient of
-    /// 1 pixel each: the height of the tangent at the line's origin, pixels, and its slope.
-    pub(crate) fn tangents(&self, along_px: f64) -> impl Iterator<Item = [f64; 2]> + use<> {
+    /// Returns the tangents of the orders 2, 3, ... that are used, at a place along the line, for a
+    /// coefficient of 1 pixel each: the height at which the tangent meets the middle of the line,
+    /// pixels, and its slope.
+    pub(crate) fn tangents(
+        &self,
+        along_px: f64,
+    ) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
         let place = (along_px - self.middle_px) / self.half_px;
         let x = place.clamp(-1.0, 1.0);
         let (values, slopes) = legendre(x);
         let per_px = if x == place { 1.0 / self.half_px } else { 0.0 };
-        let orders = values.into_iter().zip(slopes).skip(2);
+        let orders = values.into_iter().zip(slopes).take(self.order + 1).skip(2);
         orders.map(move |(value, slope)| {
             let slope = slope * per_px;
             [value - slope * along_px, slope]
