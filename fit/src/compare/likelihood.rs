@@ -75,6 +75,11 @@ pub(crate) struct Nuisances {
 /// First column of the light.
 const FIRST_LIGHT: usize = 3;
 
+/// Standard deviation of each order of the curve before the pixels are seen, pixels. The search of
+/// the edge leaves 0.1 to 0.4 px in uneven light. High orders look alike in the four strips, so
+/// without a limit their steps run away where the noise is strong.
+const BEND_PX: f64 = 0.5;
+
 /// Edge profile of a trial model, with its derivatives by the fitted parameters: ln spread, ln c,
 /// then those of the lens.
 pub(crate) struct Curves {
@@ -282,10 +287,10 @@ impl<'a> Photograph<'a> {
         self.take(terms);
     }
 
-    /// Returns the number of nuisances that the pixels alone determine. The lit part of the dark
-    /// plateau and the share of the lamp have priors.
+    /// Returns the number of nuisances that the pixels alone determine. The orders of the curve, the
+    /// lit part of the dark plateau and the share of the lamp have priors.
     pub(crate) fn nuisances(&self) -> usize {
-        FIRST_LIGHT + self.terms.light() + self.bends() + 1
+        FIRST_LIGHT + self.terms.light() + 1
     }
 
     /// Returns the number of the curve's orders that are estimated.
@@ -298,14 +303,15 @@ impl<'a> Photograph<'a> {
 
     /// Returns the curve whose orders are estimated.
     fn curve(&self) -> Option<Bend> {
-        self.pixels.line.bend.filter(|_| self.terms.free_the_curve())
+        let bend = self.pixels.line.bend;
+        bend.filter(|_| self.terms.free_the_curve())
     }
 
     /// Returns the column of ln(step), which is the last one of the nuisances. Those of the curve,
     /// of the lit part and of the lamp stand before it, if they are estimated.
     fn step_column(&self) -> usize {
         let priors = if self.terms.are_many() { 2 } else { 0 };
-        FIRST_LIGHT + self.terms.light() + self.bends() + priors
+        self.bend_column() + self.bends() + priors
     }
 
     /// Returns the tangents of the curve's orders that are estimated, at the middle of a bin, see
@@ -559,25 +565,34 @@ impl<'a> Photograph<'a> {
                 take(&slope);
             }
         }
-        if many {
-            self.priors(at, size).iter().for_each(|prior| take(prior));
+        let mut row = vec![0.0; size];
+        for (column, value, [middle, deviation]) in self.priors(at) {
+            row[column] = 1.0 / deviation;
+            row[size - 1] = (value - middle) / deviation;
+            take(&row);
+            row[column] = 0.0;
         }
     }
 
-    /// Returns the rows, of `size` columns, that hold what is known of the lit part of the dark
-    /// plateau and of the share of the lamp.
-    fn priors(&self, at: &Nuisances, size: usize) -> [Vec<f64>; 2] {
+    /// Returns what is known of the orders of the curve, of the lit part of the dark plateau and of
+    /// the share of the lamp, if they are estimated: their column, their value, and the mean and
+    /// the standard deviation that they have before the pixels are seen.
+    fn priors(&self, at: &Nuisances) -> impl Iterator<Item = (usize, f64, [f64; 2])> {
+        let bends = (self.bend_column()..).zip(at.bend_px).take(self.bends());
+        let bends = bends.map(|(column, value)| (column, value, [0.0, BEND_PX]));
         let step = self.step_column();
-        let all = [
-            (step - 2, at.lit, self.lit_prior()),
-            (step - 1, at.lamp, anywhere(1.0)),
-        ];
-        all.map(|(column, value, [middle, deviation])| {
-            let mut prior = vec![0.0; size];
-            prior[column] = 1.0 / deviation;
-            prior[size - 1] = (value - middle) / deviation;
-            prior
-        })
+        let shares = self.terms.are_many().then(|| {
+            [
+                (step - 2, at.lit, self.lit_prior()),
+                (step - 1, at.lamp, anywhere(1.0)),
+            ]
+        });
+        bends.chain(shares.into_iter().flatten())
+    }
+
+    /// Returns the column of the first order of the curve.
+    fn bend_column(&self) -> usize {
+        FIRST_LIGHT + self.terms.light()
     }
 
     /// Returns what a fitted model leaves of the photograph, in units of the noise.

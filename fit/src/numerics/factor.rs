@@ -60,22 +60,29 @@ impl Products {
 }
 
 /// Factors `normal` into R^T R and returns the upper triangular R. Only the upper triangle of
-/// `normal` is read. A column that depends on earlier columns, to rounding, gets a row of zeros.
+/// `normal` is read. A column that depends on earlier columns, to rounding, gets a row of zeros. A
+/// number that is not finite makes its row, and so those below, not finite: zeros would look like a
+/// perfect fit.
 pub(crate) fn of(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     let n = normal.nrows();
     for i in 0..n {
         let whole = normal[(i, i)];
         let taken: f64 = (0..i).map(|k| normal[(k, i)].powi(2)).sum();
         let pivot = whole - taken;
-        let keep = pivot > 1e-13 * whole;
-        let root = if keep { pivot.sqrt() } else { 0.0 };
+        let root = if !pivot.is_finite() {
+            f64::NAN
+        } else if pivot > 1e-13 * whole {
+            pivot.sqrt()
+        } else {
+            0.0
+        };
         normal[(i, i)] = root;
         for j in i + 1..n {
             let taken: f64 = (0..i).map(|k| normal[(k, i)] * normal[(k, j)]).sum();
-            normal[(i, j)] = if keep {
-                (normal[(i, j)] - taken) / root
-            } else {
+            normal[(i, j)] = if root == 0.0 {
                 0.0
+            } else {
+                (normal[(i, j)] - taken) / root
             };
             normal[(j, i)] = 0.0;
         }
@@ -98,6 +105,26 @@ pub(crate) fn back_substituted(factor: &DMatrix<f64>, n: usize, c: usize) -> DVe
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A sum of squares that is no number, or beyond all numbers, does not become 0.
+    #[test]
+    fn a_factor_of_no_number_is_no_number() {
+        let mut cases = 0;
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for at in 0..3 {
+                let mut normal = DMatrix::from_diagonal_element(3, 3, 4.0);
+                normal[(at, at)] = wrong;
+                let factor = of(normal.clone());
+                assert!(factor[(at, at)].is_nan(), "{wrong} at {at}");
+                assert!((0..at).all(|i| factor[(i, i)] == 2.0));
+                normal[(at, at)] = 4.0;
+                normal[(0, 2)] = wrong;
+                assert!(of(normal)[(2, 2)].is_nan(), "{wrong} beside the diagonal");
+                cases += 1;
+            }
+        }
+        assert_eq!(cases, 9);
+    }
 
     /// Checks the products of small integers, which are exact, for every number of rows that is
     /// left over from groups of four.

@@ -117,10 +117,7 @@ impl Bend {
     /// Returns the tangents of the orders 2, 3, ... that are used, at a place along the line, for a
     /// coefficient of 1 pixel each: the height at which the tangent meets the middle of the line,
     /// pixels, and its slope.
-    pub(crate) fn tangents(
-        &self,
-        along_px: f64,
-    ) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
+    pub(crate) fn tangents(&self, along_px: f64) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
         let place = (along_px - self.middle_px) / self.half_px;
         let x = place.clamp(-1.0, 1.0);
         let (values, slopes) = legendre(x);
