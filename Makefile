@@ -81,8 +81,8 @@ pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --
 test: fmt lint doc python
 	@echo "== tests" >&2
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
-	@echo "== stated errors over hundreds of drawn campaigns" >&2
-	@$(CARGO) test -p fit --lib --locked -- --ignored statistics
+	@echo "== long tests of fit: stated errors over hundreds of drawn campaigns, and others" >&2
+	@$(CARGO) test -p fit --lib --locked -- --ignored --skip trust_costs
 
 # What takes minutes or wants more than a fresh machine has.
 test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel \
