@@ -79,13 +79,14 @@ pub(crate) fn refined(scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
 pub(crate) fn refined_to(tolerance: f64, scene: &Scene, loss: &Loss, from: Optimum) -> Optimum {
     let layout = Layout::new(from.choice, scene.groups.len());
     let start = loss.start(&from.solution.parameters);
-    let now = loss.evaluate(&layout, &start);
-    let raised = noticeable(loss, &layout, &start, &now);
-    let starts = std::iter::once((start, now)).chain(raised);
-    let solutions = starts.map(|(start, now)| {
-        least_squares_from(start, now, tolerance, |at| loss.evaluate(&layout, at))
-    });
-    let mut solution = least(solutions).expect("there is always a start");
+    let refine =
+        |start, now| least_squares_from(start, now, tolerance, |at| loss.evaluate(&layout, at));
+    let mut solution = refine(start.clone(), loss.evaluate(&layout, &start));
+    if !is_noticed(loss, &layout, &solution.jacobian) {
+        let again = noticeable(loss, &layout, &start).map(|(start, now)| refine(start, now));
+        let both = std::iter::once(solution).chain(again);
+        solution = least(both).expect("there is always a solution");
+    }
     layout.limit(&mut solution.parameters);
     solution.iterations += from.solution.iterations;
     Optimum {
@@ -109,29 +110,37 @@ fn least(solutions: impl Iterator<Item = Solution>) -> Option<Solution> {
     solutions.min_by(|a, b| squares(a).total_cmp(&squares(b)))
 }
 
-/// Returns another start and its evaluation if the photographs do not notice c at this one, because
-/// it is too small: the best of a few c that they notice. The MTFs may lose c where the light is
-/// uneven. Where c has no effect it has no slope, so no fit finds back.
+/// Returns whether pixels notice c: where `jacobian` was made, a change of c by a factor of e
+/// changes chi-square by more than 1. Other losses are not asked.
+fn is_noticed(loss: &Loss, layout: &Layout, jacobian: &DMatrix<f64>) -> bool {
+    let c = layout.c().filter(|_| matches!(loss, Loss::Edge(_)));
+    c.is_none_or(|c| jacobian.column(c).norm() > 1.0)
+}
+
+/// Returns another start and its evaluation: the best of a few c that the pixels notice. A fit may
+/// lose c, as a start by the MTFs does where the light is uneven. A c that is far too small or too
+/// large has no effect and so no slope, and no fit finds back.
 fn noticeable(
     loss: &Loss,
     layout: &Layout,
     start: &DVector<f64>,
-    (_, jacobian): &Evaluation,
 ) -> Option<(DVector<f64>, Evaluation)> {
     // Logarithms of c, mm: corners of 7 um to 1 mm.
     const STEPS: i32 = 11;
-    let c = layout.c().filter(|_| matches!(loss, Loss::Edge(_)))?;
-    // A change of c by a factor of e changes chi-square by about the square of this.
-    let is_noticed = |jacobian: &DMatrix<f64>| jacobian.column(c).norm() > 1.0;
-    if is_noticed(jacobian) {
-        return None;
-    }
+    let c = layout.c()?;
     let tried = (0..STEPS).filter_map(|k| {
         let mut at = start.clone();
         at[c] = -0.5 * f64::from(k);
+        // The others were found without c. One step brings them near what goes with it.
+        let (residuals, jacobian) = loss.evaluate(layout, &at);
+        let step = jacobian
+            .remove_column(c)
+            .svd(true, true)
+            .solve(&residuals, 1e-9);
+        at -= step.ok()?.insert_row(c, 0.0);
         let now = loss.evaluate(layout, &at);
         let squares = now.0.norm_squared();
-        (squares.is_finite() && is_noticed(&now.1)).then_some((squares, (at, now)))
+        (squares.is_finite() && is_noticed(loss, layout, &now.1)).then_some((squares, (at, now)))
     });
     let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, start)| start)
