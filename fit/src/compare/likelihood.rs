@@ -31,6 +31,7 @@
 //! remains is a function of blur and lens alone.
 
 use nalgebra::{DMatrix, DVector};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::compare::light;
 use crate::compare::light::{LIGHT, Lights, Terms, UNIT_PX, Uneven};
@@ -622,6 +623,41 @@ impl<'a> Photograph<'a> {
             across,
             along,
         }
+    }
+
+    /// Returns the two halves of a fitted photograph, along the edge: what each would give alone, to
+    /// first order. Priors count half in each.
+    pub(crate) fn halves(&self, curves: &Curves, fitted: &Fitted) -> [Fitted; 2] {
+        let mut fine = Photograph {
+            bins: &self.pixels.strips,
+            weights: Vec::new(),
+            grid: self.grid.clone(),
+            ..*self
+        };
+        let light = fine.light(curves);
+        fine.set_weights(&light);
+        let size = fine.step_column() + 1 + curves.by.len() + 1;
+        let mut halves = [(); 2].map(|()| Products::new(size));
+        let of_bins = fine
+            .bins
+            .iter()
+            .zip(&fine.weights)
+            .flat_map(|(bin, weight)| {
+                let rows = if weight.root[1] > 0.0 { 2 } else { 1 };
+                std::iter::repeat_n(usize::from(bin.along > 0.0), rows)
+            });
+        let mut half = of_bins.collect::<Vec<usize>>().into_iter();
+        fine.rows(curves, &fitted.nuisances, |row| match half.next() {
+            Some(half) => halves[half].add(row),
+            None => {
+                let row: Vec<f64> = row.iter().map(|v| v * FRAC_1_SQRT_2).collect();
+                halves.iter_mut().for_each(|half| half.add(&row));
+            }
+        });
+        halves.map(|half| Fitted {
+            factor: factor::of(half.sum()),
+            ..*fitted
+        })
     }
 
     /// Returns the factor of a fitted photograph with the full information of pixels that were cut

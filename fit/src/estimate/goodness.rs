@@ -9,6 +9,7 @@
 //! of two numbers. One is the root of chi-square per degree of freedom. The other compares the
 //! standard errors with those of a jackknife: the scatter of the estimates that leave one
 //! photograph out each (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 11).
+//! A single photograph is left out by halves, along its edge.
 //!
 //! A fifth test asks whether the photographs agree on mu. Their exposures decide this, and the blur
 //! does not depend on exposures. So this misfit raises the standard errors of mu alone.
@@ -22,6 +23,7 @@ use crate::estimate::layout::Layout;
 use crate::estimate::loss::Loss;
 use crate::estimate::scene::Scene;
 use crate::names::ParameterKind;
+use crate::numerics::Evaluation;
 use crate::numerics::chance;
 
 /// Probability below which noise does not explain a misfit.
@@ -186,7 +188,7 @@ pub(crate) fn of(scene: &Scene, loss: &Loss, fit: &Estimate) -> Goodness {
         }),
     };
     let misfit = || {
-        let left_out = LeftOut::all(loss, &layout, fit);
+        let left_out = LeftOut::all(scene, loss, &layout, fit);
         let moved = worst.and_then(|worst| left_out.moved(worst, fit));
         let is_small = moved.is_some_and(|moved| moved < MATTERS);
         let by_chi2 = goodness.reduced_chi2().sqrt();
@@ -224,24 +226,40 @@ fn of_sums(remainders: &[Remainder], of: fn(&Remainder) -> &Vec<f64>) -> f64 {
 /// by one Gauss-Newton step each.
 struct LeftOut {
     each: Vec<DVector<f64>>,
+    /// The same without one half of the photograph, if there is one photograph.
+    halves: Vec<DVector<f64>>,
 }
 
 impl LeftOut {
     /// Computes the changes for all photographs, the reference too if the loss counts it. A change
     /// is infinite if the other photographs do not determine the parameters.
-    fn all(loss: &Loss, layout: &Layout, fit: &Estimate) -> LeftOut {
+    fn all(scene: &Scene, loss: &Loss, layout: &Layout, fit: &Estimate) -> LeftOut {
         let at = &fit.solution.parameters;
         let (_, jacobian) = loss.evaluate(layout, at);
         let normal = jacobian.tr_mul(&jacobian);
-        let one = |(residuals, jacobian): (DVector<f64>, DMatrix<f64>)| {
-            let others = &normal - jacobian.tr_mul(&jacobian);
-            // At the optimum the gradients of all photographs add up to 0.
-            let pull = jacobian.tr_mul(&residuals);
+        // Returns normal matrix and gradient of a part.
+        let sums = |(residuals, jacobian): &Evaluation| {
+            (jacobian.tr_mul(jacobian), jacobian.tr_mul(residuals))
+        };
+        let change = |others: DMatrix<f64>, pull: DVector<f64>| {
             let step = others.cholesky().map(|others| others.solve(&pull));
             step.unwrap_or_else(|| DVector::from_element(at.len(), f64::INFINITY))
         };
+        let parts = loss.parts(layout, at);
+        // At the optimum the gradients of all photographs add up to 0.
+        let each = parts.iter().map(|part| {
+            let (own, pull) = sums(part);
+            change(&normal - own, pull)
+        });
+        let single = (scene.shots.len() == 1).then(|| loss.halves(layout, at, 0));
+        let halves = single.flatten().into_iter().flatten().map(|half| {
+            let (own, pull) = sums(&parts[0]);
+            let (kept, kept_pull) = sums(&half);
+            change(&normal - own + kept, pull - kept_pull)
+        });
         LeftOut {
-            each: loss.parts(layout, at).into_iter().map(one).collect(),
+            halves: halves.collect(),
+            each: each.collect(),
         }
     }
 
@@ -265,9 +283,12 @@ impl LeftOut {
                 let apart = shot.zip(id.incidence_deg);
                 apart.is_none_or(|(shot, deg)| shot.incidence_deg == deg)
             };
-            let own: Vec<f64> = (0..self.each.len().min(scene.shots.len()))
+            let photographs = (0..self.each.len().min(scene.shots.len()))
                 .filter(|&i| at_angle(i))
-                .map(|i| self.each[i][k])
+                .map(|i| &self.each[i]);
+            let own: Vec<f64> = photographs
+                .chain(&self.halves)
+                .map(|change| change[k])
                 .filter(|change| change.is_finite())
                 .collect();
             let ratio = variance(&own) * (value.value / value.standard_error).powi(2);
@@ -295,6 +316,48 @@ fn variance(without: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::choice::Value;
+    use crate::estimate::loss::Kind;
+    use crate::names::{Kernel, LobeShape};
+    use crate::tests::planted::{SHARED, camera, fitted, params, scene, table, truth};
+    use rayon::prelude::*;
+
+    /// Two halves of one photograph scatter by the noise: half of their distance is a standard
+    /// error. The mean square of its ratio to the stated error is chi-square over its number, with
+    /// a standard deviation of sqrt(2/160) = 0.11; the limits are 4 of these. c and a of one
+    /// photograph go together, so each has its own mean.
+    #[test]
+    #[ignore = "20 processor-seconds: `make test` runs it"]
+    fn halves_of_a_photograph_scatter_by_its_noise() {
+        const DRAWS: u64 = 160;
+        let sheet = truth(Kernel::Eq1, LobeShape::Radial, 3.4, 0.33, 0.5);
+        let table = table(&sheet, &[20.0], 20.0);
+        let ratios = (0..DRAWS).into_par_iter().map(|seed| {
+            let shots = params(seed, sheet.clone(), &[20.0], &[200.0], camera(2e4));
+            let scene = scene(&shots, &table);
+            let fit = fitted(&scene, SHARED, Kind::Edge);
+            let at = fit.solution.parameters.rows(0, 2).into_owned();
+            let loss = Loss::new(Kind::Edge, &scene, (SHARED, &at));
+            let layout = Layout::new(SHARED, 1);
+            let LeftOut { each, halves } = LeftOut::all(&scene, &loss, &layout, &fit);
+            assert_eq!((each.len(), halves.len()), (2, 2));
+            let off = |k: usize, value: &Value| {
+                0.5 * (halves[0][k] - halves[1][k]) * value.value / value.standard_error
+            };
+            let of = fit.values().take(2).enumerate();
+            of.map(|(k, value)| off(k, value)).collect::<Vec<f64>>()
+        });
+        let ratios: Vec<Vec<f64>> = ratios.collect();
+        let allowed = 4.0 * (2.0 / DRAWS as f64).sqrt();
+        let mut cases = 0;
+        for k in 0..2 {
+            let mean = ratios.iter().map(|r| r[k] * r[k]).sum::<f64>() / DRAWS as f64;
+            println!("mean square of parameter {k}: {mean:.3}");
+            assert!((mean - 1.0).abs() < allowed, "{k}: {mean}");
+            cases += 1;
+        }
+        assert_eq!(cases, 2);
+    }
 
     /// The jackknife of a mean is its standard error: that of 1, 2, 6 is sqrt(7/3). Without one
     /// each the means are 4, 3.5 and 1.5.

@@ -181,17 +181,27 @@ impl<'a> Joint<'a> {
     /// Evaluates the residuals of each photograph and their derivatives by all parameters, the
     /// reference last.
     pub(crate) fn parts(&self, layout: &Layout, at: &DVector<f64>) -> Vec<Evaluation> {
-        let width = layout.parameters() + self.lens.len();
         let fitted = self.fitted(layout, at).into_iter().enumerate();
-        let parts = fitted.map(|(i, (fitted, _))| {
-            let factor = without(&fitted.factor, fitted.columns);
-            let mut jacobian = DMatrix::zeros(factor.nrows(), width);
-            for (k, column) in self.columns(layout, i).into_iter().enumerate() {
-                jacobian.set_column(column, &factor.column(k));
-            }
-            (factor.column(factor.ncols() - 1).into_owned(), jacobian)
-        });
+        let parts = fitted.map(|(i, (fitted, _))| self.part(layout, i, &fitted));
         parts.collect()
+    }
+
+    /// Evaluates the residuals of both halves of photograph `i` and their derivatives by all
+    /// parameters. Each half has place, angle, plateaus and light of its own.
+    pub(crate) fn halves(&self, layout: &Layout, at: &DVector<f64>, i: usize) -> [Evaluation; 2] {
+        let (fitted, curves) = &self.fitted(layout, at)[i];
+        let halves = self.shots[i].halves(curves, fitted);
+        halves.map(|half| self.part(layout, i, &half))
+    }
+
+    fn part(&self, layout: &Layout, i: usize, fitted: &Fitted) -> Evaluation {
+        let width = layout.parameters() + self.lens.len();
+        let factor = without(&fitted.factor, fitted.columns);
+        let mut jacobian = DMatrix::zeros(factor.nrows(), width);
+        for (k, column) in self.columns(layout, i).into_iter().enumerate() {
+            jacobian.set_column(column, &factor.column(k));
+        }
+        (factor.column(factor.ncols() - 1).into_owned(), jacobian)
     }
 
     /// Returns the columns of the derivatives of photograph `i`. The reference is the last

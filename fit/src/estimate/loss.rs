@@ -129,6 +129,19 @@ impl<'a> Loss<'a> {
         }
     }
 
+    /// Evaluates the same for both halves of a photograph along its edge. The MTFs have no halves.
+    pub(crate) fn halves(
+        &self,
+        layout: &Layout,
+        at: &DVector<f64>,
+        photograph: usize,
+    ) -> Option<[Evaluation; 2]> {
+        match self {
+            Loss::Mtf(_) | Loss::Mse(_) => None,
+            Loss::Edge(joint) => Some(joint.halves(layout, at, photograph)),
+        }
+    }
+
     /// Returns the number of independent numbers that are compared, the n of Bayes' criterion:
     /// whitened MTF differences, or means and slopes along the edge of all bins of pixels, less the
     /// nuisances.
