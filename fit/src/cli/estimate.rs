@@ -15,6 +15,7 @@ use crate::cli::expected::{self, Expected};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
+use crate::cli::progress::Progress;
 use crate::cli::sampled;
 use crate::cli::sampled::Samples;
 use crate::cli::terms::Terms;
@@ -316,16 +317,21 @@ struct Job<'a> {
 impl Job<'_> {
     /// Makes one estimate, and the result that is written of it.
     fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
-        let (table, watch) = (self.table, &Watch::NOBODY);
-        let estimated = campaign(self.campaign, &Shot::load, table, options, watch).map_err(
-            |error| match error {
-                error::Error::OneAzimuth { held } => Failure::OneAzimuth {
-                    table: self.arguments.first_table().to_owned(),
-                    held,
-                },
-                error => error.into(),
+        let table = self.table;
+        let progress = Progress::of_steps();
+        let watch = Watch {
+            progress: Some(&|step| progress.show(step)),
+            cancel: None,
+        };
+        let estimated = campaign(self.campaign, &Shot::load, table, options, &watch);
+        progress.done();
+        let estimated = estimated.map_err(|error| match error {
+            error::Error::OneAzimuth { held } => Failure::OneAzimuth {
+                table: self.arguments.first_table().to_owned(),
+                held,
             },
-        )?;
+            error => error.into(),
+        })?;
         let table = TableResult::of(table);
         let seconds = start.elapsed().as_secs_f64();
         let result = ResultFile::new(&estimated, table, seconds);

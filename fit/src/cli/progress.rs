@@ -1,10 +1,12 @@
-//! Progress of a long study, shown on a terminal. Without the feature `report` nothing is shown.
+//! Progress of long work, shown on a terminal. Without the feature `report` nothing is shown.
 
 #[cfg(feature = "report")]
 use std::io::IsTerminal;
 
 #[cfg(feature = "report")]
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::estimate::Step;
 
 /// Progress bar on standard error if that is a terminal.
 pub(crate) struct Progress {
@@ -16,13 +18,22 @@ impl Progress {
     /// Shows a bar for this many campaigns, none of them done.
     #[cfg(feature = "report")]
     pub(crate) fn of(campaigns: u64) -> Progress {
-        let bar = ProgressBar::new(campaigns);
+        Progress::with(campaigns, "{bar:40} {pos}/{len} campaigns, {eta} left")
+    }
+
+    /// Shows a bar for the steps of an estimate, see [`Progress::show`].
+    #[cfg(feature = "report")]
+    pub(crate) fn of_steps() -> Progress {
+        Progress::with(0, "{bar:40} {pos}/{len} {msg}, {eta} left")
+    }
+
+    #[cfg(feature = "report")]
+    fn with(length: u64, template: &str) -> Progress {
+        let bar = ProgressBar::new(length);
         if !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
-        if let Ok(style) =
-            ProgressStyle::with_template("{bar:40} {pos}/{len} campaigns, {eta} left")
-        {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         Progress { bar }
@@ -33,6 +44,35 @@ impl Progress {
     pub(crate) fn of(_: u64) -> Progress {
         Progress {}
     }
+
+    /// Shows nothing.
+    #[cfg(not(feature = "report"))]
+    pub(crate) fn of_steps() -> Progress {
+        Progress {}
+    }
+
+    /// Shows a step of an estimate that is done. Each kind of step has a bar of its own.
+    #[cfg(feature = "report")]
+    pub(crate) fn show(&self, step: Step) {
+        let (what, done, of) = match step {
+            Step::Photographs { done, of } => ("photographs measured", done, of),
+            Step::Azimuths { done, of } => ("azimuths tried", done, of),
+            Step::Candidates { done, of } => ("fits of models", done, of),
+            Step::Chosen => return,
+            Step::Suspects { done, of } => ("suspects tried", done, of),
+            Step::Randomisations { done, of } => ("randomisations", done, of),
+        };
+        if self.bar.message() != what {
+            self.bar.set_message(what);
+            self.bar.reset();
+        }
+        self.bar.set_length(of as u64);
+        self.bar.set_position(done as u64);
+    }
+
+    /// Shows nothing.
+    #[cfg(not(feature = "report"))]
+    pub(crate) fn show(&self, _: Step) {}
 
     /// Counts one campaign as done.
     pub(crate) fn step(&self) {

@@ -213,8 +213,9 @@ pub fn campaign(
         fit: &best,
         tried: &compared,
         goodness: &goodness,
+        watch,
     };
-    let suspects = search.suspects(candidates.per_angle_mu.is_none());
+    let suspects = search.suspects(candidates.per_angle_mu.is_none())?;
     let doubted = Doubted {
         scene: &scene,
         campaign: &campaign,

@@ -133,11 +133,12 @@ fn noticeable(
         at[c] = -0.5 * f64::from(k);
         // The others were found without c. One step brings them near what goes with it.
         let (residuals, jacobian) = loss.evaluate(layout, &at);
-        let step = jacobian
-            .remove_column(c)
-            .svd(true, true)
-            .solve(&residuals, 1e-9);
-        at -= step.ok()?.insert_row(c, 0.0);
+        let others = jacobian.remove_column(c);
+        if others.ncols() > 0 {
+            // There is no factor of numbers that are not finite.
+            let normal = others.tr_mul(&others).cholesky()?;
+            at -= normal.solve(&others.tr_mul(&residuals)).insert_row(c, 0.0);
+        }
         let now = loss.evaluate(layout, &at);
         let squares = now.0.norm_squared();
         (squares.is_finite() && is_noticed(loss, layout, &now.1)).then_some((squares, (at, now)))

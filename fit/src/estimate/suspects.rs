@@ -10,6 +10,7 @@ mod light;
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -26,6 +27,7 @@ use crate::estimate::placed::{OtherIndex, Placed};
 use crate::estimate::scene::{Scene, Source};
 use crate::estimate::select::Ranked;
 use crate::estimate::start::Start;
+use crate::estimate::watch::{Cancelled, Step, Watch};
 use crate::numerics::Stop;
 use crate::photographs::Campaign;
 
@@ -90,6 +92,7 @@ pub(crate) struct Search<'a> {
     /// Candidates that were compared.
     pub tried: &'a [Ranked],
     pub goodness: &'a Goodness,
+    pub watch: &'a Watch<'a>,
 }
 
 /// Photographs as they would have been taken without a mistake.
@@ -125,38 +128,44 @@ struct Outcome {
 impl Search<'_> {
     /// Returns the mistakes that would explain the misfit, the best first. If the fit is good, they
     /// would explain why mu differs between the incidences, which is looked at if `mu_was_open`.
-    pub(crate) fn suspects(&self, mu_was_open: bool) -> Vec<Suspect> {
+    ///
+    /// # Errors
+    /// Returns [`Cancelled`] if the flag of the watch is set.
+    pub(crate) fn suspects(&self, mu_was_open: bool) -> Result<Vec<Suspect>, Cancelled> {
         if self.goodness.verdict == Verdict::Good {
             let differs = mu_was_open.then(|| self.of_differing_mu());
-            return differs.unwrap_or_default();
+            return Ok(differs.unwrap_or_default());
         }
-        let mut found = self.of_blur();
+        let mut found = self.of_blur()?;
         let mut light: Vec<Suspect> = self.exposure().into_iter().collect();
         if self.goodness.scale <= 1.0 {
             light.extend(self.of_light());
         }
         light.sort_by(|a, b| a.chi2_if_so.total_cmp(&b.chi2_if_so));
         found.extend(light);
-        found
+        Ok(found)
     }
 
     /// Returns the mistakes that would explain the misfit of the blur.
-    fn of_blur(&self) -> Vec<Suspect> {
+    fn of_blur(&self) -> Result<Vec<Suspect>, Cancelled> {
         if self.goodness.scale <= 1.0 {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let alternatives = self.alternatives();
         let now = self
             .at_least(self.scene, &[self.fit.choice])
             .map_or(0.0, |of| of.excess);
-        let mut rough: Vec<(f64, &Alternative, Choice)> = alternatives
-            .par_iter()
-            .filter_map(|own| {
-                let found = self.at_least(&own.scene, &own.choices)?;
-                Some((found.excess + own.cost, own, found.choice))
-            })
-            .filter(|(left, ..)| now - left > SURE.max(EXPLAINED * now))
-            .collect();
+        let (done, of) = (AtomicUsize::new(0), alternatives.len());
+        let tried = alternatives.par_iter().map(|own| {
+            let found = self.at_least(&own.scene, &own.choices);
+            let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+            self.watch.done(Step::Suspects { done, of })?;
+            Ok(found.map(|found| (found.excess + own.cost, own, found.choice)))
+        });
+        let tried = tried.collect::<Result<Vec<_>, Cancelled>>()?;
+        let enough = |left: f64| now - left > SURE.max(EXPLAINED * now);
+        let mut rough: Vec<(f64, &Alternative, Choice)> = tried.into_iter().flatten().collect();
+        rough.retain(|&(left, ..)| enough(left));
         rough.sort_by(|a, b| a.0.total_cmp(&b.0));
         rough.truncate(BEST);
         let by_mtf = self.kind != Kind::Edge;
@@ -178,7 +187,7 @@ impl Search<'_> {
             })
             .collect();
         named.sort_by(|a, b| a.0.total_cmp(&b.0));
-        named.into_iter().map(|(_, suspect)| suspect).collect()
+        Ok(named.into_iter().map(|(_, suspect)| suspect).collect())
     }
 
     /// Fits the MTFs of a scene by each of these candidates, from the estimate, and returns the

@@ -29,6 +29,13 @@ pub enum Step {
     },
     /// Terms chosen. The bounds come next.
     Chosen,
+    /// Suspects tried, where the fit is not good.
+    Suspects {
+        /// Number of suspects tried.
+        done: usize,
+        /// Number of all suspects.
+        of: usize,
+    },
     /// Randomisations of the samples estimated.
     Randomisations {
         /// Number of randomisations done.

@@ -1,12 +1,19 @@
 //! Tests of verdicts and suspects: campaigns with one planted mistake each, and good ones.
 
-use std::sync::Arc;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use image::{ImageBuffer, Luma};
 
 use crate::estimate::campaign::campaign;
 use crate::estimate::scene;
-use crate::estimate::{Candidates, Error, Estimated, Kind, Options, OtherTable, Verdict, Watch};
+use crate::estimate::{
+    Candidates, Error, Estimated, Kind, Options, OtherTable, Step, Verdict, Watch,
+};
 use crate::names::{Kernel, LobeShape};
-use crate::photographs::Campaign;
+use crate::photographs::photo::transfer::Transfer;
+use crate::photographs::{Campaign, captures};
 use crate::simulate::photograph;
 use crate::simulate::{Params, PlantedSheet};
 use crate::study::{campaign as manifest_of, source as source_of};
@@ -98,6 +105,46 @@ fn exchanged_incidences_are_named() {
             };
         }
     });
+}
+
+/// Each suspect that is tried is reported. A flag that is set meanwhile ends the estimate.
+#[test]
+fn suspects_are_reported_and_can_be_cancelled() {
+    let (sheet, shots) = planted();
+    let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
+    let mut manifest = manifest_of(&shots, &[]);
+    for capture in &mut manifest.captures {
+        capture.tangential_axis_deg = 90.0;
+    }
+    let photographs = source_of(&shots, photograph::saved);
+    let mut cases = 0;
+    for cancels in [false, true] {
+        let (cancel, told) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+        let progress = |step: Step| {
+            if let Step::Suspects { done, of } = step {
+                told.lock().unwrap().push((done, of));
+                cancel.fetch_or(cancels, Ordering::Relaxed);
+            }
+        };
+        let watch = Watch {
+            progress: Some(&progress),
+            cancel: Some(&cancel),
+        };
+        let found = campaign(&manifest, &photographs, &of_ideal, &eq1(), &watch);
+        let mut told = told.into_inner().unwrap();
+        told.sort_unstable();
+        let of = told[0].1;
+        println!("{} of {of} suspects reported", told.len());
+        if cancels {
+            assert!(matches!(found, Err(Error::Cancelled(_))));
+            assert!(told.len() < of);
+        } else {
+            assert!(found.is_ok());
+            assert_eq!(told, (1..=of).map(|done| (done, of)).collect::<Vec<_>>());
+        }
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
 }
 
 #[test]
@@ -271,4 +318,48 @@ fn a_reference_that_is_not_the_sharpest_is_refused() {
         panic!("it must be refused");
     };
     assert_eq!(image, "source");
+}
+
+/// PNG files of 16 bits that say nothing are read as linear. If a program saved them in sRGB, the
+/// curves fit badly, and the transfer comes first.
+#[test]
+fn srgb_in_16_bits_taken_for_linear_is_named() {
+    let (sheet, shots) = planted();
+    let of_ideal = table(&sheet, &INCIDENCE, AZIMUTH);
+    let folder = tempfile::tempdir().unwrap();
+    let [width, height] = [shots.camera.width, shots.camera.height].map(|n| n as u32);
+    let stored = |name: &Path, to: Transfer| {
+        let index = name.to_str().and_then(|name| name.parse().ok());
+        let pixels = photograph::saved(&shots, index).unwrap();
+        let levels = pixels
+            .iter()
+            .map(|&v| (65535.0 * to.to_stored(v)).round() as u16);
+        let picture = ImageBuffer::<Luma<u16>, _>::from_vec(width, height, levels.collect());
+        let path = folder.path().join(name).with_extension("png");
+        picture.unwrap().save(&path).unwrap();
+        path
+    };
+    let mut cases = 0;
+    for to in [Transfer::Linear, Transfer::Srgb] {
+        let mut manifest = manifest_of(&shots, &[]);
+        let captures = manifest
+            .captures
+            .iter_mut()
+            .map(|capture| &mut capture.shot);
+        for shot in captures.chain(&mut manifest.reference) {
+            shot.image = stored(&shot.image, to);
+        }
+        let load = captures::Shot::load;
+        let found = campaign(&manifest, &load, &of_ideal, &eq1(), &Watch::NOBODY).unwrap();
+        println!("{to:?}: {:?} {:?}", found.goodness, found.suspects);
+        if to == Transfer::Linear {
+            assert_eq!(found.goodness.verdict, Verdict::Good);
+        } else {
+            assert_eq!(found.goodness.verdict, Verdict::Poor);
+            let expected = "the values of the photographs are sRGB, not linear (key transfer)";
+            assert_eq!(found.suspects[0].what, expected);
+        }
+        cases += 1;
+    }
+    assert_eq!(cases, 2);
 }
