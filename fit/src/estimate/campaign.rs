@@ -177,7 +177,6 @@ pub fn campaign(
         (azimuth, scene) = (Some(found), turned);
     }
     let (candidates, left_out) = candidates.possible(&scene, &campaign.file)?;
-    let fitted = fitted(&scene, table, &candidates, options, watch)?;
     let Fitted {
         mut best,
         compared,
@@ -185,7 +184,7 @@ pub fn campaign(
         goodness,
         mut near,
         sampled,
-    } = fitted;
+    } = fitted(&scene, table, &candidates, options, watch)?;
     let kind = options.kind();
     if let Some(found) = &azimuth {
         best.add_scatter(&azimuth::scatter(&scene, table, found, kind, best.choice)?);
