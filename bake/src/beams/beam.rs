@@ -13,7 +13,9 @@ use crate::beams::parts::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
-use crate::optics::{BOUNCE_LIMIT, Light, Rules, element, fate_of_leaving};
+use crate::optics::{
+    BOUNCE_LIMIT, Front, LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving,
+};
 
 /// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
 /// the beam looks four times further, again and again.
@@ -60,6 +62,8 @@ pub(crate) struct Followed {
 struct BeamCourse {
     isometry: Isometry,
     reflections: u32,
+    /// Number of times that the front face has sent the light back.
+    passes: u32,
     /// Polarised light of the path, or `None` without losses.
     light: Option<Light>,
 }
@@ -137,6 +141,7 @@ impl Follower<'_> {
         let course = BeamCourse {
             isometry: Isometry::IDENTITY,
             reflections: 0,
+            passes: 0,
             light: self
                 .rules
                 .losses
@@ -399,7 +404,7 @@ impl Follower<'_> {
         let mut onward = BeamCourse {
             isometry: course.isometry.reflected(facet.normal, offset),
             reflections: course.reflections + 1,
-            light: course.light,
+            ..*course
         };
         if let (Some(light), Some(surface)) = (&mut onward.light, &rules.losses) {
             *light = light.reflected(travel, facet.normal, surface, rules.refractive_index);
@@ -422,8 +427,15 @@ impl Follower<'_> {
             reflections,
             ..
         } = beam.course;
-        let outside = beam.course.power_outside(toward, rules.refractive_index);
-        self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
+        let outside = if rules.front == Front::Trapped && toward.z > 0.0 {
+            let inside = self.send_back(beam, toward, &parts);
+            self.outcome.dropped += (rest - total_area(&parts)) * inside;
+            beam.course.power() - inside
+        } else {
+            let outside = beam.course.power_outside(toward, rules.refractive_index);
+            self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
+            outside
+        };
         match fate_of_leaving(isometry.linear, self.view.direction, reflections, rules) {
             Fate::Retroreflected => {
                 self.outcome.dropped += (rest - total_area(&parts)) * outside;
@@ -431,6 +443,37 @@ impl Follower<'_> {
             }
             fate => self.settle(rest * outside, fate),
         }
+    }
+
+    /// Sends light back inside that the front face reflects. Returns its power, as a share of the
+    /// launched power.
+    fn send_back(&mut self, beam: &Beam, toward: DVec3, parts: &[Polygon]) -> f64 {
+        let BeamCourse {
+            isometry, light, ..
+        } = beam.course;
+        let light = light.map(|light| light.kept_inside(toward, self.rules.refractive_index));
+        let power = match light {
+            None if self.rules.is_trapped(toward) => 1.0,
+            None => return 0.0,
+            Some(light) => light.power(),
+        };
+        if beam.course.passes == PASSES || power < LEAST_POWER {
+            self.settle(total_area(parts) * power, Fate::BounceLimit);
+            return power;
+        }
+        let course = BeamCourse {
+            isometry: isometry.reflected(DVec3::Z, self.view.height),
+            passes: beam.course.passes + 1,
+            light,
+            ..beam.course
+        };
+        let depth = self.view.depth_of_front(&isometry);
+        self.pending.extend(parts.iter().map(|polygon| Beam {
+            polygon: polygon.clone(),
+            course,
+            depth,
+        }));
+        power
     }
 
     /// Stores retroreflected light with its map, weight and deviation.

@@ -4,6 +4,10 @@ use glam::DVec2;
 
 use crate::geometry::{HalfPlane, Polygon, polygon};
 
+/// Length of an edge, edge lengths, below which its direction is rounding. Such an edge would cut a
+/// polygon anywhere. Without it a thin polygon is longer by no more than this area.
+const SHORT: f64 = 1e-15;
+
 /// Returns the sum of the areas of `parts`.
 pub(crate) fn total_area(parts: &[Polygon]) -> f64 {
     parts.iter().map(|part| polygon::area(part)).sum()
@@ -13,7 +17,7 @@ pub(crate) fn total_area(parts: &[Polygon]) -> f64 {
 pub(crate) fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
     let mut left = vec![polygon.clone()];
     for (_, taken) in taken {
-        let planes: Vec<HalfPlane> = polygon::edges(taken).collect();
+        let planes: Vec<HalfPlane> = polygon::edges_longer_than(SHORT, taken).collect();
         left = left
             .into_iter()
             .flat_map(|part| polygon::subtract(&part, &planes, least).unwrap_or(vec![part]))

@@ -267,6 +267,19 @@ impl View {
             .collect()
     }
 
+    /// Returns the distance that a beam on its way up travels to the front face.
+    pub(crate) fn depth_of_front(&self, beam: &Isometry) -> Depth {
+        let fold = beam.linear.transpose();
+        let normal = fold * DVec3::NEG_Z;
+        let x = fold * (DVec3::Z * self.height - beam.shift);
+        let value = (x.z - self.height) / self.direction.z;
+        Depth {
+            anchor: DVec2::new(x.x - value * self.direction.x, x.y),
+            value,
+            gradient: -normal.truncate() / normal.dot(self.direction),
+        }
+    }
+
     fn shadow(&self, facet: usize, beam: &Isometry) -> Option<Shadow> {
         let mirror = &self.facets[facet];
         let fold = beam.linear.transpose();

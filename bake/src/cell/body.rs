@@ -27,21 +27,31 @@ pub(crate) struct Body {
     pub height: f64,
     /// Frequency of the body, relative to the most frequent body of the cell.
     pub weight: f64,
+    /// The same period as a part of the whole sheet, for light that crosses from pit to pit; `None`
+    /// if this is the body itself, or if there is no sheet.
+    pub sheet: Option<Box<Body>>,
 }
 
 impl Body {
     /// Finds the openings of `part`; `weight` is its frequency relative to the most frequent part.
     pub(crate) fn new(part: &Part, weight: f64) -> Self {
-        let (mut facets, entrance) = (part.facets.clone(), &part.entrance);
+        let entrance = &part.entrance;
         let entrance_area = polygon::area(&entrance.polygon);
         let pits = entrance
             .lattice
-            .and_then(|_| rim::openings(&facets, entrance.height, entrance_area));
-        let lattice = if pits.is_some() {
-            None
-        } else {
-            entrance.lattice
-        };
+            .and_then(|_| rim::openings(&part.facets, entrance.height, entrance_area));
+        let sheet = pits.as_ref().map(|_| Body::open(part, weight, None));
+        Body {
+            sheet: sheet.map(Box::new),
+            ..Body::open(part, weight, pits)
+        }
+    }
+
+    /// Makes the body with `pits` for openings or, without them, with all that its lattice has.
+    fn open(part: &Part, weight: f64, pits: Option<Vec<Polygon>>) -> Self {
+        let (mut facets, entrance) = (part.facets.clone(), &part.entrance);
+        let entrance_area = polygon::area(&entrance.polygon);
+        let lattice = entrance.lattice.filter(|_| pits.is_none());
         let covered: f64 = facets.iter().map(|facet| facet.area_from_above()).sum();
         if lattice.is_some() && covered < (1.0 - OPEN) * entrance_area {
             let backs: Vec<Facet> = facets.iter().map(Facet::back).collect();
@@ -58,6 +68,7 @@ impl Body {
             entrance_area,
             height: entrance.height,
             weight,
+            sheet: None,
         }
     }
 }

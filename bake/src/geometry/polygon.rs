@@ -86,9 +86,17 @@ pub(crate) fn bounds(polygon: &[DVec2]) -> (DVec2, DVec2) {
 /// Returns the half-planes of the edges, whose intersection is the polygon. Edges of length 0 are
 /// left out.
 pub(crate) fn edges(polygon: &[DVec2]) -> impl Iterator<Item = HalfPlane> + '_ {
+    edges_longer_than(0.0, polygon)
+}
+
+/// Returns the half-planes of the edges that are longer than `length`.
+pub(crate) fn edges_longer_than(
+    length: f64,
+    polygon: &[DVec2],
+) -> impl Iterator<Item = HalfPlane> + '_ {
     (0..polygon.len()).filter_map(move |i| {
         let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
-        (a != b).then(|| HalfPlane::left_of(a, b))
+        (a.distance(b) > length).then(|| HalfPlane::left_of(a, b))
     })
 }
 

@@ -181,6 +181,11 @@ impl Light {
         }))
     }
 
+    /// Returns the light that the front face reflects back inside.
+    pub(crate) fn kept_inside(&self, travel: DVec3, index: f64) -> Self {
+        self.reflected(travel, DVec3::Z, &Backing::Bare, index)
+    }
+
     /// Returns the power that leaves through the front face, as a share of the launched power.
     ///
     /// `travel` is the direction inside, unit length. Beyond the critical angle the power is 0.

@@ -11,6 +11,22 @@ use tables::options::{Element, Roughness};
 /// canted cubes take up to about ten.
 pub(crate) const BOUNCE_LIMIT: u32 = 64;
 
+/// Largest number of times that the front face sends light back to the facets.
+pub(crate) const PASSES: u32 = 32;
+
+/// Least power, as a share of the launched one, of light that is followed after the front face.
+pub(crate) const LEAST_POWER: f64 = 1e-6;
+
+/// What the front face does to light that meets it from inside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Front {
+    /// All light leaves that meets it, or ends there.
+    Once,
+    /// Reflected light goes on: all of it beyond the critical angle and, with losses, Fresnel's
+    /// share otherwise.
+    Trapped,
+}
+
 /// The rules of a bake: what facets do to light, and what counts as retroreflected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rules {
@@ -30,9 +46,17 @@ pub(crate) struct Rules {
     /// Refractive index of bodies of glass, `None` if all facets are mirrors. A path through glass
     /// has no linear map, so its direction alone counts.
     pub glass_index: Option<f64>,
+    /// What the front face does to light from inside.
+    pub front: Front,
 }
 
 impl Rules {
+    /// Returns whether the front face reflects all light that comes along `travel`, the unit
+    /// direction inside, and the light goes on.
+    pub(crate) fn is_trapped(&self, travel: DVec3) -> bool {
+        self.front == Front::Trapped && totally_reflected(travel.z, self.refractive_index)
+    }
+
     /// Returns whether all light passes a facet that it meets at an angle of cosine `cosine` from
     /// the normal.
     pub(crate) fn lets_through(&self, cosine: f64) -> bool {

@@ -1,7 +1,7 @@
 //! The plan of a bake, made from the options as typed.
 
 use crate::cell::{ExactCell, ExactError, Prepared, Whole};
-use crate::optics::{Backing, Rules, roughness};
+use crate::optics::{Backing, Front, Rules, roughness};
 use crate::plan::directions::{angles, direction_tolerance, full_step, sector};
 use crate::plan::effort;
 use crate::plan::effort::{Effort, Shard};
@@ -153,6 +153,7 @@ impl Plan {
             roughness: self.scene.roughness,
             element: self.scene.element,
             glass_index: self.scene.glass_index,
+            front: Front::Once,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Tracer of one direction: it takes every ray of a run from its sample to the tally.
 
-use crate::optics::{Incidence, Rules, element};
+use crate::optics::{Front, Incidence, Rules, element};
 use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
@@ -112,13 +112,15 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
-        // Each ray goes alone in three cases: a photon ends by its own chance, a rough facet turns
+        // Each ray goes alone in these cases: a photon ends by its own chance, a rough facet turns
         // each ray in its own way, and rays diverge on curved faces. Programs and packets also
-        // assume that paths end on the entrance plane and that no facet is of glass.
+        // assume that paths end at the entrance plane, where they first meet it, and that no facet
+        // is of glass.
         let alone = rules.losses.is_some()
             || rules.roughness.is_some()
             || rules.element != Element::Retroreflector
             || rules.glass_index.is_some()
+            || rules.front == Front::Trapped
             || scenes.iter().any(|scene| scene.is_curved());
         let mut entries = vec![Vec::new(); scenes.len()];
         for piece in launch.pieces() {

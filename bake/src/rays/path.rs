@@ -3,8 +3,8 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    BOUNCE_LIMIT, Backing, Incidence, Light, Ray, Rules, element, fate_of_leaving, reflect,
-    reflection, refract, roughness,
+    BOUNCE_LIMIT, Backing, Front, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element,
+    fate_of_leaving, reflect, reflection, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
 use crate::samples::Stream;
@@ -43,6 +43,8 @@ pub(crate) struct Course {
     bounces: u32,
     /// Number of times that the light has gone through a surface of glass.
     crossings: u32,
+    /// Number of times that the front face has sent the light back.
+    passes: u32,
 }
 
 impl Course {
@@ -53,6 +55,17 @@ impl Course {
             map: DMat3::IDENTITY,
             bounces: 0,
             crossings: 0,
+            passes: 0,
+        }
+    }
+
+    /// Returns the course after the front face has sent the light back inside.
+    fn sent_back(&self) -> Self {
+        Course {
+            direction: reflect(self.direction, DVec3::Z),
+            map: reflection(DVec3::Z) * self.map,
+            passes: self.passes + 1,
+            ..*self
         }
     }
 
@@ -204,7 +217,13 @@ struct RayPath {
 impl RayPath {
     /// Takes the path past the next event of its ray; returns the fate if the path ends there.
     #[inline]
-    fn pass(&mut self, event: &Event, rules: &Rules, direction: &Incidence) -> Result<(), Fate> {
+    fn pass(
+        &mut self,
+        event: &Event,
+        height: f64,
+        rules: &Rules,
+        direction: &Incidence,
+    ) -> Result<(), Fate> {
         match *event {
             Event::Hit {
                 arrival,
@@ -270,6 +289,9 @@ impl RayPath {
                 Ok(())
             }
             Event::Endless => Err(Fate::BounceLimit),
+            Event::Out if rules.front == Front::Trapped && self.course.direction.z > 0.0 => {
+                self.meet_front(height, rules, direction)
+            }
             Event::Out => {
                 if let Some(photon) = &self.photon {
                     let travel = self.course.direction;
@@ -279,6 +301,47 @@ impl RayPath {
                 Err(self.course.left(direction, rules))
             }
         }
+    }
+}
+
+impl RayPath {
+    /// Takes the path back inside at the front face, or returns the fate of light that leaves.
+    ///
+    /// A photon goes on if its chance is below the power that goes on, and leaves if it is below
+    /// the power before.
+    fn meet_front(
+        &mut self,
+        height: f64,
+        rules: &Rules,
+        direction: &Incidence,
+    ) -> Result<(), Fate> {
+        let travel = self.course.direction;
+        let goes_on = match &mut self.photon {
+            None => rules.is_trapped(travel),
+            Some(photon) => {
+                let inside = photon.light.kept_inside(travel, rules.refractive_index);
+                let goes_on = inside.power() > photon.chance;
+                if goes_on {
+                    photon.light = inside;
+                }
+                goes_on
+            }
+        };
+        if !goes_on {
+            return Err(self.course.left(direction, rules));
+        }
+        let left_over = |photon: &Photon| photon.light.power() < LEAST_POWER;
+        if self.course.passes == PASSES || self.photon.as_ref().is_some_and(left_over) {
+            return Err(Fate::BounceLimit);
+        }
+        let at = self.course.at_height(height, self.ray.origin);
+        self.course = self.course.sent_back();
+        self.ray = Ray {
+            origin: at.extend(height),
+            direction: self.course.direction,
+            ..self.ray
+        };
+        Ok(())
     }
 }
 
@@ -312,7 +375,7 @@ pub(crate) fn trace(
         Err(fate) => fate,
         Ok(()) => loop {
             let event = scene.next(&path.ray);
-            if let Err(fate) = path.pass(&event, rules, direction) {
+            if let Err(fate) = path.pass(&event, scene.height(), rules, direction) {
                 break fate;
             }
         },
@@ -361,6 +424,7 @@ mod tests {
                             map: DMat3::IDENTITY,
                             bounces: 1,
                             crossings: 2,
+                            passes: 0,
                         };
                         let beyond = match kind {
                             Element::Retroreflector => Fate::LeftAfter1,

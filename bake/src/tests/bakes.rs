@@ -1,7 +1,7 @@
 //! Bakes of cells that are dissected for one question only.
 
 use crate::cell::{ExactCell, ExactError, Kind, Prepared, Whole};
-use crate::optics::Rules;
+use crate::optics::{Front, Rules};
 use crate::plan::{Plan, default};
 use crate::rays::Tracer;
 use crate::run::{Bake, RunError, Watch, trace};
@@ -59,6 +59,7 @@ impl Rules {
             roughness: None,
             element: Element::Retroreflector,
             glass_index: None,
+            front: Front::Once,
         }
     }
 }

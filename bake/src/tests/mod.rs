@@ -21,3 +21,4 @@ mod ranks;
 mod roughness;
 mod speed;
 mod study;
+mod trapped;
