@@ -27,8 +27,8 @@ pub(crate) struct Body {
     pub height: f64,
     /// Frequency of the body, relative to the most frequent body of the cell.
     pub weight: f64,
-    /// The same period as a part of the whole sheet, for light that crosses from pit to pit; `None`
-    /// if this is the body itself, or if there is no sheet.
+    /// One period of the whole sheet, for light that crosses from pit to pit; `None` if this body
+    /// is that, or if there is no sheet.
     pub sheet: Option<Box<Body>>,
 }
 

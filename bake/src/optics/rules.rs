@@ -17,7 +17,7 @@ pub(crate) const PASSES: u32 = 32;
 /// Least power, as a share of the launched one, of light that is followed after the front face.
 pub(crate) const LEAST_POWER: f64 = 1e-6;
 
-/// What the front face does to light that meets it from inside.
+/// Treatment of light that meets the front face from inside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Front {
     /// All light leaves that meets it, or ends there.
@@ -46,7 +46,7 @@ pub(crate) struct Rules {
     /// Refractive index of bodies of glass, `None` if all facets are mirrors. A path through glass
     /// has no linear map, so its direction alone counts.
     pub glass_index: Option<f64>,
-    /// What the front face does to light from inside.
+    /// Treatment of light that meets the front face from inside.
     pub front: Front,
 }
 

@@ -194,10 +194,7 @@ fn rays_go_the_way_of_a_plain_tracer() {
             let found = trace(&scene, &rules, &light, point, 0.5);
             let name = format!("{shape:?} {index} {incidence} {azimuth} {k}");
             assert_eq!(found.bounces, facets, "{name}");
-            let is_back = (map - -DMat3::IDENTITY)
-                .to_cols_array()
-                .iter()
-                .all(|x| x.abs() < 1e-9);
+            let is_back = is_minus_identity(map);
             assert_eq!(found.fate == Fate::BounceLimit, left.is_none(), "{name}");
             if let Some(left) = left {
                 assert_eq!(found.fate == Fate::Retroreflected, is_back, "{name}");
@@ -225,9 +222,14 @@ fn share(prepared: &Prepared, (index, incidence, azimuth): (f64, f64, f64), fron
     exact.direction(incidence, azimuth, 64, 4.0, &rules)
 }
 
+fn is_minus_identity(map: DMat3) -> bool {
+    let off = (map + DMat3::IDENTITY).to_cols_array();
+    off.iter().all(|x| x.abs() < 1e-9)
+}
+
 /// Shares of beams against counts of plain rays, within counting error: 5 standard deviations of
-/// each share, which chance exceeds in one of 15,000 runs of these 120 comparisons. All fates sum to
-/// 1.
+/// each share, which chance exceeds in one of 15,000 runs of these 120 comparisons. All fates sum
+/// to 1.
 #[test]
 fn beams_are_the_mean_of_plain_rays() {
     const RAYS: usize = 1000;
@@ -250,7 +252,7 @@ fn beams_are_the_mean_of_plain_rays() {
             for k in 0..RAYS {
                 let point = entry(&slab, k);
                 let (left, map, [_, fronts]) = slab.follow(point, light.travel, index);
-                let is_back = (map + DMat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 1e-9);
+                let is_back = is_minus_identity(map);
                 counts[0] += f64::from(u8::from(is_back && left.is_some()));
                 counts[1] += f64::from(u8::from(is_back && left.is_some() && fronts > 0));
                 counts[2] += f64::from(u8::from(left.is_none()));
@@ -258,7 +260,7 @@ fn beams_are_the_mean_of_plain_rays() {
             let extra = (all.retroreflected - once.retroreflected).max(0.0);
             let limit = all.fate[Fate::BounceLimit as usize];
             println!(
-                "{name}: eta {:.5} once {:.5}, extra {:.2} % of it, left over {limit:.1e}, {} paths",
+                "{name}: eta {:.5} once {:.5}, extra {:.2} %, left over {limit:.1e}, {} paths",
                 all.retroreflected,
                 once.retroreflected,
                 100.0 * extra / once.retroreflected,
@@ -305,8 +307,8 @@ fn a_front_of_index_1_changes_nothing() {
 }
 
 /// At normal incidence a full cube returns all light. With R = ((m - 1) / (m + 1))^2 of the front
-/// face, the light that comes back after k reflections there is (1 - R)^2 R^k: by -I for even k, and
-/// by a mirrored map for odd k. What is below the least power, 1e-6, is not followed.
+/// face, the light that comes back after k reflections there is (1 - R)^2 R^k: by -I for even k,
+/// and by a mirrored map for odd k. What is below the least power, 1e-6, is not followed.
 #[test]
 fn light_between_front_and_cubes_is_a_geometric_series() {
     let mut cases = 0;

@@ -65,7 +65,7 @@ impl Terms {
     }
 
     /// Returns whether the orders of the curve are estimated with these terms. With no terms they
-    /// are too, so that the fall of chi-square from none to second order is that of the light alone.
+    /// are too, so that the fall of chi-square to second order is that of the light alone.
     pub(crate) fn free_the_curve(self) -> bool {
         self != Terms::First
     }

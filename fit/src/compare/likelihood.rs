@@ -288,8 +288,8 @@ impl<'a> Photograph<'a> {
         self.take(terms);
     }
 
-    /// Returns the number of nuisances that the pixels alone determine. The orders of the curve, the
-    /// lit part of the dark plateau and the share of the lamp have priors.
+    /// Returns the number of nuisances that the pixels alone determine. The orders of the curve,
+    /// the lit part of the dark plateau and the share of the lamp have priors.
     pub(crate) fn nuisances(&self) -> usize {
         FIRST_LIGHT + self.terms.light() + 1
     }
@@ -625,8 +625,8 @@ impl<'a> Photograph<'a> {
         }
     }
 
-    /// Returns the two halves of a fitted photograph, along the edge: what each would give alone, to
-    /// first order. Priors count half in each.
+    /// Returns the two halves of a fitted photograph, along the edge: what each would give alone,
+    /// to first order. Priors count half in each.
     pub(crate) fn halves(&self, curves: &Curves, fitted: &Fitted) -> [Fitted; 2] {
         let mut fine = Photograph {
             bins: &self.pixels.strips,

@@ -226,7 +226,7 @@ fn of_sums(remainders: &[Remainder], of: fn(&Remainder) -> &Vec<f64>) -> f64 {
 /// by one Gauss-Newton step each.
 struct LeftOut {
     each: Vec<DVector<f64>>,
-    /// The same without one half of the photograph, if there is one photograph.
+    /// Changes without one half of the photograph, if there is one photograph.
     halves: Vec<DVector<f64>>,
 }
 

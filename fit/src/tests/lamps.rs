@@ -169,8 +169,8 @@ fn step(photo: &Photo, blur_px: f64, order: usize, by_px: f64) -> [f64; 2] {
 
 /// Light that falls along an edge looks like a bow of the edge, and a wrong bow like light. So the
 /// curve is estimated with the light: a curve that is wrong by a third of a pixel leaves the step
-/// where it was. With the curve held, a bow of 0.3 px moves the step by 9.3 of its errors here. What
-/// is left is of second order: h^2 E'' / 2 beside h E' is h / (2 blur) = 1/60, or 0.16 errors.
+/// where it was. With the curve held, a bow of 0.3 px moves the step by 9.3 of its errors here. The
+/// rest is of second order: h^2 E'' / 2 beside h E' is h / (2 blur) = 1/60, or 0.16 errors.
 #[test]
 fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
     let picture = with_noise(vignetted(WIDE_PX), 5, 0.002);
