@@ -117,14 +117,16 @@ test-raw: rust tools
 
 # A minute of random files for each reader of files; hours are in CONTRIBUTING.md. libhdf5 asks for
 # as much memory as a damaged file says. In `airr-reader` a limit refuses that; here it is allowed.
+# Files that are found go to target/fuzz, so that the kept corpus stays small.
 test-fuzz: rust tools
 	@$(CARGO) +nightly fuzz --version >/dev/null 2>&1 || { \
 		echo "test-fuzz: needs rustup toolchain install nightly and cargo install cargo-fuzz" >&2; \
 		exit 1; }
 	@cd fuzz && for target in obj gltf table photograph toml result polygons view; do \
-		echo "== fuzz $$target" >&2; \
+		echo "== fuzz $$target" >&2; mkdir -p "$(CURDIR)/target/fuzz/$$target"; \
 		ASAN_OPTIONS=detect_odr_violation=0:allocator_may_return_null=1 $(CARGO) +nightly fuzz run \
-			$$target -- -max_total_time=60 -timeout=30 -rss_limit_mb=1500 \
+			$$target "$(CURDIR)/target/fuzz/$$target" corpus/$$target -- \
+			-max_total_time=60 -timeout=30 -rss_limit_mb=1500 \
 			$$(test $$target = table && echo -malloc_limit_mb=2147483647) || exit 1; done
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what
