@@ -127,7 +127,8 @@ test-fuzz: rust tools
 		ASAN_OPTIONS=detect_odr_violation=0:allocator_may_return_null=1 $(CARGO) +nightly fuzz run \
 			$$target "$(CURDIR)/target/fuzz/$$target" corpus/$$target -- \
 			-max_total_time=60 -timeout=30 -rss_limit_mb=1500 \
-			$$(test $$target = table && echo -malloc_limit_mb=2147483647) || exit 1; done
+			$$(test $$target = table && echo -malloc_limit_mb=2147483647 -rss_limit_mb=6000) || \
+			exit 1; done
 
 # MITSUBA_FIT: a script that does the published loop in Mitsuba (tests/beside_mitsuba.py says what
 # it takes); MITSUBA_PYTHON: an interpreter that has mitsuba and h5py; ROUNDS: how often both are

@@ -640,3 +640,15 @@ fn a_table_that_another_program_rewrote_is_read() {
     file.close().unwrap();
     assert_eq!(read(&bench.path()).unwrap(), sample::rays(2, 7));
 }
+
+/// An attribute whose type claims 15 of the 16 bytes that a text of variable length needs: libhdf5
+/// would read 16, one beyond its memory. The file was made from one that h5py wrote, without
+/// checksums, as libFuzzer found it.
+#[test]
+fn an_attribute_with_too_few_bytes_is_refused() {
+    let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/found/table");
+    let bytes = fs::read(found.join("text_of_15_bytes.h5")).unwrap();
+    let message = Bench::new().bytes(&bytes);
+    assert!(message.contains("attribute back"), "{message}");
+    assert!(message.contains("in 15 bytes"), "{message}");
+}

@@ -130,18 +130,28 @@ impl<'a> Place<'a> {
             }
             _ => false,
         };
-        match kind {
-            Ok(kind) if fits && shape.iter().product::<usize>() == values => Ok((attribute, kind)),
-            kind => Err(Error::AttributeType {
-                file: self.file.to_owned(),
-                attribute: self.named(name),
-                expected,
-                found: format!(
-                    "{} of shape {shape:?}",
-                    kind.map_or_else(|other| other, |kind| kind.to_string())
-                ),
-            }),
-        }
+        // libhdf5 reads as much as the type needs, even if a damaged file holds less.
+        let needed = |kind: &TypeDescriptor| match kind {
+            text if TEXTS.contains(text) => HEAP_REFERENCE,
+            kind => kind.size(),
+        };
+        let stored = attribute.storage_size();
+        let found = match kind {
+            Ok(kind) if fits && shape.iter().product::<usize>() == values => {
+                if stored >= (values * needed(&kind)) as u64 {
+                    return Ok((attribute, kind));
+                }
+                format!("{kind} in {stored} bytes")
+            }
+            Ok(kind) => format!("{kind} of shape {shape:?}"),
+            Err(other) => format!("{other} of shape {shape:?}"),
+        };
+        Err(Error::AttributeType {
+            file: self.file.to_owned(),
+            attribute: self.named(name),
+            expected,
+            found,
+        })
     }
 
     /// Returns the element type, or the words for a type that has no Rust counterpart.
@@ -373,6 +383,9 @@ impl Element for f64 {
 impl Element for u64 {
     const KIND: TypeDescriptor = TypeDescriptor::Unsigned(IntSize::U8);
 }
+
+/// Bytes of a text of variable length in a file: its length, and its place in a heap.
+const HEAP_REFERENCE: usize = 16;
 
 /// Element types of texts of variable length.
 const TEXTS: [TypeDescriptor; 2] = [TypeDescriptor::VarLenUnicode, TypeDescriptor::VarLenAscii];
