@@ -13,9 +13,7 @@ use crate::beams::parts::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
-use crate::optics::{
-    BOUNCE_LIMIT, Front, LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving,
-};
+use crate::optics::{BOUNCE_LIMIT, LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving};
 
 /// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
 /// the beam looks four times further, again and again.
@@ -427,7 +425,7 @@ impl Follower<'_> {
             reflections,
             ..
         } = beam.course;
-        let outside = if rules.front == Front::Trapped && toward.z > 0.0 {
+        let outside = if rules.follows_the_front() && toward.z > 0.0 {
             let inside = self.send_back(beam, toward, &parts);
             self.outcome.dropped += (rest - total_area(&parts)) * inside;
             beam.course.power() - inside

@@ -32,7 +32,7 @@ use crate::beams::share::Share;
 use crate::beams::view::View;
 use crate::cell::{ExactCell, ExactError, Prepared};
 use crate::geometry::polygon;
-use crate::optics::{Front, Incidence, Rules};
+use crate::optics::{Incidence, Rules};
 
 impl ExactCell {
     /// Traces one direction, given by its angles in degrees outside the front face, cell frame.
@@ -54,8 +54,7 @@ impl ExactCell {
         let (mut eta, mut dropped) = (0.0, 0.0);
         for body in &self.bodies {
             let sheet = body.sheet.as_deref();
-            let crosses = rules.front == Front::Trapped;
-            let body = sheet.filter(|_| crosses).unwrap_or(body);
+            let body = sheet.filter(|_| rules.follows_the_front()).unwrap_or(body);
             let view = View::new(body, &light);
             let outcome = beam::trace(&view, rules);
             let share = body.weight / self.entrance_area;

@@ -269,49 +269,48 @@ impl View {
 
     /// Returns the distance that a beam on its way up travels to the front face.
     pub(crate) fn depth_of_front(&self, beam: &Isometry) -> Depth {
-        let fold = beam.linear.transpose();
-        let normal = fold * DVec3::NEG_Z;
-        let x = fold * (DVec3::Z * self.height - beam.shift);
-        let value = (x.z - self.height) / self.direction.z;
+        let normal = beam.linear.transpose() * DVec3::NEG_Z;
+        self.depth_of_plane(beam, DVec3::Z * self.height, normal)
+    }
+
+    /// Returns the distance that a beam travels to the plane through the point `x` of real space.
+    /// `normal` is the normal of the plane in unfolded space.
+    fn depth_of_plane(&self, beam: &Isometry, x: DVec3, normal: DVec3) -> Depth {
+        let (anchor, value) = self.entry_of(beam, x);
         Depth {
-            anchor: DVec2::new(x.x - value * self.direction.x, x.y),
+            anchor,
             value,
             gradient: -normal.truncate() / normal.dot(self.direction),
         }
     }
 
+    /// Returns the entry point of the light of `beam` that reaches the point `x` of real space, and
+    /// the distance that it travels.
+    fn entry_of(&self, beam: &Isometry, x: DVec3) -> (DVec2, f64) {
+        let x = beam.linear.transpose() * (x - beam.shift);
+        let depth = (x.z - self.height) / self.direction.z;
+        (DVec2::new(x.x - depth * self.direction.x, x.y), depth)
+    }
+
     fn shadow(&self, facet: usize, beam: &Isometry) -> Option<Shadow> {
         let mirror = &self.facets[facet];
-        let fold = beam.linear.transpose();
-        let normal = fold * mirror.normal;
-        let facing = normal.dot(self.direction);
-        if facing > -EDGE_ON {
+        let normal = beam.linear.transpose() * mirror.normal;
+        if normal.dot(self.direction) > -EDGE_ON {
             return None;
         }
-        let land = |x: DVec3| {
-            let x = fold * (x - beam.shift);
-            let depth = (x.z - self.height) / self.direction.z;
-            (DVec2::new(x.x - depth * self.direction.x, x.y), depth)
-        };
-        let (anchor, value) = land(mirror.corners[0]);
-        let mut outline: Polygon = mirror.corners.iter().map(|&x| land(x).0).collect();
+        let corners = mirror.corners.iter();
+        let mut outline: Polygon = corners.map(|&x| self.entry_of(beam, x).0).collect();
         if polygon::area(&outline) < 0.0 {
             outline.reverse();
         }
         let (low, high) = polygon::bounds(&outline);
-        let gradient = -normal.truncate() / facing;
-        let depth = Depth {
-            anchor,
-            value,
-            gradient,
-        };
         Some(Shadow {
             facet,
             translation: DVec3::ZERO,
             outline,
             low,
             high,
-            depth,
+            depth: self.depth_of_plane(beam, mirror.corners[0], normal),
             slack: if mirror.dark { -OFF } else { 0.0 },
         })
     }

@@ -51,10 +51,15 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
+    /// Returns whether light that the front face reflects goes on.
+    pub(crate) fn follows_the_front(&self) -> bool {
+        self.front == Front::Trapped
+    }
+
     /// Returns whether the front face reflects all light that comes along `travel`, the unit
     /// direction inside, and the light goes on.
     pub(crate) fn is_trapped(&self, travel: DVec3) -> bool {
-        self.front == Front::Trapped && totally_reflected(travel.z, self.refractive_index)
+        self.follows_the_front() && totally_reflected(travel.z, self.refractive_index)
     }
 
     /// Returns whether all light passes a facet that it meets at an angle of cosine `cosine` from

@@ -1,6 +1,6 @@
 //! Tracer of one direction: it takes every ray of a run from its sample to the tally.
 
-use crate::optics::{Front, Incidence, Rules, element};
+use crate::optics::{Incidence, Rules, element};
 use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
@@ -120,7 +120,7 @@ impl Kernel {
             || rules.roughness.is_some()
             || rules.element != Element::Retroreflector
             || rules.glass_index.is_some()
-            || rules.front == Front::Trapped
+            || rules.follows_the_front()
             || scenes.iter().any(|scene| scene.is_curved());
         let mut entries = vec![Vec::new(); scenes.len()];
         for piece in launch.pieces() {

@@ -3,7 +3,7 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    BOUNCE_LIMIT, Backing, Front, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element,
+    BOUNCE_LIMIT, Backing, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element,
     fate_of_leaving, reflect, reflection, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
@@ -289,7 +289,7 @@ impl RayPath {
                 Ok(())
             }
             Event::Endless => Err(Fate::BounceLimit),
-            Event::Out if rules.front == Front::Trapped && self.course.direction.z > 0.0 => {
+            Event::Out if rules.follows_the_front() && self.course.direction.z > 0.0 => {
                 self.meet_front(height, rules, direction)
             }
             Event::Out => {

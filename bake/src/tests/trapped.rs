@@ -213,13 +213,15 @@ fn rays_go_the_way_of_a_plain_tracer() {
     assert!(counts[2] > 50);
 }
 
-fn share(prepared: &Prepared, (index, incidence, azimuth): (f64, f64, f64), front: Front) -> Share {
-    let rules = Rules {
-        front,
-        ..trapped(index)
-    };
+fn share(prepared: &Prepared, incidence: f64, azimuth: f64, rules: Rules) -> Share {
     let exact = prepared.exact().expect("an exact cell");
-    exact.direction(incidence, azimuth, 64, 4.0, &rules)
+    exact.direction(incidence, azimuth, 32, 8.0, &rules)
+}
+
+/// Returns the shares without and with light that the front face sends back.
+fn shares(prepared: &Prepared, incidence: f64, azimuth: f64, rules: Rules) -> [Share; 2] {
+    let share = |front| share(prepared, incidence, azimuth, Rules { front, ..rules });
+    [Front::Once, Front::Trapped].map(share)
 }
 
 fn is_minus_identity(map: DMat3) -> bool {
@@ -239,10 +241,8 @@ fn beams_are_the_mean_of_plain_rays() {
             let cell = cell(shape);
             let slab = Slab::of(&cell);
             let prepared = Prepared::new(cell);
-            let direction = (index, incidence, azimuth);
-            let [once, all] =
-                [Front::Once, Front::Trapped].map(|front| share(&prepared, direction, front));
-            let name = format!("{shape:?} {direction:?}");
+            let [once, all] = shares(&prepared, incidence, azimuth, trapped(index));
+            let name = format!("{shape:?} {index} {incidence} {azimuth}");
             let sum: f64 = all.fate.iter().sum::<f64>() + all.dropped;
             assert!((sum - 1.0).abs() < 1e-12, "{name}: {:e}", sum - 1.0);
             assert!(all.dropped.abs() < 1e-12, "{name}: {:e}", all.dropped);
@@ -285,15 +285,11 @@ fn a_front_of_index_1_changes_nothing() {
         let prepared = Prepared::new(cell(shape));
         for losses in [None, Some(Backing::Mirror { reflectance: 0.9 })] {
             for (incidence, azimuth) in [(0.0, 0.0), (30.0, 10.0), (60.0, 100.0)] {
-                let [once, all] = [Front::Once, Front::Trapped].map(|front| {
-                    let rules = Rules {
-                        front,
-                        losses,
-                        ..trapped(1.0)
-                    };
-                    let exact = prepared.exact().expect("an exact cell");
-                    exact.direction(incidence, azimuth, 32, 4.0, &rules)
-                });
+                let rules = Rules {
+                    losses,
+                    ..trapped(1.0)
+                };
+                let [once, all] = shares(&prepared, incidence, azimuth, rules);
                 // The beams of the sheet start from other facets than those of its pits.
                 assert!((once.retroreflected - all.retroreflected).abs() < 1e-13);
                 for (once, all) in once.fate.iter().zip(all.fate) {
@@ -318,8 +314,7 @@ fn light_between_front_and_cubes_is_a_geometric_series() {
             losses: Some(Backing::Mirror { reflectance: 1.0 }),
             ..trapped(index)
         };
-        let exact = prepared.exact().expect("an exact cell");
-        let found = exact.direction(0.0, 0.0, 32, 4.0, &rules);
+        let found = share(&prepared, 0.0, 0.0, rules);
         let r = ((index - 1.0) / (index + 1.0_f64)).powi(2);
         let back = (1.0 - r).powi(2) / (1.0 - r * r);
         assert!((found.retroreflected - back).abs() < 1e-6, "{index}");
@@ -352,8 +347,7 @@ fn photons_agree_with_beams_behind_a_front() {
         let scene = Scene::new(&cell, Index::Auto);
         let slab = Slab::of(&cell);
         let prepared = Prepared::new(cell);
-        let exact = prepared.exact().expect("an exact cell");
-        let beams = exact.direction(incidence, azimuth, 32, 8.0, &rules);
+        let beams = share(&prepared, incidence, azimuth, rules);
         let sum: f64 = beams.fate.iter().sum::<f64>() + beams.dropped;
         assert!((sum - 1.0).abs() < 1e-12, "{incidence}: {:e}", sum - 1.0);
         let light = Incidence::new(incidence.to_radians(), f64::to_radians(azimuth), 1.49);

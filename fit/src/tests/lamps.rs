@@ -170,7 +170,8 @@ fn step(photo: &Photo, blur_px: f64, order: usize, by_px: f64) -> [f64; 2] {
 /// Light that falls along an edge looks like a bow of the edge, and a wrong bow like light. So the
 /// curve is estimated with the light: a curve that is wrong by a third of a pixel leaves the step
 /// where it was. With the curve held, a bow of 0.3 px moves the step by 9.3 of its errors here. The
-/// rest is of second order: h^2 E'' / 2 beside h E' is h / (2 blur) = 1/60, or 0.16 errors.
+/// rest is of second order: h^2 E'' / 2 beside h E' is h / (2 blur) = 1/60, or 0.16 errors at the
+/// ends of the curve and a fifth of that on the mean. The limit lies between.
 #[test]
 fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
     let picture = with_noise(vignetted(WIDE_PX), 5, 0.002);
@@ -179,7 +180,7 @@ fn a_wrong_curve_does_not_move_the_step_in_uneven_light() {
         let [right, error] = step(&picture, WIDE_PX, order, 0.0);
         let off = (step(&picture, WIDE_PX, order, 0.3)[0] - right) / error;
         println!("order {order}: {off:.3} of {error:.1e}");
-        assert!(off.abs() < 0.16, "{order}: {off}");
+        assert!(off.abs() < 0.1, "{order}: {off}");
         cases += 1;
     }
     assert_eq!(cases, 3);
