@@ -62,6 +62,7 @@ fn one_two_and_four_ranks_bake_the_same_bytes() {
         --threads 1",
         "--method rays --tolerance 0.02 --incidence 0:60:20",
         "--method rays --rays 100003 --shard 2/3 --incidence 0:60:20",
+        "--method rays --rays 30001 --incidence 45 --refractive-index 1.49 --front trapped",
     ] {
         let report = done(&alone(here, &format!("trace cell.obj -o one.h5 {options}")));
         for count in [1, 2, 4] {
@@ -72,7 +73,7 @@ fn one_two_and_four_ranks_bake_the_same_bytes() {
             compared += 1;
         }
     }
-    assert_eq!(compared, 15);
+    assert_eq!(compared, 18);
 }
 
 #[test]

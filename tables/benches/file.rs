@@ -9,7 +9,7 @@ mod sample;
 use divan::Bencher;
 use ndarray::{Array2, Array3, Array4, Array5};
 use sample::Numbers;
-use tables::options::Method;
+use tables::options::{Front, Method};
 use tables::{Axes, Exact, Fate, Path, Table};
 
 fn main() {
@@ -44,13 +44,16 @@ fn rays() -> Table {
             0
         }
     });
-    let fates = Array4::from_shape_fn((DIRECTIONS, 1, 16, Fate::ALL.len()), |(i, a, r, fate)| {
-        if fate == Fate::Retroreflected as usize {
-            counts.slice(ndarray::s![i, a, r, .., ..]).sum()
-        } else {
-            10_000
-        }
-    });
+    let fates = Array4::from_shape_fn(
+        (DIRECTIONS, 1, 16, Fate::of(Front::Once).len()),
+        |(i, a, r, fate)| {
+            if fate == Fate::Retroreflected as usize {
+                counts.slice(ndarray::s![i, a, r, .., ..]).sum()
+            } else {
+                10_000
+            }
+        },
+    );
     Table::from_counts(axes(), counts, fates, sample::provenance())
 }
 
@@ -69,8 +72,10 @@ fn exact() -> Table {
         offset: [0.0, 0.0],
         weight: 1.0,
         deviation: [0.0; 2],
+        passes: 0,
+        jones: None,
     };
-    let mut fate = Array3::zeros((DIRECTIONS, 1, Fate::ALL.len()));
+    let mut fate = Array3::zeros((DIRECTIONS, 1, Fate::of(Front::Once).len()));
     fate.slice_mut(ndarray::s![.., .., Fate::Retroreflected as usize])
         .fill(0.25);
     fate.slice_mut(ndarray::s![.., .., Fate::Missed as usize])

@@ -57,6 +57,10 @@ def content_hash(file):
         for name in ["path_matrix", "path_offset", "path_weight", "path_deviation"]:
             if name in group:
                 floats(name, group[name][()])
+        if "path_passes" in group:
+            integers("path_passes", group["path_passes"][()])
+        if "path_jones" in group:
+            floats("path_jones", group["path_jones"][()])
         integers("polygon_start", group["polygon_start"][()])
         floats("polygon_vertex", group["polygon_vertex"][()])
     if "deviation" in file:
@@ -124,7 +128,7 @@ def main():
         "rays": ("incidence_deg", "azimuth_deg"),
         "fate": ("incidence_deg", "azimuth_deg", "fate_name"),
     }
-    exact = kind in ("exact", "symmetric")
+    exact = kind in ("exact", "symmetric", "trapped")
     if not exact:
         dims["counts"] = ("incidence_deg", "azimuth_deg", "randomisation", "shift_v", "shift_u")
         dims["fate_counts"] = ("incidence_deg", "azimuth_deg", "randomisation", "fate_name")
@@ -152,7 +156,9 @@ def main():
             )
         check(file.attrs["format"] == "retroreflective ray-shift table", "format")
         newer = kind == "deviations" or "options" in file.attrs
-        check(file.attrs["version"] == (2 if newer else 1), "version")
+        trapped = kind.startswith("trapped")
+        check(file.attrs["version"] == (3 if trapped else 2 if newer else 1), "version")
+        check(len(file["fate_name"]) == (11 if trapped else 10), "fates")
         check("d = -n cos(incidence) + t sin(incidence)" in file.attrs["frame"], "frame")
         check(file.attrs["content_hash"] == content, "content hash attribute")
         check(content_hash(file) == content, "content hash computed in Python")
@@ -212,7 +218,8 @@ def main():
     table = module.read_table(name)
     check(table["histogram"][1, 0, 3, 4] == float(probability), "read_table histogram")
     check(
-        table["fate_name"][0] == "retroreflected" and len(table["fate_name"]) == 10,
+        table["fate_name"][0] == "retroreflected"
+        and len(table["fate_name"]) == (11 if trapped else 10),
         "read_table fates",
     )
     if kind == "deviations":

@@ -13,7 +13,7 @@ use crate::beams::parts::{bounds_of_all, total_area, without};
 use crate::beams::view::{Depth, Flight, Isometry, Shadow, View};
 use crate::geometry::{Polygon, polygon};
 use crate::optics::mirror;
-use crate::optics::{BOUNCE_LIMIT, LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving};
+use crate::optics::{LEAST_POWER, Light, PASSES, Rules, element, fate_of_leaving};
 
 /// First distance within which a beam looks for lattice copies, edge lengths. If it is too short,
 /// the beam looks four times further, again and again.
@@ -41,6 +41,8 @@ pub(crate) struct LitPiece {
     pub weight: f64,
     /// Deviation of the light, as in [`tables::Path::deviation`].
     pub deviation: DVec2,
+    /// Number of times that the front face has sent the light back.
+    pub passes: u32,
 }
 
 /// Pieces and fates of the light of one direction.
@@ -338,7 +340,7 @@ impl Follower<'_> {
             open = without(part, &visible, view.least_area);
             self.outcome.dropped += (rest - total_area(&open)) * power;
         } else if ahead.leave > look && view.lattice.is_some() {
-            self.settle(rest * power, Fate::BounceLimit);
+            self.settle(rest * power, Rules::given_up(beam.course.passes));
         } else {
             let parts = without(part, &visible, view.least_area);
             self.leave(beam, toward, parts, rest);
@@ -392,8 +394,8 @@ impl Follower<'_> {
         if facet.dark {
             return self.settle(area * course.power(), Fate::Absorbed);
         }
-        if course.reflections == BOUNCE_LIMIT {
-            return self.settle(area * course.power(), Fate::BounceLimit);
+        if Rules::is_at_limit(course.reflections, course.passes) {
+            return self.settle(area * course.power(), Rules::given_up(course.passes));
         }
         if rules.lets_through(facet.normal.dot(travel)) {
             return self.settle(area, Fate::Transmitted);
@@ -437,7 +439,7 @@ impl Follower<'_> {
         match fate_of_leaving(isometry.linear, self.view.direction, reflections, rules) {
             Fate::Retroreflected => {
                 self.outcome.dropped += (rest - total_area(&parts)) * outside;
-                self.return_light(&isometry, toward, parts, outside);
+                self.return_light(&beam.course, toward, parts, outside);
             }
             fate => self.settle(rest * outside, fate),
         }
@@ -456,7 +458,7 @@ impl Follower<'_> {
             Some(light) => light.power(),
         };
         if beam.course.passes == PASSES || power < LEAST_POWER {
-            self.settle(total_area(parts) * power, Fate::BounceLimit);
+            self.settle(total_area(parts) * power, Fate::Trapped);
             return power;
         }
         let course = BeamCourse {
@@ -477,11 +479,14 @@ impl Follower<'_> {
     /// Stores retroreflected light with its map, weight and deviation.
     fn return_light(
         &mut self,
-        isometry: &Isometry,
+        course: &BeamCourse,
         toward: DVec3,
         parts: Vec<Polygon>,
         weight: f64,
     ) {
+        let BeamCourse {
+            isometry, passes, ..
+        } = *course;
         let View {
             height,
             floor,
@@ -511,6 +516,7 @@ impl Follower<'_> {
                 offset,
                 weight,
                 deviation,
+                passes,
             }));
     }
 

@@ -204,9 +204,8 @@ pub(crate) fn bake(
     );
     let retroreflected =
         Array2::from_shape_fn((incidences, azimuths), |(i, a)| of(i, a).retroreflected);
-    let fate = Array3::from_shape_fn((incidences, azimuths, Fate::ALL.len()), |(i, a, k)| {
-        of(i, a).fate[k]
-    });
+    let fates = Fate::of(rules.front).len();
+    let fate = Array3::from_shape_fn((incidences, azimuths, fates), |(i, a, k)| of(i, a).fate[k]);
     let exact = Exact {
         entrance_area: exact.entrance_area,
         paths: directions

@@ -8,6 +8,10 @@ use crate::geometry::{HalfPlane, Polygon, polygon};
 /// polygon anywhere. Without it a thin polygon is longer by no more than this area.
 const SHORT: f64 = 1e-15;
 
+/// Distance, edge lengths, by which a polygon may cross the line of its own edge. The rounding of a
+/// long edge is less.
+const STRAIGHT: f64 = 1e-13;
+
 /// Returns the sum of the areas of `parts`.
 pub(crate) fn total_area(parts: &[Polygon]) -> f64 {
     parts.iter().map(|part| polygon::area(part)).sum()
@@ -17,7 +21,8 @@ pub(crate) fn total_area(parts: &[Polygon]) -> f64 {
 pub(crate) fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64) -> Vec<Polygon> {
     let mut left = vec![polygon.clone()];
     for (_, taken) in taken {
-        let planes: Vec<HalfPlane> = polygon::edges_longer_than(SHORT, taken).collect();
+        let edges = polygon::edges_longer_than(SHORT, taken);
+        let planes: Vec<HalfPlane> = edges.map(|edge| beside(edge, taken)).collect();
         left = left
             .into_iter()
             .flat_map(|part| polygon::subtract(&part, &planes, least).unwrap_or(vec![part]))
@@ -25,6 +30,21 @@ pub(crate) fn without(polygon: &Polygon, taken: &[(usize, Polygon)], least: f64)
     }
     left.retain(|part| polygon::area(part) > least);
     left
+}
+
+/// Returns the half-plane moved outward until `polygon` lies in it.
+///
+/// The direction of a short edge is off by rounding over its length. Its line would cut off a part
+/// of its own polygon.
+fn beside(edge: HalfPlane, polygon: &Polygon) -> HalfPlane {
+    let beyond = polygon.iter().map(|&p| edge.value(p)).fold(0.0, f64::max);
+    if beyond <= STRAIGHT * edge.gradient.length() {
+        return edge;
+    }
+    HalfPlane {
+        constant: edge.constant - beyond,
+        ..edge
+    }
 }
 
 /// Returns the lowest and the highest coordinates of all `parts` together.

@@ -75,7 +75,8 @@ fn bring_home(piece: &mut LitPiece, [a, b]: [DVec2; 2]) {
 fn same_map(a: &LitPiece, b: &LitPiece) -> bool {
     let slack = SAME_MAP * (1.0 + a.offset.length());
     let linear = a.matrix - b.matrix;
-    (a.weight - b.weight).abs() <= SAME_WEIGHT
+    a.passes == b.passes
+        && (a.weight - b.weight).abs() <= SAME_WEIGHT
         && (a.deviation - b.deviation).length() <= SAME_DIRECTION
         && (a.offset - b.offset).length() <= slack
         && linear.x_axis.length() + linear.y_axis.length()
@@ -120,6 +121,8 @@ fn path(piece: LitPiece) -> Path {
         offset: piece.offset.to_array(),
         weight: piece.weight,
         deviation: piece.deviation.to_array(),
+        passes: piece.passes,
+        jones: None,
     }
 }
 

@@ -5,7 +5,7 @@ use clap::Args;
 use glam::DVec3;
 use meshes::{Cell, CellOptions};
 use std::path::Path;
-use tables::options::{NormalsFrom, SceneOptions};
+use tables::options::{Front, NormalsFrom, SceneOptions};
 
 /// Options that say about a cell what the mesh file does not, or override it.
 #[derive(Debug, Args)]
@@ -24,7 +24,8 @@ pub(crate) struct CellArgs {
     pub(crate) azimuth_zero: Option<String>,
     /// Lattice vectors of a periodic cell, file units
     ///
-    /// They override the vectors in the file. A cell whose rim is not planar needs them.
+    /// They override the vectors in the file. A cell whose rim is not planar needs them. With
+    /// --front trapped the sides of a parallelogram are the lattice vectors by default.
     #[arg(long, value_name = "AX,AY,AZ,BX,BY,BZ", allow_hyphen_values = true)]
     pub(crate) lattice: Option<String>,
 }
@@ -52,6 +53,7 @@ impl CellArgs {
             edge_length: self.edge_length,
             file_normals: scene.normals == NormalsFrom::File,
             glass: scene.glass_index.is_some(),
+            periodic: scene.front == Front::Trapped,
         };
         Ok(meshes::load_cell(mesh, &options)?)
     }

@@ -109,6 +109,7 @@ impl Trace<'_> {
 /// Returns one line for each direction: angles, eta, its error, and the other fates that occur.
 pub(crate) fn directions_text(table: &Table) -> String {
     let mut text = String::from("incidence  azimuth  retroreflected  std. error  other fates\n");
+    let fates = Fate::of(table.provenance.options.front());
     for ((i, a), &eta) in table.retroreflected.indexed_iter() {
         let azimuth = table.axes.azimuth_deg[a];
         let azimuth = if azimuth.is_nan() {
@@ -116,7 +117,7 @@ pub(crate) fn directions_text(table: &Table) -> String {
         } else {
             azimuth.to_string()
         };
-        let others: Vec<String> = Fate::ALL
+        let others: Vec<String> = fates
             .iter()
             .filter(|&&fate| fate != Fate::Retroreflected)
             .map(|&fate| (fate.name(), table.fate[[i, a, fate as usize]]))
@@ -138,7 +139,7 @@ pub(crate) fn directions_text(table: &Table) -> String {
 pub(crate) fn directions_json(table: &Table) -> Value {
     let (deviations, azimuths) = (table.deviations.as_ref(), table.axes.azimuth_deg.len());
     let direction = |((i, a), &eta): ((usize, usize), &f64)| {
-        let fates: serde_json::Map<String, Value> = Fate::ALL
+        let fates: serde_json::Map<String, Value> = Fate::of(table.provenance.options.front())
             .iter()
             .map(|&fate| (fate.name().into(), json!(table.fate[[i, a, fate as usize]])))
             .collect();

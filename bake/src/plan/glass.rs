@@ -2,7 +2,7 @@
 
 use crate::plan::error::PlanError;
 use crate::plan::request::Request;
-use tables::options::{Back, Losses};
+use tables::options::{Back, Front, Losses};
 
 /// Checks `--glass-index` where it is given, and the options that exclude it.
 pub(crate) fn check(request: &Request) -> Result<(), PlanError> {
@@ -21,6 +21,7 @@ pub(crate) fn check(request: &Request) -> Result<(), PlanError> {
         ("--losses fresnel", request.losses == Losses::Fresnel),
         ("--back tir", request.back == Back::Tir),
         ("--roughness", request.scene.roughness.is_some()),
+        ("--front trapped", request.scene.front == Front::Trapped),
     ];
     match others.into_iter().find(|(_, given)| *given) {
         Some((second, _)) => Err(PlanError::Both {

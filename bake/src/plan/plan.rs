@@ -1,7 +1,7 @@
 //! The plan of a bake, made from the options as typed.
 
 use crate::cell::{ExactCell, ExactError, Prepared, Whole};
-use crate::optics::{Backing, Front, Rules, roughness};
+use crate::optics::{Backing, Rules, roughness};
 use crate::plan::directions::{angles, direction_tolerance, full_step, sector};
 use crate::plan::effort;
 use crate::plan::effort::{Effort, Shard};
@@ -13,7 +13,7 @@ use crate::plan::number::{count, positive};
 use crate::plan::request::Request;
 use crate::plan::scene::no_planes;
 use std::num::NonZeroUsize;
-use tables::options::{Back, Element, Method, Sampler, SceneOptions};
+use tables::options::{Back, Element, Front, Method, Sampler, SceneOptions};
 use tables::{Axes, Symmetry};
 
 /// Checked plan of a bake, in which nothing is out of range.
@@ -67,6 +67,12 @@ impl Plan {
         numbers(request)?;
         let losses = losses::surface(request)?;
         glass::check(request)?;
+        if request.scene.front == Front::Trapped && request.scene.element == Element::Plate {
+            return Err(PlanError::Both {
+                first: "--front trapped",
+                second: "--element plate",
+            });
+        }
         let effort = Effort::of(request)?;
         let threads = effort::threads(request)?;
         let shard = effort::shard(request)?;
@@ -153,7 +159,7 @@ impl Plan {
             roughness: self.scene.roughness,
             element: self.scene.element,
             glass_index: self.scene.glass_index,
-            front: Front::Once,
+            front: self.scene.front,
         }
     }
 
@@ -181,6 +187,13 @@ impl Plan {
             );
         }
         warnings.extend(self.index_left_out(cell));
+        if self.scene.front == Front::Trapped && self.index_of(cell) <= 1.0 {
+            warnings.push(
+                "--front trapped has no effect without a front face; give --refractive-index, or \
+                leave it out"
+                    .into(),
+            );
+        }
         let tolerance_deg = self.angular_tolerance_deg;
         let beyond = self.scene.roughness.map_or(0.0, |rough| {
             roughness::part_beyond(&rough, tolerance_deg.to_radians())

@@ -3,8 +3,8 @@
 //! All faster tracers are checked against this one.
 
 use crate::optics::{
-    BOUNCE_LIMIT, Backing, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element,
-    fate_of_leaving, reflect, reflection, refract, roughness,
+    Backing, Incidence, LEAST_POWER, Light, PASSES, Ray, Rules, element, fate_of_leaving, reflect,
+    reflection, refract, roughness,
 };
 use crate::rays::scene::{Event, Scene};
 use crate::samples::Stream;
@@ -77,8 +77,8 @@ impl Course {
         if !front {
             return Err(Fate::Absorbed);
         }
-        if self.bounces == BOUNCE_LIMIT {
-            return Err(Fate::BounceLimit);
+        if Rules::is_at_limit(self.bounces, self.passes) {
+            return Err(Rules::given_up(self.passes));
         }
         let cosine = self.direction.dot(normal);
         if rules.lets_through(cosine) {
@@ -99,7 +99,7 @@ impl Course {
     /// # Errors
     /// Returns [`Fate::BounceLimit`] if the rays have met [`BOUNCE_LIMIT`] facets before.
     fn past_glass(&self, hit: &Hit, glass: f64, rules: &Rules) -> Result<Self, Fate> {
-        if self.bounces + self.crossings == BOUNCE_LIMIT {
+        if Rules::is_at_limit(self.bounces + self.crossings, self.passes) {
             return Err(Fate::BounceLimit);
         }
         let outside = rules.refractive_index;
@@ -288,7 +288,7 @@ impl RayPath {
                 };
                 Ok(())
             }
-            Event::Endless => Err(Fate::BounceLimit),
+            Event::Endless => Err(Rules::given_up(self.course.passes)),
             Event::Out if rules.follows_the_front() && self.course.direction.z > 0.0 => {
                 self.meet_front(height, rules, direction)
             }
@@ -332,7 +332,7 @@ impl RayPath {
         }
         let left_over = |photon: &Photon| photon.light.power() < LEAST_POWER;
         if self.course.passes == PASSES || self.photon.as_ref().is_some_and(left_over) {
-            return Err(Fate::BounceLimit);
+            return Err(Fate::Trapped);
         }
         let at = self.course.at_height(height, self.ray.origin);
         self.course = self.course.sent_back();

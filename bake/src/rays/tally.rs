@@ -109,7 +109,7 @@ impl Sums {
             let fates: Vec<[u64; Fate::ALL.len()]> = fates
                 .rows()
                 .into_iter()
-                .map(|row| std::array::from_fn(|fate| row[fate]))
+                .map(|row| std::array::from_fn(|fate| row.get(fate).copied().unwrap_or(0)))
                 .collect();
             let deviations = table.deviations.as_ref();
             Sums {

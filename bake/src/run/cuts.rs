@@ -96,8 +96,8 @@ fn same(p: &Path, q: &Path) -> bool {
         let ([e, f], [g, h]) = (path.offset, path.deviation);
         [a, b, c, d, e, f, g, h, path.weight]
     };
-    let pairs = numbers(p).into_iter().zip(numbers(q));
-    pairs.into_iter().all(|(p, q)| (p - q).abs() <= SAME)
+    let mut pairs = numbers(p).into_iter().zip(numbers(q));
+    p.passes == q.passes && p.jones == q.jones && pairs.all(|(p, q)| (p - q).abs() <= SAME)
 }
 
 /// Returns the area that the polygons of one table cover and those of the other do not.
@@ -137,6 +137,8 @@ mod tests {
             offset: [0.1, 0.2],
             weight: 0.75,
             deviation: [1e-3, 0.0],
+            passes: 0,
+            jones: None,
         }
     }
 

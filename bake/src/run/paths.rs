@@ -126,9 +126,9 @@ pub(crate) fn apart(a: &[Path], b: &[Path]) -> f64 {
 }
 
 /// Returns the largest difference between the numbers of two paths; infinite if their polygons have
-/// other numbers of corners.
+/// other numbers of corners, or if passes or Jones matrices differ.
 fn between(p: &Path, q: &Path) -> f64 {
-    if p.polygon.len() != q.polygon.len() {
+    if p.polygon.len() != q.polygon.len() || p.passes != q.passes || p.jones != q.jones {
         return f64::INFINITY;
     }
     let pairs = |a: &[[f64; 2]], b: &[[f64; 2]]| {

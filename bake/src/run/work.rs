@@ -167,11 +167,10 @@ impl<'a> Work<'a> {
         let axes = self.bake.axes.clone();
         let ((ni, na), nb, nr) = (axes.shape(), axes.bins, self.bake.plan.randomisations);
         let mut counts = Array5::zeros((ni, na, nr, nb, nb));
-        let mut fates = Array4::zeros((ni, na, nr, Fate::ALL.len()));
+        let nf = Fate::of(self.bake.rules.front).len();
+        let mut fates = Array4::zeros((ni, na, nr, nf));
         let by_direction = counts.exact_chunks_mut((1, 1, nr, nb, nb)).into_iter();
-        let fates_by_direction = fates
-            .exact_chunks_mut((1, 1, nr, Fate::ALL.len()))
-            .into_iter();
+        let fates_by_direction = fates.exact_chunks_mut((1, 1, nr, nf)).into_iter();
         for ((direction, mut counts), mut fates) in self
             .directions
             .iter()
@@ -184,7 +183,7 @@ impl<'a> Work<'a> {
                 .iter_mut()
                 .zip(from)
                 .for_each(|(count, sum)| *count = sum);
-            let from = sums.fates.iter().flatten().copied();
+            let from = sums.fates.iter().flat_map(|fates| &fates[..nf]).copied();
             fates
                 .iter_mut()
                 .zip(from)

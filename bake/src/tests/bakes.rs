@@ -1,12 +1,13 @@
 //! Bakes of cells that are dissected for one question only.
 
 use crate::cell::{ExactCell, ExactError, Kind, Prepared, Whole};
-use crate::optics::{Front, Rules};
+use crate::optics::Rules;
 use crate::plan::{Plan, default};
 use crate::rays::Tracer;
 use crate::run::{Bake, RunError, Watch, trace};
 use meshes::Cell;
 use tables::options::Element;
+use tables::options::Front;
 use tables::options::Method;
 use tables::{Symmetry, Table};
 

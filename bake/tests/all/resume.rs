@@ -68,19 +68,29 @@ fn stop(child: &mut Child, signal: &str) {
 }
 
 #[test]
-fn stopped_at_50_random_moments_it_ends_with_the_same_bytes() {
+fn stopped_at_75_random_moments_it_ends_with_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
     design(here);
     let mut numbers = Numbers(1);
     let (mut kills, mut went_on, mut completed) = (0, 0, 0);
     for options in [
-        ["--rays", "2000000", "--incidence", "0:60:20"],
-        ["--tolerance", "0.012", "--incidence", "0:60:20"],
+        &["--rays", "2000000", "--incidence", "0:60:20"][..],
+        &["--tolerance", "0.012", "--incidence", "0:60:20"],
+        &[
+            "--rays",
+            "100000",
+            "--incidence",
+            "30,45",
+            "--refractive-index",
+            "1.49",
+            "--front",
+            "trapped",
+        ],
     ] {
         let begun = Instant::now();
         done(
-            &command(here, "whole.h5", &options)
+            &command(here, "whole.h5", options)
                 .output()
                 .expect("bake runs"),
         );
@@ -88,7 +98,7 @@ fn stopped_at_50_random_moments_it_ends_with_the_same_bytes() {
         let whole = std::fs::read(here.join("whole.h5")).expect("a table");
         let table = here.join("table.h5");
         let resumes = here.join("table.h5.resume");
-        let again = [&options[..], &["--resume"]].concat();
+        let again = [options, &["--resume"]].concat();
         std::fs::write(&table, "old").expect("writes");
         let complete = || {
             assert!(
@@ -127,7 +137,7 @@ fn stopped_at_50_random_moments_it_ends_with_the_same_bytes() {
         complete();
     }
     println!("{kills} kills, {went_on} times from a save, {completed} times done in between");
-    assert_eq!(kills, 50);
+    assert_eq!(kills, 75);
     assert!(went_on > 10, "a test of going on, not of beginning again");
 }
 

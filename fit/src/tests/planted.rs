@@ -64,6 +64,8 @@ pub(crate) fn table(truth: &PlantedSheet, incidence_deg: &[f64], azimuth_deg: f6
                 offset: q.map(|q| 2.0 * q),
                 weight: 1.0,
                 deviation: [0.0; 2],
+                passes: 0,
+                jones: None,
             }
         };
         paths.push(

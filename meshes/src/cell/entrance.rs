@@ -112,3 +112,93 @@ pub(crate) fn rim(
         lattice: None,
     })
 }
+
+/// Returns the entrance with a lattice. Without one, the sides of its parallelogram are the lattice
+/// vectors.
+///
+/// # Errors
+/// Returns [`Fault::NotPeriodic`] if there is no lattice and the rim is no parallelogram.
+pub(crate) fn tiled(entrance: Entrance) -> Result<Entrance, Fault> {
+    if entrance.lattice.is_some() {
+        return Ok(entrance);
+    }
+    let rim = &entrance.polygon;
+    let extent = rim.iter().map(|p| p.length()).fold(1.0, f64::max);
+    let corners: Vec<DVec2> = (0..rim.len())
+        .filter(|&k| {
+            let (before, after) = (
+                rim[(k + rim.len() - 1) % rim.len()],
+                rim[(k + 1) % rim.len()],
+            );
+            let along = (after - before).normalize_or_zero();
+            along.perp_dot(rim[k] - before).abs() > PLANAR * extent
+        })
+        .map(|k| rim[k])
+        .collect();
+    match corners[..] {
+        [a, b, c, d] if (a + c - b - d).length() <= PLANAR * extent => Ok(Entrance {
+            lattice: Some([b - a, d - a]),
+            ..entrance
+        }),
+        _ => Err(Fault::NotPeriodic {
+            corners: corners.len(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rim(corners: &[[f64; 2]]) -> Entrance {
+        Entrance {
+            height: 0.5,
+            polygon: corners.iter().map(|&p| p.into()).collect(),
+            lattice: None,
+        }
+    }
+
+    /// A parallelogram has its sides for lattice vectors, also with corners along its sides.
+    #[test]
+    fn a_parallelogram_is_one_period() {
+        let plain = rim(&[[0.0, 0.0], [2.0, 0.0], [3.0, 1.0], [1.0, 1.0]]);
+        let expected = Some([DVec2::new(2.0, 0.0), DVec2::new(1.0, 1.0)]);
+        assert_eq!(tiled(plain.clone()).unwrap().lattice, expected);
+        assert_eq!(tiled(plain.clone()).unwrap().polygon, plain.polygon);
+        let more = rim(&[
+            [0.0, 0.0],
+            [0.7, 0.0],
+            [2.0, 0.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
+            [0.5, 0.5],
+        ]);
+        assert_eq!(tiled(more).unwrap().lattice, expected);
+        let own = Entrance {
+            lattice: Some([DVec2::X, DVec2::Y]),
+            ..rim(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        };
+        assert_eq!(tiled(own.clone()).unwrap(), own);
+    }
+
+    /// A triangle, a trapezium and a hexagon are no periods.
+    #[test]
+    fn other_rims_are_refused_by_their_corners() {
+        let trapezium = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.5, 1.0]];
+        let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let side = 0.75_f64.sqrt();
+        let hexagon = [
+            [1.0, 0.0],
+            [0.5, side],
+            [-0.5, side],
+            [-1.0, 0.0],
+            [-0.5, -side],
+            [0.5, -side],
+        ];
+        for corners in [&triangle[..], &trapezium, &hexagon] {
+            let fault = tiled(rim(corners)).unwrap_err();
+            let expected = format!("a rim of {} corners", corners.len());
+            assert!(fault.to_string().contains(&expected), "{fault}");
+        }
+    }
+}

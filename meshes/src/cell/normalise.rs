@@ -210,6 +210,10 @@ fn placed(
         Some(lattice) => entrance::periodic(&frame, lattice, &facets, &mut warnings)?,
         None => entrance::rim(surface, &points, rounding)?,
     };
+    let entrance = match options.periodic {
+        true => entrance::tiled(entrance)?,
+        false => entrance,
+    };
     let normals = if options.file_normals {
         Some(normals::of_file(surface, &frame, &mut warnings)?)
     } else {

@@ -19,4 +19,9 @@ pub struct CellOptions {
     ///
     /// The mesh is then taken as it is, closed or not. If false, all facets are mirrors.
     pub glass: bool,
+    /// True if light goes on to the neighbours of the cell, so that the cell must be periodic.
+    ///
+    /// Without a lattice the sides of the rim are the lattice vectors, if the rim is a
+    /// parallelogram.
+    pub periodic: bool,
 }

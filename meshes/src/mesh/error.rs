@@ -327,6 +327,12 @@ pub enum Fault {
     )]
     SeveralBodies { bodies: usize, face: u32 },
     #[error(
+        "has no lattice, and a rim of {corners} corners that is no parallelogram, so the \
+        neighbours are unknown to which the front face sends light; give --lattice, or one period \
+        with a parallelogram for a rim, such as `bake design triangular-pair`"
+    )]
+    NotPeriodic { corners: usize },
+    #[error(
         "the lattice vectors are degenerate (parallel, zero or not finite); give two independent \
         ones in file units"
     )]

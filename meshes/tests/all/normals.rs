@@ -13,6 +13,7 @@ const NORMALS: CellOptions = CellOptions {
     edge_length: None,
     file_normals: true,
     glass: false,
+    periodic: false,
 };
 
 fn curved(shape: Shape) -> Mesh {

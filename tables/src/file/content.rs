@@ -127,6 +127,12 @@ impl Items<'_> {
         if !flat.deviation.is_empty() {
             self.floats("path_deviation", flat.deviation.iter().copied());
         }
+        if !flat.passes.is_empty() {
+            self.integers("path_passes", flat.passes.iter().copied());
+        }
+        if !flat.jones.is_empty() {
+            self.floats("path_jones", flat.jones.iter().copied());
+        }
         self.integers("polygon_start", flat.start.iter().copied());
         self.floats("polygon_vertex", flat.vertex.iter().copied());
     }

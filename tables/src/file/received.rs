@@ -14,7 +14,6 @@ use crate::table::axes::Axes;
 use crate::table::check;
 use crate::table::deviation::{Deviations, Grid};
 use crate::table::exact::Exact;
-use crate::table::fate::Fate;
 use crate::table::flat::FlatEntries;
 use crate::table::flat::FlatPaths;
 use crate::table::provenance;
@@ -157,11 +156,13 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
         range: items.float("shift_range")?,
     };
     check::axes(&axes).map_err(|error| wrong(&error.to_string()))?;
-    let ((i, j), b, f) = (axes.shape(), axes.bins, Fate::ALL.len());
+    let ((i, j), b) = (axes.shape(), axes.bins);
     let counted = if items.name == "counts" {
         let counts = items.integers("counts")?;
         let fates = items.integers("fate_counts")?;
-        let r = fates.len() / (i * j * f);
+        // The fates are 10 or 11. `check` compares them with the options.
+        let r = counts.len() / (i * j * b * b).max(1);
+        let f = fates.len() / (i * j * r).max(1);
         Some((
             shaped((i, j, r, b, b), counts)?,
             shaped((i, j, r, f), fates)?,
@@ -183,7 +184,10 @@ pub(crate) fn table(from: impl BufRead) -> io::Result<Table> {
             counts: None,
             retroreflected: shaped((i, j), items.floats("retroreflected")?)?,
             standard_error: Array2::zeros((i, j)),
-            fate: shaped((i, j, f), items.floats("fate")?)?,
+            fate: {
+                let fates = items.floats("fate")?;
+                shaped((i, j, fates.len() / (i * j).max(1)), fates)?
+            },
             fate_counts: None,
             rays: Array2::zeros((i, j)),
             axes,
@@ -220,6 +224,14 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
             "path_deviation" => items.floats("path_deviation")?,
             _ => Vec::new(),
         },
+        passes: match items.name.as_str() {
+            "path_passes" => items.integers("path_passes")?,
+            _ => Vec::new(),
+        },
+        jones: match items.name.as_str() {
+            "path_jones" => items.floats("path_jones")?,
+            _ => Vec::new(),
+        },
         start: items.integers("polygon_start")?,
         vertex: items.floats("polygon_vertex")?,
     };
@@ -230,9 +242,15 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
         flat.weight.len(),
         flat.start.len(),
     ];
-    let deviations = flat.deviation.len();
+    let optional = [
+        (flat.deviation.len(), 2 * count),
+        (flat.passes.len(), count),
+        (flat.jones.len(), 8 * count),
+    ];
     if lengths != [4 * count, 2 * count, count, count + 1]
-        || (deviations != 0 && deviations != 2 * count)
+        || optional
+            .iter()
+            .any(|&(found, all)| found != 0 && found != all)
     {
         return Err(wrong("paths of different numbers"));
     }

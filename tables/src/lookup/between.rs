@@ -123,6 +123,8 @@ pub(crate) fn paths(
                 tau,
                 index,
             ),
+            passes: seed.passes,
+            jones: None,
         });
     }
     Some(paths)
@@ -205,6 +207,7 @@ struct Shape {
     /// It is the part along the sheet of (M + 1) (tau, -1), where M is the linear map of the path
     /// inside.
     astray: [f64; 2],
+    passes: u32,
 }
 
 impl Shape {
@@ -248,6 +251,7 @@ impl Shape {
             matrix: turned_map(path.matrix, azimuth_rad),
             weight: path.weight,
             astray: turned(astray(path.deviation, node.tau, index), azimuth_rad),
+            passes: path.passes,
         })
     }
 
@@ -315,7 +319,7 @@ fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
             let most = FASTEST * apart(like) + SHORT;
             for (path, shape) in seen[index].iter().enumerate() {
                 let cost = shape.unlike(&seen[like][first]);
-                if cost <= most {
+                if cost <= most && shape.passes == seen[like][first].passes {
                     costs.push((cost, which, path));
                 }
             }
@@ -509,6 +513,8 @@ mod tests {
             offset: q.map(|x| 2.0 * x),
             weight: 1.0,
             deviation: [0.0; 2],
+            passes: 0,
+            jones: None,
         })
     }
 
@@ -782,6 +788,8 @@ mod tests {
             offset: [0.0; 2],
             weight: 1.0,
             deviation: [0.0; 2],
+            passes: 0,
+            jones: None,
         }
     }
 

@@ -6,7 +6,6 @@ use crate::error::mismatch::Mismatch;
 use crate::table::axes::Axes;
 use crate::table::deviation::Deviations;
 use crate::table::exact::Exact;
-use crate::table::fate::Fate;
 use crate::table::provenance::Provenance;
 use crate::table::table::Table;
 
@@ -60,7 +59,7 @@ pub(crate) fn spread(table: &Table, axes: &Axes) -> Table {
     let ((n, m), r, b) = (axes.shape(), counts.shape()[2], axes.bins);
     let mut wide = (
         Array5::zeros((n, m, r, b, b)),
-        Array4::zeros((n, m, r, Fate::ALL.len())),
+        Array4::zeros((n, m, r, fates.shape()[3])),
     );
     let grid = table.deviations.as_ref().map(|found| found.grid);
     let mut deviations = grid.map(|grid| Deviations::new(grid, n * m));
@@ -94,7 +93,7 @@ pub(crate) fn join(tables: &[Table], axes: Axes) -> Result<Table, Mismatch> {
         counts: None,
         retroreflected: Array2::zeros((n, m)),
         standard_error: Array2::zeros((n, m)),
-        fate: Array3::zeros((n, m, Fate::ALL.len())),
+        fate: Array3::zeros((n, m, tables[0].fate.shape()[2])),
         fate_counts: None,
         rays: Array2::zeros((n, m)),
         exact: None,

@@ -17,5 +17,5 @@ pub use deviations::Record;
 pub use roughness::{NoRoughness, Roughness, Slopes};
 pub use scene::SceneOptions;
 pub use stated::StatedOptions;
-pub use values::{Back, Element, Losses, Method, NormalsFrom, Sampler};
+pub use values::{Back, Element, Front, Losses, Method, NormalsFrom, Sampler};
 pub use word::{Named, Word};

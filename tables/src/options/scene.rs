@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::options::deviations::Record;
 use crate::options::roughness::Roughness;
-use crate::options::values::{Element, NormalsFrom};
+use crate::options::values::{Element, Front, NormalsFrom};
 
 /// Options that only some scenes need. As text, as in a table, those that are not at their default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -43,6 +43,9 @@ pub struct SceneOptions {
         arg(long, value_name = "M", allow_negative_numbers = true)
     )]
     pub glass_index: Option<f64>,
+    /// Light that meets the front face from inside: once or trapped
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Front::Once))]
+    pub front: Front,
 }
 
 /// Names of the options in a table.
@@ -51,6 +54,7 @@ pub(super) const ROUGHNESS: &str = "--roughness";
 pub(super) const DEVIATIONS: &str = "--deviations";
 pub(super) const ELEMENT: &str = "--element";
 pub(super) const GLASS_INDEX: &str = "--glass-index";
+pub(super) const FRONT: &str = "--front";
 
 impl fmt::Display for SceneOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -69,6 +73,9 @@ impl fmt::Display for SceneOptions {
         }
         if let Some(index) = self.glass_index {
             named.push(format!("{GLASS_INDEX} {index}"));
+        }
+        if self.front != Front::default() {
+            named.push(format!("{FRONT} {}", self.front.name()));
         }
         f.write_str(&named.join(" "))
     }

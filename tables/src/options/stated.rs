@@ -3,8 +3,8 @@
 use std::fmt;
 
 use crate::options::scene::SceneOptions;
-use crate::options::scene::{DEVIATIONS, ELEMENT, GLASS_INDEX, NORMALS, ROUGHNESS};
-use crate::options::values::{Element, NormalsFrom};
+use crate::options::scene::{DEVIATIONS, ELEMENT, FRONT, GLASS_INDEX, NORMALS, ROUGHNESS};
+use crate::options::values::{Element, Front, NormalsFrom};
 use crate::options::word::{Named, Word};
 
 /// Options that a table states: the text, which is kept as it is, and the options that this version
@@ -44,6 +44,11 @@ impl StatedOptions {
     /// Returns the optical element, as far as this version knows it.
     pub fn element(&self) -> Element {
         self.understood.element
+    }
+
+    /// Returns the treatment of light at the front face, as far as this version knows it.
+    pub fn front(&self) -> Front {
+        self.understood.front
     }
 
     /// Returns whether light went through bodies of glass, whatever their index.
@@ -93,7 +98,7 @@ impl From<&str> for StatedOptions {
                 Some((name, value)) => (name, Some(value)),
                 None => (word, None),
             };
-            let names = [NORMALS, ROUGHNESS, DEVIATIONS, ELEMENT, GLASS_INDEX];
+            let names = [NORMALS, ROUGHNESS, DEVIATIONS, ELEMENT, GLASS_INDEX, FRONT];
             if !names.contains(&name) {
                 whole = false;
                 continue;
@@ -110,7 +115,7 @@ impl From<&str> for StatedOptions {
     }
 }
 
-/// Sets the option `name`, one of the five known names; `None` if this version does not know the
+/// Sets the option `name`, one of the six known names; `None` if this version does not know the
 /// value.
 fn take(options: &mut SceneOptions, name: &str, value: &str) -> Option<()> {
     match name {
@@ -118,6 +123,7 @@ fn take(options: &mut SceneOptions, name: &str, value: &str) -> Option<()> {
         ROUGHNESS => options.roughness = Some(value.parse().ok()?),
         DEVIATIONS => options.deviations = value.parse().ok()?,
         ELEMENT => options.element = word(value)?,
+        FRONT => options.front = word(value)?,
         _ => options.glass_index = Some(value.parse().ok()?),
     }
     Some(())
@@ -171,6 +177,10 @@ mod tests {
                 glass_index: Some(1.93),
                 ..plain
             },
+            SceneOptions {
+                front: Front::Trapped,
+                ..plain
+            },
         ];
         for options in cases {
             let stated = StatedOptions::from(options);
@@ -178,6 +188,7 @@ mod tests {
             assert_eq!(read, stated);
             assert_eq!(read.known(), Some(options), "{stated}");
             assert_eq!(read.has_glass(), options.glass_index.is_some());
+            assert_eq!(read.front(), options.front);
         }
         assert_eq!(StatedOptions::none().text(), "");
     }

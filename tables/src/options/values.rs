@@ -48,6 +48,18 @@ pub enum Losses {
     Fresnel,
 }
 
+/// Treatment of light that meets the front face from inside.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Front {
+    /// Light leaves or ends there: it is followed once through the front face
+    #[default]
+    Once,
+    /// Light that the front face reflects goes on to the neighbouring cubes: all of it beyond the
+    /// critical angle, and with --losses fresnel Fresnel's share below
+    Trapped,
+}
+
 /// Optical elements, by the image that they make.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -100,6 +112,7 @@ named! {
     Sampler { Random = "random", Sobol = "sobol" }
     Back { Mirror = "mirror", Tir = "tir" }
     Losses { None = "none", Fresnel = "fresnel" }
+    Front { Once = "once", Trapped = "trapped" }
     Element { Retroreflector = "retroreflector", Plate = "plate" }
     NormalsFrom { Facets = "facets", File = "file" }
 }
@@ -123,6 +136,6 @@ mod tests {
         }
         let values = same::<Method>() + same::<Sampler>() + same::<Back>();
         let more = same::<Losses>() + same::<Element>() + same::<NormalsFrom>();
-        assert_eq!(values + more, 13);
+        assert_eq!(values + more + same::<Front>(), 15);
     }
 }

@@ -155,6 +155,8 @@ mod tests {
             offset: [2.0 * x + 0.5, 0.4],
             weight,
             deviation,
+            passes: 0,
+            jones: None,
         };
         let direction = of(vec![
             path(0.0, 0.9, [1e-3, -2e-3]),
@@ -197,6 +199,8 @@ mod tests {
             offset,
             weight: 1.0,
             deviation: [0.0; 2],
+            passes: 0,
+            jones: None,
         };
         let at = |offsets: &[[f64; 2]]| of(offsets.iter().copied().map(path).collect());
         let bins = Direction {

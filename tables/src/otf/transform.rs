@@ -236,6 +236,8 @@ mod tests {
             offset,
             weight,
             deviation: [0.0; 2],
+            passes: 0,
+            jones: None,
         };
         vec![
             path(&triangle, [[-2.0, 0.0], [0.0, -2.0]], [0.4, -0.3], 1.0),

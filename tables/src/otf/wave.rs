@@ -341,6 +341,8 @@ mod tests {
                 offset: [2.0 * middle[0], 2.0 * middle[1]],
                 weight,
                 deviation: [0.0; 2],
+                passes: 0,
+                jones: None,
             }
         };
         let direction = Direction {

@@ -105,7 +105,8 @@ fn axis(
 /// Checks that all arrays have the shapes that follow from the axes.
 fn shapes(table: &Table) -> Result<(), Invalid> {
     let (i, j) = table.axes.shape();
-    let (b, f) = (table.axes.bins, Fate::ALL.len());
+    let fates = Fate::of(table.provenance.options.front());
+    let (b, f) = (table.axes.bins, fates.len());
     let same = |array, found: &[usize], expected: &[usize]| {
         if found == expected {
             Ok(())
@@ -286,7 +287,7 @@ pub(crate) fn counts(
                     fates,
                 });
             }
-            rays += (0..Fate::ALL.len())
+            rays += (0..fate_counts.shape()[3])
                 .map(|k| u128::from(fate_counts[[i, j, randomisation, k]]))
                 .sum::<u128>();
         }
@@ -436,6 +437,7 @@ fn polygons(table: &Table, exact: &Exact) -> Result<(), Invalid> {
     within("path_matrix", &flat.matrix, "-1e6 to 1e6", bounded)?;
     within("path_offset", &flat.offset, "-1e6 to 1e6", bounded)?;
     within("path_deviation", &flat.deviation, "-1e6 to 1e6", bounded)?;
+    within("path_jones", &flat.jones, "-1e6 to 1e6", bounded)?;
     within("path_weight", &flat.weight, "0 to 1", |x| {
         (0.0..=1.0).contains(&x)
     })?;

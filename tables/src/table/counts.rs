@@ -14,7 +14,7 @@ impl Table {
     /// Returns the table that follows from numbers of rays.
     ///
     /// `counts` is `[incidence, azimuth, randomisation, v, u]`. `fate_counts` is `[incidence,
-    /// azimuth, randomisation, fate]` in the order of [`Fate::ALL`].
+    /// azimuth, randomisation, fate]` in the order of [`Fate::of`] the provenance's front.
     ///
     /// - `histogram` = counts / their sum, all 0 where nothing returned inside the histogram.
     /// - `retroreflected` = (retroreflected + out_of_range) / rays, 0 where no ray was launched.
@@ -43,15 +43,16 @@ impl Table {
             counts.shape(),
             [incidences, azimuths, randomisations, axes.bins, axes.bins]
         );
+        let fates = Fate::of(provenance.options.front()).len();
         assert_eq!(
             fate_counts.shape(),
-            [incidences, azimuths, randomisations, Fate::ALL.len()]
+            [incidences, azimuths, randomisations, fates]
         );
 
         let mut histogram = Array4::zeros((incidences, azimuths, axes.bins, axes.bins));
         let mut retroreflected = Array2::zeros((incidences, azimuths));
         let mut standard_error = Array2::zeros((incidences, azimuths));
-        let mut fate = Array3::zeros((incidences, azimuths, Fate::ALL.len()));
+        let mut fate = Array3::zeros((incidences, azimuths, fates));
         let mut rays = Array2::zeros((incidences, azimuths));
         for i in 0..incidences {
             for j in 0..azimuths {

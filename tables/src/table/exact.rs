@@ -29,7 +29,18 @@ pub struct Path {
     /// times these tangents, whatever the size of the cell. Both are exactly 0 for exact right
     /// angles.
     pub deviation: [f64; 2],
+    /// Number of times that the front face sent the light back inside.
+    pub passes: u32,
+    /// Amplitudes of polarised light, if a program recorded them. `bake` records none yet.
+    pub jones: Option<Jones>,
 }
+
+/// Jones matrix of a path outside the sheet, row-major [[ss, sp], [ps, pp]], each as (real,
+/// imaginary).
+///
+/// An electric field (s, p) at the entry leaves as the matrix times (s, p). s is along v, and p = s
+/// x the direction of travel, for the light that arrives and for the light that leaves.
+pub type Jones = [[[f64; 2]; 2]; 2];
 
 impl Path {
     /// Returns the area of the polygon of entry points, square edge lengths.

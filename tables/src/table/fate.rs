@@ -1,5 +1,7 @@
 //! Fates of rays.
 
+use crate::options::Front;
+
 /// Fate of a ray. The names and their order are those of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(usize)]
@@ -27,11 +29,14 @@ pub enum Fate {
     OutOfRange,
     /// Was stopped after the greatest allowed number of reflections.
     BounceLimit,
+    /// Had not left through the front face when it was given up. Only tables with `--front trapped`
+    /// have it.
+    Trapped,
 }
 
 impl Fate {
     /// All fates, in the order of the file.
-    pub const ALL: [Fate; 10] = [
+    pub const ALL: [Fate; 11] = [
         Fate::Retroreflected,
         Fate::LeftAfter1,
         Fate::LeftAfter2,
@@ -42,7 +47,17 @@ impl Fate {
         Fate::Missed,
         Fate::OutOfRange,
         Fate::BounceLimit,
+        Fate::Trapped,
     ];
+
+    /// Returns the fates of tables whose front face treats light in this way, in the order of the
+    /// file.
+    pub fn of(front: Front) -> &'static [Fate] {
+        match front {
+            Front::Once => &Fate::ALL[..Fate::Trapped as usize],
+            Front::Trapped => &Fate::ALL,
+        }
+    }
 
     /// Returns the name in the file.
     pub const fn name(self) -> &'static str {
@@ -57,6 +72,7 @@ impl Fate {
             Fate::Missed => "missed",
             Fate::OutOfRange => "out_of_range",
             Fate::BounceLimit => "bounce_limit",
+            Fate::Trapped => "trapped",
         }
     }
 }

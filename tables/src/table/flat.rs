@@ -69,6 +69,10 @@ pub(crate) struct FlatPaths {
     pub weight: Vec<f64>,
     /// Deviations, two numbers a path; empty if all are 0.
     pub deviation: Vec<f64>,
+    /// Numbers of passes, one number a path; empty if all are 0.
+    pub passes: Vec<u64>,
+    /// Jones matrices, eight numbers a path; empty if a path has none.
+    pub jones: Vec<f64>,
     /// Bounds of the polygons: path k has the vertices start[k] .. start[k + 1].
     pub start: Vec<u64>,
     /// Vertices of the polygons, two numbers a vertex.
@@ -89,12 +93,21 @@ impl FlatPaths {
                 flat.offset.extend(path.offset);
                 flat.weight.push(path.weight);
                 flat.deviation.extend(path.deviation);
+                flat.passes.push(u64::from(path.passes));
+                let jones = path.jones.iter().flatten().flatten().flatten();
+                flat.jones.extend(jones);
                 flat.vertex.extend(path.polygon.as_flattened());
                 flat.start.push(flat.vertex.len() as u64 / 2);
             }
         }
         if flat.deviation.iter().all(|&tangent| tangent == 0.0) {
             flat.deviation.clear();
+        }
+        if flat.passes.iter().all(|&passes| passes == 0) {
+            flat.passes.clear();
+        }
+        if flat.jones.len() < 8 * flat.weight.len() {
+            flat.jones.clear();
         }
         flat
     }
@@ -110,6 +123,7 @@ impl FlatPaths {
         let (matrices, _) = self.matrix.as_chunks::<4>();
         let (offsets, _) = self.offset.as_chunks::<2>();
         let (deviations, _) = self.deviation.as_chunks::<2>();
+        let (jones, _) = self.jones.as_chunks::<8>();
         let mut paths = vec![Vec::new(); directions];
         let mut lowest = 0;
         for (k, &direction) in self.direction.iter().enumerate() {
@@ -134,6 +148,15 @@ impl FlatPaths {
                     found: self.start[k + 1],
                 });
             };
+            let passes = self.passes.get(k).copied().unwrap_or_default();
+            let Ok(passes) = u32::try_from(passes) else {
+                return Err(Misfit {
+                    array: "path_passes",
+                    index: k,
+                    expected: format!("0 to {}", u32::MAX),
+                    found: passes,
+                });
+            };
             let [uu, uv, vu, vv] = matrices[k];
             paths[direction as usize].push(Path {
                 polygon: polygon.to_vec(),
@@ -141,6 +164,10 @@ impl FlatPaths {
                 offset: offsets[k],
                 weight: self.weight[k],
                 deviation: deviations.get(k).copied().unwrap_or_default(),
+                passes,
+                jones: jones
+                    .get(k)
+                    .map(|&[a, b, c, d, e, f, g, h]| [[[a, b], [c, d]], [[e, f], [g, h]]]),
             });
         }
         let count = self.direction.len();

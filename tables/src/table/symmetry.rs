@@ -80,6 +80,11 @@ pub(crate) fn mirrored_paths(paths: &[Path]) -> Vec<Path> {
             offset: [u, -v],
             weight: path.weight,
             deviation: [across, -along_v],
+            passes: path.passes,
+            // The field along v changes its sign, before and behind the sheet.
+            jones: path
+                .jones
+                .map(|[[ss, sp], [ps, pp]]| [[ss, sp.map(|x| -x)], [ps.map(|x| -x), pp]]),
         }
     };
     paths.iter().map(mirrored).collect()
@@ -90,7 +95,7 @@ mod tests {
     use super::*;
 
     /// Compares a mirrored path with the mirror itself: v changes its sign in the entry point, in
-    /// the shift and in the deviation, and nothing else changes.
+    /// the shift, in the deviation and in the field, and nothing else changes.
     #[test]
     fn a_mirrored_path_does_what_its_mirror_image_does() {
         let path = Path {
@@ -99,10 +104,14 @@ mod tests {
             offset: [0.125, -0.375],
             weight: 0.75,
             deviation: [3e-3, -2e-3],
+            passes: 2,
+            jones: Some([[[0.5, 0.25], [0.125, -0.5]], [[0.75, 0.0], [-0.25, 1.0]]]),
         };
         let mirrored = &mirrored_paths(std::slice::from_ref(&path))[0];
         assert_eq!(mirrored.deviation, [3e-3, 2e-3]);
-        assert_eq!(mirrored.weight, path.weight);
+        assert_eq!((mirrored.weight, mirrored.passes), (0.75, 2));
+        let jones = [[[0.5, 0.25], [-0.125, 0.5]], [[-0.75, 0.0], [-0.25, 1.0]]];
+        assert_eq!(mirrored.jones, Some(jones));
         // A positive area means that the corners still run counter-clockwise.
         assert!(path.area() > 0.0);
         assert_eq!(mirrored.area(), path.area());

@@ -27,7 +27,7 @@ pub struct Table {
     /// Standard error of `retroreflected`; 0 for an exact table.
     pub standard_error: Array2<f64>,
     /// Share of the launched rays by fate `[incidence, azimuth, fate]`, in the order of
-    /// `Fate::ALL`; sums to 1.
+    /// [`Fate::of`](crate::Fate::of) the options' front; sums to 1.
     pub fate: Array3<f64>,
     /// Rays by fate `[incidence, azimuth, randomisation, fate]`; `None` for an exact table.
     pub fate_counts: Option<Array4<u64>>,

@@ -164,8 +164,8 @@ fn every_bad_table_is_refused_with_its_message() {
     );
     case(
         "a later version",
-        spoilt(&|f| attribute(f, "version", &3_u64)),
-        "is of format version 3, this program reads 1 to 2",
+        spoilt(&|f| attribute(f, "version", &4_u64)),
+        "is of format version 4, this program reads 1 to 3",
     );
     case(
         "version 0",
@@ -453,7 +453,12 @@ fn numbers_that_are_not_finite_are_refused_in_every_dataset() {
     let bench = Bench::new();
     let file = bench.path();
     let mut tried = 0;
-    for table in [sample::rays(2, 7), sample::exact(), sample::deviations(7)] {
+    for table in [
+        sample::rays(2, 7),
+        sample::exact(),
+        sample::deviations(7),
+        sample::trapped(),
+    ] {
         write(&table, &file).unwrap();
         let good = fs::read(&file).unwrap();
         let names = floats(&hdf5::File::open(&file).unwrap());
@@ -476,6 +481,82 @@ fn numbers_that_are_not_finite_are_refused_in_every_dataset() {
     }
     println!("{tried} numbers that are not finite");
     assert!(tried > 150, "{tried}");
+}
+
+/// Fates, passes and Jones matrices that do not fit the rest of the table.
+#[test]
+fn bad_light_behind_a_front_is_refused() {
+    let bench = Bench::new();
+    let file = bench.path();
+    let refused = |table: &tables::Table, spoil: &dyn Fn(&hdf5::File)| {
+        write(table, &file).unwrap();
+        let opened = hdf5::File::open_rw(&file).unwrap();
+        spoil(&opened);
+        opened.close().unwrap();
+        refusal(&file)
+    };
+    let (once, trapped) = (sample::exact(), sample::trapped());
+    let options = |f: &hdf5::File, value: &str| {
+        if f.attr("options").is_err() {
+            let new = f.new_attr::<hdf5::types::VarLenUnicode>();
+            new.create("options").unwrap();
+        }
+        attribute(f, "options", &text(value));
+    };
+    let set = |f: &hdf5::File, name: &str, shape: &[usize], values: &[u64]| {
+        let group = f.group("exact").unwrap();
+        if group.link_exists(name) {
+            group.unlink(name).unwrap();
+        }
+        let dataset = group
+            .new_dataset::<u64>()
+            .shape(shape)
+            .create(name)
+            .unwrap();
+        dataset.write_raw(values).unwrap();
+    };
+    let cases = [
+        (
+            refused(&once, &|f| options(f, "--front trapped")),
+            "dataset fate_name has shape [10], expected [11]",
+        ),
+        (
+            refused(&trapped, &|f| options(f, "--normals file")),
+            "dataset fate_name has shape [11], expected [10]",
+        ),
+        (
+            refused(&trapped, &|f| set(f, "path_passes", &[10], &[1 << 32; 10])),
+            "dataset exact/path_passes is 4294967296 at index 0, expected 0 to 4294967295",
+        ),
+        (
+            refused(&trapped, &|f| set(f, "path_passes", &[9], &[1; 9])),
+            "dataset exact/path_passes has shape [9], expected [10]",
+        ),
+        (
+            refused(&trapped, &|f| set(f, "path_passes", &[10], &[1; 10])),
+            "attribute content_hash says",
+        ),
+        (
+            refused(&trapped, &|f| {
+                set(f, "path_jones", &[10, 2, 2, 2], &[1; 80]);
+            }),
+            "path_jones",
+        ),
+        (
+            refused(&trapped, &|f| {
+                f.group("exact").unwrap().unlink("path_jones").unwrap();
+            }),
+            "attribute content_hash says",
+        ),
+        (
+            refused(&once, &|f| set(f, "path_passes", &[10], &[1; 10])),
+            "attribute content_hash says",
+        ),
+    ];
+    for (message, expected) in &cases {
+        assert!(message.contains(expected), "{message}");
+    }
+    assert_eq!(cases.len(), 8);
 }
 
 #[test]

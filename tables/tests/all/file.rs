@@ -31,6 +31,8 @@ fn kinds() -> Vec<(&'static str, Table)> {
         ("rays with deviations", sample::deviations(8)),
         ("exact with polygons", sample::exact()),
         ("exact with a symmetry", sample::symmetric()),
+        ("rays behind a front", sample::trapped_rays()),
+        ("exact behind a front", sample::trapped()),
         ("exact without polygons", without_polygons),
         ("exact, nothing returns", pathless),
     ]
@@ -54,7 +56,7 @@ fn every_kind_of_table_comes_back_bit_for_bit() {
         );
         tried += 1;
     }
-    assert_eq!(tried, 8);
+    assert_eq!(tried, 10);
 }
 
 #[test]

@@ -218,6 +218,8 @@ fn between_directions_polygons_follow_snells_law() {
         offset: [0.0; 2],
         weight: 1.0,
         deviation: [0.0; 2],
+        passes: 0,
+        jones: None,
     };
     let mut table = sample::exact();
     let bins = table.axes.bins;

@@ -25,6 +25,8 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         ("deviations", sample::deviations(7)),
         ("exact", sample::exact()),
         ("symmetric", sample::symmetric()),
+        ("trapped", sample::trapped()),
+        ("trapped rays", sample::trapped_rays()),
     ] {
         let file = folder.path().join(kind).with_extension("h5");
         write(&table, &file).unwrap();
@@ -54,5 +56,5 @@ fn h5py_and_xarray_read_every_kind_of_table() {
         assert!(out.starts_with("checks passed: "), "{kind}: {out}");
         tried += 1;
     }
-    assert_eq!(tried, 6);
+    assert_eq!(tried, 8);
 }

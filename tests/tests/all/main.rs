@@ -17,6 +17,7 @@ mod elements;
 mod expected_table;
 mod forged;
 mod forward;
+mod front;
 mod help;
 mod hostile;
 mod kills;

@@ -183,8 +183,8 @@ fn strips_converge() {
             // The fates are areas, because the corners that arcs cut off the aperture differ.
             found.0.fate.map(|share| share * found.1)
         };
-        let steps: Vec<[f64; 10]> = [2, 4, 8].map(fates).to_vec();
-        let apart = |a: &[f64; 10], b: &[f64; 10]| -> f64 {
+        let steps: Vec<[f64; Fate::ALL.len()]> = [2, 4, 8].map(fates).to_vec();
+        let apart = |a: &[f64; Fate::ALL.len()], b: &[f64; Fate::ALL.len()]| -> f64 {
             a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum()
         };
         let (first, second) = (apart(&steps[0], &steps[1]), apart(&steps[1], &steps[2]));

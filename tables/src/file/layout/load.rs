@@ -57,10 +57,11 @@ pub(crate) fn load(file: &File, path: &FilePath) -> Result<(Table, String), Erro
     check::axes(&axes).map_err(invalid)?;
     root.bins(&names::SHIFT_U, &axes)?;
     root.bins(&names::SHIFT_V, &axes)?;
-    root.fates()?;
+    let fates = Fate::of(provenance.options.front());
+    root.fates(fates)?;
 
     let (i, j) = axes.shape();
-    let (b, f) = (axes.bins, Fate::ALL.len());
+    let (b, f) = (axes.bins, fates.len());
     let rays: Array2<u64> = root.array(&names::RAYS, &[i, j])?;
     let histogram = root.array(&names::HISTOGRAM, &[i, j, b, b])?;
     let retroreflected = root.array(&names::RETROREFLECTED, &[i, j])?;

@@ -8,10 +8,13 @@ use std::ffi::CStr;
 /// Newest version of the format.
 ///
 /// A table is written in the first version that can say all of it.
-pub const VERSION: u64 = 2;
+pub const VERSION: u64 = 3;
 
 /// First version that has [`deviation::GROUP`] and [`attribute::OPTIONS`].
 pub(crate) const VERSION_OF_DEVIATIONS: u64 = 2;
+
+/// First version that has the fate `trapped`, [`exact::PATH_PASSES`] and [`exact::PATH_JONES`].
+pub(crate) const VERSION_OF_PASSES: u64 = 3;
 
 /// Value of the root attribute `format`.
 pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
@@ -132,6 +135,8 @@ pub(crate) mod exact {
     pub(crate) const PATH_OFFSET: &str = "path_offset";
     pub(crate) const PATH_WEIGHT: &str = "path_weight";
     pub(crate) const PATH_DEVIATION: &str = "path_deviation";
+    pub(crate) const PATH_PASSES: &str = "path_passes";
+    pub(crate) const PATH_JONES: &str = "path_jones";
     pub(crate) const POLYGON_START: &str = "polygon_start";
     pub(crate) const POLYGON_VERTEX: &str = "polygon_vertex";
 }

@@ -324,11 +324,11 @@ impl<'a> Place<'a> {
     }
 
     /// Checks that the fates have the names and the order of [`Fate::ALL`].
-    pub(crate) fn fates(&self) -> Result<(), Error> {
+    pub(crate) fn fates(&self, fates: &[Fate]) -> Result<(), Error> {
         let scale = &names::FATE_NAME;
         let (dataset, kind, shape) = self.dataset(scale.name, &TEXTS)?;
-        if shape != [Fate::ALL.len()] {
-            let expected = format!("[{}]", Fate::ALL.len());
+        if shape != [fates.len()] {
+            let expected = format!("[{}]", fates.len());
             let dataset = self.named(scale.name);
             return Err(Error::Shape {
                 file: self.file.to_owned(),
@@ -340,12 +340,10 @@ impl<'a> Place<'a> {
         let names = texts(&dataset, &kind).map_err(self.hdf5("dataset", scale.name))?;
         match names
             .iter()
-            .zip(Fate::ALL)
+            .zip(fates)
             .position(|(name, fate)| name != fate.name())
         {
-            Some(i) => {
-                Err(self.differs(scale, i, Fate::ALL[i].name().to_owned(), names[i].clone()))
-            }
+            Some(i) => Err(self.differs(scale, i, fates[i].name().to_owned(), names[i].clone())),
             None => Ok(()),
         }
     }

@@ -38,6 +38,17 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
         }
         false => Vec::new(),
     };
+    let passes = match place.has(exact::PATH_PASSES) {
+        true => place.flat::<u64>(exact::PATH_PASSES, &[Some(count)])?.0,
+        false => Vec::new(),
+    };
+    let jones = match place.has(exact::PATH_JONES) {
+        true => {
+            let shape = [Some(count), Some(2), Some(2), Some(2)];
+            place.flat::<f64>(exact::PATH_JONES, &shape)?.0
+        }
+        false => Vec::new(),
+    };
     let (vertex, _) = place.flat::<f64>(exact::POLYGON_VERTEX, &[None, Some(2)])?;
     let flat = FlatPaths {
         direction,
@@ -45,6 +56,8 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
         offset,
         weight,
         deviation,
+        passes,
+        jones,
         start,
         vertex,
     };

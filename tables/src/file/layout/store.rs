@@ -8,6 +8,7 @@ use crate::file::layout::names::{self, Scale, Variable, attribute, exact};
 use crate::file::layout::put::{dataset, put, put_array, put_text, shaped, text};
 use crate::file::library::{load_no_code, unused_name};
 use crate::file::scales::{attach_scale, set_scale};
+use crate::options::Front;
 use crate::table::exact::Exact;
 use crate::table::fate::Fate;
 use crate::table::flat::FlatPaths;
@@ -33,7 +34,7 @@ pub(crate) fn store(table: &Table, file: &File) -> Result<()> {
     let axes = &table.axes;
     let centres: Array1<f64> = (0..axes.bins).map(|i| axes.bin_centre(i)).collect();
     let randomisations = table.counts.as_ref().map_or(0, |counts| counts.shape()[2]);
-    let fates = Fate::ALL
+    let fates = Fate::of(table.provenance.options.front())
         .iter()
         .map(|fate| text(fate.name()))
         .collect::<Result<Array1<_>>>()?;
@@ -141,18 +142,38 @@ fn polygons(found: &Exact, file: &File) -> Result<()> {
     if !flat.deviation.is_empty() {
         shaped(&group, exact::PATH_DEVIATION, &flat.deviation, &[paths, 2])?;
     }
+    if !flat.passes.is_empty() {
+        shaped(&group, exact::PATH_PASSES, &flat.passes, &[paths])?;
+    }
+    if !flat.jones.is_empty() {
+        shaped(&group, exact::PATH_JONES, &flat.jones, &[paths, 2, 2, 2])?;
+    }
     shaped(&group, exact::POLYGON_START, &flat.start, &[paths + 1])?;
     shaped(&group, exact::POLYGON_VERTEX, &flat.vertex, &[vertices, 2])
+}
+
+/// Returns the first version that can say all of the table.
+fn version(table: &Table) -> u64 {
+    let options = &table.provenance.options;
+    let mut paths = table
+        .exact
+        .iter()
+        .flat_map(|exact| exact.paths.iter().flatten());
+    if options.front() == Front::Trapped
+        || paths.any(|path| path.passes > 0 || path.jones.is_some())
+    {
+        names::VERSION_OF_PASSES
+    } else if table.deviations.is_some() || !options.text().is_empty() {
+        names::VERSION_OF_DEVIATIONS
+    } else {
+        1
+    }
 }
 
 /// Writes the root attributes.
 fn attributes(table: &Table, file: &File) -> Result<()> {
     put_text(file, attribute::FORMAT, names::FORMAT)?;
-    let version = match (&table.deviations, table.provenance.options.text()) {
-        (None, "") => 1,
-        _ => names::VERSION_OF_DEVIATIONS,
-    };
-    put(file, attribute::VERSION, &version)?;
+    put(file, attribute::VERSION, &version(table))?;
     put_text(file, attribute::FRAME, names::FRAME)?;
     let azimuths = if table.axes.is_mean() {
         "mean over all azimuths of retroreflected x histogram in the incidence frame"

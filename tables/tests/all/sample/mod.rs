@@ -4,7 +4,7 @@
 
 use ndarray::{Array2, Array3, Array4, Array5};
 use tables::deviation::{Deviations, Grid, counted};
-use tables::options::{Back, Losses, Method, Sampler, StatedOptions};
+use tables::options::{Back, Front, Losses, Method, Sampler, StatedOptions};
 use tables::{Axes, Exact, Fate, Path, Provenance, Table};
 
 /// Generator of reproducible numbers (splitmix64).
@@ -66,16 +66,22 @@ pub(crate) fn axes() -> Axes {
 
 /// Counts in every direction but the last, where nothing returns.
 pub(crate) fn rays(randomisations: usize, seed: u64) -> Table {
+    rays_with("", randomisations, seed)
+}
+
+/// Counts of a bake with these options.
+fn rays_with(options: &str, randomisations: usize, seed: u64) -> Table {
     let axes = axes();
+    let mut provenance = provenance();
+    provenance.options = options.into();
+    let f = Fate::of(provenance.options.front()).len();
     let ((i, j), b) = (axes.shape(), axes.bins);
     let mut numbers = Numbers(seed);
     let mut counts = Array5::from_shape_fn((i, j, randomisations, b, b), |_| numbers.below(1000));
     counts
         .slice_mut(ndarray::s![i - 1, j - 1, .., .., ..])
         .fill(0);
-    let mut fates = Array4::from_shape_fn((i, j, randomisations, Fate::ALL.len()), |_| {
-        numbers.below(9000)
-    });
+    let mut fates = Array4::from_shape_fn((i, j, randomisations, f), |_| numbers.below(9000));
     for i in 0..i {
         for j in 0..j {
             for r in 0..randomisations {
@@ -87,9 +93,35 @@ pub(crate) fn rays(randomisations: usize, seed: u64) -> Table {
     fates
         .slice_mut(ndarray::s![i - 1, j - 1, .., Fate::OutOfRange as usize])
         .fill(0);
-    let mut provenance = provenance();
     provenance.seed = seed;
     Table::from_counts(axes, counts, fates, provenance)
+}
+
+/// Counts with light that the front face traps.
+pub(crate) fn trapped_rays() -> Table {
+    rays_with("--front trapped", 2, 5)
+}
+
+/// Exact table with light that the front face traps, and with Jones matrices.
+pub(crate) fn trapped() -> Table {
+    let mut table = exact();
+    table.provenance.options = "--front trapped".into();
+    let (i, j) = table.axes.shape();
+    let mut fate = Array3::zeros((i, j, Fate::ALL.len()));
+    fate.slice_mut(ndarray::s![.., .., ..Fate::ALL.len() - 1])
+        .assign(&table.fate);
+    for at in ndarray::indices((i, j)) {
+        fate[[at.0, at.1, Fate::Trapped as usize]] = 0.25 * fate[[at.0, at.1, 7]];
+        fate[[at.0, at.1, Fate::Missed as usize]] *= 0.75;
+    }
+    table.fate = fate;
+    let paths = table.exact.iter_mut().flat_map(|exact| &mut exact.paths);
+    for (k, path) in (0_u32..).zip(paths.flatten()) {
+        let x = f64::from(k);
+        path.passes = k % 3;
+        path.jones = Some([[[x, 0.5], [-x, 0.25]], [[0.0, x], [1.0, -0.125]]]);
+    }
+    table
 }
 
 /// Rays with their deviations, in 4 x 4 cells and 5 x 5 bins.
@@ -162,7 +194,7 @@ pub(crate) fn exact() -> Table {
     let mut numbers = Numbers(3);
     let mut paths = Vec::new();
     let mut eta = Array2::zeros((i, j));
-    let mut fate = Array3::zeros((i, j, Fate::ALL.len()));
+    let mut fate = Array3::zeros((i, j, Fate::of(Front::Once).len()));
     let mut histogram = Array4::zeros((i, j, b, b));
     for direction in 0..i * j {
         let at = (direction / j, direction % j);
@@ -181,6 +213,8 @@ pub(crate) fn exact() -> Table {
                 offset: [numbers.unit(), -numbers.unit()],
                 weight: 1.0,
                 deviation: [1e-3 * numbers.unit(), -1e-3 * numbers.unit()],
+                passes: 0,
+                jones: None,
             });
             eta[at] += (0.5 + 0.25 - 0.125 - 0.125 + 0.125) * size * size;
         }
