@@ -4,6 +4,7 @@ use crate::optics::{Incidence, Rules, element};
 use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
+use crate::rays::exits::Exits;
 use crate::rays::lane::LANES;
 use crate::rays::lanes;
 use crate::rays::lanes::Batch;
@@ -71,6 +72,8 @@ pub(crate) struct Kernel {
     packets: bool,
     /// Grid that exit directions are recorded on; `None` if they are not recorded.
     exits: Option<Grid>,
+    /// Exit directions of the programs, where they are recorded.
+    exits_of_programs: Option<Exits>,
 }
 
 impl Kernel {
@@ -137,6 +140,7 @@ impl Kernel {
             // Rays with an azimuth of their own are not parallel, so they form no packets.
             packets: direction.is_some() && !alone,
             exits: None,
+            exits_of_programs: None,
             scenes: scenes.clone(),
             launch: launch.clone(),
             rules: *rules,
@@ -165,15 +169,20 @@ impl Kernel {
 
     /// Returns the tracer that records exit directions too, if there is a grid for them.
     ///
-    /// With a grid it runs no programs, because programs know shifts only.
+    /// It runs no programs if these have too many exit directions.
     pub(crate) fn recording(self, exits: Option<Grid>) -> Self {
-        match exits {
-            None => self,
-            Some(_) => Kernel {
-                programs: Vec::new(),
-                exits,
-                ..self
+        let Some(grid) = &exits else {
+            return self;
+        };
+        let exits_of_programs = Exits::new(&self.programs, grid, &self.bins);
+        Kernel {
+            programs: match exits_of_programs {
+                Some(_) => self.programs,
+                None => Vec::new(),
             },
+            exits,
+            exits_of_programs,
+            ..self
         }
     }
 
@@ -215,6 +224,7 @@ impl Kernel {
                     bins: &self.bins,
                     stream,
                     samples,
+                    exits: self.exits_of_programs.as_ref(),
                 };
                 self.instructions.run(&batch, tally);
             }

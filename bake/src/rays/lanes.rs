@@ -14,11 +14,13 @@
 )]
 
 use crate::rays::bins::Bins;
+use crate::rays::drawn::{digits, points, sobol};
+use crate::rays::exits::Exits;
 use crate::rays::lane::{LANES, Mask, Reals};
 use crate::rays::order::order;
 use crate::rays::program::{Affine, DEPTH, End, Excerpt, Program, Step};
 use crate::rays::tally::Tally;
-use crate::samples::{Launch, Piece, Stream, centred, pascal, philox, scramble};
+use crate::samples::{Launch, Stream};
 use std::ops::Range;
 use tables::Fate;
 use tables::options::Sampler;
@@ -41,6 +43,8 @@ struct Scratch<'a> {
     left: [Mask; DEPTH],
     /// Number of rays that ended with each fate, per lane.
     ended: [Mask; Fate::ALL.len()],
+    /// Counters of the bins, for each exit direction if these are recorded, and then [`LANES`]
+    /// slots for the rays that fall in no bin.
     histogram: &'a mut [u32],
 }
 
@@ -56,28 +60,37 @@ pub(crate) struct Batch<'a> {
     pub stream: &'a Stream,
     /// Indices of the samples.
     pub samples: Range<u64>,
+    /// Exit directions to record; `None` if they are not recorded.
+    pub exits: Option<&'a Exits>,
 }
 
-/// Traces all samples of a batch and counts them in `tally`.
+/// Traces all samples of a batch and counts them in `tally`. `RECORD` is true if the batch has exit
+/// directions to record.
 #[inline(always)]
-pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
+pub(crate) fn run<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
     let Batch {
         programs,
         launch,
         bins,
         stream,
         ref samples,
+        exits,
     } = *batch;
+    let mut by_exit = exits.map_or(Vec::new(), |exits| exits.counters(bins));
+    let programs = Programs { programs, exits };
     let mut work = Scratch {
         bins,
         left: [[0; LANES]; DEPTH],
         ended: [[0; LANES]; Fate::ALL.len()],
-        histogram: &mut tally.histogram,
+        histogram: match exits {
+            None => &mut tally.histogram,
+            Some(_) => &mut by_exit,
+        },
     };
     let cells = stream.sampler == Sampler::Sobol;
     let mut first = samples.start;
     if sorts(launch) {
-        by_pieces(programs, launch, stream, samples.clone(), &mut work);
+        by_pieces::<RECORD>(programs, launch, stream, samples.clone(), &mut work);
         first = samples.end;
     }
     while first < samples.end {
@@ -86,7 +99,7 @@ pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
         let left = samples.end - first;
         let aligned = 1 << first.trailing_zeros().min(left.ilog2());
         if cells && aligned >= BLOCK {
-            by_cells(programs, launch, stream, first, aligned, &mut work);
+            by_cells::<RECORD>(programs, launch, stream, first, aligned, &mut work);
             first += aligned;
         } else {
             let next = if cells {
@@ -94,11 +107,14 @@ pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
             } else {
                 left
             };
-            in_order(programs, launch, stream, first..first + next, &mut work);
+            in_order::<RECORD>(programs, launch, stream, first..first + next, &mut work);
             first += next;
         }
     }
     let ended = work.ended;
+    if let Some(exits) = exits {
+        exits.count(bins, &by_exit, tally);
+    }
     for (sum, lanes) in tally.fates.iter_mut().zip(&ended) {
         *sum += lanes.iter().sum::<u64>();
     }
@@ -106,8 +122,8 @@ pub(crate) fn run(batch: &Batch, tally: &mut Tally) {
 
 /// Traces samples in the order of their indices.
 #[inline(always)]
-fn in_order(
-    programs: &[Program],
+fn in_order<const RECORD: bool>(
+    programs: Programs,
     launch: &Launch,
     stream: &Stream,
     samples: Range<u64>,
@@ -125,8 +141,8 @@ fn in_order(
             for lane in 0..LANES {
                 start[lane] &= chosen[lane];
             }
-            let course = Passage::whole(&programs[piece.scene]);
-            bundle(course, [&x, &y], start, work);
+            let course = programs.whole(piece.scene);
+            bundle::<RECORD>(course, [&x, &y], start, work);
         }
         first += LANES as u64;
     }
@@ -139,8 +155,8 @@ pub(crate) fn sorts(launch: &Launch) -> bool {
 
 /// Traces samples in the order of the pieces that they choose.
 #[inline(always)]
-fn by_pieces(
-    programs: &[Program],
+fn by_pieces<const RECORD: bool>(
+    programs: Programs,
     launch: &Launch,
     stream: &Stream,
     samples: Range<u64>,
@@ -162,7 +178,7 @@ fn by_pieces(
         let [from, to] = [piece.from, piece.to].map(|end| (end * f64::from(1 << bits)) as u32);
         let from = drawn.partition_point(|sample| slot(sample) < from);
         let count = drawn[from..].partition_point(|sample| slot(sample) <= to);
-        let course = Passage::whole(&programs[piece.scene]);
+        let course = programs.whole(piece.scene);
         for some in drawn[from..from + count].chunks(LANES) {
             let (mut a, mut b) = ([0; LANES], [0; LANES]);
             for (lane, sample) in some.iter().enumerate() {
@@ -170,7 +186,7 @@ fn by_pieces(
             }
             let (x, y, mut start) = points(piece, &a, &b);
             start[some.len()..].fill(0);
-            bundle(course, [&x, &y], start, work);
+            bundle::<RECORD>(course, [&x, &y], start, work);
         }
     }
 }
@@ -184,8 +200,8 @@ fn by_pieces(
 /// the second coordinate are a function of the exclusive or of all groups of four bits of the
 /// index; this function is the Pascal matrix of four digits.
 #[inline(always)]
-fn by_cells(
-    programs: &[Program],
+fn by_cells<const RECORD: bool>(
+    programs: Programs,
     launch: &Launch,
     stream: &Stream,
     first: u64,
@@ -225,7 +241,7 @@ fn by_cells(
                     |&(c0, c1): &(f64, f64)| from <= c0 && c0 <= to && low <= c1 && c1 <= high;
                 corners.extend(crossings.iter().filter(|end| on_side(end)));
             }
-            let program = &programs[piece.scene];
+            let program = &programs.programs[piece.scene];
             points_of_cell.clear();
             points_of_cell.extend(corners.iter().map(|&(c0, c1)| piece.point(c0, c1)));
             excerpt.refill(program, &points_of_cell);
@@ -243,6 +259,7 @@ fn by_cells(
                 steps: &excerpt.steps,
                 tests: &excerpt.tests,
                 maps: &program.maps,
+                starts: programs.starts(piece.scene),
                 only: map,
             };
             for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
@@ -252,7 +269,7 @@ fn by_cells(
                 }
                 let (a, b) = sobol(stream, &indices);
                 let (x, y, start) = points(piece, &a, &b);
-                bundle(course, [&x, &y], start, work);
+                bundle::<RECORD>(course, [&x, &y], start, work);
             }
         }
     }
@@ -264,19 +281,38 @@ struct Passage<'a> {
     steps: &'a [Step],
     tests: &'a [Affine],
     maps: &'a [[Affine; 2]],
+    /// First counter of the exit direction of each map; empty if exit directions are not recorded.
+    starts: &'a [f64],
     /// Number of the only map of these steps; `None` if there are several or none.
     only: Option<usize>,
 }
 
-impl<'a> Passage<'a> {
-    /// Takes all steps and tests of a program.
+/// Programs of the scenes, with the exit directions to record.
+#[derive(Clone, Copy)]
+struct Programs<'a> {
+    programs: &'a [Program],
+    exits: Option<&'a Exits>,
+}
+
+impl<'a> Programs<'a> {
+    /// Returns the first counters of the maps of a scene's program, none if exit directions are not
+    /// recorded.
     #[inline(always)]
-    fn whole(program: &'a Program) -> Self {
-        let Program { steps, tests, maps } = program;
+    fn starts(&self, scene: usize) -> &'a [f64] {
+        self.exits.map_or(&[], |exits| exits.starts(scene))
+    }
+
+    /// Returns all steps and tests of a scene's program.
+    #[inline(always)]
+    fn whole(&self, scene: usize) -> Passage<'a> {
+        let Program {
+            steps, tests, maps, ..
+        } = &self.programs[scene];
         Passage {
             steps,
             tests,
             maps,
+            starts: self.starts(scene),
             only: (maps.len() == 1).then_some(0),
         }
     }
@@ -284,17 +320,25 @@ impl<'a> Passage<'a> {
 
 /// Traces one bundle of rays that enter at (x, y); only the rays in `start` count.
 #[inline(always)]
-fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch) {
+fn bundle<const RECORD: bool>(
+    course: Passage,
+    [x, y]: [&Reals; 2],
+    start: Mask,
+    work: &mut Scratch,
+) {
     let Passage {
         steps,
         tests,
         maps,
+        starts,
         only,
     } = course;
     let left = &mut work.left;
     left[0] = start;
     // The bin positions of the rays that come back, and a mask of these rays.
     let (mut u, mut v): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
+    // The first counter of the exit direction of each ray.
+    let mut start: Reals = [0.0; LANES];
     let mut back: Mask = [0; LANES];
     let mut returns = false;
     for step in steps {
@@ -340,6 +384,14 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
                             (mv[lane].to_bits() & chosen) | (v[lane].to_bits() & !chosen),
                         );
                     }
+                    if RECORD {
+                        let own = starts[map].to_bits();
+                        for lane in 0..LANES {
+                            let chosen = ((taken[lane] as i64) >> 63) as u64;
+                            start[lane] =
+                                f64::from_bits((own & chosen) | (start[lane].to_bits() & !chosen));
+                        }
+                    }
                 }
             }
         }
@@ -350,8 +402,11 @@ fn bundle(course: Passage, [x, y]: [&Reals; 2], start: Mask, work: &mut Scratch)
     if let Some(map) = only {
         let [along, across] = &maps[map];
         (u, v) = (affine(along, x, y), affine(across, x, y));
+        if RECORD {
+            start = [starts[map]; LANES];
+        }
     }
-    scatter(&u, &v, &back, work);
+    scatter::<RECORD>([&u, &v, &start], &back, work);
 }
 
 /// 2^52, which leaves the nearest integer in the low bits when it is added to a number of 0 to
@@ -368,11 +423,16 @@ fn floor(value: f64) -> f64 {
     nearest - if nearest > value { 1.0 } else { 0.0 }
 }
 
-/// Counts the rays of `back` in the bins of (u, v).
+/// Counts the rays of `back` in the bins of (u, v). With `RECORD` the counters of the exit
+/// direction of a ray begin at `start`.
 #[inline(always)]
-fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
+fn scatter<const RECORD: bool>([u, v, start]: [&Reals; 3], back: &Mask, work: &mut Scratch) {
     let end = work.bins.count as f64;
-    let size = work.bins.len() as f64;
+    let size = if RECORD {
+        (work.histogram.len() - LANES) as f64
+    } else {
+        work.bins.len() as f64
+    };
     let mut within: Mask = [0; LANES];
     for lane in 0..LANES {
         // The top bits say: u < end, v < end, u >= 0, v >= 0.
@@ -386,6 +446,7 @@ fn scatter(u: &Reals, v: &Reals, back: &Mask, work: &mut Scratch) {
     let mut at = [0_u64; LANES];
     for lane in 0..LANES {
         let bin = floor(v[lane]) * end + floor(u[lane]);
+        let bin = if RECORD { bin + start[lane] } else { bin };
         // The other rays are counted in slots beyond the histogram, one slot per lane. This needs
         // no branch, and no two lanes wait for one slot.
         let slot = if within[lane] >> 63 == 1 {
@@ -419,80 +480,6 @@ fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
         value[lane] = function.x * x[lane] + function.y * y[lane] + function.one;
     }
     value
-}
-
-/// Returns the digits of samples `first..first + LANES`, equal to those of [`Stream::pair`].
-#[inline(always)]
-fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
-    match stream.sampler {
-        Sampler::Sobol => {
-            let mut indices = [0_u32; LANES];
-            for lane in 0..LANES {
-                indices[lane] = (first as u32).wrapping_add(lane as u32);
-            }
-            sobol(stream, &indices)
-        }
-        Sampler::Random => {
-            let (mut low, mut high) = ([0_u32; LANES], [0_u32; LANES]);
-            for lane in 0..LANES {
-                let index = first + lane as u64;
-                [low[lane], high[lane]] = stream.counter(index);
-            }
-            philox(&mut low, &mut high, stream.keys[0]);
-            (low, high)
-        }
-    }
-}
-
-/// Returns the digits of the Sobol samples with these `indices`.
-#[inline(always)]
-fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
-    let (mut a, mut b) = ([0_u32; LANES], [0_u32; LANES]);
-    for lane in 0..LANES {
-        a[lane] = scramble(indices[lane], stream.keys[0]);
-        b[lane] = scramble(pascal(indices[lane]), stream.keys[1]);
-    }
-    (a, b)
-}
-
-/// Returns the entry points in `piece`, and a mask of the rays that choose the piece.
-///
-/// The operations are those of [`Launch::entry`], lane by lane.
-#[inline(always)]
-fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
-    let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        c0[lane] = centred(a[lane]);
-    }
-    for lane in 0..LANES {
-        c1[lane] = centred(b[lane]);
-    }
-    let mut chosen: Mask = [1 << 63; LANES];
-    if !piece.takes_all() {
-        for lane in 0..LANES {
-            let along = c0[lane] + 0.5;
-            // The top bits say: along < to, along >= from.
-            chosen[lane] = (along - piece.to).to_bits() & !(along - piece.from).to_bits();
-            c0[lane] = piece.stretched(c0[lane]);
-        }
-    }
-    if piece.folded {
-        for lane in 0..LANES {
-            let (i, j) = (c0[lane], c1[lane]);
-            let flip = i + j > 0.0;
-            c0[lane] = if flip { -j } else { i };
-            c1[lane] = if flip { -i } else { j };
-        }
-    }
-    let [s, t] = piece.sides;
-    let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
-    for lane in 0..LANES {
-        x[lane] = piece.centre.x + (s.x * c0[lane] + t.x * c1[lane]);
-    }
-    for lane in 0..LANES {
-        y[lane] = piece.centre.y + (s.y * c0[lane] + t.y * c1[lane]);
-    }
-    (x, y, chosen)
 }
 
 #[cfg(test)]

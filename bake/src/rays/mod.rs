@@ -9,6 +9,8 @@
 mod bins;
 mod bundle;
 mod bvh;
+mod drawn;
+mod exits;
 mod kernel;
 mod lane;
 pub(crate) mod lanes;

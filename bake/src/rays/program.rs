@@ -40,6 +40,9 @@ const ROUNDING: f64 = 1e-12;
 /// Largest area of a part of the entrance that counts as empty, square edge lengths.
 const SPECK: f64 = 1e-13;
 
+/// Largest deviation that is rounding. Light with such deviations leaves straight back.
+const STRAIGHT: f64 = 1e-12;
+
 /// Largest difference of bin positions between two maps that count as one.
 ///
 /// It is above the rounding errors of both maps, so maps that differ by rounding alone are one.
@@ -129,6 +132,8 @@ pub(crate) struct Program {
     pub tests: Vec<Affine>,
     /// Bin positions (u, v) as functions of the entry point.
     pub maps: Vec<[Affine; 2]>,
+    /// Deviation of the light of each map, as [`Incidence::deviation`] gives it.
+    pub deviations: Vec<DVec2>,
 }
 
 impl Program {
@@ -159,6 +164,7 @@ impl Program {
             steps: Vec::new(),
             tests: Vec::new(),
             maps: Vec::new(),
+            deviations: Vec::new(),
         };
         let mut builder = Builder {
             scene,
@@ -449,9 +455,18 @@ impl Builder<'_> {
                 x.abs().max(y.abs()).max(one.abs()) < SAME_BIN_POSITION
             })
         };
-        self.program.maps.iter().position(near).unwrap_or_else(|| {
-            self.program.maps.push(map);
-            self.program.maps.len() - 1
+        let deviation = self.direction.deviation(d, self.rules.refractive_index);
+        let as_straight =
+            |known: DVec2| known == deviation || known.length().max(deviation.length()) < STRAIGHT;
+        let Program {
+            maps, deviations, ..
+        } = &mut self.program;
+        let known = maps.iter().zip(deviations.iter());
+        let same = |(map, &off): (&[Affine; 2], &DVec2)| near(map) && as_straight(off);
+        known.map(same).position(|same| same).unwrap_or_else(|| {
+            maps.push(map);
+            deviations.push(deviation);
+            maps.len() - 1
         })
     }
 }

@@ -77,28 +77,37 @@ impl InstructionSet {
 
     /// Runs [`lanes::run`] with this instruction set.
     pub(crate) fn run(self, batch: &Batch, tally: &mut Tally) {
+        match batch.exits {
+            None => self.run_recording::<false>(batch, tally),
+            Some(_) => self.run_recording::<true>(batch, tally),
+        }
+    }
+
+    /// Runs [`lanes::run`]. `RECORD` is true if exit directions are recorded. That is a function of
+    /// its own, so that the other one has its registers for itself.
+    fn run_recording<const RECORD: bool>(self, batch: &Batch, tally: &mut Tally) {
         match self.0 {
-            Level::Baseline => lanes::run(batch, tally),
+            Level::Baseline => lanes::run::<RECORD>(batch, tally),
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2(batch, tally) },
+            Level::Avx2 => unsafe { avx2::<RECORD>(batch, tally) },
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512(batch, tally) },
+            Level::Avx512 => unsafe { avx512::<RECORD>(batch, tally) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2(batch: &Batch, tally: &mut Tally) {
-    lanes::run(batch, tally);
+fn avx2<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
+    lanes::run::<RECORD>(batch, tally);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
-fn avx512(batch: &Batch, tally: &mut Tally) {
-    lanes::run(batch, tally);
+fn avx512<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
+    lanes::run::<RECORD>(batch, tally);
 }
 
 #[cfg(target_arch = "x86_64")]

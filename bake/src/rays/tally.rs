@@ -5,7 +5,7 @@ use crate::rays::lane::LANES;
 use crate::rays::path::Outcome;
 use glam::DVec2;
 use ndarray::s;
-use tables::deviation::{Entry, Grid, added};
+use tables::deviation::{Entry, Grid, added, counted};
 use tables::{Fate, Table};
 
 /// Counts of one run of rays of one direction.
@@ -19,6 +19,8 @@ pub(crate) struct Tally {
     pub fates: [u64; Fate::ALL.len()],
     /// Places of rays in the histogram of deviations; empty if there is no such histogram.
     pub exits: Vec<u64>,
+    /// Places with numbers of rays in that histogram, for rays that were counted together.
+    pub entries: Vec<Entry>,
 }
 
 impl Tally {
@@ -30,7 +32,22 @@ impl Tally {
             histogram: vec![0; bins.len() + LANES],
             fates: [0; Fate::ALL.len()],
             exits: Vec::new(),
+            entries: Vec::new(),
         }
+    }
+
+    /// Takes the rays by deviation out of the tally: each place once, ascending.
+    pub(crate) fn take_exits(&mut self) -> Vec<Entry> {
+        let alone = counted(&mut self.exits);
+        self.exits.clear();
+        let mut entries = std::mem::take(&mut self.entries);
+        entries.sort_unstable_by_key(|entry| entry.place);
+        entries.dedup_by(|next, kept| {
+            let same = next.place == kept.place;
+            kept.rays += if same { next.rays } else { 0 };
+            same
+        });
+        added(&alone, &entries)
     }
 
     /// Sets all counts back to zero.
@@ -38,6 +55,7 @@ impl Tally {
         self.histogram.fill(0);
         self.fates.fill(0);
         self.exits.clear();
+        self.entries.clear();
     }
 
     /// Counts one ray.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tables::cli::pool;
-use tables::deviation::{Deviations, Entry, Grid, counted};
+use tables::deviation::{Deviations, Entry, Grid};
 use tables::options::Method;
 use tables::{Fate, Table};
 
@@ -130,7 +130,7 @@ impl<'a> Work<'a> {
                 tally.clear();
                 let stream = &run.direction.streams[run.randomisation];
                 run.kernel.trace(stream, run.samples.clone(), tally);
-                let exits = counted(&mut tally.exits);
+                let exits = tally.take_exits();
                 let mut sums = run.direction.sums();
                 sums.add(run.randomisation, tally);
                 sums.add_exits(&exits);

@@ -10,7 +10,7 @@ use crate::tests::bakes::{bake, rays_by};
 use glam::DVec2;
 use meshes::design::{Design, Plate, Shape};
 use meshes::{Cell, CellOptions, normalise};
-use tables::options::{Element, Method, Record, SceneOptions};
+use tables::options::{Element, Method, Record, Sampler, SceneOptions};
 use tables::{Path, Table};
 
 fn plan(request: &Request) -> Plan {
@@ -228,6 +228,44 @@ fn packets_record_what_single_rays_do() {
     );
     assert!(spread.rms_rad > 1e-3 && spread.outermost == 0.0);
     assert!(fast == slow);
+}
+
+/// Programs record shift, fate and exit direction of every ray as the tracer of one ray does: cells
+/// with errors, hollow and solid, and an ideal one with the record asked for.
+#[test]
+fn programs_record_what_single_rays_do() {
+    let errors = [
+        ([4e-4, 0.0, -2e-4], 1.0),
+        ([0.0, 4e-4, 0.0], 1.49),
+        ([1e-3, -2e-3, 3e-3], 1.586),
+        ([0.0; 3], 1.49),
+    ];
+    let mut cases = 0;
+    for (errors, index) in errors {
+        let cell = cells::uneven_pair(errors);
+        for sampler in [Sampler::Sobol, Sampler::Random] {
+            let request = Request {
+                incidence: "0,20,41.5,60".into(),
+                azimuth: "0,17,90".into(),
+                bins: 64,
+                refractive_index: Some(index),
+                sampler,
+                scene: of(Record::Within(4.0)),
+                ..Request::default()
+            };
+            let plan = plan(&request);
+            let [fast, slow] = [Tracer::Fastest, Tracer::OneByOne]
+                .map(|tracer| rays_by(tracer, &cell, &plan).expect("bakes"));
+            let entries = |table: &Table| -> usize {
+                let found = table.deviations.as_ref().expect("recorded");
+                found.entries.iter().map(Vec::len).sum()
+            };
+            assert!(entries(&fast) > 1000);
+            assert!(fast == slow, "{errors:?} {index} {sampler:?}");
+            cases += 1;
+        }
+    }
+    assert_eq!(cases, 8);
 }
 
 /// Shards add up to the bake that was never split.

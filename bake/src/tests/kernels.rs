@@ -108,6 +108,7 @@ fn instruction_sets_agree_bit_for_bit() {
                         bins: &bins,
                         stream: &stream,
                         samples: 0..100_003,
+                        exits: None,
                     };
                     set.run(&batch, &mut tally);
                     tally

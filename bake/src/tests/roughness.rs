@@ -298,9 +298,7 @@ fn every_ray_has_a_fate_however_rough() {
             let table = bake(request("0,45,89.9", rough(slopes, alpha), 1 << 14));
             assert_eq!(tables::check(&table), Ok(()), "{slopes:?} {alpha}");
             for ((i, a), &rays) in table.rays.indexed_iter() {
-                let all: f64 = (0..Fate::ALL.len())
-                    .map(|fate| table.fate[[i, a, fate]])
-                    .sum();
+                let all: f64 = table.fate.slice(ndarray::s![i, a, ..]).sum();
                 assert!(rays == 1 << 14 && (all - 1.0).abs() < 1e-12);
                 // The cell is closed under its aperture: light that enters is reflected at least
                 // once.

@@ -146,6 +146,7 @@ fn fast(
                 bins,
                 stream: &stream,
                 samples: part * run..(part + 1) * run,
+                exits: None,
             };
             set.run(&batch, &mut tally);
             if part > 0 {

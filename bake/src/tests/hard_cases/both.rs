@@ -7,8 +7,8 @@ use crate::tests::bakes;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
+use tables::Table;
 use tables::options::{Back, Method, Sampler};
-use tables::{Fate, Table};
 
 /// Number of random rays per direction of a comparison.
 pub(crate) const RAYS: u64 = 200_000;
@@ -128,7 +128,7 @@ pub(crate) fn sound(table: &Table, name: &str) {
             "{name}, {method}, {} deg, azimuth {}",
             axes.incidence_deg[i], axes.azimuth_deg[a]
         );
-        let fates = || (0..Fate::ALL.len()).map(|fate| table.fate[[i, a, fate]]);
+        let fates = || (0..table.fate.dim().2).map(|fate| table.fate[[i, a, fate]]);
         assert!(
             fates().all(|share| (-1e-12..=1.0 + 1e-12).contains(&share)),
             "{place}"

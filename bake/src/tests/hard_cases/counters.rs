@@ -8,7 +8,7 @@ use crate::tests::hard_cases::both::{Light, bake, cell, sound};
 use meshes::design::Shape;
 use ndarray::{Array4, Array5};
 use std::sync::Arc;
-use tables::options::{Method, Sampler};
+use tables::options::{Front, Method, Sampler};
 use tables::{Fate, Table};
 
 /// One ray makes a whole table, by either sampler, that can be written, read and compared with the
@@ -123,8 +123,10 @@ fn more_than_2_to_the_34_rays() {
     let small = bake(&cell(Shape::Triangular), &request);
     let shape = (1, 1, 2, 4, 4);
     let counts = Array5::from_shape_vec(shape, sums.counts.clone()).expect("its shape");
-    let fates: Vec<u64> = sums.fates.iter().flatten().copied().collect();
-    let fates = Array4::from_shape_vec((1, 1, 2, Fate::ALL.len()), fates).expect("its shape");
+    let known = Fate::of(Front::Once).len();
+    let fates = sums.fates.iter().flat_map(|fates| &fates[..known]);
+    let fates: Vec<u64> = fates.copied().collect();
+    let fates = Array4::from_shape_vec((1, 1, 2, known), fates).expect("its shape");
     let large = |seed| {
         let mut provenance = small.provenance.clone();
         (provenance.sampler, provenance.seed) = (Some(Sampler::Sobol.into()), seed);

@@ -1,0 +1,84 @@
+//! Samples drawn side by side: their digits and entry points, lane by lane.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the same lane of several arrays; iterators hide that"
+)]
+
+use crate::rays::lane::{LANES, Mask, Reals};
+use crate::samples::{Piece, Stream, centred, pascal, philox, scramble};
+use tables::options::Sampler;
+
+/// Returns the digits of samples `first..first + LANES`, equal to those of [`Stream::pair`].
+#[inline(always)]
+pub(crate) fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]) {
+    match stream.sampler {
+        Sampler::Sobol => {
+            let mut indices = [0_u32; LANES];
+            for lane in 0..LANES {
+                indices[lane] = (first as u32).wrapping_add(lane as u32);
+            }
+            sobol(stream, &indices)
+        }
+        Sampler::Random => {
+            let (mut low, mut high) = ([0_u32; LANES], [0_u32; LANES]);
+            for lane in 0..LANES {
+                let index = first + lane as u64;
+                [low[lane], high[lane]] = stream.counter(index);
+            }
+            philox(&mut low, &mut high, stream.keys[0]);
+            (low, high)
+        }
+    }
+}
+
+/// Returns the digits of the Sobol samples with these `indices`.
+#[inline(always)]
+pub(crate) fn sobol(stream: &Stream, indices: &[u32; LANES]) -> ([u32; LANES], [u32; LANES]) {
+    let (mut a, mut b) = ([0_u32; LANES], [0_u32; LANES]);
+    for lane in 0..LANES {
+        a[lane] = scramble(indices[lane], stream.keys[0]);
+        b[lane] = scramble(pascal(indices[lane]), stream.keys[1]);
+    }
+    (a, b)
+}
+
+/// Returns the entry points in `piece`, and a mask of the rays that choose the piece.
+///
+/// The operations are those of [`crate::samples::Launch::entry`], lane by lane.
+#[inline(always)]
+pub(crate) fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Reals, Reals, Mask) {
+    let (mut c0, mut c1): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        c0[lane] = centred(a[lane]);
+    }
+    for lane in 0..LANES {
+        c1[lane] = centred(b[lane]);
+    }
+    let mut chosen: Mask = [1 << 63; LANES];
+    if !piece.takes_all() {
+        for lane in 0..LANES {
+            let along = c0[lane] + 0.5;
+            // The top bits say: along < to, along >= from.
+            chosen[lane] = (along - piece.to).to_bits() & !(along - piece.from).to_bits();
+            c0[lane] = piece.stretched(c0[lane]);
+        }
+    }
+    if piece.folded {
+        for lane in 0..LANES {
+            let (i, j) = (c0[lane], c1[lane]);
+            let flip = i + j > 0.0;
+            c0[lane] = if flip { -j } else { i };
+            c1[lane] = if flip { -i } else { j };
+        }
+    }
+    let [s, t] = piece.sides;
+    let (mut x, mut y): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        x[lane] = piece.centre.x + (s.x * c0[lane] + t.x * c1[lane]);
+    }
+    for lane in 0..LANES {
+        y[lane] = piece.centre.y + (s.y * c0[lane] + t.y * c1[lane]);
+    }
+    (x, y, chosen)
+}
