@@ -430,14 +430,15 @@ impl Follower<'_> {
         let outside = if rules.follows_the_front() && toward.z > 0.0 {
             let inside = self.send_back(beam, toward, &parts);
             self.outcome.dropped += (rest - total_area(&parts)) * inside;
-            beam.course.power() - inside
+            // Rounding may take the rest of totally reflected light below 0.
+            (beam.course.power() - inside).max(0.0)
         } else {
             let outside = beam.course.power_outside(toward, rules.refractive_index);
             self.settle(rest * (beam.course.power() - outside), Fate::Absorbed);
             outside
         };
         match fate_of_leaving(isometry.linear, self.view.direction, reflections, rules) {
-            Fate::Retroreflected => {
+            Fate::Retroreflected if outside > 0.0 => {
                 self.outcome.dropped += (rest - total_area(&parts)) * outside;
                 self.return_light(&beam.course, toward, parts, outside);
             }

@@ -12,7 +12,7 @@ use tables::options::{Element, Front, Roughness};
 pub(crate) const BOUNCE_LIMIT: u32 = 64;
 
 /// Largest number of times that the front face sends light back to the facets. Without losses some
-/// light takes more than 20; none of the 40 directions of the tests is left after 64.
+/// light takes more than 20. After 64, less than 0.05 % is left in the 40 directions of the tests.
 pub(crate) const PASSES: u32 = 64;
 
 /// Least power, as a share of the launched one, of light that is followed after the front face.

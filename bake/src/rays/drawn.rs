@@ -6,7 +6,7 @@
 )]
 
 use crate::rays::lane::{LANES, Mask, Reals};
-use crate::samples::{Piece, Stream, centred, pascal, philox, scramble};
+use crate::samples::{FOURTH_REVERSED, Piece, Stream, centred, pascal, philox, scramble};
 use tables::options::Sampler;
 
 /// Returns the digits of samples `first..first + LANES`, equal to those of [`Stream::pair`].
@@ -81,4 +81,36 @@ pub(crate) fn points(piece: &Piece, a: &[u32; LANES], b: &[u32; LANES]) -> (Real
         y[lane] = piece.centre.y + (s.y * c0[lane] + t.y * c1[lane]);
     }
     (x, y, chosen)
+}
+
+/// Returns the chances of the samples with these `indices`, equal to those of
+/// [`crate::samples::Launch::chance`].
+#[inline(always)]
+pub(crate) fn chances(stream: &Stream, indices: &[u64; LANES]) -> Reals {
+    let mut digits = [0_u32; LANES];
+    match stream.sampler {
+        Sampler::Sobol => {
+            for (bit, column) in FOURTH_REVERSED.iter().enumerate() {
+                for lane in 0..LANES {
+                    let one = (indices[lane] as u32 >> bit) & 1;
+                    digits[lane] ^= column & 0_u32.wrapping_sub(one);
+                }
+            }
+            for lane in 0..LANES {
+                digits[lane] = scramble(digits[lane], stream.keys[3]);
+            }
+        }
+        Sampler::Random => {
+            let mut low = [0_u32; LANES];
+            for lane in 0..LANES {
+                [low[lane], digits[lane]] = stream.second_counter(indices[lane]);
+            }
+            philox(&mut low, &mut digits, stream.keys[0]);
+        }
+    }
+    let mut chances = [0.0; LANES];
+    for lane in 0..LANES {
+        chances[lane] = centred(digits[lane]) + 0.5;
+    }
+    chances
 }

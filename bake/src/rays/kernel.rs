@@ -115,16 +115,16 @@ impl Kernel {
                 rules.refractive_index,
             )
         });
-        // Each ray goes alone in these cases: a photon ends by its own chance, a rough facet turns
-        // each ray in its own way, and rays diverge on curved faces. Programs and packets also
-        // assume that paths end at the entrance plane, where they first meet it, and that no facet
-        // is of glass.
-        let alone = rules.losses.is_some()
-            || rules.roughness.is_some()
+        // Each ray goes alone in these cases: a rough facet turns each ray in its own way, and rays
+        // diverge on curved faces. Programs and packets also assume that paths end at the entrance
+        // plane, where they first meet it, and that no facet is of glass.
+        let alone = rules.roughness.is_some()
             || rules.element != Element::Retroreflector
             || rules.glass_index.is_some()
             || rules.follows_the_front()
             || scenes.iter().any(|scene| scene.is_curved());
+        // A photon ends by its own chance. Packets know none, and sorted samples have lost it.
+        let chances = rules.losses.is_some();
         let mut entries = vec![Vec::new(); scenes.len()];
         for piece in launch.pieces() {
             entries[piece.scene].push(piece.polygon());
@@ -133,12 +133,16 @@ impl Kernel {
             .iter()
             .zip(entries)
             .map(|(scene, entry)| Program::new(scene, entry, rules, &direction?, bins));
-        let programs: Option<Vec<Program>> = if alone { None } else { programs.collect() };
+        let programs: Option<Vec<Program>> = if alone || chances && lanes::sorts(launch) {
+            None
+        } else {
+            programs.collect()
+        };
         Kernel {
             programs: programs.unwrap_or_default(),
             instructions: InstructionSet::best(),
             // Rays with an azimuth of their own are not parallel, so they form no packets.
-            packets: direction.is_some() && !alone,
+            packets: direction.is_some() && !alone && !chances,
             exits: None,
             exits_of_programs: None,
             scenes: scenes.clone(),

@@ -14,11 +14,12 @@
 )]
 
 use crate::rays::bins::Bins;
-use crate::rays::drawn::{digits, points, sobol};
+use crate::rays::drawn::{chances, digits, points, sobol};
+use crate::rays::excerpt::Excerpt;
 use crate::rays::exits::Exits;
 use crate::rays::lane::{LANES, Mask, Reals};
 use crate::rays::order::order;
-use crate::rays::program::{Affine, DEPTH, End, Excerpt, Program, Step};
+use crate::rays::program::{Affine, DEPTH, End, Loss, Program, Step};
 use crate::rays::tally::Tally;
 use crate::samples::{Launch, Stream};
 use std::ops::Range;
@@ -65,9 +66,9 @@ pub(crate) struct Batch<'a> {
 }
 
 /// Traces all samples of a batch and counts them in `tally`. `RECORD` is true if the batch has exit
-/// directions to record.
+/// directions to record, `LOSSY` if its programs have losses.
 #[inline(always)]
-pub(crate) fn run<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
+pub(crate) fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
     let Batch {
         programs,
         launch,
@@ -90,7 +91,7 @@ pub(crate) fn run<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
     let cells = stream.sampler == Sampler::Sobol;
     let mut first = samples.start;
     if sorts(launch) {
-        by_pieces::<RECORD>(programs, launch, stream, samples.clone(), &mut work);
+        by_pieces::<RECORD, LOSSY>(programs, launch, stream, samples.clone(), &mut work);
         first = samples.end;
     }
     while first < samples.end {
@@ -99,7 +100,7 @@ pub(crate) fn run<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
         let left = samples.end - first;
         let aligned = 1 << first.trailing_zeros().min(left.ilog2());
         if cells && aligned >= BLOCK {
-            by_cells::<RECORD>(programs, launch, stream, first, aligned, &mut work);
+            by_cells::<RECORD, LOSSY>(programs, launch, stream, first, aligned, &mut work);
             first += aligned;
         } else {
             let next = if cells {
@@ -107,7 +108,7 @@ pub(crate) fn run<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
             } else {
                 left
             };
-            in_order::<RECORD>(programs, launch, stream, first..first + next, &mut work);
+            in_order::<RECORD, LOSSY>(programs, launch, stream, first..first + next, &mut work);
             first += next;
         }
     }
@@ -122,7 +123,7 @@ pub(crate) fn run<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
 
 /// Traces samples in the order of their indices.
 #[inline(always)]
-fn in_order<const RECORD: bool>(
+fn in_order<const RECORD: bool, const LOSSY: bool>(
     programs: Programs,
     launch: &Launch,
     stream: &Stream,
@@ -133,6 +134,14 @@ fn in_order<const RECORD: bool>(
     while first < samples.end {
         let active = (samples.end - first).min(LANES as u64) as usize;
         let (a, b) = digits(stream, first);
+        let mut chance = [0.0; LANES];
+        if LOSSY {
+            let mut indices = [0; LANES];
+            for lane in 0..LANES {
+                indices[lane] = first + lane as u64;
+            }
+            chance = chances(stream, &indices);
+        }
         let mut started = [0; LANES];
         started[..active].fill(1 << 63);
         for piece in launch.pieces() {
@@ -142,7 +151,7 @@ fn in_order<const RECORD: bool>(
                 start[lane] &= chosen[lane];
             }
             let course = programs.whole(piece.scene);
-            bundle::<RECORD>(course, [&x, &y], start, work);
+            bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
         }
         first += LANES as u64;
     }
@@ -155,7 +164,7 @@ pub(crate) fn sorts(launch: &Launch) -> bool {
 
 /// Traces samples in the order of the pieces that they choose.
 #[inline(always)]
-fn by_pieces<const RECORD: bool>(
+fn by_pieces<const RECORD: bool, const LOSSY: bool>(
     programs: Programs,
     launch: &Launch,
     stream: &Stream,
@@ -186,7 +195,9 @@ fn by_pieces<const RECORD: bool>(
             }
             let (x, y, mut start) = points(piece, &a, &b);
             start[some.len()..].fill(0);
-            bundle::<RECORD>(course, [&x, &y], start, work);
+            // Programs with losses have no sorted samples.
+            let chance = [0.0; LANES];
+            bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
         }
     }
 }
@@ -200,7 +211,7 @@ fn by_pieces<const RECORD: bool>(
 /// the second coordinate are a function of the exclusive or of all groups of four bits of the
 /// index; this function is the Pascal matrix of four digits.
 #[inline(always)]
-fn by_cells<const RECORD: bool>(
+fn by_cells<const RECORD: bool, const LOSSY: bool>(
     programs: Programs,
     launch: &Launch,
     stream: &Stream,
@@ -260,6 +271,7 @@ fn by_cells<const RECORD: bool>(
                 tests: &excerpt.tests,
                 maps: &program.maps,
                 starts: programs.starts(piece.scene),
+                entry: program.entry.as_ref(),
                 only: map,
             };
             for group in 0..(count >> (2 * CELL_BITS)) as u32 / LANES as u32 {
@@ -267,9 +279,13 @@ fn by_cells<const RECORD: bool>(
                 for lane in 0..LANES {
                     indices[lane] = index(base + group * LANES as u32 + lane as u32);
                 }
+                let mut chance = [0.0; LANES];
+                if LOSSY {
+                    chance = chances(stream, &indices.map(u64::from));
+                }
                 let (a, b) = sobol(stream, &indices);
                 let (x, y, start) = points(piece, &a, &b);
-                bundle::<RECORD>(course, [&x, &y], start, work);
+                bundle::<RECORD, LOSSY>(course, [&x, &y, &chance], start, work);
             }
         }
     }
@@ -283,6 +299,8 @@ struct Passage<'a> {
     maps: &'a [[Affine; 2]],
     /// First counter of the exit direction of each map; empty if exit directions are not recorded.
     starts: &'a [f64],
+    /// Loss on the way in.
+    entry: Option<&'a Loss>,
     /// Number of the only map of these steps; `None` if there are several or none.
     only: Option<usize>,
 }
@@ -306,23 +324,29 @@ impl<'a> Programs<'a> {
     #[inline(always)]
     fn whole(&self, scene: usize) -> Passage<'a> {
         let Program {
-            steps, tests, maps, ..
+            steps,
+            tests,
+            maps,
+            entry,
+            ..
         } = &self.programs[scene];
         Passage {
             steps,
             tests,
             maps,
             starts: self.starts(scene),
+            entry: entry.as_ref(),
             only: (maps.len() == 1).then_some(0),
         }
     }
 }
 
-/// Traces one bundle of rays that enter at (x, y); only the rays in `start` count.
+/// Traces one bundle of rays that enter at (x, y) and have these chances; only the rays in `start`
+/// count.
 #[inline(always)]
-fn bundle<const RECORD: bool>(
+fn bundle<const RECORD: bool, const LOSSY: bool>(
     course: Passage,
-    [x, y]: [&Reals; 2],
+    [x, y, chance]: [&Reals; 3],
     start: Mask,
     work: &mut Scratch,
 ) {
@@ -331,10 +355,14 @@ fn bundle<const RECORD: bool>(
         tests,
         maps,
         starts,
+        entry,
         only,
     } = course;
     let left = &mut work.left;
-    left[0] = start;
+    left[0] = match entry {
+        Some(loss) if LOSSY => survivors(loss, chance, &start, &mut work.ended),
+        _ => start,
+    };
     // The bin positions of the rays that come back, and a mask of these rays.
     let (mut u, mut v): (Reals, Reals) = ([0.0; LANES], [0.0; LANES]);
     // The first counter of the exit direction of each ray.
@@ -358,6 +386,9 @@ fn bundle<const RECORD: bool>(
                 left[from][lane] &= failed[lane];
             }
         }
+        if let (true, Some(loss)) = (LOSSY, &step.loss) {
+            taken = survivors(loss, chance, &taken, &mut work.ended);
+        }
         match step.end {
             End::Onward => left[from + 1] = taken,
             End::Fate(fate) => {
@@ -373,24 +404,10 @@ fn bundle<const RECORD: bool>(
                 if only.is_none() {
                     let [along, across] = &maps[map];
                     let (mu, mv) = (affine(along, x, y), affine(across, x, y));
-                    for lane in 0..LANES {
-                        // The value is chosen by bit operations, because a branch for every lane
-                        // halves the speed.
-                        let chosen = ((taken[lane] as i64) >> 63) as u64;
-                        u[lane] = f64::from_bits(
-                            (mu[lane].to_bits() & chosen) | (u[lane].to_bits() & !chosen),
-                        );
-                        v[lane] = f64::from_bits(
-                            (mv[lane].to_bits() & chosen) | (v[lane].to_bits() & !chosen),
-                        );
-                    }
+                    choose(&mut u, &mu, &taken);
+                    choose(&mut v, &mv, &taken);
                     if RECORD {
-                        let own = starts[map].to_bits();
-                        for lane in 0..LANES {
-                            let chosen = ((taken[lane] as i64) >> 63) as u64;
-                            start[lane] =
-                                f64::from_bits((own & chosen) | (start[lane].to_bits() & !chosen));
-                        }
+                        choose(&mut start, &[starts[map]; LANES], &taken);
                     }
                 }
             }
@@ -407,6 +424,31 @@ fn bundle<const RECORD: bool>(
         }
     }
     scatter::<RECORD>([&u, &v, &start], &back, work);
+}
+
+/// Sets the values of the rays in `taken` to those of `new`.
+///
+/// The values are chosen by bit operations, because a branch for every lane halves the speed.
+#[inline(always)]
+fn choose(values: &mut Reals, new: &Reals, taken: &Mask) {
+    for lane in 0..LANES {
+        let chosen = ((taken[lane] as i64) >> 63) as u64;
+        let value = (new[lane].to_bits() & chosen) | (values[lane].to_bits() & !chosen);
+        values[lane] = f64::from_bits(value);
+    }
+}
+
+/// Returns the photons of `taken` that a loss leaves, and counts the fate of the others.
+#[inline(always)]
+fn survivors(loss: &Loss, chance: &Reals, taken: &Mask, ended: &mut [Mask]) -> Mask {
+    let mut kept: Mask = [0; LANES];
+    let lost = &mut ended[loss.fate as usize];
+    for lane in 0..LANES {
+        // The top bit says: chance < power.
+        kept[lane] = taken[lane] & (chance[lane] - loss.power).to_bits();
+        lost[lane] += (taken[lane] & !kept[lane]) >> 63;
+    }
+    kept
 }
 
 /// 2^52, which leaves the nearest integer in the low bits when it is added to a number of 0 to

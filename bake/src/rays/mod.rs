@@ -10,6 +10,7 @@ mod bins;
 mod bundle;
 mod bvh;
 mod drawn;
+mod excerpt;
 mod exits;
 mod kernel;
 mod lane;

@@ -18,7 +18,7 @@
 
 use crate::cell::PROGRAM_FACETS;
 use crate::optics::{
-    BOUNCE_LIMIT, Incidence, Rules, Triangle, fate_of_leaving, reflect, reflection,
+    BOUNCE_LIMIT, Incidence, Light, Rules, Triangle, fate_of_leaving, reflect, reflection,
 };
 use crate::rays::bins::Bins;
 use crate::rays::scene::Scene;
@@ -35,7 +35,7 @@ pub(crate) const DEPTH: usize = 24;
 const _: () = assert!(DEPTH <= BOUNCE_LIMIT as usize);
 
 /// Largest distance that counts as rounding when tests are left out, edge lengths.
-const ROUNDING: f64 = 1e-12;
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 /// Largest area of a part of the entrance that counts as empty, square edge lengths.
 const SPECK: f64 = 1e-13;
@@ -121,6 +121,18 @@ pub(crate) struct Step {
     pub tests: (usize, usize),
     /// End of the rays that the step takes.
     pub end: End,
+    /// Loss before that end; `None` without losses.
+    pub loss: Option<Loss>,
+}
+
+/// Loss of photons, at a surface or at the front face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Loss {
+    /// Power that is left after it, as a share of the launched power. A photon goes on if its
+    /// chance is below.
+    pub power: f64,
+    /// Fate of the other photons.
+    pub fate: Fate,
 }
 
 /// Program of one direction.
@@ -134,6 +146,8 @@ pub(crate) struct Program {
     pub maps: Vec<[Affine; 2]>,
     /// Deviation of the light of each map, as [`Incidence::deviation`] gives it.
     pub deviations: Vec<DVec2>,
+    /// Loss at the front face on the way in; `None` without losses.
+    pub entry: Option<Loss>,
 }
 
 impl Program {
@@ -150,7 +164,12 @@ impl Program {
         if scene.is_periodic() || scene.facets().len() > PROGRAM_FACETS {
             return None;
         }
+        let index = rules.refractive_index;
+        let light = rules
+            .losses
+            .map(|_| Light::entered(direction.travel, index));
         let root = UnfoldedRay {
+            light,
             direction: direction.travel,
             map: DMat3::IDENTITY,
             offset: DVec3::ZERO,
@@ -165,6 +184,10 @@ impl Program {
             tests: Vec::new(),
             maps: Vec::new(),
             deviations: Vec::new(),
+            entry: light.map(|light| Loss {
+                power: light.power(),
+                fate: Fate::Absorbed,
+            }),
         };
         let mut builder = Builder {
             scene,
@@ -178,61 +201,12 @@ impl Program {
     }
 }
 
-/// Part of a program that rays from one small part of the entrance can need.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Excerpt {
-    /// Steps that such rays can take.
-    pub steps: Vec<Step>,
-    /// Tests of these steps, without those that all such rays pass.
-    pub tests: Vec<Affine>,
-}
-
-impl Excerpt {
-    /// Takes the part of `program` for rays that enter in the convex hull of `corners`.
-    pub(crate) fn refill(&mut self, program: &Program, corners: &[DVec2]) {
-        self.steps.clear();
-        self.tests.clear();
-        // True where an earlier step of the node at that depth takes all its rays.
-        let mut closed = [false; DEPTH];
-        // Steps deeper than this follow a step that no ray takes.
-        let mut skipped = usize::MAX;
-        for step in &program.steps {
-            if step.from > skipped {
-                continue;
-            }
-            skipped = usize::MAX;
-            let first = self.tests.len();
-            let mut taken = !closed[step.from];
-            for test in &program.tests[step.tests.0..step.tests.1] {
-                let values = corners.iter().map(|&corner| test.at(corner));
-                let (least, most) = values
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), value| {
-                        (l.min(value), m.max(value))
-                    });
-                taken &= most > -ROUNDING;
-                if least < ROUNDING {
-                    self.tests.push(*test);
-                }
-            }
-            if !taken {
-                self.tests.truncate(first);
-                skipped = step.from;
-                continue;
-            }
-            closed[step.from] = self.tests.len() == first;
-            closed[step.from + 1] = false;
-            self.steps.push(Step {
-                tests: (first, self.tests.len()),
-                ..*step
-            });
-        }
-    }
-}
-
 /// Line of a ray, unfolded at the facets that it has met.
 ///
 /// A point of the line is `map` (p.x, p.y, height) + `offset` + distance x `direction`.
 struct UnfoldedRay {
+    /// Polarised light of the path; `None` without losses.
+    light: Option<Light>,
     direction: DVec3,
     /// Linear map of the reflections so far.
     map: DMat3,
@@ -341,7 +315,11 @@ impl Builder<'_> {
         } else {
             End::Fate(fate)
         };
-        self.step(bounces, Vec::new(), end)
+        let loss = line.light.map(|light| Loss {
+            power: light.power_outside(line.direction, self.rules.refractive_index),
+            fate: Fate::Absorbed,
+        });
+        self.step(bounces, Vec::new(), end, loss)
     }
 
     /// Returns the facets that rays of `region` on `line` can meet.
@@ -397,14 +375,25 @@ impl Builder<'_> {
         let facet = next.facet;
         let cosine = line.direction.dot(facet.normal);
         if cosine > 0.0 {
-            return self.step(bounces, tests, End::Fate(Fate::Absorbed));
+            return self.step(bounces, tests, End::Fate(Fate::Absorbed), None);
         }
         if self.rules.lets_through(cosine) {
-            return self.step(bounces, tests, End::Fate(Fate::Transmitted));
+            return self.step(bounces, tests, End::Fate(Fate::Transmitted), None);
         }
-        self.step(bounces, tests, End::Onward)?;
+        let index = self.rules.refractive_index;
+        let surface = self.rules.losses.as_ref();
+        let reflected = line.light.zip(surface).map(|(light, surface)| {
+            let light = light.reflected(line.direction, facet.normal, surface, index);
+            (light, surface.takes())
+        });
+        let loss = reflected.map(|(light, fate)| Loss {
+            power: light.power(),
+            fate,
+        });
+        self.step(bounces, tests, End::Onward, loss)?;
         let mirror = reflection(facet.normal);
         let after = UnfoldedRay {
+            light: reflected.map(|(light, _)| light),
             direction: reflect(line.direction, facet.normal),
             map: mirror * line.map,
             // The reflection is x -> x - 2 n (n . (x - corner)).
@@ -416,13 +405,20 @@ impl Builder<'_> {
     }
 
     /// Adds one step, or returns `None` if the program has become too long or too deep.
-    fn step(&mut self, from: usize, tests: Vec<Affine>, end: End) -> Option<()> {
+    fn step(
+        &mut self,
+        from: usize,
+        tests: Vec<Affine>,
+        end: End,
+        loss: Option<Loss>,
+    ) -> Option<()> {
         let first = self.program.tests.len();
         self.program.tests.extend(tests);
         self.program.steps.push(Step {
             from,
             tests: (first, self.program.tests.len()),
             end,
+            loss,
         });
         (self.program.steps.len() <= STEPS && from + 1 < DEPTH).then_some(())
     }

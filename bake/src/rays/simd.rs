@@ -77,37 +77,40 @@ impl InstructionSet {
 
     /// Runs [`lanes::run`] with this instruction set.
     pub(crate) fn run(self, batch: &Batch, tally: &mut Tally) {
-        match batch.exits {
-            None => self.run_recording::<false>(batch, tally),
-            Some(_) => self.run_recording::<true>(batch, tally),
+        let lossy = batch.programs.iter().any(|program| program.entry.is_some());
+        match (batch.exits.is_some(), lossy) {
+            (false, false) => self.run_with::<false, false>(batch, tally),
+            (true, false) => self.run_with::<true, false>(batch, tally),
+            (false, true) => self.run_with::<false, true>(batch, tally),
+            (true, true) => self.run_with::<true, true>(batch, tally),
         }
     }
 
-    /// Runs [`lanes::run`]. `RECORD` is true if exit directions are recorded. That is a function of
-    /// its own, so that the other one has its registers for itself.
-    fn run_recording<const RECORD: bool>(self, batch: &Batch, tally: &mut Tally) {
+    /// Runs [`lanes::run`]. Each case is a function of its own, so that the plain one has its
+    /// registers for itself.
+    fn run_with<const RECORD: bool, const LOSSY: bool>(self, batch: &Batch, tally: &mut Tally) {
         match self.0 {
-            Level::Baseline => lanes::run::<RECORD>(batch, tally),
+            Level::Baseline => lanes::run::<RECORD, LOSSY>(batch, tally),
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { avx2::<RECORD>(batch, tally) },
+            Level::Avx2 => unsafe { avx2::<RECORD, LOSSY>(batch, tally) },
             // SAFETY: the value exists, so `available` found the instruction set.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { avx512::<RECORD>(batch, tally) },
+            Level::Avx512 => unsafe { avx512::<RECORD, LOSSY>(batch, tally) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
-    lanes::run::<RECORD>(batch, tally);
+fn avx2<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
+    lanes::run::<RECORD, LOSSY>(batch, tally);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
-fn avx512<const RECORD: bool>(batch: &Batch, tally: &mut Tally) {
-    lanes::run::<RECORD>(batch, tally);
+fn avx512<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
+    lanes::run::<RECORD, LOSSY>(batch, tally);
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -7,4 +7,4 @@ mod launch;
 mod sequence;
 
 pub(crate) use launch::{Launch, Piece};
-pub(crate) use sequence::{Stream, centred, pascal, philox, scramble};
+pub(crate) use sequence::{FOURTH_REVERSED, Stream, centred, pascal, philox, scramble};

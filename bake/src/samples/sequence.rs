@@ -105,12 +105,18 @@ impl Stream {
         philox_one([low, high ^ ((bounce + 1) << 24)], self.keys[0])
     }
 
-    /// Returns two more random numbers for point `index`. They use the top bit of the counter,
-    /// which is free because an index stays below 2^62.
+    /// Returns two more random numbers for point `index`.
     #[inline]
     fn second_block(&self, index: u64) -> [u32; 2] {
+        philox_one(self.second_counter(index), self.keys[0])
+    }
+
+    /// Returns the counter of two more random numbers for point `index`. It uses the top bit, which
+    /// is free because an index stays below 2^62.
+    #[inline(always)]
+    pub(crate) fn second_counter(&self, index: u64) -> [u32; 2] {
         let [low, high] = self.counter(index);
-        philox_one([low, high ^ 0x8000_0000], self.keys[0])
+        [low, high ^ 0x8000_0000]
     }
 }
 
@@ -185,6 +191,18 @@ fn dimension(columns: &[u32; 32], index: u32) -> u32 {
     }
     digits.reverse_bits()
 }
+
+/// Direction numbers of the fourth dimension, each with its bits reversed: what [`scramble`] takes
+/// is their exclusive or over the bits of the index.
+pub(crate) const FOURTH_REVERSED: [u32; 32] = {
+    let mut columns = FOURTH;
+    let mut i = 0;
+    while i < 32 {
+        columns[i] = columns[i].reverse_bits();
+        i += 1;
+    }
+    columns
+};
 
 /// Direction numbers of the third dimension: polynomial x^2 + x + 1, m = 1, 3.
 const THIRD: [u32; 32] = {

@@ -4,13 +4,14 @@
 use crate::tests::bakes;
 use crate::tests::cells;
 
-use crate::plan::{Plan, Request};
+use crate::plan::{Effort, Plan, Request};
 use crate::rays::Tracer;
 use crate::tests::bakes::{bake, rays_by};
 use glam::DVec2;
 use meshes::design::{Design, Plate, Shape};
 use meshes::{Cell, CellOptions, normalise};
-use tables::options::{Element, Method, Record, Sampler, SceneOptions};
+use num_complex::Complex64;
+use tables::options::{Back, Element, Losses, Method, Record, Sampler, SceneOptions};
 use tables::{Path, Table};
 
 fn plan(request: &Request) -> Plan {
@@ -231,41 +232,67 @@ fn packets_record_what_single_rays_do() {
 }
 
 /// Programs record shift, fate and exit direction of every ray as the tracer of one ray does: cells
-/// with errors, hollow and solid, and an ideal one with the record asked for.
+/// with errors, hollow and solid, and an ideal one with the record asked for, without losses and
+/// with losses of each kind.
 #[test]
 fn programs_record_what_single_rays_do() {
+    let lossless = Request::default();
+    let bare = Request {
+        losses: Losses::Fresnel,
+        back: Back::Tir,
+        ..lossless.clone()
+    };
+    let coated = Request {
+        losses: Losses::Fresnel,
+        reflectance: Some(0.8),
+        ..lossless.clone()
+    };
+    let metal = Request {
+        losses: Losses::Fresnel,
+        metal: Some(Complex64::new(1.2, 7.3)),
+        ..lossless.clone()
+    };
     let errors = [
         ([4e-4, 0.0, -2e-4], 1.0),
         ([0.0, 4e-4, 0.0], 1.49),
         ([1e-3, -2e-3, 3e-3], 1.586),
         ([0.0; 3], 1.49),
     ];
-    let mut cases = 0;
+    let (mut cases, mut recorded) = (0, 0);
     for (errors, index) in errors {
         let cell = cells::uneven_pair(errors);
-        for sampler in [Sampler::Sobol, Sampler::Random] {
+        let surfaces = [&lossless, &bare, &coated, &metal];
+        let samplers = [Sampler::Sobol, Sampler::Random];
+        let all = surfaces
+            .iter()
+            .flat_map(|&s| samplers.map(|sampler| (s, sampler)));
+        for (surface, sampler) in all {
             let request = Request {
                 incidence: "0,20,41.5,60".into(),
-                azimuth: "0,17,90".into(),
+                azimuth: "17,90".into(),
                 bins: 64,
                 refractive_index: Some(index),
                 sampler,
                 scene: of(Record::Within(4.0)),
-                ..Request::default()
+                ..surface.clone()
             };
-            let plan = plan(&request);
+            let plan = Plan {
+                effort: Effort::Rays(40_000),
+                ..plan(&request)
+            };
             let [fast, slow] = [Tracer::Fastest, Tracer::OneByOne]
                 .map(|tracer| rays_by(tracer, &cell, &plan).expect("bakes"));
             let entries = |table: &Table| -> usize {
                 let found = table.deviations.as_ref().expect("recorded");
                 found.entries.iter().map(Vec::len).sum()
             };
-            assert!(entries(&fast) > 1000);
-            assert!(fast == slow, "{errors:?} {index} {sampler:?}");
+            recorded += entries(&fast);
+            assert!(fast == slow, "{errors:?} {index} {surface:?} {sampler:?}");
             cases += 1;
         }
     }
-    assert_eq!(cases, 8);
+    println!("{recorded} places");
+    assert!(cases == 32 && recorded > 10_000);
 }
 
 /// Shards add up to the bake that was never split.

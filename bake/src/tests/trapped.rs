@@ -304,6 +304,35 @@ fn no_light_is_lost_near_the_planes_of_symmetry() {
     assert_eq!(cases, 2 * 1520);
 }
 
+/// With losses, total reflection at the front leaves rounding, which is no light: no path has a
+/// weight below 0.
+#[test]
+fn no_path_has_a_negative_weight() {
+    let mut paths = 0;
+    for shape in [Shape::Canted, Shape::TriangularPair] {
+        let mesh = Design::new(shape).mesh().expect("a design");
+        let options = CellOptions {
+            periodic: true,
+            ..CellOptions::default()
+        };
+        let cell = normalise(&mesh, Path::new("cell"), &options).expect("a cell");
+        let prepared = Prepared::new(cell);
+        let rules = Rules {
+            losses: Some(Backing::Mirror { reflectance: 0.9 }),
+            ..trapped(1.586)
+        };
+        for incidence in [45.0, 70.0, 89.0] {
+            for azimuth in [1e-6, 30.0, 59.9999] {
+                let found = share(&prepared, incidence, azimuth, rules);
+                assert!(found.paths.iter().all(|path| path.weight > 0.0));
+                paths += found.paths.len();
+            }
+        }
+    }
+    println!("{paths} paths");
+    assert!(paths > 100);
+}
+
 /// Between media of one index there is no front face, so nothing changes.
 #[test]
 fn a_front_of_index_1_changes_nothing() {

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use tables::options::{Back, Element, Losses};
+use tables::options::{Back, Element, Front, Losses};
 use tables::{Path, Table};
 
 use crate::estimate::facing::{Along, Facing};
@@ -55,7 +55,7 @@ impl OtherIndex {
             && from
                 .options
                 .known()
-                .is_some_and(|options| options.roughness.is_none())
+                .is_some_and(|options| options.roughness.is_none() && options.front == Front::Once)
             && sends_straight_back(table);
         (allowed && other >= 1.0).then_some(OtherIndex {
             own: from.refractive_index,

@@ -202,9 +202,11 @@ fn tables_whose_light_depends_on_the_index_stand_for_no_other() {
     let mut plate = own();
     plate.provenance.options = "--element plate".into();
     let mut later = own();
-    later.provenance.options = "--front trapped".into();
+    later.provenance.options = "--of-a-later-version 3".into();
+    let mut trapped = own();
+    trapped.provenance.options = "--front trapped".into();
     let astray = deviating(own(), |_| [1e-4, 0.0]);
-    let refused = [lossy, bare, plate, later, astray];
+    let refused = [lossy, bare, plate, later, trapped, astray];
     for (case, table) in refused.iter().enumerate() {
         assert_eq!(OtherIndex::of(table, 1.5), None, "case {case}");
     }
