@@ -8,7 +8,8 @@
 use crate::run::cuts::uncut;
 use crate::run::exits::{ABSOLUTE, ExitGap, exits};
 use crate::run::paths::{SAME, apart};
-use tables::Table;
+use ndarray::{Array2, s};
+use tables::{Fate, Table};
 
 /// Number of standard errors by which two retroreflected fractions may differ.
 const SIGMAS: f64 = 4.0;
@@ -71,7 +72,7 @@ impl Comparison {
     /// Compares two tables whose axes are known to be equal.
     pub(crate) fn of(a: &Table, b: &Table) -> Self {
         let row = |((i, j), &eta): ((usize, usize), &f64)| {
-            let (pa, pb) = (a.probability(i, j), b.probability(i, j));
+            let (pa, pb) = (in_range(a, (i, j)), in_range(b, (i, j)));
             let difference = (&pa - &pb).mapv(f64::abs);
             let gap = (eta - b.retroreflected[[i, j]]).abs();
             // Of random counts, a bin of probability p differs by [`ABSOLUTE`] sqrt(p/na + p/nb)
@@ -120,6 +121,15 @@ impl Row {
             && self.paths.is_none_or(|apart| apart <= SAME)
             && self.exits.is_none_or(|gap| gap.l1 <= gap.limit)
     }
+}
+
+/// Returns the probability per launched ray of each bin, `[v, u]`.
+///
+/// [`Table::probability`] spreads light that is out of range over the bins. Its counts have no
+/// noise there, so a comparison leaves it out.
+fn in_range(table: &Table, (i, j): (usize, usize)) -> Array2<f64> {
+    let share = table.fate[[i, j, Fate::Retroreflected as usize]];
+    table.histogram.slice(s![i, j, .., ..]).mapv(|p| p * share)
 }
 
 /// Returns how far the light of two exact tables is apart in one direction.

@@ -72,6 +72,36 @@ fn rays_and_beams_agree_however_the_work_is_split() {
     assert_eq!(compared, 12);
 }
 
+/// Light that is nearly all out of the range of the histogram is no difference: 98 % of the light
+/// of this direction is.
+#[test]
+fn light_out_of_range_is_verified_by_its_share() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    bake(here, &["design", "full-cube", "-o", "cube.obj"]).done();
+    let words = [
+        "trace",
+        "cube.obj",
+        "-o",
+        "cube.h5",
+        "--refractive-index",
+        "1.586",
+    ];
+    let steep = ["--losses", "fresnel", "--incidence", "70", "--azimuth", "0"];
+    bake(
+        here,
+        &[&words[..], &steep, &["--front", "trapped"]].concat(),
+    )
+    .done();
+    let table = tables::read(&here.join("cube.h5")).unwrap();
+    let outside = table.fate[[0, 0, tables::Fate::OutOfRange as usize]];
+    assert!(outside > 0.9 * table.retroreflected[[0, 0]]);
+    for seed in ["1", "2", "3"] {
+        let words = ["verify", "cube.h5", "--mesh", "cube.obj", "--seed", seed];
+        bake(here, &[&words[..], &["--rays", "262144"]].concat()).done();
+    }
+}
+
 /// All azimuths of a symmetric cell, with directions that are chosen for a tolerance: verified by
 /// rays, and interpolated within the tolerance at a direction between them.
 #[test]
