@@ -77,7 +77,9 @@ impl InstructionSet {
 
     /// Runs [`lanes::run`] with this instruction set.
     pub(crate) fn run(self, batch: &Batch, tally: &mut Tally) {
-        let lossy = batch.programs.iter().any(|program| program.entry.is_some());
+        // All programs of a scene have the same rules.
+        let first = batch.programs.first();
+        let lossy = first.is_some_and(|program| program.entry.is_some());
         match (batch.exits.is_some(), lossy) {
             (false, false) => self.run_with::<false, false>(batch, tally),
             (true, false) => self.run_with::<true, false>(batch, tally),

@@ -111,6 +111,14 @@ impl<R: BufRead> Items<R> {
         Ok(values)
     }
 
+    /// Reads an array that some tables leave out. It is then empty.
+    fn optional<T>(&mut self, name: &str, value: fn([u8; 8]) -> T) -> io::Result<Vec<T>> {
+        if self.name != name {
+            return Ok(Vec::new());
+        }
+        self.words(name, value)
+    }
+
     /// Reads an array of numbers.
     fn floats(&mut self, name: &str) -> io::Result<Vec<f64>> {
         self.words(name, f64::from_le_bytes)
@@ -220,18 +228,9 @@ fn exact(items: &mut Items<impl BufRead>, directions: usize) -> io::Result<Optio
         matrix: items.floats("path_matrix")?,
         offset: items.floats("path_offset")?,
         weight: items.floats("path_weight")?,
-        deviation: match items.name.as_str() {
-            "path_deviation" => items.floats("path_deviation")?,
-            _ => Vec::new(),
-        },
-        passes: match items.name.as_str() {
-            "path_passes" => items.integers("path_passes")?,
-            _ => Vec::new(),
-        },
-        jones: match items.name.as_str() {
-            "path_jones" => items.floats("path_jones")?,
-            _ => Vec::new(),
-        },
+        deviation: items.optional("path_deviation", f64::from_le_bytes)?,
+        passes: items.optional("path_passes", u64::from_le_bytes)?,
+        jones: items.optional("path_jones", f64::from_le_bytes)?,
         start: items.integers("polygon_start")?,
         vertex: items.floats("polygon_vertex")?,
     };

@@ -323,7 +323,7 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Checks that the fates have the names and the order of [`Fate::ALL`].
+    /// Checks that the fates have the names and the order of `fates`.
     pub(crate) fn fates(&self, fates: &[Fate]) -> Result<(), Error> {
         let scale = &names::FATE_NAME;
         let (dataset, kind, shape) = self.dataset(scale.name, &TEXTS)?;

@@ -2,7 +2,7 @@
 
 use crate::error::error::Error;
 use crate::file::layout::names::exact;
-use crate::file::layout::place::Place;
+use crate::file::layout::place::{Element, Place};
 use crate::table::exact::Exact;
 use crate::table::flat::FlatPaths;
 
@@ -30,25 +30,11 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
     let (matrix, _) = place.flat::<f64>(exact::PATH_MATRIX, &[Some(count), Some(2), Some(2)])?;
     let (offset, _) = place.flat::<f64>(exact::PATH_OFFSET, &[Some(count), Some(2)])?;
     let (weight, _) = place.flat::<f64>(exact::PATH_WEIGHT, &[Some(count)])?;
-    let deviation = match place.has(exact::PATH_DEVIATION) {
-        true => {
-            place
-                .flat::<f64>(exact::PATH_DEVIATION, &[Some(count), Some(2)])?
-                .0
-        }
-        false => Vec::new(),
-    };
-    let passes = match place.has(exact::PATH_PASSES) {
-        true => place.flat::<u64>(exact::PATH_PASSES, &[Some(count)])?.0,
-        false => Vec::new(),
-    };
-    let jones = match place.has(exact::PATH_JONES) {
-        true => {
-            let shape = [Some(count), Some(2), Some(2), Some(2)];
-            place.flat::<f64>(exact::PATH_JONES, &shape)?.0
-        }
-        false => Vec::new(),
-    };
+    let pair = [Some(count), Some(2)];
+    let deviation = optional::<f64>(&place, exact::PATH_DEVIATION, &pair)?;
+    let passes = optional::<u64>(&place, exact::PATH_PASSES, &pair[..1])?;
+    let complex = [Some(count), Some(2), Some(2), Some(2)];
+    let jones = optional::<f64>(&place, exact::PATH_JONES, &complex)?;
     let (vertex, _) = place.flat::<f64>(exact::POLYGON_VERTEX, &[None, Some(2)])?;
     let flat = FlatPaths {
         direction,
@@ -72,4 +58,16 @@ pub(crate) fn load(root: &Place, directions: usize) -> Result<Option<Exact>, Err
         entrance_area: place.number(exact::ENTRANCE_AREA)?,
         paths,
     }))
+}
+
+/// Reads an array that some tables leave out. It is then empty.
+fn optional<T: Element>(
+    place: &Place,
+    name: &str,
+    shape: &[Option<usize>],
+) -> Result<Vec<T>, Error> {
+    if !place.has(name) {
+        return Ok(Vec::new());
+    }
+    Ok(place.flat::<T>(name, shape)?.0)
 }
