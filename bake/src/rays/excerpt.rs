@@ -1,6 +1,7 @@
 //! Part of a program that the rays of one small part of the entrance can need.
 
-use crate::rays::program::{Affine, DEPTH, Program, ROUNDING, Step};
+use crate::rays::program::{DEPTH, Program, Step};
+use crate::rays::region::{Affine, ROUNDING};
 use glam::DVec2;
 
 /// Part of a program that rays from one small part of the entrance can need.

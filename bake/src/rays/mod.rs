@@ -21,6 +21,7 @@ mod packet;
 mod packets;
 mod path;
 mod program;
+mod region;
 mod scene;
 mod sheet;
 mod simd;

@@ -12,15 +12,18 @@
 //! rays left at a node gets no test at all. So a ray through a shared edge or an apex meets one
 //! facet or the other, and never passes between them.
 //!
-//! Some cells do not fit: periodic cells, cells of many facets, and cells whose facets pierce each
-//! other or hide each other in a circle. For them `Program::new` returns `None`, and they are
-//! traced facet by facet.
+//! In a periodic cell the copies of its facets are facets like others. They are looked for along
+//! the way of the rays of a node, as far as needed.
+//!
+//! Some cells do not fit: cells of many facets, cells whose facets pierce each other or hide each
+//! other in a circle, and periodic cells in directions in which light runs far along the sheet. For
+//! them `Program::new` returns `None`, and they are traced facet by facet.
 
-use crate::cell::PROGRAM_FACETS;
 use crate::optics::{
     BOUNCE_LIMIT, Incidence, Light, Rules, Triangle, fate_of_leaving, reflect, reflection,
 };
 use crate::rays::bins::Bins;
+use crate::rays::region::{Affine, ROUNDING, Region, extent, needed, split};
 use crate::rays::scene::Scene;
 use glam::{DMat3, DVec2, DVec3};
 use tables::Fate;
@@ -34,12 +37,6 @@ pub(crate) const DEPTH: usize = 24;
 // No program is as deep as the limit of reflections, so no step tests for it.
 const _: () = assert!(DEPTH <= BOUNCE_LIMIT as usize);
 
-/// Largest distance that counts as rounding when tests are left out, edge lengths.
-pub(crate) const ROUNDING: f64 = 1e-12;
-
-/// Largest area of a part of the entrance that counts as empty, square edge lengths.
-const SPECK: f64 = 1e-13;
-
 /// Largest deviation that is rounding. Light with such deviations leaves straight back.
 const STRAIGHT: f64 = 1e-12;
 
@@ -48,55 +45,13 @@ const STRAIGHT: f64 = 1e-12;
 /// It is above the rounding errors of both maps, so maps that differ by rounding alone are one.
 const SAME_BIN_POSITION: f64 = 1e-10;
 
-/// Affine function of the entry point p: `x` p.x + `y` p.y + `one`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Affine {
-    /// Coefficient of p.x.
-    pub x: f64,
-    /// Coefficient of p.y.
-    pub y: f64,
-    /// Constant term.
-    pub one: f64,
-}
+/// Largest number of facets ahead of the rays of a node, one behind the other or side by side. Beyond
+/// it, putting them in order takes longer than it saves.
+const MOST_AHEAD: usize = 64;
 
-impl Affine {
-    /// Evaluates the function at `p`.
-    #[inline(always)]
-    pub(crate) fn at(&self, p: DVec2) -> f64 {
-        self.x * p.x + self.y * p.y + self.one
-    }
-
-    /// Returns the difference of two functions.
-    fn minus(&self, other: &Affine) -> Affine {
-        Affine {
-            x: self.x - other.x,
-            y: self.y - other.y,
-            one: self.one - other.one,
-        }
-    }
-
-    /// Scales the function to a signed distance from the line where it is 0, edge lengths.
-    ///
-    /// The sign of the value stays. A function without a slope, beyond rounding, is returned as it
-    /// is.
-    fn as_distance(&self) -> Affine {
-        let slope = self.x.hypot(self.y);
-        if slope > ROUNDING {
-            self.times(1.0 / slope)
-        } else {
-            *self
-        }
-    }
-
-    /// Returns the function times a factor.
-    fn times(&self, factor: f64) -> Affine {
-        Affine {
-            x: self.x * factor,
-            y: self.y * factor,
-            one: self.one * factor,
-        }
-    }
-}
+/// Length of the way along which the next facets are looked for first, edge lengths. The facets of a
+/// periodic cell go on without end.
+const REACH: f64 = 2.0;
 
 /// End of the rays that a step takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -161,9 +116,6 @@ impl Program {
         direction: &Incidence,
         bins: &Bins,
     ) -> Option<Self> {
-        if scene.is_periodic() || scene.facets().len() > PROGRAM_FACETS {
-            return None;
-        }
         let index = rules.refractive_index;
         let light = rules
             .losses
@@ -258,15 +210,47 @@ impl UnfoldedRay {
     }
 }
 
-/// Convex parts of the entrance.
-type Region = Vec<Vec<DVec2>>;
-
 /// Facet ahead of the rays of a node.
 struct FacetAhead {
     facet: Triangle,
     tests: Vec<Affine>,
     distance: Affine,
     region: Region,
+    /// Least and greatest distance in the region.
+    between: (f64, f64),
+}
+
+/// Facet that rays of a node meet next.
+struct Taken {
+    facet: FacetAhead,
+    /// Tests that rays left at the node can fail.
+    tests: Vec<Affine>,
+    /// Parts of the entrance whose rays meet the facet.
+    region: Region,
+}
+
+/// Way of all rays of a node.
+struct Way {
+    /// Lower corner of the least box of the plane that holds the way, edge lengths.
+    low: DVec2,
+    /// Upper corner of that box.
+    high: DVec2,
+    /// True if all rays are out of the sheet at the end of the way.
+    leaves: bool,
+    /// Two unit vectors across the way, each with the least and the greatest position of a ray along
+    /// it.
+    across: [(DVec3, f64, f64); 2],
+}
+
+impl Way {
+    /// Returns whether all rays pass on one side of `facet`, farther from it than rounding.
+    fn misses(&self, facet: &Triangle) -> bool {
+        self.across.iter().any(|&(axis, low, high)| {
+            let positions = facet.corners.map(|corner| corner.dot(axis));
+            positions.iter().all(|&at| at < low - ROUNDING)
+                || positions.iter().all(|&at| at > high + ROUNDING)
+        })
+    }
 }
 
 struct Builder<'a> {
@@ -283,27 +267,14 @@ impl Builder<'_> {
     ///
     /// Returns `None` if the cell does not fit.
     fn node(&mut self, line: &UnfoldedRay, bounces: usize, region: Region) -> Option<()> {
-        let mut ahead = self.ahead(line, &region)?;
-        let mut left = region;
-        while !ahead.is_empty() && !left.is_empty() {
-            let next = ahead.swap_remove(foremost(&ahead)?);
-            let (inside, outside) = split(&left, &next.tests);
-            if inside.is_empty() {
-                continue;
-            }
-            let tests = if outside.is_empty() {
-                Vec::new()
-            } else {
-                needed(&left, &next.tests)
-            };
-            // A step without a test takes all rays, because what it leaves is a strip no wider than
-            // rounding.
-            left = if tests.is_empty() {
-                Vec::new()
-            } else {
-                outside
-            };
-            self.hit(line, bounces, &next, tests, inside)?;
+        let (hits, left) = self.hits(line, region)?;
+        for Taken {
+            facet,
+            tests,
+            region,
+        } in hits
+        {
+            self.hit(line, bounces, &facet, tests, region)?;
         }
         if left.is_empty() {
             return Some(());
@@ -322,15 +293,71 @@ impl Builder<'_> {
         self.step(bounces, Vec::new(), end, loss)
     }
 
-    /// Returns the facets that rays of `region` on `line` can meet.
+    /// Returns the facets that rays of `region` on `line` meet next, each with its rays, front to
+    /// back, and the parts of the region whose rays leave the sheet.
     ///
-    /// Returns `None` if the rays see an edge of a facet end-on.
-    fn ahead(&self, line: &UnfoldedRay, region: &Region) -> Option<Vec<FacetAhead>> {
+    /// Returns `None` if the cell does not fit.
+    fn hits(&self, line: &UnfoldedRay, region: Region) -> Option<(Vec<Taken>, Region)> {
+        let mut reach = REACH;
+        loop {
+            let way = self.way(line, &region, reach);
+            let (hits, left, farthest) = self.hits_along(line, &region, &way)?;
+            // A facet beyond this way hides none of the hits on it.
+            if way.leaves || left.is_empty() && farthest <= reach {
+                return Some((hits, left));
+            }
+            reach *= 2.0;
+        }
+    }
+
+    /// Returns the facets that rays of `region` meet next if there are none beyond `way`, the parts
+    /// of the region whose rays meet none, and the length of the longest way to a hit.
+    fn hits_along(
+        &self,
+        line: &UnfoldedRay,
+        region: &Region,
+        way: &Way,
+    ) -> Option<(Vec<Taken>, Region, f64)> {
+        let mut ahead = self.ahead(line, region, way)?;
+        let (mut hits, mut left, mut farthest) = (Vec::new(), region.clone(), 0.0_f64);
+        while !ahead.is_empty() && !left.is_empty() {
+            let facet = ahead.swap_remove(foremost(&ahead)?);
+            let (inside, outside) = split(&left, &facet.tests);
+            if inside.is_empty() {
+                continue;
+            }
+            let tests = if outside.is_empty() {
+                Vec::new()
+            } else {
+                needed(&left, &facet.tests)
+            };
+            // A step without a test takes all rays, because what it leaves is a strip no wider than
+            // rounding.
+            left = if tests.is_empty() {
+                Vec::new()
+            } else {
+                outside
+            };
+            let lead = facet.distance.minus(&line.start);
+            farthest = farthest.max(extent(&inside, &lead).1);
+            hits.push(Taken {
+                facet,
+                tests,
+                region: inside,
+            });
+        }
+        Some((hits, left, farthest))
+    }
+
+    /// Returns the facets that rays of `region` on `line` can meet on `way`.
+    ///
+    /// Returns `None` if the rays see an edge of a facet end-on, or the facets are too many.
+    fn ahead(&self, line: &UnfoldedRay, region: &Region, way: &Way) -> Option<Vec<FacetAhead>> {
         let height = self.scene.height();
         let mut ahead = Vec::new();
-        for facet in self.scene.facets() {
+        for facet in self.scene.facets_above(way.low, way.high)?.iter() {
             let cosine = line.direction.dot(facet.normal);
-            if cosine.abs() < ROUNDING {
+            if cosine.abs() < ROUNDING || way.misses(facet) {
                 continue;
             }
             let [a, b, c] = facet.corners;
@@ -346,7 +373,9 @@ impl Builder<'_> {
             let (least, most) = extent(&inside, &lead);
             // The rounding error of a distance grows as 1/cosine.
             let rounding = ROUNDING / cosine.abs();
-            if inside.is_empty() || most <= rounding {
+            // A mirror in the entrance plane lies where the rays start.
+            let starts_on = cosine < 0.0 && least >= -rounding;
+            if inside.is_empty() || most <= rounding && !starts_on {
                 continue;
             }
             if least < -rounding {
@@ -357,10 +386,52 @@ impl Builder<'_> {
                 facet: *facet,
                 tests,
                 distance,
+                between: extent(&region, &distance),
                 region,
             });
+            if ahead.len() > MOST_AHEAD {
+                return None;
+            }
         }
         Some(ahead)
+    }
+
+    /// Returns the way of all rays of `region` on `line`, from where they are now up to the length
+    /// `reach`, or until they are out of the sheet.
+    fn way(&self, line: &UnfoldedRay, region: &Region, reach: f64) -> Way {
+        let height = self.scene.height();
+        let d = line.direction;
+        let end = if d.z > 0.0 {
+            height
+        } else {
+            self.scene.bottom()
+        };
+        let [x, y, z] = DVec3::AXES.map(|axis| line.along(axis, height));
+        let mut way = Way {
+            low: DVec2::INFINITY,
+            high: DVec2::NEG_INFINITY,
+            leaves: true,
+            across: {
+                let (one, other) = d.any_orthonormal_pair();
+                [one, other].map(|axis| (axis, f64::INFINITY, f64::NEG_INFINITY))
+            },
+        };
+        for &corner in region.iter().flatten() {
+            let at_zero = DVec3::new(x.at(corner), y.at(corner), z.at(corner));
+            for (axis, low, high) in &mut way.across {
+                let at = at_zero.dot(*axis);
+                (*low, *high) = (low.min(at), high.max(at));
+            }
+            let start = line.start.at(corner);
+            let out = (end - at_zero.z) / d.z;
+            way.leaves &= out <= start + reach;
+            for distance in [start, out.min(start + reach)] {
+                let point = (at_zero + d * distance).truncate();
+                way.low = way.low.min(point);
+                way.high = way.high.max(point);
+            }
+        }
+        way
     }
 
     /// Adds the step onto a facet, and the steps that follow from it.
@@ -475,6 +546,10 @@ fn foremost(ahead: &[FacetAhead]) -> Option<usize> {
     for (i, front) in ahead.iter().enumerate() {
         let mut hidden = false;
         for (_, back) in ahead.iter().enumerate().filter(|(j, _)| *j != i) {
+            // Facets one behind the other, as most are, need no closer look.
+            if back.between.0 >= front.between.1 {
+                continue;
+            }
             let (both, _) = split(&front.region, &back.tests);
             let (least, most) = extent(&both, &back.distance.minus(&front.distance));
             if least < -1e-9 && most > 1e-9 {
@@ -487,67 +562,4 @@ fn foremost(ahead: &[FacetAhead]) -> Option<usize> {
         }
     }
     candidate
-}
-
-/// Returns the parts of `region` where all `tests` pass, and the parts where one fails.
-fn split(region: &Region, tests: &[Affine]) -> (Region, Region) {
-    let mut inside = region.clone();
-    let mut outside = Vec::new();
-    for test in tests {
-        outside.extend(
-            inside
-                .iter()
-                .map(|part| clip(part, &test.times(-1.0)))
-                .filter(|part| !is_speck(part)),
-        );
-        inside = inside
-            .iter()
-            .map(|part| clip(part, test))
-            .filter(|part| !is_speck(part))
-            .collect();
-    }
-    (inside, outside)
-}
-
-/// Returns those of `tests` that a ray of `region` can fail when it passes the others.
-fn needed(region: &Region, tests: &[Affine]) -> Vec<Affine> {
-    let mut kept = tests.to_vec();
-    let mut i = 0;
-    while i < kept.len() {
-        let test = kept.remove(i);
-        let (inside, _) = split(region, &kept);
-        if extent(&inside, &test).0 < -ROUNDING {
-            kept.insert(i, test);
-            i += 1;
-        }
-    }
-    kept
-}
-
-/// Returns the least and the greatest value of `function` over the corners of `region`.
-///
-/// For an empty region it returns (inf, -inf).
-fn extent(region: &Region, function: &Affine) -> (f64, f64) {
-    region
-        .iter()
-        .flatten()
-        .map(|&corner| function.at(corner))
-        .fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(least, most), value| (least.min(value), most.max(value)),
-        )
-}
-
-/// Returns the part of a convex polygon where `test` is not negative.
-fn clip(polygon: &[DVec2], test: &Affine) -> Vec<DVec2> {
-    let on = |p: DVec2, q: DVec2, part: f64| p + (q - p) * part;
-    tables::polygon::clip(polygon, |p| -test.at(p), on)
-}
-
-/// Returns whether a part of the entrance is so small that it counts as empty.
-fn is_speck(polygon: &[DVec2]) -> bool {
-    let doubled: f64 = (1..polygon.len().saturating_sub(1))
-        .map(|i| (polygon[i] - polygon[0]).perp_dot(polygon[i + 1] - polygon[0]))
-        .sum();
-    doubled.abs() < 2.0 * SPECK
 }

@@ -6,12 +6,13 @@
 //! an exact pair of integers: no ray is pushed over a wall by an epsilon, and no ray is lost at a
 //! wall.
 
-use crate::cell::SMALL;
+use crate::cell::{PROGRAM_FACETS, SMALL};
 use crate::optics::{Ray, Triangle, triangle};
 use crate::rays::bvh::Hierarchy;
 use crate::rays::nearest::Nearest;
 use glam::{DMat2, DVec2, DVec3};
 use meshes::{Cell, Entrance, Normals};
+use std::borrow::Cow;
 
 /// Smallest number of facets that do not fit in the caches near a processor (2 MB).
 ///
@@ -67,6 +68,8 @@ struct Walls {
     lattice_from_plane: DMat2,
     /// Corner of the parallelogram with the lattice coordinates (0, 0), edge lengths.
     corner: DVec2,
+    /// Facets of one cell; empty if they are too many for a program.
+    own: Vec<Triangle>,
 }
 
 /// Next event on the way of a ray.
@@ -131,6 +134,10 @@ impl Scene {
             lattice,
             lattice_from_plane: DMat2::from_cols(lattice[0], lattice[1]).inverse(),
             corner: entrance.polygon.first().copied().unwrap_or(DVec2::ZERO),
+            own: match own.len() <= PROGRAM_FACETS {
+                true => own.clone(),
+                false => Vec::new(),
+            },
         });
         // The normals of facets with an area, in the order of these facets.
         let mut corners = normals.map(|normals| {
@@ -184,6 +191,19 @@ impl Scene {
         &self.facets
     }
 
+    /// Returns the facets that rays can meet above the box from `low` to `high` of the plane, edge
+    /// lengths; of a periodic cell every copy.
+    ///
+    /// Returns `None` if the facets of the cell are too many for a program.
+    pub(crate) fn facets_above(&self, low: DVec2, high: DVec2) -> Option<Cow<'_, [Triangle]>> {
+        match &self.walls {
+            None if self.facets.len() > PROGRAM_FACETS => None,
+            None => Some(Cow::Borrowed(&self.facets)),
+            Some(walls) if walls.own.is_empty() => None,
+            Some(walls) => Some(Cow::Owned(walls.copies_above(low, high)?)),
+        }
+    }
+
     /// Returns whether facets stand for curved faces.
     ///
     /// Rays that meet the same facet then diverge.
@@ -202,6 +222,7 @@ impl Scene {
     }
 
     /// Returns whether rays cross into neighbouring cells.
+    #[cfg(test)]
     pub(crate) fn is_periodic(&self) -> bool {
         self.walls.is_some()
     }
@@ -365,6 +386,45 @@ impl Walls {
         self.lattice[0] * f64::from(prism[0]) + self.lattice[1] * f64::from(prism[1])
     }
 
+    /// Returns the copies of the cell's facets whose boxes overlap the box from `low` to `high` of
+    /// the plane, or `None` if they are more than [`MOST_COPIES`].
+    fn copies_above(&self, low: DVec2, high: DVec2) -> Option<Vec<Triangle>> {
+        let ends = [
+            low,
+            DVec2::new(low.x, high.y),
+            DVec2::new(high.x, low.y),
+            high,
+        ];
+        let ends = ends.map(|end| self.lattice_from_plane * end);
+        let first_of_box = ends.into_iter().fold(DVec2::INFINITY, DVec2::min);
+        let last_of_box = ends.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
+        let mut copies = Vec::new();
+        for facet in &self.own {
+            let corners = facet.corners.map(DVec3::truncate);
+            let flat = corners.map(|corner| self.lattice_from_plane * corner);
+            let first = (first_of_box - flat[0].max(flat[1]).max(flat[2]) - WALL).ceil();
+            let last = (last_of_box - flat[0].min(flat[1]).min(flat[2]) + WALL).floor();
+            let copies_at_most = (last - first + 1.0).max(DVec2::ZERO).element_product();
+            // A way without end has copies without number, or NaN of them.
+            if copies_at_most.is_nan() || copies_at_most > MOST_COPIES as f64 {
+                return None;
+            }
+            let from = corners[0].min(corners[1]).min(corners[2]);
+            let to = corners[0].max(corners[1]).max(corners[2]);
+            for i in first.x as i32..=last.x as i32 {
+                for j in first.y as i32..=last.y as i32 {
+                    let offset = self.displacement([i, j]);
+                    let overlaps = (from + offset).cmple(high + WALL).all()
+                        && (to + offset).cmpge(low - WALL).all();
+                    if overlaps {
+                        copies.push(facet.moved(offset.extend(0.0)));
+                    }
+                }
+            }
+        }
+        (copies.len() <= MOST_COPIES).then_some(copies)
+    }
+
     /// Returns every copy of `own` that overlaps the prism of the parallelogram, walls included.
     ///
     /// Beside each copy stands the number of the facet that it is a copy of.
@@ -393,6 +453,9 @@ impl Walls {
         copies
     }
 }
+
+/// Largest number of facets, copies included, among which a step of a program looks for the next.
+const MOST_COPIES: usize = 1 << 12;
 
 /// Largest distance from a wall at which a facet is in both lists, lattice coordinates.
 const WALL: f64 = 1e-9;

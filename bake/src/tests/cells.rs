@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test file uses some of the cells")]
 
 use glam::{DVec2, DVec3};
+use meshes::design::{Design, Shape};
 use meshes::{Cell, Entrance};
 
 /// Height of the aperture plane of an ideal cube over its apex, edge lengths.
@@ -58,12 +59,16 @@ pub(super) fn triangular() -> Cell {
 
 /// Returns a pair of cubes with unequal errors of its right angles, rad.
 pub(super) fn uneven_pair(dihedral_error_rad: [f64; 3]) -> Cell {
-    let design = meshes::design::Design {
+    designed(&Design {
         dihedral_error_rad,
-        ..meshes::design::Design::new(meshes::design::Shape::TriangularPair)
-    };
+        ..Design::new(Shape::TriangularPair)
+    })
+}
+
+/// Returns the cell of a design.
+pub(super) fn designed(design: &Design) -> Cell {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let file = folder.path().join("uneven-pair.obj");
+    let file = folder.path().join("designed.obj");
     let mesh = design.mesh().expect("a design");
     std::fs::write(&file, meshes::write::obj(&mesh)).expect("writes");
     meshes::load_cell(&file, &meshes::CellOptions::default()).expect("a cell")

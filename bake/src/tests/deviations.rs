@@ -231,9 +231,9 @@ fn packets_record_what_single_rays_do() {
     assert!(fast == slow);
 }
 
-/// Programs record shift, fate and exit direction of every ray as the tracer of one ray does: cells
-/// with errors, hollow and solid, and an ideal one with the record asked for, without losses and
-/// with losses of each kind.
+/// Programs record shift, fate and exit direction of every ray as the tracer of one ray does: pairs
+/// and periodic full cubes with errors, hollow and solid, and ideal ones with the record asked for,
+/// without losses and with losses of each kind.
 #[test]
 fn programs_record_what_single_rays_do() {
     let lossless = Request::default();
@@ -258,9 +258,16 @@ fn programs_record_what_single_rays_do() {
         ([1e-3, -2e-3, 3e-3], 1.586),
         ([0.0; 3], 1.49),
     ];
+    let shapes = [Shape::TriangularPair, Shape::FullCube];
+    let scenes = shapes
+        .iter()
+        .flat_map(|&shape| errors.map(|errors| (shape, errors)));
     let (mut cases, mut recorded) = (0, 0);
-    for (errors, index) in errors {
-        let cell = cells::uneven_pair(errors);
+    for (shape, (errors, index)) in scenes {
+        let cell = cells::designed(&Design {
+            dihedral_error_rad: errors,
+            ..Design::new(shape)
+        });
         let surfaces = [&lossless, &bare, &coated, &metal];
         let samplers = [Sampler::Sobol, Sampler::Random];
         let all = surfaces
@@ -287,12 +294,12 @@ fn programs_record_what_single_rays_do() {
                 found.entries.iter().map(Vec::len).sum()
             };
             recorded += entries(&fast);
-            assert!(fast == slow, "{errors:?} {index} {surface:?} {sampler:?}");
+            assert!(fast == slow, "{shape:?} {errors:?} {surface:?} {sampler:?}");
             cases += 1;
         }
     }
     println!("{recorded} places");
-    assert!(cases == 32 && recorded > 10_000);
+    assert!(cases == 64 && recorded > 10_000);
 }
 
 /// Shards add up to the bake that was never split.

@@ -11,6 +11,7 @@ use crate::rays::{
 };
 use crate::samples::{Launch, Stream};
 use glam::DVec3;
+use meshes::design::{Design, Shape};
 use meshes::{Cell, Entrance};
 use std::sync::Arc;
 use tables::options::Sampler;
@@ -84,6 +85,56 @@ fn program_equals_tracer_ray_for_ray() {
     }
     assert_eq!(directions, 3 * 2 * 9 * 4);
     assert!(maps >= 6, "a bent cube has a map per sequence, got {maps}");
+}
+
+/// Periodic cells have programs too, which hold every copy of a facet that a ray can meet. The cells
+/// are full cubes that are ideal, have errors, and have their top corners cut off. Some directions
+/// have no program, because light runs far along the sheet.
+#[test]
+fn periodic_programs_equal_the_tracer_ray_for_ray() {
+    let bins = Bins::new(32, 2.0);
+    let solid = Rules {
+        refractive_index: 1.49,
+        ..MIRROR
+    };
+    let ideal = Design::new(Shape::FullCube);
+    let uneven = Design {
+        dihedral_error_rad: [5e-4, 0.0, -3e-4],
+        ..ideal
+    };
+    let truncated = Design {
+        truncation: 0.2,
+        ..ideal
+    };
+    let rays = 20_000;
+    let (mut directions, mut programs) = (0, 0);
+    for cell in [ideal, uneven, truncated].map(|design| cells::designed(&design)) {
+        let scene = Arc::new(Scene::new(&cell, Index::Loop));
+        assert!(scene.is_periodic());
+        let launch = Launch::new(&cell.entrance);
+        for rules in [MIRROR, solid] {
+            for incidence in [0.0, 8.0, 20.0, 30.0, 45.0, 60.0, 80.0, 89.9] {
+                for azimuth in [0.0, 7.0, 30.0, 100.0] {
+                    let kernel = Kernel::new(&scene, &launch, &rules, &bins, incidence, azimuth);
+                    directions += 1;
+                    let [program] = kernel.programs() else {
+                        continue;
+                    };
+                    programs += 1;
+                    assert!(counts_every_ray_once(program), "{incidence} {azimuth}");
+                    let stream = Stream::new(Sampler::Sobol, 3, incidence, azimuth, 0);
+                    let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+                    kernel.trace(&stream, 0..rays, &mut fast);
+                    kernel.trace_one_by_one(&stream, 0..rays, &mut plain);
+                    assert_eq!(fast.fates, plain.fates, "({incidence}, {azimuth})");
+                    let inside = bins.len();
+                    assert!(fast.histogram[..inside] == plain.histogram[..inside]);
+                }
+            }
+        }
+    }
+    println!("{programs} of {directions} directions have a program");
+    assert!(directions == 3 * 2 * 8 * 4 && programs > directions * 3 / 4);
 }
 
 /// The counts are equal, bit for bit, on every instruction set of this processor.

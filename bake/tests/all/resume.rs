@@ -75,8 +75,8 @@ fn stopped_at_75_random_moments_it_ends_with_the_same_bytes() {
     let mut numbers = Numbers(1);
     let (mut kills, mut went_on, mut completed) = (0, 0, 0);
     for options in [
-        &["--rays", "2000000", "--incidence", "0:60:20"][..],
-        &["--tolerance", "0.012", "--incidence", "0:60:20"],
+        &["--rays", "30000000", "--incidence", "0:60:20"][..],
+        &["--tolerance", "0.004", "--incidence", "0:60:20"],
         &[
             "--rays",
             "100000",
