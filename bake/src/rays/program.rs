@@ -45,12 +45,14 @@ const STRAIGHT: f64 = 1e-12;
 /// It is above the rounding errors of both maps, so maps that differ by rounding alone are one.
 const SAME_BIN_POSITION: f64 = 1e-10;
 
-/// Largest number of facets ahead of the rays of a node, one behind the other or side by side. Beyond
-/// it, putting them in order takes longer than it saves.
+/// Largest number of facets ahead of the rays of a node, one behind the other or side by side.
+///
+/// Putting more in order takes longer than it saves.
 const MOST_AHEAD: usize = 64;
 
-/// Length of the way along which the next facets are looked for first, edge lengths. The facets of a
-/// periodic cell go on without end.
+/// Length of the way along which the next facets are looked for first, edge lengths.
+///
+/// The facets of a periodic cell go on without end.
 const REACH: f64 = 2.0;
 
 /// End of the rays that a step takes.
@@ -237,8 +239,8 @@ struct Way {
     high: DVec2,
     /// True if all rays are out of the sheet at the end of the way.
     leaves: bool,
-    /// Two unit vectors across the way, each with the least and the greatest position of a ray along
-    /// it.
+    /// Two unit vectors across the way, each with the least and the greatest position of a ray
+    /// along it.
     across: [(DVec3, f64, f64); 2],
 }
 

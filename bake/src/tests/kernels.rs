@@ -87,9 +87,10 @@ fn program_equals_tracer_ray_for_ray() {
     assert!(maps >= 6, "a bent cube has a map per sequence, got {maps}");
 }
 
-/// Periodic cells have programs too, which hold every copy of a facet that a ray can meet. The cells
-/// are full cubes that are ideal, have errors, and have their top corners cut off. Some directions
-/// have no program, because light runs far along the sheet.
+/// Periodic cells have programs too, which hold every copy of a facet that a ray can meet.
+///
+/// The cells are full cubes that are ideal, have errors, and have their top corners cut off. Some
+/// directions have no program, because light runs far along the sheet.
 #[test]
 fn periodic_programs_equal_the_tracer_ray_for_ray() {
     let bins = Bins::new(32, 2.0);
