@@ -33,18 +33,20 @@ pub enum RunError {
     DirectionsOfRays(#[source] ExactError),
     /// Tolerance between directions that is not reached, because the distribution jumps.
     #[error(
-        "--direction-tolerance: with {directions} directions the error is still {reached:.2e} at \
+        "--direction-tolerance: with {directions} directions {} at \
         incidence {incidence_deg} deg, azimuth {azimuth_deg} deg; ray shifts may jump there, for \
         example because total reflection ends or slits of a plate change places; leave out such \
-        angles, or give a tolerance above this error"
+        angles, or give a greater tolerance",
+        still(*reached)
     )]
     DirectionTolerance {
         /// Incidence of the worst direction, degrees.
         incidence_deg: f64,
         /// Azimuth of that direction, degrees.
         azimuth_deg: f64,
-        /// Total variation reached in that direction.
-        reached: f64,
+        /// Total variation reached in that direction; `None` if its polygons cannot be
+        /// interpolated.
+        reached: Option<f64>,
         /// Largest number of directions.
         directions: usize,
     },
@@ -90,4 +92,12 @@ pub enum RunError {
     /// Stop that the caller asked for.
     #[error("the bake was stopped before its end")]
     Stopped,
+}
+
+/// Returns what is still wrong with an interpolated direction.
+fn still(reached: Option<f64>) -> String {
+    match reached {
+        Some(error) => format!("the error is still {error:.2e}"),
+        None => "the polygons can still not be interpolated".into(),
+    }
 }

@@ -9,8 +9,8 @@ use crate::run::Bake;
 use crate::tests::bakes::bake;
 use meshes::Cell;
 use meshes::design::{Design, Shape};
-use tables::Table;
 use tables::options::Back;
+use tables::{Path, Table};
 
 fn table(cell: &Cell, incidence: &str, azimuth: &str) -> Table {
     let request = Request {
@@ -345,6 +345,10 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
         ),
         (design("full-cube", |_| ()), 1.49, 45.0, 40),
         (design("triangular-pair", uneven), 1.49, 45.0, 40),
+        // Up to and beyond the limit of 35.26 deg of a hollow cube, near which its six paths end at
+        // slightly different angles.
+        (design("triangular-pair", uneven), 1.0, 34.0, 60),
+        (design("triangular-pair", uneven), 1.0, 38.0, 200),
     ];
     let mut tried = 0;
     for (cell, index, steepest, most) in cases {
@@ -376,29 +380,32 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             by_polygons = by_polygons.max(total(&mass));
             by_mixing = by_mixing.max(total(found.probability.as_slice().unwrap()));
             by_eta = by_eta.max((found.retroreflected - truth.retroreflected).abs());
-            // Every path has the direction of a path of the truth.
-            for path in paths.iter().filter(|path| area(&path.polygon) > tolerance) {
+            // The limit is 5 um at a distance of 1 m, a twentieth of the smallest corners.
+            let turned = |path: &&Path| {
                 let apart = truth.paths.iter().map(|own| {
                     let [x, y] = [0, 1].map(|k| own.deviation[k] - path.deviation[k]);
                     x.hypot(y)
                 });
-                astray = astray.max(apart.fold(f64::INFINITY, f64::min));
-            }
+                apart.fold(f64::INFINITY, f64::min) > 5e-6
+            };
+            let lost: f64 = paths
+                .iter()
+                .filter(turned)
+                .map(|path| path.weight * area(&path.polygon))
+                .sum();
+            astray = astray.max(lost / prepared.entrance_area());
             tried += 1;
         }
         let (incidences, azimuths) = table.axes.shape();
         println!(
             "{} m {index}: {incidences} x {azimuths} directions, polygons within \
             {by_polygons:.5}, eta within {by_eta:.5}, \
-             deviations within {astray:.1e} rad; mixed bins of the same table within \
-             {by_mixing:.3}",
+             {astray:.1e} of the light in wrong exit directions; mixed bins of the same table \
+             within {by_mixing:.3}",
             cell.design
         );
         assert!(by_polygons <= tolerance, "{}: {by_polygons}", cell.design);
-        // The limit is 5 um at a distance of 1 m, a twentieth of the smallest corners. Affine
-        // functions are exact, but a path that only two neighbouring directions have is known along
-        // one line only.
-        assert!(astray <= 5e-6, "{}: {astray}", cell.design);
+        assert!(astray <= tolerance, "{}: {astray}", cell.design);
         // |difference of eta| is at most twice the total variation.
         assert!(by_eta <= 2.0 * tolerance, "{}: {by_eta}", cell.design);
         assert!(
@@ -408,7 +415,7 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
         );
     }
     println!("{tried} directions");
-    assert_eq!(tried, 6 * 500);
+    assert_eq!(tried, 8 * 500);
 }
 
 /// The error names the place where no grid reaches the tolerance: the distribution jumps where

@@ -46,6 +46,13 @@ const NO_AREA: f64 = 1e-12;
 /// Light in a cube passes its height of 0.6 down and up, twice.
 const FASTEST: f64 = 4.0;
 
+/// Greatest change of the numbers of [`astray`] for each unit of tau, as a part of the greatest of
+/// these numbers.
+///
+/// They are w x (tau, -1) for light that is turned by the small rotation w. They change by |w| at
+/// most, and they are |w| where w lies across the light.
+const TURN: f64 = 1.5;
+
 /// Part of a path's area from which on its absence in a direction is a jump.
 ///
 /// The lines of the path are continued to the direction that lacks it. If they leave more than this
@@ -55,7 +62,7 @@ const JUMP: f64 = 0.25;
 /// Returns the paths at `tau` in the frame of `azimuth_rad`, interpolated between `nodes`.
 ///
 /// `index` is the refractive index of the sheet. Returns `None` if the paths of the nodes cannot be
-/// interpolated: a polygon is not convex, a map cannot be inverted, or the lines do not close.
+/// interpolated: a polygon is not convex, or a map cannot be inverted.
 pub(crate) fn paths(
     nodes: &[Node],
     tau: [f64; 2],
@@ -79,13 +86,13 @@ pub(crate) fn paths(
             .map(|&(node, path)| (&nodes[node], &seen[node][path]))
             .collect();
         let lines = lines(&members);
-        let polygon = outline(&lines, tau)?;
+        let polygon = outline(&lines, &members, tau);
         if area(&polygon) <= NO_AREA {
             continue;
         }
         let absent = nodes.iter().enumerate().filter(|&(index, node)| {
             let lacks = node.share > 0.0 && family.iter().all(|&(member, _)| member != index);
-            let there = || outline(&lines, node.tau).map_or(0.0, |polygon| area(&polygon));
+            let there = || area(&outline(&lines, &members, node.tau));
             lacks && there() > JUMP * members[0].1.area
         });
         let present = 1.0 - absent.map(|(_, node)| node.share).sum::<f64>();
@@ -304,6 +311,10 @@ fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
     };
     rest.sort_by(|&a, &b| away(a).total_cmp(&away(b)));
     order.extend(rest);
+    // Light of one path hardly turns against the errors of its facets. So exit directions tell
+    // paths apart whose polygons are alike, as those of one cube with errors are at its limit.
+    let lengths = seen.iter().flatten().map(|s| distance(s.astray, [0.0; 2]));
+    let most_astray = lengths.fold(f64::MIN_POSITIVE, f64::max);
     let mut families: Vec<Vec<(usize, usize)>> = Vec::new();
     for index in order {
         let mut costs = Vec::new();
@@ -318,9 +329,12 @@ fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
             let &(like, first) = nearest.unwrap_or(&family[0]);
             let most = FASTEST * apart(like) + SHORT;
             for (path, shape) in seen[index].iter().enumerate() {
-                let cost = shape.unlike(&seen[like][first]);
-                if cost <= most && shape.passes == seen[like][first].passes {
-                    costs.push((cost, which, path));
+                let known = &seen[like][first];
+                let unlike = shape.unlike(known);
+                let turned = distance(shape.astray, known.astray) / most_astray;
+                let turns = turned <= TURN * apart(like) + SHORT;
+                if unlike <= most && turns && shape.passes == known.passes {
+                    costs.push((unlike + FASTEST * turned, which, path));
                 }
             }
         }
@@ -348,11 +362,14 @@ fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
     for (member, (node, shape)) in members.iter().enumerate() {
         let mut costs = Vec::new();
         for (which, course) in courses.iter().enumerate() {
-            let first = course[0].1;
+            let near = course
+                .iter()
+                .min_by(|a, b| distance(a.0, node.tau).total_cmp(&distance(b.0, node.tau)));
+            let known = near.map_or(course[0].1, |near| near.1);
             for (index, line) in shape.lines.iter().enumerate() {
-                let turn = distance(line.normal, first.normal);
+                let turn = distance(line.normal, known.normal);
                 if turn < SAME_SLOPE {
-                    costs.push((turn + (line.offset - first.offset).abs(), which, index));
+                    costs.push((turn + (line.offset - known.offset).abs(), which, index));
                 }
             }
         }
@@ -377,24 +394,33 @@ fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
 /// Keeps a line clear of the polygons of the members that lack it.
 ///
 /// In such a member the line lies beyond the polygon. If the other members' lines would lead it
-/// through the polygon, a line is added that touches the polygon.
+/// through the polygon, a line is added that touches the polygon. It moves the line elsewhere, so
+/// this goes on until the line is clear of all.
 fn keep_clear(course: &mut Course, members: &[(&Node, &Shape)], holders: &[usize]) {
-    let without = (0..members.len()).filter(|member| !holders.contains(member));
-    let touching: Course = without
-        .filter_map(|member| {
+    let mut without: Vec<usize> = (0..members.len())
+        .filter(|member| !holders.contains(member))
+        .collect();
+    loop {
+        let mut touching = Course::new();
+        without.retain(|&member| {
             let (node, shape) = members[member];
             let Line { normal, offset } = line_at(course, node.tau);
-            let touching = shape.reach(normal);
-            (offset < touching).then_some((
-                node.tau,
-                Line {
+            let reach = shape.reach(normal);
+            let clear = offset >= reach;
+            if !clear {
+                let line = Line {
                     normal,
-                    offset: touching,
-                },
-            ))
-        })
-        .collect();
-    course.extend(touching);
+                    offset: reach,
+                };
+                touching.push((node.tau, line));
+            }
+            clear
+        });
+        if touching.is_empty() {
+            return;
+        }
+        course.extend(touching);
+    }
 }
 
 /// Interpolates a line at `tau`; its normal need not be of unit length.
@@ -408,16 +434,27 @@ fn line_at(course: &Course, tau: [f64; 2]) -> Line {
     Line { normal, offset }
 }
 
-/// Returns the polygon that the lines leave at `tau`: empty if they leave nothing, `None` if they
-/// do not close.
-fn outline(courses: &[Course], tau: [f64; 2]) -> Option<Vec<[f64; 2]>> {
-    let far = 1e3;
-    let mut polygon = vec![[-far, -far], [far, -far], [far, far], [-far, far]];
+/// Returns the polygon that the lines leave at `tau`, empty if they leave nothing.
+///
+/// Nothing is left where the polygons of the members cannot have moved to. Lines that hardly turn
+/// from each other can meet far away, after the path between them has ended.
+fn outline(courses: &[Course], members: &[(&Node, &Shape)], tau: [f64; 2]) -> Vec<[f64; 2]> {
+    let moved = members
+        .iter()
+        .map(|(node, _)| FASTEST * distance(node.tau, tau));
+    let margin = moved.fold(f64::INFINITY, f64::min) + SHORT;
+    let corners = || members.iter().flat_map(|(_, shape)| &shape.corners);
+    let side = |axis: usize| {
+        let along = || corners().map(|corner| corner[axis]);
+        let low = along().fold(f64::INFINITY, f64::min) - margin;
+        (low, along().fold(f64::NEG_INFINITY, f64::max) + margin)
+    };
+    let ((left, right), (low, high)) = (side(0), side(1));
+    let mut polygon = vec![[left, low], [right, low], [right, high], [left, high]];
     for course in courses {
         polygon = clipped(&polygon, line_at(course, tau));
     }
-    let closed = polygon.iter().flatten().all(|x| x.abs() < 0.5 * far);
-    closed.then_some(polygon)
+    polygon
 }
 
 /// Returns the part of a convex polygon in a half-plane.
