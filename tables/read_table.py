@@ -28,6 +28,7 @@ def read_table(name):
         table["fate_name"] = file["fate_name"].asstr()[()].tolist()
         if "exact" in file:
             group = {key: data[()] for key, data in file["exact"].items()}
+            zero = np.zeros(2)
             start, azimuths = group["polygon_start"].astype(int), len(table["azimuth_deg"])
             table["entrance_area"] = file["exact"].attrs["entrance_area"]
             table["paths"] = [
@@ -38,6 +39,7 @@ def read_table(name):
                     "polygon": group["polygon_vertex"][start[k] : start[k + 1]],
                     "matrix": group["path_matrix"][k],
                     "offset": group["path_offset"][k],
+                    "deviation": group["path_deviation"][k] if "path_deviation" in group else zero,
                     "passes": int(group["path_passes"][k]) if "path_passes" in group else 0,
                 }
                 for k, d in enumerate(group["path_direction"])
@@ -78,6 +80,74 @@ def at_azimuth(table, azimuth_deg):
                     "retroreflected": table["retroreflected"][:, j],
                 }
     raise KeyError(f"azimuth {azimuth_deg} deg is between those of the table")
+
+
+def paths_between(table, incidence_deg, j):
+    """Returns the paths at an incidence between those of an exact table, at its azimuth number j.
+
+    A path that ends between the two incidences around is a ValueError. FORMAT.md, "Between
+    directions", has the accuracy.
+    """
+    own = np.array([incidence_deg, *table["incidence_deg"]])
+    tangent = np.tan(np.arcsin(np.sin(np.radians(own)) / table["refractive_index"]))
+    i = int(np.clip(np.searchsorted(own[1:], incidence_deg) - 1, 0, len(own) - 3))
+    t = (tangent[0] - tangent[i + 1]) / (tangent[i + 2] - tangent[i + 1])
+    around = [
+        [p for p in table["paths"] if (p["incidence"], p["azimuth"]) == (k, j)] for k in (i, i + 1)
+    ]
+    if len(around[0]) != len(around[1]):
+        raise ValueError(f"a path ends between {own[i + 1]} and {own[i + 2]} deg")
+    seen = [[_about_fixed_point(path) for path in side] for side in around]
+    most = max([abs(p["deviation"]).max() for side in around for p in side], default=0) or 1
+
+    def unlike(a, b):  # by shape, and by exit direction, which tells paths of one cube apart
+        shape = abs(seen[0][a][2] - seen[1][b][2]).max()
+        turned = abs(around[0][a]["deviation"] - around[1][b]["deviation"]).max()
+        return shape + 4 * turned / most
+
+    found, left = [], list(range(len(around[1])))
+    for a, path in enumerate(around[0]):
+        b = min(left, key=lambda b: unlike(a, b))
+        left.remove(b)
+        (fixed, corners, _), (other_fixed, others, _) = seen[0][a], seen[1][b]
+        if len(corners) == len(others):  # the corners move on straight lines
+            turns = [np.roll(others, n) for n in range(len(others))]
+            outline = (1 - t) * corners + t * min(turns, key=lambda to: abs(to - corners).sum())
+        else:  # the edges keep their slopes
+            (from_a, edges_a), (from_b, edges_b) = _edges(corners), _edges(others)
+            edges = np.concatenate([(1 - t) * edges_a, t * edges_b])
+            edges = edges[np.argsort(np.angle(edges * TILT) % (2 * np.pi))]
+            outline = (1 - t) * from_a + t * from_b + np.cumsum(edges)
+        mix = {
+            key: (1 - t) * path[key] + t * around[1][b][key]
+            for key in ("weight", "matrix", "deviation")
+        }
+        middle = (1 - t) * fixed + t * other_fixed
+        mix["offset"] = -mix["matrix"] @ [middle.real, middle.imag]
+        outline = outline + middle
+        found.append(mix | {"polygon": np.stack([outline.real, outline.imag], -1)})
+    return found
+
+
+# No edge of a polygon is level after this turn, so none is lost or counted twice.
+TILT = np.exp(0.1j)
+
+
+def _about_fixed_point(path):
+    """Returns the fixed point of a path's map, the corners seen from it, and their reach around it.
+
+    Points of the plane are complex numbers.
+    """
+    fixed = np.linalg.solve(path["matrix"], -path["offset"]) @ [1, 1j]
+    corners = path["polygon"] @ [1, 1j] - fixed
+    around = np.exp(1j * np.linspace(0, 2 * np.pi, 64, endpoint=False))
+    return fixed, corners, (corners[:, None] * around.conj()).real.max(0)
+
+
+def _edges(corners):
+    """Returns the lowest corner of a convex polygon, and its edges from there on."""
+    corners = np.roll(corners, -(corners * TILT).imag.argmin())
+    return corners[0], np.roll(corners, -1) - corners
 
 
 if __name__ == "__main__":
