@@ -405,7 +405,10 @@ fn between_chosen_directions_polygons_keep_the_tolerance() {
             cell.design
         );
         assert!(by_polygons <= tolerance, "{}: {by_polygons}", cell.design);
-        assert!(astray <= tolerance, "{}: {astray}", cell.design);
+        // Affine functions are exact, but beyond the limit of a cube a path that only two
+        // neighbouring directions have is known along one line only.
+        let most_astray = if steepest == 38.0 { tolerance } else { 0.0 };
+        assert!(astray <= most_astray, "{}: {astray}", cell.design);
         // |difference of eta| is at most twice the total variation.
         assert!(by_eta <= 2.0 * tolerance, "{}: {by_eta}", cell.design);
         assert!(
