@@ -6,6 +6,7 @@
 //! their normals.
 
 pub(crate) mod element;
+mod elementary;
 mod light;
 pub(crate) mod material;
 pub(crate) mod mirror;
@@ -21,5 +22,5 @@ pub(crate) use mirror::deviation;
 pub(crate) use mirror::{reflect, reflection, refract};
 pub(crate) use ray::{Incidence, Ray};
 pub(crate) use roughness::reach_rad;
-pub(crate) use rules::{BOUNCE_LIMIT, LEAST_POWER, PASSES, Rules, fate_of_leaving};
+pub(crate) use rules::{BOUNCE_LIMIT, LEAST_POWER, Leaving, PASSES, Rules, fate_of_leaving};
 pub(crate) use triangle::{Aspect, EDGE_ON, Triangle};

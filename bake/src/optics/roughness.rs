@@ -7,7 +7,8 @@
 //!
 //! From the direction w a mirror is seen in proportion to its projected area, max(0, w.(n - s)).
 //! This gives the density of **visible normals** (Heitz and d'Eon 2014), from which normals are
-//! drawn here. GGX uses the spherical caps of Dupuy and Benyoub (2023). Beckmann inverts the
+//! drawn here. GGX uses the spherical caps of Dupuy and Benyoub (2023). Beckmann chooses between a
+//! slope and its opposite. If some mirrors turn away from the light, Beckmann inverts the
 //! cumulative distribution of the slope towards the light; `seen_slope` does this to rounding.
 //!
 //! Light is scattered once. Light that is reflected to behind the facet's plane would meet the
@@ -15,32 +16,126 @@
 //! the facet; this is left out. Both matter only if the cosine of the light's angle from the
 //! facet's normal is not large against alpha.
 
+use crate::optics::elementary::{ln, sin_cos};
 use crate::samples::centred;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2, TAU};
+use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
 use tables::options::{Roughness, Slopes};
+
+/// Random numbers for one normal: coordinates that are uniform over [0, 2^32).
+pub(crate) type Draw = [u32; 3];
 
 /// Draws the unit normal, towards the ray, that a ray along `travel` meets on a facet with the unit
 /// normal `facet`.
 ///
-/// `at` are two coordinates that are uniform over [0, 2^32).
-pub(crate) fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: [u32; 2]) -> DVec3 {
+/// The ray comes from the front of the facet. The errors of the elementary functions move the
+/// normal by less than 1e-15 alpha.
+pub(crate) fn normal(roughness: &Roughness, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+    let alpha = roughness.alpha();
+    match roughness.slopes() {
+        Slopes::Beckmann if turns_away(alpha, facet, travel) => steep(alpha, facet, travel, at),
+        Slopes::Beckmann => beckmann(alpha, facet, travel, at),
+        Slopes::Ggx => ggx(alpha, facet, travel, at),
+    }
+}
+
+/// Returns whether the ray could see a small mirror with Beckmann's slopes from behind.
+///
+/// The slopes drawn are at most sqrt(ln 2^33) = 4.79 alpha.
+#[inline(always)]
+pub(crate) fn turns_away(alpha: f64, facet: DVec3, travel: DVec3) -> bool {
+    let cosine = facet.dot(travel);
+    let square = cosine * cosine;
+    23.0 * (alpha * alpha) * (1.0 - square) > square
+}
+
+/// Draws a normal as [`normal`] does, for Beckmann's slopes that all face the ray.
+///
+/// A slope s and its opposite are drawn with the same density. Together they are seen as 2 cos,
+/// whatever s. So a slope is drawn by the method of Box and Muller, and then the third number
+/// chooses between it and its opposite, in proportion to what is seen of each.
+#[inline(always)]
+pub(crate) fn beckmann(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+    let [radius, turn, coin] = at;
+    let square = -ln(uniform(radius));
+    let (sin, cos) = sin_cos(turn);
+    let length = alpha * square.sqrt();
+    let slope = along(facet, length * cos, length * sin);
     let cosine = -facet.dot(travel);
-    let along = -travel - facet * cosine;
-    let sine = along.length();
-    // Nearer to the normal, the part along the facet is rounding, and its direction makes no
-    // difference.
-    let x = if sine > 1e-8 {
-        along / sine
-    } else {
-        facet.any_orthonormal_vector()
-    };
+    let seen = cosine + slope.dot(travel);
+    let keeps = uniform(coin) * (2.0 * cosine) < seen;
+    let slope = slope * if keeps { 1.0 } else { -1.0 };
+    (facet - slope) * (1.0 / (1.0 + alpha * alpha * square).sqrt())
+}
+
+/// Draws a normal as [`normal`] does, for GGX.
+///
+/// Stretched to alpha = 1, the normals lie half way between the light and the points of a cap of
+/// the unit sphere.
+#[inline(always)]
+pub(crate) fn ggx(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+    let [turn, height, _] = at;
+    let [s, t] = axes(facet);
+    let [x, y, cosine] = [
+        -alpha * travel.dot(s),
+        -alpha * travel.dot(t),
+        -travel.dot(facet),
+    ];
+    let unit = 1.0 / (x * x + y * y + cosine * cosine).sqrt();
+    let [x, y, cosine] = [x * unit, y * unit, cosine * unit];
+    let z = (1.0 - uniform(height)) * (1.0 + cosine) - cosine;
+    let inside = 1.0 - z * z;
+    let ring = if inside > 0.0 { inside } else { 0.0 }.sqrt();
+    let (sin, cos) = sin_cos(turn);
+    let [x, y, z] = [
+        alpha * (ring * cos + x),
+        alpha * (ring * sin + y),
+        z + cosine,
+    ];
+    let mixed = facet * z + s * x + t * y;
+    mixed * (1.0 / (x * x + y * y + z * z).sqrt())
+}
+
+/// Draws a normal as [`normal`] does, for Beckmann's slopes of any steepness.
+#[cold]
+pub(crate) fn steep(alpha: f64, facet: DVec3, travel: DVec3, at: Draw) -> DVec3 {
+    let cosine = -facet.dot(travel);
+    let across = -travel - facet * cosine;
+    let sine = across.length();
+    let x = across / sine;
     // Stretched to alpha = 1, the facet has unit roughness and the light comes from another
     // direction.
-    let light = DVec2::new(roughness.alpha() * sine, cosine).normalize();
-    let [u, v] = at.map(|cell| centred(cell) + 0.5);
-    let slope = roughness.alpha() * seen_from(roughness.slopes(), light, u, v);
-    (facet - x * slope.x - facet.cross(x) * slope.y).normalize()
+    let light = DVec2::new(alpha * sine, cosine).normalize();
+    let toward = alpha * seen_slope(light.x, light.y, uniform(at[0]));
+    let beside = alpha * seen_slope(0.0, 1.0, uniform(at[1]));
+    (facet - x * toward - facet.cross(x) * beside).normalize()
+}
+
+/// Returns the middle of cell `cell` of [0, 1) cut in 2^32.
+#[inline(always)]
+fn uniform(cell: u32) -> f64 {
+    centred(cell) + 0.5
+}
+
+/// Returns two unit vectors that are perpendicular to the unit vector `normal` and to each other
+/// (Duff et al. 2017).
+#[inline(always)]
+fn axes(normal: DVec3) -> [DVec3; 2] {
+    let DVec3 { x, y, z } = normal;
+    let sign = 1.0_f64.copysign(z);
+    let a = -1.0 / (sign + z);
+    let b = x * y * a;
+    [
+        DVec3::new(1.0 + sign * x * x * a, sign * b, -sign * x),
+        DVec3::new(b, sign + y * y * a, -y),
+    ]
+}
+
+/// Returns the vector with the components x and y along the [`axes`] of `normal`.
+#[inline(always)]
+fn along(normal: DVec3, x: f64, y: f64) -> DVec3 {
+    let [s, t] = axes(normal);
+    s * x + t * y
 }
 
 /// Returns the angle, rad, by which hardly any light of three perpendicular facets is turned more.
@@ -68,23 +163,6 @@ pub(crate) fn part_beyond(roughness: &Roughness, tolerance_rad: f64) -> f64 {
             libm::erfc(turns / SQRT_2) + bulk
         }
         Slopes::Ggx => (3.0 / (1.0 + turns * turns)).min(1.0),
-    }
-}
-/// Draws a slope of unit roughness as seen from `light`, the (sine, cosine) of its angle from the
-/// facet's normal.
-///
-/// The first coordinate of the slope points towards the light. `u` and `v` in (0, 1) choose the
-/// slope.
-fn seen_from(slopes: Slopes, light: DVec2, u: f64, v: f64) -> DVec2 {
-    let DVec2 { x: sine, y: cosine } = light;
-    match slopes {
-        Slopes::Beckmann => DVec2::new(seen_slope(sine, cosine, u), seen_slope(0.0, 1.0, v)),
-        Slopes::Ggx => {
-            let z = (1.0 - v) * (1.0 + cosine) - cosine;
-            let ring = (1.0 - z * z).max(0.0).sqrt();
-            let (sin, cos) = libm::sincos(TAU * u);
-            -DVec2::new(ring * cos + sine, ring * sin) / (z + cosine)
-        }
     }
 }
 /// Returns the slope towards the light below which the share `part` of what is seen lies, for

@@ -71,22 +71,58 @@ impl Rules {
     /// Returns whether all light passes a facet that it meets at an angle of cosine `cosine` from
     /// the normal.
     pub(crate) fn lets_through(&self, cosine: f64) -> bool {
-        self.losses.is_none()
-            && !self.mirror_back
-            && !totally_reflected(cosine, self.refractive_index)
+        self.reflects_only_totally() && !self.reflects_totally(cosine)
+    }
+
+    /// Returns whether facets reflect only beyond the critical angle.
+    pub(crate) fn reflects_only_totally(&self) -> bool {
+        self.losses.is_none() && !self.mirror_back
+    }
+
+    /// Returns whether light that meets a facet at an angle of cosine `cosine` from its normal is
+    /// beyond the critical angle.
+    #[inline(always)]
+    pub(crate) fn reflects_totally(&self, cosine: f64) -> bool {
+        totally_reflected(cosine, self.refractive_index)
     }
 }
 
-/// Returns whether the rotation between the linear maps `map` and `ideal` is at most
-/// `tolerance_rad`.
-///
-/// For a rotation R by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2). An improper
-/// map is never near.
-fn is_near(map: DMat3, ideal: DMat3, tolerance_rad: f64) -> bool {
-    let defect = map - ideal;
-    let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
-    let sine = libm::sin(tolerance_rad / 2.0);
-    squared <= 8.0 * sine * sine
+/// Tests of light that leaves, with the sine of half the tolerance computed once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leaving {
+    ideal: DMat3,
+    sine: f64,
+}
+
+impl Leaving {
+    /// Makes the tests of these rules.
+    pub(crate) fn new(rules: &Rules) -> Self {
+        Leaving {
+            ideal: element::imaging(rules.element),
+            sine: libm::sin(rules.angular_tolerance_rad / 2.0),
+        }
+    }
+
+    /// Returns whether the rotation between the linear map `map` and the ideal one is within the
+    /// tolerance.
+    ///
+    /// For a rotation R by the angle w, the Frobenius norm of R - I is 2 sqrt 2 sin(w/2). An
+    /// improper map is never near.
+    #[inline(always)]
+    pub(crate) fn is_near(&self, map: DMat3) -> bool {
+        let defect = map - self.ideal;
+        let squared: f64 = defect.to_cols_array().iter().map(|x| x * x).sum();
+        squared <= 8.0 * self.sine * self.sine
+    }
+
+    /// Returns whether `map` takes the direction `travel` to within the tolerance of where the
+    /// ideal map takes it.
+    ///
+    /// |a - b| = 2 sin(w/2) for unit vectors at an angle w.
+    #[inline(always)]
+    pub(crate) fn is_antiparallel(&self, map: DMat3, travel: DVec3) -> bool {
+        (map * travel - self.ideal * travel).length() <= 2.0 * self.sine
+    }
 }
 
 /// Returns the fate of a ray that leaves after `bounces` reflections with the linear map `map`,
@@ -98,12 +134,11 @@ pub(crate) fn fate_of_leaving(map: DMat3, travel: DVec3, bounces: u32, rules: &R
     if bounces == 0 {
         return element::unmet(rules.element);
     }
-    let (ideal, tolerance_rad) = (element::imaging(rules.element), rules.angular_tolerance_rad);
-    if is_near(map, ideal, tolerance_rad) {
+    let leaving = Leaving::new(rules);
+    if leaving.is_near(map) {
         return Fate::Retroreflected;
     }
-    // |a - b| = 2 sin(w/2) for unit vectors at an angle w.
-    if (map * travel - ideal * travel).length() <= 2.0 * libm::sin(tolerance_rad / 2.0) {
+    if leaving.is_antiparallel(map, travel) {
         return Fate::AntiparallelOther;
     }
     match bounces {
@@ -140,21 +175,21 @@ mod tests {
             DVec3::ONE.normalize(),
             DVec3::new(0.6, 0.0, -0.8),
         ];
-        for ideal in [Element::Retroreflector, Element::Plate].map(element::imaging) {
+        for kind in [Element::Retroreflector, Element::Plate] {
+            let ideal = element::imaging(kind);
             for tolerance in TOLERANCES {
+                let leaving = Leaving::new(&rules(kind, tolerance));
                 for axis in axes {
                     let near = |part: f64| {
                         let off = DMat3::from_axis_angle(axis, part * tolerance);
-                        is_near(off * ideal, ideal, tolerance)
+                        leaving.is_near(off * ideal)
                     };
                     assert!(near(0.0) && near(0.99) && near(-0.99), "{axis} {tolerance}");
                     assert!(!near(1.01) && !near(-1.01), "{axis} {tolerance}");
                 }
             }
-            assert!(
-                !is_near(-ideal, ideal, 1.5),
-                "a map of the other handedness"
-            );
+            let widest = Leaving::new(&rules(kind, 1.5));
+            assert!(!widest.is_near(-ideal), "a map of the other handedness");
         }
     }
 

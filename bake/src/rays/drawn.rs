@@ -21,15 +21,25 @@ pub(crate) fn digits(stream: &Stream, first: u64) -> ([u32; LANES], [u32; LANES]
             sobol(stream, &indices)
         }
         Sampler::Random => {
-            let (mut low, mut high) = ([0_u32; LANES], [0_u32; LANES]);
+            let (mut low, mut high) = ([0; LANES], [0; LANES]);
             for lane in 0..LANES {
                 let index = first + lane as u64;
-                [low[lane], high[lane]] = stream.counter(index);
+                [low[lane], high[lane]] = stream.counter(index).map(u64::from);
             }
             philox(&mut low, &mut high, stream.keys[0]);
-            (low, high)
+            (words(&low), words(&high))
         }
     }
+}
+
+/// Returns the low words of all lanes.
+#[inline(always)]
+fn words(lanes: &Mask) -> [u32; LANES] {
+    let mut words = [0; LANES];
+    for lane in 0..LANES {
+        words[lane] = lanes[lane] as u32;
+    }
+    words
 }
 
 /// Returns the digits of the Sobol samples with these `indices`.
@@ -101,11 +111,12 @@ pub(crate) fn chances(stream: &Stream, indices: &[u64; LANES]) -> Reals {
             }
         }
         Sampler::Random => {
-            let mut low = [0_u32; LANES];
+            let (mut low, mut high) = ([0; LANES], [0; LANES]);
             for lane in 0..LANES {
-                [low[lane], digits[lane]] = stream.second_counter(indices[lane]);
+                [low[lane], high[lane]] = stream.second_counter(indices[lane]).map(u64::from);
             }
-            philox(&mut low, &mut digits, stream.keys[0]);
+            philox(&mut low, &mut high, stream.keys[0]);
+            digits = words(&high);
         }
     }
     let mut chances = [0.0; LANES];

@@ -4,6 +4,7 @@ use crate::optics::{Incidence, Rules, element};
 use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
+use crate::rays::departures::Departures;
 use crate::rays::exits::Exits;
 use crate::rays::lane::LANES;
 use crate::rays::lanes;
@@ -12,6 +13,7 @@ use crate::rays::order::order;
 use crate::rays::packets::Packets;
 use crate::rays::path::{Luck, trace};
 use crate::rays::program::Program;
+use crate::rays::rough::Flight;
 use crate::rays::scene::Scene;
 use crate::rays::sheet::Sheet;
 use crate::rays::simd::InstructionSet;
@@ -22,7 +24,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use tables::Fate;
 use tables::deviation::Grid;
-use tables::options::Element;
+use tables::options::{Element, Roughness};
 
 /// Number of rays in one piece of work.
 ///
@@ -68,6 +70,8 @@ pub(crate) struct Kernel {
     /// Programs that trace many rays at once, one per scene; empty if any scene allows none.
     programs: Vec<Program>,
     instructions: InstructionSet,
+    /// Roughness of facets whose rays go side by side; `None` if they go one by one.
+    rough: Option<Roughness>,
     /// True if scenes with a hierarchy are traced in packets.
     packets: bool,
     /// Grid that exit directions are recorded on; `None` if they are not recorded.
@@ -123,6 +127,11 @@ impl Kernel {
             || rules.glass_index.is_some()
             || rules.follows_the_front()
             || scenes.iter().any(|scene| scene.is_curved());
+        let side_by_side = direction.is_some()
+            && rules.losses.is_none()
+            && rules.glass_index.is_none()
+            && !rules.follows_the_front()
+            && scenes.iter().all(|scene| scene.is_flown_through());
         // A photon ends by its own chance. Packets know none, and sorted samples have lost it.
         let chances = rules.losses.is_some();
         let mut entries = vec![Vec::new(); scenes.len()];
@@ -140,6 +149,7 @@ impl Kernel {
         };
         Kernel {
             programs: programs.unwrap_or_default(),
+            rough: rules.roughness.filter(|_| side_by_side),
             instructions: InstructionSet::best(),
             // Rays with an azimuth of their own are not parallel, so they form no packets.
             packets: direction.is_some() && !alone && !chances,
@@ -158,6 +168,7 @@ impl Kernel {
     pub(crate) fn one_by_one(self) -> Self {
         Kernel {
             programs: Vec::new(),
+            rough: None,
             packets: false,
             ..self
         }
@@ -199,6 +210,12 @@ impl Kernel {
         }
     }
 
+    /// Returns whether rays of rough facets go side by side.
+    #[cfg(test)]
+    pub(crate) fn flies(&self) -> bool {
+        self.rough.is_some()
+    }
+
     /// Returns the programs of this direction, one per scene; empty if rays are traced facet by
     /// facet.
     pub(crate) fn programs(&self) -> &[Program] {
@@ -219,6 +236,9 @@ impl Kernel {
 
     /// Traces `samples` of `stream` into `tally`.
     pub(crate) fn trace(&self, stream: &Stream, samples: Range<u64>, tally: &mut Tally) {
+        if let (Some(roughness), Some(direction)) = (self.rough, &self.direction) {
+            return self.trace_rough(roughness, direction, stream, samples, tally);
+        }
         match &self.programs[..] {
             [] => self.trace_paths(stream, samples, tally),
             programs => {
@@ -233,6 +253,29 @@ impl Kernel {
                 self.instructions.run(&batch, tally);
             }
         }
+    }
+
+    /// Traces `samples` side by side, each ray in a direction of its own.
+    fn trace_rough(
+        &self,
+        roughness: Roughness,
+        direction: &Incidence,
+        stream: &Stream,
+        samples: Range<u64>,
+        tally: &mut Tally,
+    ) {
+        let flight = Flight {
+            scenes: &self.scenes,
+            launch: &self.launch,
+            rules: &self.rules,
+            roughness,
+            direction,
+            stream,
+            samples,
+        };
+        let exits = self.exits.as_ref();
+        let mut departures = Departures::new(direction, &self.rules, &self.bins, exits);
+        self.instructions.fly(&flight, &mut departures, tally);
     }
 
     /// Traces `samples` facet by facet: in packets if every scene allows them, otherwise by

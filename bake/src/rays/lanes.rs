@@ -431,7 +431,7 @@ fn bundle<const RECORD: bool, const LOSSY: bool>(
 ///
 /// The values are chosen by bit operations, because a branch for every lane halves the speed.
 #[inline(always)]
-fn choose(values: &mut Reals, new: &Reals, taken: &Mask) {
+pub(crate) fn choose(values: &mut Reals, new: &Reals, taken: &Mask) {
     for lane in 0..LANES {
         let chosen = ((taken[lane] as i64) >> 63) as u64;
         let value = (new[lane].to_bits() & chosen) | (values[lane].to_bits() & !chosen);
@@ -454,14 +454,14 @@ fn survivors(loss: &Loss, chance: &Reals, taken: &Mask, ended: &mut [Mask]) -> M
 
 /// 2^52, which leaves the nearest integer in the low bits when it is added to a number of 0 to
 /// 2^51.
-const UNITS: f64 = 4_503_599_627_370_496.0;
+pub(crate) const UNITS: f64 = 4_503_599_627_370_496.0;
 
 /// Returns the greatest integer up to `value`, exact for values from 0 to 2^51.
 ///
 /// A cast would saturate, and for that the compiler gives up vectors: the whole tracer is then 3
 /// times slower.
 #[inline(always)]
-fn floor(value: f64) -> f64 {
+pub(crate) fn floor(value: f64) -> f64 {
     let nearest = (value + UNITS) - UNITS;
     nearest - if nearest > value { 1.0 } else { 0.0 }
 }

@@ -1,14 +1,16 @@
 //! Sampled light: the rays of one direction, from the entrance to their counts.
 //!
 //! A prepared cell, the rules and one direction enter. Integer counts by bin and by fate leave. The
-//! rays are traced in four ways: one by one, in bundles down a hierarchy, in packets, and as a
-//! program of 64 rays side by side. All ways give the same result, bit for bit. This room may touch
+//! rays are traced in five ways: one by one, in bundles down a hierarchy, in packets, as a program
+//! of 64 rays side by side, and side by side with directions of their own. All ways give the same
+//! result, bit for bit. This room may touch
 //! `cell`, `optics` and `samples`. It knows no thread and no table. Its file `simd` holds the only
 //! unsafe code.
 
 mod bins;
 mod bundle;
 mod bvh;
+mod departures;
 mod drawn;
 mod excerpt;
 mod exits;
@@ -22,6 +24,7 @@ mod packets;
 mod path;
 mod program;
 mod region;
+mod rough;
 mod scene;
 mod sheet;
 mod simd;

@@ -221,6 +221,12 @@ impl Scene {
         self.hierarchy.is_some()
     }
 
+    /// Returns whether rays of directions of their own can be traced side by side: few mirrors,
+    /// all of them planar, in a cell that is not periodic.
+    pub(crate) fn is_flown_through(&self) -> bool {
+        !self.has_hierarchy() && !self.is_curved() && self.walls.is_none() && self.glass.is_empty()
+    }
+
     /// Returns whether rays cross into neighbouring cells.
     #[cfg(test)]
     pub(crate) fn is_periodic(&self) -> bool {

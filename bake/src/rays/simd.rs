@@ -11,9 +11,12 @@
 )]
 
 use crate::rays::bundle::Bundle;
+use crate::rays::departures::Departures;
 use crate::rays::lanes;
 use crate::rays::lanes::Batch;
 use crate::rays::packet::{Packet, Way};
+use crate::rays::rough;
+use crate::rays::rough::Flight;
 use crate::rays::tally::Tally;
 
 /// Instruction set that this processor has.
@@ -75,6 +78,19 @@ impl InstructionSet {
         }
     }
 
+    /// Runs [`rough::run`] with this instruction set.
+    pub(crate) fn fly(self, flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
+        match self.0 {
+            Level::Baseline => rough::run(flight, departures, tally),
+            // SAFETY: the value exists, so `available` found the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { fly_avx2(flight, departures, tally) },
+            // SAFETY: the value exists, so `available` found the instruction set.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { fly_avx512(flight, departures, tally) },
+        }
+    }
+
     /// Runs [`lanes::run`] with this instruction set.
     pub(crate) fn run(self, batch: &Batch, tally: &mut Tally) {
         // All programs of a scene have the same rules.
@@ -113,6 +129,18 @@ fn avx2<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally)
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
 fn avx512<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
     lanes::run::<RECORD, LOSSY>(batch, tally);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn fly_avx2(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
+    rough::run(flight, departures, tally);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd")]
+fn fly_avx512(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
+    rough::run(flight, departures, tally);
 }
 
 #[cfg(target_arch = "x86_64")]

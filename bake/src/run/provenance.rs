@@ -16,7 +16,11 @@ pub(crate) fn provenance(
     sampler: Option<Sampler>,
 ) -> Provenance {
     Provenance {
-        generator: tables::GENERATOR.into(),
+        generator: match plan.scene.roughness {
+            None => tables::GENERATOR,
+            Some(_) => tables::GENERATOR_OF_ROUGH,
+        }
+        .into(),
         design: cell.design.clone(),
         mesh_hash: cell.mesh_hash.clone(),
         edge_length: cell.edge_length,

@@ -95,14 +95,26 @@ impl Stream {
         }
     }
 
-    /// Returns two random numbers for reflection number `bounce`, below 64, of ray `index`, below
+    /// Returns three random numbers for reflection number `bounce`, below 64, of ray `index`, below
     /// 2^48.
     ///
-    /// They are random for every sampler. The counter has bits of its own for the number of the
-    /// reflection.
-    pub(crate) fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 2] {
+    /// They are random for every sampler.
+    pub(crate) fn at_bounce(&self, index: u64, bounce: u32) -> [u32; 3] {
+        let [first, second] = self.counters_at_bounce(index, bounce);
+        let [a, b] = philox_one(first, self.keys[0]);
+        let [c, _] = philox_one(second, self.keys[0]);
+        [a, b, c]
+    }
+
+    /// Returns the two counters of the random numbers of [`Stream::at_bounce`].
+    ///
+    /// They have bits of their own for the number of the reflection, and one bit in which the two
+    /// differ.
+    #[inline(always)]
+    pub(crate) fn counters_at_bounce(&self, index: u64, bounce: u32) -> [[u32; 2]; 2] {
         let [low, high] = self.counter(index);
-        philox_one([low, high ^ ((bounce + 1) << 24)], self.keys[0])
+        let high = high ^ ((bounce + 1) << 24);
+        [[low, high], [low, high ^ 1 << 23]]
     }
 
     /// Returns two more random numbers for point `index`.
@@ -136,23 +148,28 @@ fn mix(word: u64) -> u64 {
 }
 
 /// Computes Philox2x32 with ten rounds, on many counters (`low`, `high`) at once, in place.
+///
+/// The numbers are below 2^32. They stand in 64 bits, as the products do, so that vectors need not
+/// be packed and unpacked in every round.
 #[inline(always)]
-pub(crate) fn philox<const N: usize>(low: &mut [u32; N], high: &mut [u32; N], key: u32) {
-    let mut key = key;
-    for _ in 0..10 {
-        for lane in 0..N {
-            let product = u64::from(low[lane]) * 0xd256_d193;
-            low[lane] = (product >> 32) as u32 ^ key ^ high[lane];
-            high[lane] = product as u32;
+pub(crate) fn philox<const N: usize>(low: &mut [u64; N], high: &mut [u64; N], key: u32) {
+    const WORD: u64 = u32::MAX as u64;
+    for lane in 0..N {
+        let (mut l, mut h, mut key) = (low[lane] & WORD, high[lane] & WORD, key);
+        for _ in 0..10 {
+            let product = l * 0xd256_d193;
+            l = (product >> 32) ^ u64::from(key) ^ h;
+            h = product & WORD;
+            key = key.wrapping_add(0x9e37_79b9);
         }
-        key = key.wrapping_add(0x9e37_79b9);
+        (low[lane], high[lane]) = (l, h);
     }
 }
 
 fn philox_one([low, high]: [u32; 2], key: u32) -> [u32; 2] {
-    let (mut low, mut high) = ([low], [high]);
+    let (mut low, mut high) = ([u64::from(low)], [u64::from(high)]);
     philox(&mut low, &mut high, key);
-    [low[0], high[0]]
+    [low[0] as u32, high[0] as u32]
 }
 
 /// Scrambles by Owen's method the point whose digits are the bits of `reversed`, lowest bit first.
@@ -422,7 +439,8 @@ mod tests {
     }
 
     /// Checks that no random number is used twice: those of the launch, of the losses and of every
-    /// reflection differ. Philox maps counters one to one, so equal pairs would be equal counters.
+    /// reflection differ. Philox maps counters one to one, so equal counters would give equal
+    /// pairs.
     #[test]
     fn launch_and_reflections_share_no_random_number() {
         let mut seen = std::collections::HashSet::new();
@@ -433,10 +451,14 @@ mod tests {
             seen.insert([stream.third(index), stream.fourth(index)]);
             cases += 2;
             for bounce in 0..64 {
-                seen.insert(stream.at_bounce(index, bounce));
-                cases += 1;
+                let [a, b, c] = stream.at_bounce(index, bounce);
+                let pairs = stream.counters_at_bounce(index, bounce);
+                let pairs = pairs.map(|counter| philox_one(counter, stream.keys[0]));
+                assert_eq!([a, b, c], [pairs[0][0], pairs[0][1], pairs[1][0]]);
+                seen.extend(pairs);
+                cases += 2;
             }
         }
-        assert_eq!((cases, seen.len()), (5 * 66, 5 * 66));
+        assert_eq!((cases, seen.len()), (5 * 130, 5 * 130));
     }
 }

@@ -258,7 +258,7 @@ fn hierarchy_equals_loop() {
 }
 
 /// Returns a parallelogram of `columns` x `rows` pairs of cubes, welded along the rims.
-fn patch(columns: usize, rows: usize) -> Cell {
+pub(crate) fn patch(columns: usize, rows: usize) -> Cell {
     let pair = cells::pair();
     let [a, b, _, d] = pair.entrance.polygon[..] else {
         panic!("the pair's entrance is a parallelogram")

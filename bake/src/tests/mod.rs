@@ -13,6 +13,7 @@ mod determinism;
 mod deviations;
 mod elements;
 mod exact;
+mod flights;
 mod hard_cases;
 mod index;
 mod kernels;

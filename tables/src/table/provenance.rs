@@ -9,7 +9,14 @@ use crate::table::symmetry::Symmetry;
 /// It names the rule by which options become numbers, not the program or its version. It changes
 /// when equal options give other numbers. So tables of two versions of a program can be merged as
 /// long as their rays are of one kind.
+///
+/// Tables of rough facets have [`GENERATOR_OF_ROUGH`].
 pub const GENERATOR: &str = "airr ray-shift table 1";
+
+/// Generator that a bake writes into tables of rough facets.
+///
+/// Programs before 24 November 2026 drew other normals for them, and wrote [`GENERATOR`].
+pub const GENERATOR_OF_ROUGH: &str = "airr ray-shift table 2";
 
 /// Generators of earlier programs that give the numbers of [`GENERATOR`].
 const EARLIER: [&str; 1] = ["bake 0.1.0"];
@@ -33,7 +40,8 @@ pub(crate) fn sampler(text: String) -> Option<Word<Sampler>> {
 /// Origin of a table: all that is needed to bake it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
-    /// Rule that made the numbers; [`GENERATOR`] in every bake of this version.
+    /// Rule that made the numbers; in bakes of this version [`GENERATOR`], or
+    /// [`GENERATOR_OF_ROUGH`].
     pub generator: String,
     /// Name of the cell's design.
     pub design: String,
