@@ -11,7 +11,7 @@
 
 use crate::optics::Aspect;
 use crate::rays::lane::{LANES, Mask, Reals};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Number that stands for no facet.
 pub(crate) const NONE: u64 = u64::MAX;
@@ -41,7 +41,7 @@ pub(crate) struct Bundle {
 }
 
 /// Bounds on the origins and the direction of all rays of a bundle.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
@@ -101,20 +101,35 @@ impl Bundle {
         self.most_slack = fold(&self.slack, greater);
     }
 
-    /// Returns bounds on the rays, which travel along `direction`.
+    /// Returns bounds on the rays, which travel along `direction`, in `frame`.
     ///
-    /// Their origins are counted from `centre`.
+    /// Their origins are counted from `centre`. `frame` maps from the cell frame.
     #[inline(always)]
-    pub(crate) fn bounds(&self, direction: DVec3, centre: DVec3) -> Bounds {
-        Bounds {
-            low: (self.centre - self.half - centre).to_array(),
-            high: (self.centre + self.half - centre).to_array(),
-            inverse: [
-                inverse(direction.x),
-                inverse(direction.y),
-                inverse(direction.z),
-            ],
+    pub(crate) fn bounds(&self, direction: DVec3, centre: DVec3, frame: &DMat3) -> Bounds {
+        let direction = *frame * direction;
+        let mut bounds = Bounds {
+            low: [0.0; 3],
+            high: [0.0; 3],
+            inverse: direction.to_array().map(inverse),
+        };
+        let [x, y, z] = &self.origin;
+        for axis in 0..3 {
+            let along = frame.row(axis);
+            let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
+            for first in (0..whole(self.vectors)).step_by(8) {
+                for lane in 0..8 {
+                    let at = x[first + lane] * along.x
+                        + y[first + lane] * along.y
+                        + z[first + lane] * along.z;
+                    low[lane] = lesser(at, low[lane]);
+                    high[lane] = greater(at, high[lane]);
+                }
+            }
+            let middle = centre.dot(along);
+            bounds.low[axis] = low.into_iter().fold(f64::INFINITY, lesser) - middle;
+            bounds.high[axis] = high.into_iter().fold(f64::NEG_INFINITY, greater) - middle;
         }
+        bounds
     }
 
     /// Returns the distance beyond which no ray of the bundle looks for facets.
@@ -293,8 +308,8 @@ impl Bounds {
             let (low, high) = (self.low[axis], self.high[axis]);
             let inverse = self.inverse[axis];
             for i in 0..8 {
-                let one = (f64::from(boxes.low[axis][i]) - high) * inverse;
-                let other = (f64::from(boxes.high[axis][i]) - low) * inverse;
+                let one = (f64::from(boxes.ends[0][axis][i]) - high) * inverse;
+                let other = (f64::from(boxes.ends[1][axis][i]) - low) * inverse;
                 from[i] = greater(lesser(one, other), from[i]);
                 to[i] = lesser(greater(one, other), to[i]);
             }
@@ -313,10 +328,8 @@ impl Bounds {
 /// Eight boxes side by side, by axis; an empty place holds a point at infinity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Boxes {
-    /// Lower ends of the boxes, by axis.
-    pub low: [[f32; 8]; 3],
-    /// Upper ends of the boxes, by axis.
-    pub high: [[f32; 8]; 3],
+    /// Ends of the boxes: lower and upper, by axis.
+    pub ends: [[[f32; 8]; 3]; 2],
 }
 
 #[cfg(test)]

@@ -1,23 +1,25 @@
 //! Search for the nearest facet among many: a bounding volume hierarchy with eight boxes to a node.
 //!
-//! This is the only file that names the BVH crate. The crate builds the tree, in f32. The tree only
-//! chooses the candidates: its boxes are padded by more than the error of an f32 ray, and every
-//! candidate is tested in f64 by [`Triangle::meet`]. So the hit is the one that a loop over all
-//! facets finds, bit for bit (tested). The wide variant of the crate is not used, because it has an
-//! absolute epsilon near surfaces.
+//! The tree only chooses the candidates: its boxes are padded by more than the error of an f32 ray,
+//! and every candidate is tested in f64 by [`Triangle::meet`]. So the hit is the one that a loop
+//! over all facets finds, bit for bit (tested).
 
 use crate::optics::{Ray, Triangle};
-use crate::rays::bundle::{Boxes, Bundle, inverse};
+use crate::rays::block::{Block, Sight};
+use crate::rays::bundle::{Bounds, Boxes, Bundle, inverse};
+use crate::rays::frames::{MOST_FRAMES, frames};
 use crate::rays::nearest::Nearest;
-use glam::{DVec3, Vec3A, Vec4};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2};
-use std::time::Duration;
+use crate::rays::simd::{InstructionSet, Task};
+use crate::rays::tree::{BLOCK, Node, Space, Wide, build};
+use glam::{DMat3, DVec3, Vec4};
 
 /// Bounding volume hierarchy over a list of facets.
 pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
+    blocks: Vec<Block>,
+    /// Frames of the nodes, as maps from the cell frame.
+    frames: Vec<DMat3>,
+    instructions: InstructionSet,
     /// Largest number of nodes still to be looked at while a ray goes down.
     waiting: usize,
     centre: DVec3,
@@ -41,28 +43,23 @@ impl Hierarchy {
         // side its ray is off by 2^-23 x 2 radii more, and the box test rounds three times. A
         // padding of 2^-19 radii is four times the sum.
         let padding = radius * (-19_f64).exp2();
-        let boxes: Vec<Aabb> = facets
-            .iter()
-            .map(|facet| {
-                let corners = facet.corners.map(|corner| single(corner - centre));
-                let mut bounds = Aabb::from_points(&corners);
-                bounds.min -= Vec3A::splat(padding as f32);
-                bounds.max += Vec3A::splat(padding as f32);
-                bounds
-            })
-            .collect();
-        let mut build_time = Duration::ZERO;
-        let tree = build_bvh2(
-            &boxes,
-            BvhBuildParams {
-                max_prims_per_leaf: 1,
-                ..BvhBuildParams::medium_build()
-            },
-            &mut build_time,
-        );
-        let (nodes, waiting) = widened(&tree);
+        let frames = frames(facets);
+        let space = Space {
+            facets,
+            centre,
+            padding,
+            frames: &frames,
+        };
+        let Wide {
+            nodes,
+            blocks,
+            waiting,
+        } = build(&space);
         Hierarchy {
             nodes,
+            blocks,
+            frames,
+            instructions: InstructionSet::best(),
             waiting,
             centre,
             radius,
@@ -74,18 +71,27 @@ impl Hierarchy {
     ///
     /// `facets` are those that the hierarchy was built over.
     pub(crate) fn nearest(&self, facets: &[Triangle], ray: &Ray, limit: f64) -> Nearest {
-        let mut few = [(0.0, 0); FEW];
-        if self.waiting <= FEW {
-            self.descend(facets, ray, limit, &mut few)
+        let (mut few, mut many) = ([(0.0, 0); FEW], Vec::new());
+        let waiting = if self.waiting <= FEW {
+            &mut few[..]
         } else {
-            self.descend(facets, ray, limit, &mut vec![(0.0, 0); self.waiting])
-        }
+            many.resize(self.waiting, (0.0, 0));
+            &mut many[..]
+        };
+        self.instructions.run(Descent {
+            hierarchy: self,
+            facets,
+            ray,
+            limit,
+            waiting,
+        })
     }
 
     /// Returns the nearest facet as [`Hierarchy::nearest`] does.
     ///
     /// `waiting` is room for the nodes still to be looked at: a lower bound on their distance, and
     /// their number.
+    #[inline(always)]
     fn descend(
         &self,
         facets: &[Triangle],
@@ -97,7 +103,12 @@ impl Hierarchy {
         // digits, so for the boxes it starts near the cell.
         let origin = ray.origin - self.centre;
         let skipped = (-origin.dot(ray.direction) - 2.0 * self.radius).max(0.0);
-        let slabs = Slabs::new(origin + ray.direction * skipped, ray.direction);
+        let origin = origin + ray.direction * skipped;
+        let mut slabs = [Slabs::default(); MOST_FRAMES];
+        for (slabs, frame) in slabs.iter_mut().zip(&self.frames) {
+            *slabs = Slabs::new(*frame * origin, *frame * ray.direction);
+        }
+        let sight = Sight::new(ray, origin, self.radius);
         let far = |distance: f64| {
             let far = ((distance - skipped) * (1.0 + 1e-6) + self.padding) as f32;
             far.min(f32::MAX)
@@ -112,14 +123,19 @@ impl Hierarchy {
             if from > to {
                 continue;
             }
-            if at & LEAF != 0 {
-                let facet = (at & !LEAF) as usize;
-                nearest.offer(facet, &facets[facet], ray);
+            if at & BLOCK != 0 {
+                let block = &self.blocks[(at & !BLOCK) as usize];
+                let mut seen = block.seen(&sight);
+                while seen != 0 {
+                    let facet = block.facets[seen.trailing_zeros() as usize] as usize;
+                    seen &= seen - 1;
+                    nearest.offer(facet, &facets[facet], ray);
+                }
                 to = far(nearest.distance);
                 continue;
             }
             let node = &self.nodes[at as usize];
-            let (entered, mut met) = slabs.reach(&node.boxes, to);
+            let (entered, mut met) = slabs[node.frame as usize].reach(&node.boxes, to);
             let bottom = count;
             while met != 0 {
                 let child = met.trailing_zeros() as usize;
@@ -150,9 +166,12 @@ impl Hierarchy {
         bundle: &mut Bundle,
     ) {
         let mut open = std::mem::take(&mut bundle.waiting);
-        let bounds = bundle.bounds(direction, self.centre);
+        let mut bounds = [Bounds::default(); MOST_FRAMES];
+        for (bounds, frame) in bounds.iter_mut().zip(&self.frames) {
+            *bounds = bundle.bounds(direction, self.centre, frame);
+        }
         // No point of the ball around the facets is further than this from an origin.
-        let span = bounds.farthest() + 2.0 * self.radius;
+        let span = bounds[0].farthest() + 2.0 * self.radius;
         let mut limit = span;
         open.clear();
         open.push((0.0, 0));
@@ -160,18 +179,23 @@ impl Hierarchy {
             if from > limit {
                 continue;
             }
-            if at & LEAF != 0 {
-                let facet = (at & !LEAF) as usize;
-                if Some(facet) != left
-                    && let Some(aspect) = facets[facet].along(direction)
-                    && bundle.offer(facet, &aspect)
-                {
+            if at & BLOCK != 0 {
+                let block = &self.blocks[(at & !BLOCK) as usize];
+                let mut met = false;
+                for facet in block.numbers() {
+                    if Some(facet) != left
+                        && let Some(aspect) = facets[facet].along(direction)
+                    {
+                        met |= bundle.offer(facet, &aspect);
+                    }
+                }
+                if met {
                     limit = (bundle.limit() * (1.0 + 1e-6) + self.padding).min(span);
                 }
                 continue;
             }
             let node = &self.nodes[at as usize];
-            let from = bounds.reach(&node.boxes, limit);
+            let from = bounds[node.frame as usize].reach(&node.boxes, limit);
             let bottom = open.len();
             for (&from, &child) in from.iter().zip(&node.children) {
                 if from < f64::INFINITY {
@@ -189,11 +213,23 @@ impl Hierarchy {
     }
 }
 
-/// Node of the hierarchy with eight children.
-struct Node {
-    boxes: Boxes,
-    /// Numbers of nodes, or of facets marked with [`LEAF`].
-    children: [u32; 8],
+/// Search of one ray: the arguments of [`Hierarchy::descend`].
+struct Descent<'a> {
+    hierarchy: &'a Hierarchy,
+    facets: &'a [Triangle],
+    ray: &'a Ray,
+    limit: f64,
+    waiting: &'a mut [(f32, u32)],
+}
+
+impl Task for Descent<'_> {
+    type Output = Nearest;
+
+    #[inline(always)]
+    fn run(self) -> Nearest {
+        self.hierarchy
+            .descend(self.facets, self.ray, self.limit, self.waiting)
+    }
 }
 
 /// Number of waiting nodes for which a single ray needs no allocation.
@@ -201,18 +237,22 @@ struct Node {
 /// All but the deepest trees need fewer: a tree of a million facets needs about 80.
 const FEW: usize = 128;
 
-/// Origin of a ray and the inverse of its direction, as the test of boxes needs them.
+/// Origin of a ray in a frame and the inverse of its direction, as the test of boxes needs them.
+#[derive(Debug, Clone, Copy, Default)]
 struct Slabs {
     origin: [f32; 3],
     inverse: [f32; 3],
+    /// By axis: 0 if the ray comes to the lower end of a box first, 1 if to the upper one.
+    near: [usize; 3],
 }
 
 impl Slabs {
     fn new(origin: DVec3, direction: DVec3) -> Self {
         let direction = direction.to_array();
         Slabs {
-            origin: single(origin).to_array(),
+            origin: origin.as_vec3().to_array(),
             inverse: direction.map(|component| inverse(component) as f32),
+            near: direction.map(|component| usize::from(component.is_sign_negative())),
         }
     }
 
@@ -227,12 +267,8 @@ impl Slabs {
             let (mut from, mut until) = (Vec4::ZERO, Vec4::splat(to));
             for axis in 0..3 {
                 let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
-                let (low, high) = (four(&boxes.low[axis]), four(&boxes.high[axis]));
-                let (near, far) = if inverse < 0.0 {
-                    (high, low)
-                } else {
-                    (low, high)
-                };
+                let near = four(&boxes.ends[self.near[axis]][axis]);
+                let far = four(&boxes.ends[1 - self.near[axis]][axis]);
                 from = from.max((near - origin) * inverse);
                 until = until.min((far - origin) * inverse);
             }
@@ -241,67 +277,6 @@ impl Slabs {
         }
         (entered, met)
     }
-}
-
-/// Bit that marks a child as a facet.
-const LEAF: u32 = 1 << 31;
-
-/// Returns the nodes of `tree` with eight children to a node, and the largest number of waiting
-/// nodes.
-///
-/// The leaves of `tree` hold one facet each.
-fn widened(tree: &Bvh2) -> (Vec<Node>, usize) {
-    let mut nodes = Vec::new();
-    let mut deepest = 0;
-    // Each entry is a node of `tree`, its place among `nodes`, and its depth.
-    let mut open = vec![(0_usize, 0_usize, 0_usize)];
-    nodes.push(Node::EMPTY);
-    while let Some((root, place, depth)) = open.pop() {
-        deepest = deepest.max(depth);
-        let mut children = vec![root];
-        // The largest child is replaced by its two children as long as there is room.
-        while children.len() < 8 {
-            let inner = (0..children.len()).filter(|&i| !tree.nodes[children[i]].is_leaf());
-            let area = |i: &usize| tree.nodes[children[*i]].aabb.half_area();
-            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else {
-                break;
-            };
-            let first = tree.nodes[children[largest]].first_index as usize;
-            children[largest] = first;
-            children.push(first + 1);
-        }
-        for (i, child) in children.into_iter().enumerate() {
-            let node = &tree.nodes[child];
-            let (low, high) = (node.aabb.min, node.aabb.max);
-            for axis in 0..3 {
-                nodes[place].boxes.low[axis][i] = low[axis];
-                nodes[place].boxes.high[axis][i] = high[axis];
-            }
-            nodes[place].children[i] = if node.is_leaf() {
-                LEAF | tree.primitive_indices[node.first_index as usize]
-            } else {
-                open.push((child, nodes.len(), depth + 1));
-                nodes.push(Node::EMPTY);
-                nodes.len() as u32 - 1
-            };
-        }
-    }
-    // Each level leaves seven nodes waiting when it takes the eighth.
-    (nodes, 7 * deepest + 8)
-}
-
-impl Node {
-    const EMPTY: Node = Node {
-        boxes: Boxes {
-            low: [[f32::INFINITY; 8]; 3],
-            high: [[f32::INFINITY; 8]; 3],
-        },
-        children: [0; 8],
-    };
-}
-
-fn single(v: DVec3) -> Vec3A {
-    v.as_vec3a()
 }
 
 #[cfg(test)]

@@ -8,8 +8,7 @@
 
 use crate::optics::{Incidence, Leaving, Rules, element};
 use crate::rays::bins::Bins;
-use crate::rays::lane::{LANES, Mask, Reals};
-use crate::rays::lanes::{UNITS, floor};
+use crate::rays::lane::{LANES, Mask, Reals, UNITS, floor};
 use crate::rays::scene::Scene;
 use crate::rays::tally::Tally;
 use glam::{DMat3, DVec2, DVec3};

@@ -13,7 +13,7 @@ use crate::rays::order::order;
 use crate::rays::packets::Packets;
 use crate::rays::path::{Luck, trace};
 use crate::rays::program::Program;
-use crate::rays::rough::Flight;
+use crate::rays::rough::{Flight, Flying};
 use crate::rays::scene::Scene;
 use crate::rays::sheet::Sheet;
 use crate::rays::simd::InstructionSet;
@@ -250,7 +250,7 @@ impl Kernel {
                     samples,
                     exits: self.exits_of_programs.as_ref(),
                 };
-                self.instructions.run(&batch, tally);
+                batch.trace(self.instructions, tally);
             }
         }
     }
@@ -275,7 +275,11 @@ impl Kernel {
         };
         let exits = self.exits.as_ref();
         let mut departures = Departures::new(direction, &self.rules, &self.bins, exits);
-        self.instructions.fly(&flight, &mut departures, tally);
+        self.instructions.run(Flying {
+            flight: &flight,
+            departures: &mut departures,
+            tally,
+        });
     }
 
     /// Traces `samples` facet by facet: in packets if every scene allows them, otherwise by

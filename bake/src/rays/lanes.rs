@@ -17,10 +17,11 @@ use crate::rays::bins::Bins;
 use crate::rays::drawn::{chances, digits, points, sobol};
 use crate::rays::excerpt::Excerpt;
 use crate::rays::exits::Exits;
-use crate::rays::lane::{LANES, Mask, Reals};
+use crate::rays::lane::{LANES, Mask, Reals, UNITS, choose, floor};
 use crate::rays::order::order;
 use crate::rays::program::{DEPTH, End, Loss, Program, Step};
 use crate::rays::region::Affine;
+use crate::rays::simd::{InstructionSet, Task};
 use crate::rays::tally::Tally;
 use crate::samples::{Launch, Stream};
 use std::ops::Range;
@@ -66,10 +67,41 @@ pub(crate) struct Batch<'a> {
     pub exits: Option<&'a Exits>,
 }
 
+/// Tracing of a batch, compiled for each kind of batch: the plain one has its registers for itself.
+struct Tracing<'a, const RECORD: bool, const LOSSY: bool> {
+    batch: &'a Batch<'a>,
+    tally: &'a mut Tally,
+}
+
+impl<const RECORD: bool, const LOSSY: bool> Task for Tracing<'_, RECORD, LOSSY> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        run::<RECORD, LOSSY>(self.batch, self.tally);
+    }
+}
+
+impl Batch<'_> {
+    /// Traces all samples with these instructions and counts them in `tally`.
+    pub(crate) fn trace(&self, instructions: InstructionSet, tally: &mut Tally) {
+        let batch = self;
+        // All programs of a scene have the same rules.
+        let first = self.programs.first();
+        let lossy = first.is_some_and(|program| program.entry.is_some());
+        match (self.exits.is_some(), lossy) {
+            (false, false) => instructions.run(Tracing::<false, false> { batch, tally }),
+            (true, false) => instructions.run(Tracing::<true, false> { batch, tally }),
+            (false, true) => instructions.run(Tracing::<false, true> { batch, tally }),
+            (true, true) => instructions.run(Tracing::<true, true> { batch, tally }),
+        }
+    }
+}
+
 /// Traces all samples of a batch and counts them in `tally`. `RECORD` is true if the batch has exit
 /// directions to record, `LOSSY` if its programs have losses.
 #[inline(always)]
-pub(crate) fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
+fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) {
     let Batch {
         programs,
         launch,
@@ -427,18 +459,6 @@ fn bundle<const RECORD: bool, const LOSSY: bool>(
     scatter::<RECORD>([&u, &v, &start], &back, work);
 }
 
-/// Sets the values of the rays in `taken` to those of `new`.
-///
-/// The values are chosen by bit operations, because a branch for every lane halves the speed.
-#[inline(always)]
-pub(crate) fn choose(values: &mut Reals, new: &Reals, taken: &Mask) {
-    for lane in 0..LANES {
-        let chosen = ((taken[lane] as i64) >> 63) as u64;
-        let value = (new[lane].to_bits() & chosen) | (values[lane].to_bits() & !chosen);
-        values[lane] = f64::from_bits(value);
-    }
-}
-
 /// Returns the photons of `taken` that a loss leaves, and counts the fate of the others.
 #[inline(always)]
 fn survivors(loss: &Loss, chance: &Reals, taken: &Mask, ended: &mut [Mask]) -> Mask {
@@ -450,20 +470,6 @@ fn survivors(loss: &Loss, chance: &Reals, taken: &Mask, ended: &mut [Mask]) -> M
         lost[lane] += (taken[lane] & !kept[lane]) >> 63;
     }
     kept
-}
-
-/// 2^52, which leaves the nearest integer in the low bits when it is added to a number of 0 to
-/// 2^51.
-pub(crate) const UNITS: f64 = 4_503_599_627_370_496.0;
-
-/// Returns the greatest integer up to `value`, exact for values from 0 to 2^51.
-///
-/// A cast would saturate, and for that the compiler gives up vectors: the whole tracer is then 3
-/// times slower.
-#[inline(always)]
-pub(crate) fn floor(value: f64) -> f64 {
-    let nearest = (value + UNITS) - UNITS;
-    nearest - if nearest > value { 1.0 } else { 0.0 }
 }
 
 /// Counts the rays of `back` in the bins of (u, v). With `RECORD` the counters of the exit
@@ -523,36 +529,4 @@ fn affine(function: &Affine, x: &Reals, y: &Reals) -> Reals {
         value[lane] = function.x * x[lane] + function.y * y[lane] + function.one;
     }
     value
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Checks integers, their neighbours below and above, and halves against the library's floor.
-    #[test]
-    fn floors_are_exact() {
-        let mut cases = 0;
-        for whole in [
-            0.0,
-            1.0,
-            2.0,
-            3.0,
-            127.0,
-            128.0,
-            1e6,
-            2.0_f64.powi(51) - 1.0,
-        ] {
-            for value in [
-                whole,
-                whole.next_up(),
-                whole + 0.5,
-                (whole + 1.0).next_down(),
-            ] {
-                assert_eq!(floor(value), value.floor(), "{value}");
-                cases += 1;
-            }
-        }
-        assert_eq!(cases, 32);
-    }
 }

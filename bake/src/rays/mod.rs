@@ -8,12 +8,14 @@
 //! unsafe code.
 
 mod bins;
+mod block;
 mod bundle;
 mod bvh;
 mod departures;
 mod drawn;
 mod excerpt;
 mod exits;
+mod frames;
 mod kernel;
 mod lane;
 pub(crate) mod lanes;
@@ -29,6 +31,7 @@ mod scene;
 mod sheet;
 mod simd;
 mod tally;
+mod tree;
 
 pub(crate) use bins::Bins;
 pub(crate) use kernel::Kernel;

@@ -11,6 +11,7 @@ use crate::rays::bundle::{Bundle, NONE};
 use crate::rays::bvh::Hierarchy;
 use crate::rays::lane::LANES;
 use crate::rays::order::order;
+use crate::rays::simd::Task;
 use glam::{DVec2, DVec3};
 
 /// Rays of one course: their positions, and the facets that they meet next.
@@ -88,7 +89,7 @@ impl Packet {
 
     /// Moves every ray to the nearest facet.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, way: &Way, bundle: &mut Bundle) {
+    fn advance(&mut self, way: &Way, bundle: &mut Bundle) {
         let count = self.slack.len();
         self.distance.reserve(count);
         self.met.reserve(count);
@@ -118,5 +119,24 @@ impl Packet {
             self.met
                 .extend(met.map(|(facet, which)| facet << 32 | which as u64));
         }
+    }
+}
+
+/// Step of a packet: the arguments of [`Packet::advance`].
+pub(crate) struct Advance<'a> {
+    /// Packet whose rays move.
+    pub packet: &'a mut Packet,
+    /// Direction and facets that its rays have in common.
+    pub way: &'a Way<'a>,
+    /// Working memory for one bundle.
+    pub bundle: &'a mut Bundle,
+}
+
+impl Task for Advance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.packet.advance(self.way, self.bundle);
     }
 }

@@ -5,7 +5,7 @@ use crate::optics::{Incidence, Rules};
 use crate::rays::bins::Bins;
 use crate::rays::bundle::Bundle;
 use crate::rays::bvh::Hierarchy;
-use crate::rays::packet::{OUT, Packet, Way};
+use crate::rays::packet::{Advance, OUT, Packet, Way};
 use crate::rays::path::Course;
 use crate::rays::scene::Scene;
 use crate::rays::simd::InstructionSet;
@@ -70,8 +70,11 @@ impl Packets<'_> {
             grain: self.scene.enter(DVec2::ZERO, course.direction).grain,
             from,
         };
-        self.instructions
-            .advance(&mut packet, &way, &mut self.bundle);
+        self.instructions.run(Advance {
+            packet: &mut packet,
+            way: &way,
+            bundle: &mut self.bundle,
+        });
         packet.group(self.scene.facets().len());
         for group in packet.met.chunk_by(|a, b| a >> 32 == b >> 32) {
             let members = group.iter().map(|met| *met as u32 as usize);

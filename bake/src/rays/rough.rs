@@ -17,10 +17,10 @@ use crate::optics::{
 };
 use crate::rays::departures::{Departure, Departures};
 use crate::rays::drawn::{digits, points};
-use crate::rays::lane::{LANES, Mask, Reals};
+use crate::rays::lane::{LANES, Mask, Reals, choose};
 use crate::rays::lanes;
-use crate::rays::lanes::choose;
 use crate::rays::scene::Scene;
+use crate::rays::simd::Task;
 use crate::rays::tally::Tally;
 use crate::samples::{Launch, Stream, philox};
 use glam::{DMat3, DVec2, DVec3};
@@ -54,9 +54,28 @@ struct Entry {
     point: DVec2,
 }
 
+/// Tracing of a flight; `departures` counts its rays in `tally`.
+pub(crate) struct Flying<'a> {
+    /// Samples to trace.
+    pub flight: &'a Flight<'a>,
+    /// Rays that have left the cell.
+    pub departures: &'a mut Departures<'a>,
+    /// Counts of the rays.
+    pub tally: &'a mut Tally,
+}
+
+impl Task for Flying<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        run(self.flight, self.departures, self.tally);
+    }
+}
+
 /// Traces all samples of a flight; `departures` counts them in `tally`.
 #[inline(always)]
-pub(crate) fn run(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
+fn run(flight: &Flight, departures: &mut Departures, tally: &mut Tally) {
     for (scene, entries) in flight.scenes.iter().zip(entries(flight)) {
         departures.enter(scene);
         let mut flock = Flock::new(flight, scene);

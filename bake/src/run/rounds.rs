@@ -96,7 +96,9 @@ impl Pace {
         } else {
             FIRST_ROUND
         };
-        let large = work.sheet.scenes.iter().any(|scene| scene.is_large());
+        // So does sorting by facet: there whole runs are traced.
+        let mut scenes = work.sheet.scenes.iter();
+        let large = scenes.any(|scene| scene.is_large() || scene.for_packets().is_some());
         // One run for each thread of all ranks; every rank takes the number of threads of rank 0.
         let mut threads = [work.pool.current_num_threads() as u64];
         ranks.follow(&mut threads);
@@ -258,7 +260,7 @@ impl Rounds<'_, '_> {
     /// first samples of its share.
     ///
     /// If the bake is saved, all directions whose kernels fit in memory advance together, in steps
-    /// that are short enough for the next save. In a large scene, rays are faster if more of them
+    /// that are short enough for the next save. Down a hierarchy, rays are faster if more of them
     /// go side by side. There whole runs are traced, some at a time, one direction after the other.
     fn run(
         &mut self,

@@ -162,7 +162,7 @@ fn instruction_sets_agree_bit_for_bit() {
                         samples: 0..100_003,
                         exits: None,
                     };
-                    set.run(&batch, &mut tally);
+                    batch.trace(set, &mut tally);
                     tally
                 })
                 .collect();

@@ -148,7 +148,7 @@ fn fast(
                 samples: part * run..(part + 1) * run,
                 exits: None,
             };
-            set.run(&batch, &mut tally);
+            batch.trace(set, &mut tally);
             if part > 0 {
                 seconds += busy_seconds() - start;
                 rays += run;

@@ -109,7 +109,7 @@ fn one_file_names_the_bvh() {
     }
     assert_eq!(
         files_with(|line| line.contains("obvhs")),
-        ["bake/src/rays/bvh.rs"]
+        ["bake/src/rays/tree.rs"]
     );
 }
 
