@@ -78,7 +78,12 @@
 // Two rooms are features. Without them some items of the rooms below have no user.
 #![cfg_attr(
     not(all(feature = "images", feature = "report")),
-    allow(unused_imports, dead_code, reason = "rooms of features use it")
+    allow(
+        unused_imports,
+        dead_code,
+        unreachable_pub,
+        reason = "rooms of features use it"
+    )
 )]
 
 pub mod cli;
@@ -121,6 +126,7 @@ pub use crate::photographs::Measurement;
 pub use crate::photographs::captures::load as load_campaign;
 pub use crate::photographs::measure::edge as measure_edge;
 pub use crate::photographs::photo::channel::Decode;
+pub use crate::photographs::photo::held::Held;
 pub use crate::photographs::photo::load as load_photo;
 pub use crate::photographs::photo::load_colour;
 pub use crate::photographs::photo::picture::{Picture, Writing};

@@ -3,7 +3,7 @@
 use crate::cli::failure::Failure;
 use clap::Args;
 use glam::DVec3;
-use meshes::{Cell, CellOptions};
+use meshes::{Cell, CellOptions, Mesh};
 use std::path::Path;
 use tables::options::{Front, NormalsFrom, SceneOptions};
 
@@ -37,6 +37,24 @@ impl CellArgs {
     /// Returns [`Failure::Numbers`] if an option is no list of numbers, and [`Failure::Mesh`] if
     /// the file cannot be read or is no cell.
     pub(crate) fn load(&self, mesh: &Path, scene: &SceneOptions) -> Result<Cell, Failure> {
+        Ok(meshes::load_cell(mesh, &self.options(scene)?)?)
+    }
+
+    /// Makes the cell of a mesh in memory; `name` is its name for messages.
+    ///
+    /// # Errors
+    /// Fails as [`CellArgs::load`] does.
+    pub(super) fn of_mesh(
+        &self,
+        mesh: &Mesh,
+        name: &Path,
+        scene: &SceneOptions,
+    ) -> Result<Cell, Failure> {
+        Ok(meshes::normalise(mesh, name, &self.options(scene)?)?)
+    }
+
+    /// Returns these options and those of the `scene` as options of a cell.
+    fn options(&self, scene: &SceneOptions) -> Result<CellOptions, Failure> {
         let lattice = self
             .lattice
             .as_deref()
@@ -47,15 +65,14 @@ impl CellArgs {
             .as_deref()
             .map(|text| numbers::<3>("--azimuth-zero", text, "1,0,0"))
             .transpose()?;
-        let options = CellOptions {
+        Ok(CellOptions {
             lattice: lattice.map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]),
             azimuth_zero: azimuth_zero.map(DVec3::from_array),
             edge_length: self.edge_length,
             file_normals: scene.normals == NormalsFrom::File,
             glass: scene.glass_index.is_some(),
             periodic: scene.front == Front::Trapped,
-        };
-        Ok(meshes::load_cell(mesh, &options)?)
+        })
     }
 }
 

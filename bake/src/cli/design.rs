@@ -129,8 +129,17 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     let (Some(name), Some(output)) = (&args.name, &args.output) else {
         return Ok(());
     };
+    write(&made(name, args)?, output)
+}
+
+/// Makes the mesh of the design with this name.
+///
+/// # Errors
+/// Returns [`Failure::Design`] if there is no such design, or if an option has no meaning for it or
+/// is out of range, and [`Failure::Numbers`] if the dihedral errors are not three.
+fn made(name: &str, args: &DesignArgs) -> Result<Mesh, Failure> {
     if let Some(mesh) = element(name, args)? {
-        return write(&mesh, output);
+        return Ok(mesh);
     }
     let mut design = Design::new(Shape::from_name(name).map_err(Failure::Design)?);
     if let Some(length) = args.edge_length {
@@ -171,7 +180,18 @@ pub(crate) fn run(args: &DesignArgs) -> Result<(), Failure> {
     design.strips = args.strips.unwrap_or(design.strips);
     design.apex_flat = args.apex_flat.unwrap_or(design.apex_flat);
     design.gap = args.gap.unwrap_or(design.gap);
-    write(&design.mesh().map_err(Failure::Design)?, output)
+    design.mesh().map_err(Failure::Design)
+}
+
+/// Returns the mesh of the design that is named, as if it had been written to an OBJ file and read
+/// again.
+///
+/// # Errors
+/// Fails as [`run`] does, but for the file.
+pub(super) fn read_back(args: &DesignArgs) -> Result<Mesh, Failure> {
+    let name = args.name.as_deref().unwrap_or_default();
+    let text = meshes::write::obj(&made(name, args)?);
+    meshes::obj::parse(text.as_bytes()).map_err(Failure::Design)
 }
 
 /// Makes the mesh of a plate or of beads, if `name` is one of these designs.
@@ -233,7 +253,7 @@ fn element(name: &str, args: &DesignArgs) -> Result<Option<Mesh>, Failure> {
 }
 
 /// Writes a mesh in the format that the extension of `output` names.
-fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
+pub(super) fn write(mesh: &Mesh, output: &Path) -> Result<(), Failure> {
     let bytes = match extension(output).as_str() {
         "obj" => meshes::write::obj(mesh).into_bytes(),
         "glb" if !mesh.glass.is_empty() => return Err(Failure::Design(Fault::GlassInGlb)),

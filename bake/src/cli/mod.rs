@@ -5,6 +5,7 @@
 //! code. This room alone prints, reads a command line and chooses exit codes. It may touch every
 //! other room.
 
+pub mod calls;
 mod cell;
 #[allow(clippy::module_inception, reason = "the command line itself")]
 mod cli;
@@ -12,6 +13,7 @@ mod compare;
 mod design;
 mod failure;
 mod heading;
+mod host;
 mod inspect;
 mod merge;
 mod progress;

@@ -5,6 +5,15 @@ use crate::run::Bake;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
+/// Returns the number of rays of a bake; `None` if it runs to a tolerance.
+pub(super) fn rays(bake: &Bake) -> Option<u64> {
+    let (incidences, azimuths) = bake.axes().shape();
+    match bake.plan.effort {
+        Effort::Rays(rays) => Some(rays.saturating_mul((incidences * azimuths) as u64)),
+        Effort::Tolerance(_) => None,
+    }
+}
+
 /// Progress bar on stderr, hidden where stderr is no terminal.
 pub(super) struct Progress {
     bar: ProgressBar,
@@ -15,20 +24,13 @@ impl Progress {
     ///
     /// The bar counts without being displayed if it is not `shown`.
     pub(super) fn new(bake: &Bake, shown: bool) -> Self {
-        let (incidences, azimuths) = bake.axes().shape();
-        let (bar, template) = match bake.plan.effort {
-            Effort::Rays(rays) => {
-                let bar = ProgressBar::no_length();
-                bar.set_length(rays.saturating_mul((incidences * azimuths) as u64));
-                (
-                    bar,
-                    "{bar:40} {human_pos}/{human_len} rays, {per_sec}, {eta} left",
-                )
+        let bar = ProgressBar::no_length();
+        let template = match rays(bake) {
+            Some(rays) => {
+                bar.set_length(rays);
+                "{bar:40} {human_pos}/{human_len} rays, {per_sec}, {eta} left"
             }
-            Effort::Tolerance(_) => (
-                ProgressBar::no_length(),
-                "{spinner} {human_pos} rays, {per_sec}",
-            ),
+            None => "{spinner} {human_pos} rays, {per_sec}",
         };
         if !shown || !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());

@@ -4,14 +4,17 @@ use crate::cell::Prepared;
 use crate::cli::cell::CellArgs;
 use crate::cli::failure::Failure;
 use crate::cli::heading;
-use crate::cli::progress::Progress;
+use crate::cli::host::Caller;
+use crate::cli::progress::{self, Progress};
 use crate::cli::report;
 use crate::optics::material;
 use crate::plan::{Plan, PlanError, Request, default};
 use crate::run::{Bake, Launched, Ranks, SavedFile, Saves, Watch, saves};
 use clap::Args;
+use meshes::Mesh;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use tables::cli::{print, warn};
 use tables::options::{Back, Losses, Method, Record, Sampler, SceneOptions};
@@ -313,6 +316,42 @@ fn inputs(args: &TraceArgs) -> Result<(Prepared, Vec<Planned>), Failure> {
         .collect::<Result<Vec<_>, PlanError>>()?;
     let cell = args.cell.load(&args.mesh, &args.scene)?;
     Ok((Prepared::new(cell), plans))
+}
+
+/// Bakes the one table of `args` for another program; a `mesh` in memory takes the place of the
+/// file. Nothing is printed or written.
+///
+/// Returns the table and the warnings.
+///
+/// # Errors
+/// Fails as [`run`] does, and if the caller stopped the bake.
+pub(super) fn called(
+    args: &TraceArgs,
+    mesh: Option<&Mesh>,
+    caller: &Caller,
+) -> Result<(Table, Vec<String>), Failure> {
+    let wavelength_nm = args.tables()?.first().and_then(|(_, nm)| *nm);
+    let plan = Plan::new(&args.request(wavelength_nm)?)?;
+    let cell = match mesh {
+        Some(mesh) => args.cell.of_mesh(mesh, &args.mesh, &args.scene)?,
+        None => args.cell.load(&args.mesh, &args.scene)?,
+    };
+    let prepared = Prepared::new(cell);
+    let mut warnings = prepared.cell().warnings.clone();
+    warnings.extend(plan.warnings(&prepared));
+    warnings.extend(method_warning(args, &prepared, &plan));
+    let stopped = Watch::none().stopped_by(caller.stop);
+    let bake = Bake::watched(&prepared, &plan, stopped)?;
+    let (all, done) = (progress::rays(&bake), AtomicU64::new(0));
+    let told = |rays| (caller.told)(rays + done.fetch_add(rays, Ordering::Relaxed), all);
+    let table = bake.table(Watch::new(&told).stopped_by(caller.stop))?;
+    let report = report::Trace {
+        table: &table,
+        file: &args.output,
+        seconds: 0.0,
+    };
+    warnings.extend(report.warnings());
+    Ok((table, warnings))
 }
 
 /// Table to be made: a bake whose options, mesh and output have been checked.

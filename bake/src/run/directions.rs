@@ -50,9 +50,14 @@ const MOST_DIRECTIONS: usize = 1000;
 ///
 /// # Errors
 /// Returns [`RunError::DirectionTolerance`] if the greatest number of directions is too few, for
-/// example because the distribution jumps, and [`RunError::Threads`] if the threads cannot be
-/// started.
-pub(crate) fn choose(bake: &Bake, exact: &ExactCell, tolerance: f64) -> Result<Axes, RunError> {
+/// example because the distribution jumps, [`RunError::Threads`] if the threads cannot be started,
+/// and [`RunError::Stopped`] if `watch` stopped the search.
+pub(crate) fn choose(
+    bake: &Bake,
+    exact: &ExactCell,
+    tolerance: f64,
+    watch: Watch<'_>,
+) -> Result<Axes, RunError> {
     let ends = |angles: &[f64]| match angles {
         [first, .., last] => vec![*first, *last],
         other => other.to_vec(),
@@ -72,7 +77,7 @@ pub(crate) fn choose(bake: &Bake, exact: &ExactCell, tolerance: f64) -> Result<A
         around_to: goes_around.then_some(first + width),
         aim: AIM * tolerance,
     };
-    pool(bake.plan.threads)?.install(|| search.refine())?;
+    pool(bake.plan.threads)?.install(|| search.refine(watch))?;
     Ok(search.axes(bake.axes.bins))
 }
 
@@ -120,8 +125,11 @@ impl Search<'_> {
     }
 
     /// Halves gaps until all directions that are tried are within the aim.
-    fn refine(&mut self) -> Result<(), RunError> {
+    fn refine(&mut self, watch: Watch<'_>) -> Result<(), RunError> {
         loop {
+            if watch.is_stopped() {
+                return Err(RunError::Stopped);
+            }
             // Only polygons are interpolated, so one bin is enough for the table.
             let bake = Bake {
                 axes: self.axes(1),

@@ -40,6 +40,18 @@ impl<'a> Bake<'a> {
     /// method cannot bake the cell, [`RunError::DirectionTolerance`] if that tolerance is out of
     /// reach, and [`RunError::Threads`] if the threads cannot be started.
     pub(crate) fn new(prepared: &'a Prepared, plan: &'a Plan) -> Result<Self, RunError> {
+        Bake::watched(prepared, plan, Watch::none())
+    }
+
+    /// Decides as [`Bake::new`] does, and stops if `watch` says so.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Bake::new`], and [`RunError::Stopped`].
+    pub(crate) fn watched(
+        prepared: &'a Prepared,
+        plan: &'a Plan,
+        watch: Watch<'_>,
+    ) -> Result<Self, RunError> {
         let (axes, symmetry) = plan.folded(prepared);
         let exact = plan.exact_cell(prepared);
         let mut bake = Bake {
@@ -53,7 +65,7 @@ impl<'a> Bake<'a> {
         };
         if let Some(tolerance) = plan.direction_tolerance {
             let exact = exact.clone().map_err(RunError::DirectionsOfRays)?;
-            bake.axes = directions::choose(&bake, exact, tolerance)?;
+            bake.axes = directions::choose(&bake, exact, tolerance, watch)?;
         }
         bake.exact = match (plan.method, exact) {
             (Method::Rays, _) | (Method::Auto, Err(_)) => None,

@@ -2,7 +2,7 @@
 
 mod summary;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -13,6 +13,7 @@ use tables::{Outputs, Table};
 use crate::cli::estimate::summary::summary;
 use crate::cli::expected::{self, Expected};
 use crate::cli::failure::Failure;
+use crate::cli::host::Caller;
 use crate::cli::output;
 use crate::cli::parse;
 use crate::cli::progress::Progress;
@@ -25,10 +26,13 @@ use crate::estimate::OtherTable;
 use crate::estimate::Watch;
 use crate::estimate::campaign::campaign;
 use crate::estimate::error;
+use crate::estimate::scene::Source;
 use crate::estimate::{Estimated, Options};
 use crate::names::Family;
 use crate::names::Spectrum;
+use crate::photographs::captures;
 use crate::photographs::photo::channel::Channel;
+use crate::photographs::photo::held::Held;
 use crate::photographs::{Campaign, Shot};
 #[cfg(feature = "report")]
 use crate::report::page::evidence::Evidence;
@@ -178,12 +182,14 @@ fn channels(text: &str) -> Result<Channels, std::convert::Infallible> {
     }))
 }
 
-/// Returns the options of the estimate that the command line gives. Ends the program with a usage
-/// error if they exclude each other.
-fn options(arguments: &Arguments) -> Options {
-    let mut options = Options::new(arguments.terms.candidates("fit estimate"));
+/// Returns the options of the estimate that the command line gives.
+///
+/// # Errors
+/// Returns [`Failure::Usage`] if they exclude each other.
+fn options(arguments: &Arguments) -> Result<Options, Failure> {
+    let mut options = Options::new(arguments.terms.candidates("fit estimate")?);
     if arguments.forward == Forward::Render {
-        sampled::only(&mut options.candidates, arguments.loss, "fit estimate");
+        options.candidates = sampled::only(options.candidates, arguments.loss, "fit estimate")?;
         options.samples = Some(arguments.samples.sampling());
     }
     options.loss = arguments.loss;
@@ -194,7 +200,7 @@ fn options(arguments: &Arguments) -> Options {
     {
         options.channel = Some(one.clone());
     }
-    options
+    Ok(options)
 }
 
 impl Arguments {
@@ -216,15 +222,13 @@ fn several(arguments: &Arguments) -> Option<&[Channel]> {
 /// Fails if the manifest, a photograph or the table cannot be used, if the estimate fails, or if an
 /// output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut options = options(arguments);
+    let mut options = options(arguments)?;
     #[cfg(feature = "report")]
     if several(arguments).is_some() && (arguments.plot.is_some() || arguments.report.is_some()) {
-        clap::Command::new("fit estimate")
-            .error(
-                clap::error::ErrorKind::ArgumentConflict,
-                "--plot and --report show one fit; name one --channel for them",
-            )
-            .exit();
+        return Err(Failure::conflict(
+            "fit estimate",
+            "--plot and --report show one fit; name one --channel for them",
+        ));
     }
     let start = Instant::now();
     let option = arguments.expect_table.as_deref();
@@ -296,6 +300,88 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     })?)
 }
 
+/// Inputs of an estimate that another program calls.
+pub(super) struct Inputs<'a> {
+    /// Text of the manifest, and the photographs that it names; `None` if both are files.
+    pub(super) held: Option<(String, HashMap<PathBuf, Held>)>,
+    /// Table of the sheet.
+    pub(super) table: &'a Table,
+    /// Further tables.
+    pub(super) others: Vec<OtherTable>,
+}
+
+/// Estimate that another program called.
+pub(super) struct Estimation {
+    #[cfg_attr(
+        not(feature = "report"),
+        expect(dead_code, reason = "the page shows it")
+    )]
+    estimated: Estimated,
+    pub(super) result: ResultFile,
+}
+
+impl Estimation {
+    /// Returns the page of the estimate as HTML; `command` is said to have made it.
+    #[cfg(feature = "report")]
+    pub(super) fn report(&self, command: &str) -> String {
+        let evidence = Evidence::of(&self.estimated);
+        let shown = Page {
+            result: &self.result,
+            campaign: &self.estimated.campaign,
+            truth: None,
+            evidence: &evidence,
+            command,
+        };
+        shown.html()
+    }
+}
+
+/// Makes the estimate that another program calls. Nothing is printed or written.
+///
+/// # Errors
+/// Fails as [`run`] does, and with [`error::Error::Cancelled`] if the caller stopped it.
+pub(super) fn called(
+    arguments: &Arguments,
+    inputs: Inputs,
+    caller: Caller,
+    start: Instant,
+) -> Result<Estimation, Failure> {
+    let mut options = options(arguments)?;
+    if several(arguments).is_some() {
+        let message = "a call fits one channel; call once for each channel";
+        return Err(Failure::conflict("fit estimate", message));
+    }
+    options.others = inputs.others;
+    let option = arguments.expect_table.as_deref();
+    let (manifest, photographs) = inputs.held.unzip();
+    let photographs = photographs.unwrap_or_default();
+    let (campaign, expected) = match manifest {
+        Some(text) => {
+            let is_held = |image: &Path| photographs.contains_key(image);
+            expected::of(captures::held(text, &arguments.captures, &is_held)?, option)?
+        }
+        None => expected::campaign(&arguments.captures, option)?,
+    };
+    expected.check(inputs.table, arguments.first_table())?;
+    let supply = |shot: &Shot| match photographs.get(&shot.image) {
+        Some(held) => shot.held(held),
+        None => shot.load(),
+    };
+    let watch = Watch {
+        progress: Some(&|step| caller.show(step)),
+        cancel: Some(caller.stop),
+    };
+    let job = Job {
+        arguments,
+        campaign: &campaign,
+        table: inputs.table,
+    };
+    let pool = terminal::pool(arguments.threads)?;
+    let made = pool.install(|| job.watched(&supply, &options, start, &watch));
+    let (estimated, result) = made?;
+    Ok(Estimation { estimated, result })
+}
+
 /// Returns the files that are read. None of them may be an output.
 fn inputs<'a>(arguments: &'a Arguments, campaign: &'a Campaign) -> impl Iterator<Item = &'a Path> {
     let captures = campaign.captures.iter().map(|capture| &capture.shot);
@@ -317,14 +403,26 @@ struct Job<'a> {
 impl Job<'_> {
     /// Makes one estimate, and the result that is written of it.
     fn run(&self, options: &Options, start: Instant) -> Result<(Estimated, ResultFile), Failure> {
-        let table = self.table;
         let progress = Progress::of_steps();
         let watch = Watch {
             progress: Some(&|step| progress.show(step)),
             cancel: None,
         };
-        let estimated = campaign(self.campaign, &Shot::load, table, options, &watch);
+        let made = self.watched(&Shot::load, options, start, &watch);
         progress.done();
+        made
+    }
+
+    /// Makes one estimate of the photographs that `photo` supplies.
+    fn watched(
+        &self,
+        photo: &Source,
+        options: &Options,
+        start: Instant,
+        watch: &Watch,
+    ) -> Result<(Estimated, ResultFile), Failure> {
+        let table = self.table;
+        let estimated = campaign(self.campaign, photo, table, options, watch);
         let estimated = estimated.map_err(|error| match error {
             error::Error::OneAzimuth { held } => Failure::OneAzimuth {
                 table: self.arguments.first_table().to_owned(),

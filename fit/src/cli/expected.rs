@@ -20,11 +20,19 @@ pub(crate) struct Expected(Option<(String, Asked)>);
 /// Returns [`Failure::Captures`] if the manifest cannot be used, and [`Failure::TwoTables`] if it
 /// and the option name different hashes.
 pub(crate) fn campaign(file: &Path, option: Option<&str>) -> Result<(Campaign, Expected), Failure> {
-    let Manifest {
-        campaign,
-        expected_table,
-    } = captures::read(file)?;
-    Ok((campaign, Expected::new(option, expected_table)?))
+    of(captures::read(file)?, option)
+}
+
+/// Returns the campaign of a manifest, and the table that it and the option ask for.
+///
+/// # Errors
+/// Returns [`Failure::TwoTables`] if they name different hashes.
+pub(super) fn of(
+    manifest: Manifest,
+    option: Option<&str>,
+) -> Result<(Campaign, Expected), Failure> {
+    let expected = Expected::new(option, manifest.expected_table)?;
+    Ok((manifest.campaign, expected))
 }
 
 impl Expected {
@@ -54,14 +62,25 @@ impl Expected {
     /// has another content hash.
     pub(crate) fn read(&self, path: &Path) -> Result<Table, Failure> {
         let table = tables::read(path)?;
-        let found = table.content_hash();
+        self.check(&table, path)?;
+        Ok(table)
+    }
+
+    /// Refuses a table of another hash; `path` is its name for messages.
+    ///
+    /// # Errors
+    /// Returns [`Failure::OtherTable`] if the table has another content hash.
+    pub(super) fn check(&self, table: &Table, path: &Path) -> Result<(), Failure> {
         match &self.0 {
-            Some((hash, asked)) if *hash != found => Err(Failure::OtherTable {
-                table: path.to_owned(),
-                found,
-                asked: asked.clone(),
-            }),
-            _ => Ok(table),
+            Some((hash, asked)) => match table.content_hash() {
+                found if *hash != found => Err(Failure::OtherTable {
+                    table: path.to_owned(),
+                    found,
+                    asked: asked.clone(),
+                }),
+                _ => Ok(()),
+            },
+            None => Ok(()),
         }
     }
 }

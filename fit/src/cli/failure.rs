@@ -227,6 +227,12 @@ pub(crate) enum Failure {
     /// Threads that could not be started.
     #[error(transparent)]
     Threads(#[from] tables::cli::NoThreads),
+    /// Work that the caller stopped.
+    #[error("stopped")]
+    Stopped,
+    /// Wrong usage, as clap says it.
+    #[error("{}", .0.render())]
+    Usage(#[from] clap::Error),
 }
 
 impl From<estimate::Error> for Failure {
@@ -236,13 +242,20 @@ impl From<estimate::Error> for Failure {
 }
 
 impl Failure {
+    /// Makes the failure of options of `verb` that exclude each other.
+    pub(crate) fn conflict(verb: &'static str, message: impl fmt::Display) -> Failure {
+        clap::Command::new(verb)
+            .error(clap::error::ErrorKind::ArgumentConflict, message)
+            .into()
+    }
+
     /// Returns the exit code: 2 for wrong usage that clap cannot see, 1 for work that failed.
     pub(crate) fn code(&self) -> u8 {
         match self {
             #[cfg(feature = "report")]
             Failure::Plot(plot::Error::Format(_)) => 2,
             Failure::Terminal(tables::cli::Error::PlotExtension(_)) => 2,
-            Failure::Frequency { .. } => 2,
+            Failure::Frequency { .. } | Failure::Usage(_) => 2,
             #[cfg(feature = "images")]
             Failure::Render(render::Error::Ending { .. }) => 2,
             _ => 1,

@@ -4,6 +4,8 @@
 //! room may touch every other room of the crate. Only this room prints, reads the command line and
 //! ends the program.
 
+#[cfg(all(feature = "images", feature = "report"))]
+pub mod calls;
 mod estimate;
 #[cfg(feature = "images")]
 mod evaluate;
@@ -11,6 +13,7 @@ mod expected;
 mod export;
 mod failure;
 mod forward;
+mod host;
 mod mtf;
 mod output;
 mod parse;

@@ -17,6 +17,7 @@ use crate::cli::{output, parse};
 use crate::photographs::Roi;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::held::Held;
 use crate::photographs::photo::transfer::Transfer;
 #[cfg(feature = "report")]
 use crate::report::{curves, plot};
@@ -132,23 +133,56 @@ fn roi(text: &str) -> Result<Roi, String> {
     }
 }
 
+impl Arguments {
+    /// Returns what holds for every photograph.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Frequency`] if a frequency lies above the sampling frequency.
+    fn request(&self) -> Result<Request, Failure> {
+        let request = Request {
+            decode: Decode {
+                transfer: self.transfer,
+                channel: self.channel.clone(),
+            },
+            roi: self.roi,
+            accept: self.accept.clone(),
+            pitch_mm: self.pixel_pitch,
+            at: self.at.clone().unwrap_or_default(),
+        };
+        request.check()?;
+        Ok(request)
+    }
+}
+
+/// Measures one photograph, from its file or from memory, and returns the measurement as JSON.
+///
+/// # Errors
+/// Fails if the photograph cannot be read or holds no edge.
+pub(super) fn measurement(arguments: &Arguments, held: Option<&Held>) -> Result<String, Failure> {
+    let request = arguments.request()?;
+    let report = match (held, &arguments.image[..]) {
+        (Some(held), _) => {
+            let photo = held.photo(&request.decode)?;
+            report::of_photo(&held.name, &photo, &request)?
+        }
+        (None, [image]) => measured(image, &request)?,
+        (None, _) => {
+            return Err(Failure::conflict(
+                "fit mtf",
+                "name one photograph at a time",
+            ));
+        }
+    };
+    Ok(output::json(&report))
+}
+
 /// Runs the verb.
 ///
 /// # Errors
 /// Fails if a photograph cannot be read or holds no edge, or if an output cannot be written. Of
 /// several photographs, all others are measured and written first.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let request = Request {
-        decode: Decode {
-            transfer: arguments.transfer,
-            channel: arguments.channel.clone(),
-        },
-        roi: arguments.roi,
-        accept: arguments.accept.clone(),
-        pitch_mm: arguments.pixel_pitch,
-        at: arguments.at.clone().unwrap_or_default(),
-    };
-    request.check()?;
+    let request = arguments.request()?;
     let images = files::photographs(&arguments.image)?;
     let mut outputs = Outputs::beside(images.iter().map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;

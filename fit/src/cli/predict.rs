@@ -19,6 +19,7 @@ use crate::predict::{Axis, Places, Prediction, Viewpoint, predict, remarks};
 use crate::report::Variable;
 #[cfg(feature = "report")]
 use crate::report::plot::{self};
+use crate::result::ResultFile;
 
 /// Predicts MTF and luminance of a fitted sheet at other distances and angles.
 #[derive(Debug, clap::Args)]
@@ -161,15 +162,13 @@ impl OldNames<Around> {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     if arguments.against.is_some() && arguments.frequency.len() > MOST_CURVES {
-        clap::Command::new("fit predict")
-            .error(
-                clap::error::ErrorKind::ArgumentConflict,
-                format!(
-                    "--against draws a curve for every frequency; name at most {MOST_CURVES} \
-                with --frequency"
-                ),
-            )
-            .exit();
+        return Err(Failure::conflict(
+            "fit predict",
+            format!(
+                "--against draws a curve for every frequency; name at most {MOST_CURVES} with \
+                --frequency"
+            ),
+        ));
     }
     let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
@@ -178,10 +177,65 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
     check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
+    let found = predicted(arguments, &result, &table)?;
+    terminal::warn(&found.warnings);
+    #[cfg(feature = "report")]
+    if let Some((path, output)) = picture {
+        let frequencies = &found.frequency_per_mm;
+        output.commit(&match arguments.against {
+            Some(Variable::Direction) => plot::around(&found.around, frequencies, path)?,
+            Some(variable) => plot::against(&found.predictions, frequencies, variable, path)?,
+            None => plot::predicted(&found.predictions, frequencies, path)?,
+        })?;
+    }
+    let text = if arguments.json {
+        found.json(&result)
+    } else {
+        csv(&found.predictions, &found.frequency_per_mm)
+    };
+    Ok(terminal::deliver(&text, output)?)
+}
+
+/// Predictions that the options ask for, with the warnings about them.
+pub(super) struct Predicted {
+    frequency_per_mm: Vec<f64>,
+    predictions: Vec<Prediction>,
+    #[cfg(feature = "report")]
+    around: Vec<Around>,
+    warnings: Vec<String>,
+}
+
+impl Predicted {
+    /// Returns the predictions as JSON.
+    pub(super) fn json(self, result: &ResultFile) -> String {
+        output::json(&Report {
+            kernel: result.kernel,
+            frequency_per_mm: &self.frequency_per_mm,
+            predictions: self
+                .predictions
+                .iter()
+                .map(OldNames::of_prediction)
+                .collect(),
+            #[cfg(feature = "report")]
+            around: self.around.into_iter().map(OldNames::of_around).collect(),
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Predicts what the options ask for.
+///
+/// # Errors
+/// Returns [`Failure::Predict`] if the table lacks a direction.
+pub(super) fn predicted(
+    arguments: &Arguments,
+    result: &ResultFile,
+    table: &Table,
+) -> Result<Predicted, Failure> {
     let mut places = Places {
         floating_distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
-        azimuth_deg: parse::only_azimuth(&table),
+        azimuth_deg: parse::only_azimuth(table),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
     let mut predictions = Vec::new();
@@ -196,41 +250,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         &azimuths[..]
     } {
         places.azimuth_deg = azimuth_deg;
-        predictions.extend(predict(&result, &table, &places)?);
+        predictions.extend(predict(result, table, &places)?);
         #[cfg(feature = "report")]
         if arguments.against == Some(Variable::Direction) {
-            polar.extend(around(&result, &table, &places)?);
+            polar.extend(around(result, table, &places)?);
         }
     }
     let at: Vec<Viewpoint> = predictions.iter().map(Prediction::place).collect();
-    let mut warnings = remarks(&result, &table, &at)?;
+    let mut warnings = remarks(result, table, &at)?;
     if arguments.azimuth.is_some() && table.axes.is_mean() {
         warnings.push("the table is a mean over azimuths: --azimuth has no effect".into());
     }
-    warnings.extend(interpolated(&predictions, &table));
-    terminal::warn(&warnings);
-    #[cfg(feature = "report")]
-    if let Some((path, output)) = picture {
-        let frequencies = &places.frequency_per_mm;
-        output.commit(&match arguments.against {
-            Some(Variable::Direction) => plot::around(&polar, frequencies, path)?,
-            Some(variable) => plot::against(&predictions, frequencies, variable, path)?,
-            None => plot::predicted(&predictions, frequencies, path)?,
-        })?;
-    }
-    let text = if arguments.json {
-        output::json(&Report {
-            kernel: result.kernel,
-            frequency_per_mm: &places.frequency_per_mm,
-            predictions: predictions.iter().map(OldNames::of_prediction).collect(),
-            #[cfg(feature = "report")]
-            around: polar.into_iter().map(OldNames::of_around).collect(),
-            warnings,
-        })
-    } else {
-        csv(&predictions, &places.frequency_per_mm)
-    };
-    Ok(terminal::deliver(&text, output)?)
+    warnings.extend(interpolated(&predictions, table));
+    Ok(Predicted {
+        frequency_per_mm: places.frequency_per_mm,
+        predictions,
+        #[cfg(feature = "report")]
+        around: polar,
+        warnings,
+    })
 }
 
 /// Returns a warning about directions between those of the table, unless the table bounds that

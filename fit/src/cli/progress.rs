@@ -54,13 +54,8 @@ impl Progress {
     /// Shows a step of an estimate that is done. Each kind of step has a bar of its own.
     #[cfg(feature = "report")]
     pub(crate) fn show(&self, step: Step) {
-        let (what, done, of) = match step {
-            Step::Photographs { done, of } => ("photographs measured", done, of),
-            Step::Azimuths { done, of } => ("azimuths tried", done, of),
-            Step::Candidates { done, of } => ("fits of models", done, of),
-            Step::Chosen => return,
-            Step::Suspects { done, of } => ("suspects tried", done, of),
-            Step::Randomisations { done, of } => ("randomisations", done, of),
+        let Some((what, done, of)) = step.words() else {
+            return;
         };
         if self.bar.message() != what {
             self.bar.set_message(what);

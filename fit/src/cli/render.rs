@@ -214,8 +214,9 @@ pub(crate) struct Arguments {
 /// Least and greatest value over the image.
 type Range = [f64; 2];
 
+/// Facts about an image.
 #[derive(Serialize)]
-struct Report {
+pub(super) struct Report {
     width: usize,
     height: usize,
     channels: usize,
@@ -237,8 +238,10 @@ struct Report {
     /// Mean and greatest luminance of the mid-air image, relative to the ambient light; null
     /// without ambient light.
     contrast: Option<Contrast>,
-    seconds: Seconds,
-    warnings: Vec<String>,
+    /// Absent where the program did not read and write the pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<Seconds>,
+    pub(super) warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -284,41 +287,61 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
     let read = started.elapsed().as_secs_f64();
 
+    let (image, mut report) = pool.install(|| rendered(arguments, &sheet, &source))?;
+    let rendered = started.elapsed().as_secs_f64();
+
+    report.warnings.extend(clipped(&image, writing));
+    let bytes = pool.install(|| encoded(image, writing, arguments))?;
+    output.commit(&bytes)?;
+    let written = started.elapsed().as_secs_f64();
+    terminal::warn(&report.warnings);
+    if !arguments.json {
+        return Ok(());
+    }
+    report.seconds = Some(Seconds {
+        read,
+        render: rendered - read,
+        write: written - rendered,
+    });
+    Ok(terminal::print(&output::json(&report))?)
+}
+
+/// Renders the mid-air image of a picture, and returns it with its facts.
+///
+/// # Errors
+/// Returns [`Failure::Render`] if the view cannot be used or the table lacks a direction, and
+/// [`Failure::Predict`] if the result cannot be used with the table.
+pub(super) fn rendered(
+    arguments: &Arguments,
+    sheet: &Fitted<'_>,
+    source: &Picture,
+) -> Result<(Picture, Report), Failure> {
+    let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
     let pitch = arguments.pixel_pitch;
     let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
     let pitch_mm = view.as_ref().map_or(pitch, CameraView::pitch_mm);
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
-    let seen = pool.install(|| match &view {
-        Some(view) => from_camera(&source, &sheet, view, arguments),
-        None => from_afar(&source, &sheet, pitch_mm, arguments),
-    })?;
-    let mut warnings = warnings(&source, &seen);
+    let seen = match &view {
+        Some(view) => from_camera(source, sheet, view, arguments),
+        None => from_afar(source, sheet, pitch_mm, arguments),
+    }?;
+    let mut warnings = warnings(source, &seen);
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
-    warnings.extend(remarks(&result, &table, &places)?);
+    warnings.extend(remarks(result, table, &places)?);
     let mut image = seen.image;
     let contrast = (ambient > 0.0).then(|| Contrast {
         mean: image.mean_luminance() / ambient,
         peak: image.peak_luminance() / ambient,
     });
-    pool.install(|| image.expose(ambient, arguments.exposure));
-    let rendered = started.elapsed().as_secs_f64();
+    image.expose(ambient, arguments.exposure);
 
     let spots = &seen.spots;
-    let (width, height, channels) = (image.width, image.height, image.planes.len());
-    warnings.extend(clipped(&image, writing));
-    let bytes = pool.install(|| encoded(image, writing, arguments))?;
-    output.commit(&bytes)?;
-    let written = started.elapsed().as_secs_f64();
-    terminal::warn(&warnings);
-    if !arguments.json {
-        return Ok(());
-    }
-    Ok(terminal::print(&output::json(&Report {
-        width,
-        height,
-        channels,
+    let report = Report {
+        width: image.width,
+        height: image.height,
+        channels: image.planes.len(),
         pixel_pitch_mm: pitch_mm,
         incidence_deg: range(spots, |spot| spot.place.incidence_deg),
         azimuth_deg: (!table.axes.is_mean())
@@ -331,13 +354,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         tiles: seen.tiles,
         sampling_error: seen.sampling_error,
         contrast,
-        seconds: Seconds {
-            read,
-            render: rendered - read,
-            write: written - rendered,
-        },
+        seconds: None,
         warnings,
-    }))?)
+    };
+    Ok((image, report))
 }
 
 /// Returns the warning for an image that is brighter than its file can hold.

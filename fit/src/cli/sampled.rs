@@ -1,5 +1,6 @@
 //! The options of a forward model that draws samples.
 
+use crate::cli::failure::Failure;
 use crate::estimate::Candidates;
 use crate::estimate::Kind;
 use crate::samples::Sampling;
@@ -43,13 +44,16 @@ impl Samples {
     }
 }
 
-/// Leaves the candidates that have samples. Ends the program with a usage error if none is left, or
-/// if a loss was asked for that does not compare MTFs.
-pub(crate) fn only(candidates: &mut Candidates, loss: Option<Kind>, verb: &'static str) {
-    match candidates.clone().with_samples(loss) {
-        Ok(left) => *candidates = left,
-        Err(conflict) => clap::Command::new(verb)
-            .error(clap::error::ErrorKind::ArgumentConflict, conflict)
-            .exit(),
-    }
+/// Returns those of the candidates that have samples.
+///
+/// # Errors
+/// Returns [`Failure::Usage`] if none is left, or if a loss was asked for that does not compare
+/// MTFs.
+pub(crate) fn only(
+    candidates: Candidates,
+    loss: Option<Kind>,
+    verb: &'static str,
+) -> Result<Candidates, Failure> {
+    let left = candidates.with_samples(loss);
+    left.map_err(|conflict| Failure::conflict(verb, conflict))
 }

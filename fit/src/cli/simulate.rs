@@ -6,7 +6,7 @@ use tables::cli as terminal;
 
 use crate::cli::failure::Failure;
 use crate::simulate::Params;
-use crate::simulate::write;
+use crate::simulate::write::{self, Report};
 
 /// Writes a synthetic campaign: noisy photographs, captures.toml and truth.json.
 #[derive(Debug, clap::Args)]
@@ -100,21 +100,10 @@ pub(crate) struct Arguments {
 /// # Errors
 /// Fails if the parameters or the table cannot be used, or if the folder cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut params = Params::load(&arguments.params)?;
-    if let Some(table) = &arguments.table {
-        params = params.of_sheet(&tables::read(table)?)?;
-    }
-    let report = terminal::pool(arguments.threads)?
-        .install(|| write::run(&params, &arguments.output, arguments.force))?;
+    let report = written(arguments)?;
     terminal::warn(&report.warnings);
     Ok(terminal::print(&if arguments.json {
-        let object = serde_json::json!({
-            "manifest": report.manifest,
-            "photographs": report.photographs,
-            "clipped_pixels": report.clipped,
-            "warnings": report.warnings,
-        });
-        format!("{object:#}\n")
+        json(&report)
     } else {
         format!(
             "{} photographs, manifest {}\n",
@@ -122,4 +111,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             report.manifest.display()
         )
     })?)
+}
+
+/// Writes the campaign, and returns what was written.
+///
+/// # Errors
+/// Fails as [`run`] does.
+pub(super) fn written(arguments: &Arguments) -> Result<Report, Failure> {
+    let mut params = Params::load(&arguments.params)?;
+    if let Some(table) = &arguments.table {
+        params = params.of_sheet(&tables::read(table)?)?;
+    }
+    let pool = terminal::pool(arguments.threads)?;
+    Ok(pool.install(|| write::run(&params, &arguments.output, arguments.force))?)
+}
+
+/// Returns what was written as JSON.
+pub(super) fn json(report: &Report) -> String {
+    let object = serde_json::json!({
+        "manifest": report.manifest,
+        "photographs": report.photographs,
+        "clipped_pixels": report.clipped,
+        "warnings": report.warnings,
+    });
+    format!("{object:#}\n")
 }

@@ -14,6 +14,7 @@ use tables::{Outputs, Table};
 
 use crate::cli::expected;
 use crate::cli::failure::Failure;
+use crate::cli::host::Host;
 use crate::cli::output;
 use crate::cli::study::all::run_all;
 use crate::cli::study::mistaken::Mistaken;
@@ -170,9 +171,17 @@ pub(crate) struct Arguments {
 /// Fails if the manifest, a photograph, the ranges or the table cannot be used, if an estimate of
 /// given photographs fails, or if an output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    Ok(terminal::print(&text(arguments, Host::Terminal)?)?)
+}
+
+/// Runs the study, and returns what it found as text or JSON.
+///
+/// # Errors
+/// Fails as [`run`] does, and returns [`Failure::Stopped`] if the host stopped the study.
+pub(super) fn text(arguments: &Arguments, host: Host<'_>) -> Result<String, Failure> {
     let pool = terminal::pool(arguments.threads)?;
-    let text = match (&arguments.ranges, &arguments.captures) {
-        (Some(ranges), _) => drawn(arguments, ranges, &pool)?,
+    Ok(match (&arguments.ranges, &arguments.captures) {
+        (Some(ranges), _) => drawn(arguments, ranges, &pool, host)?,
         (None, Some(captures)) if arguments.forward.forward == Some(Forward::Render) => {
             rendered(arguments, captures, &pool)?
         }
@@ -183,7 +192,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             #[cfg(feature = "report")]
             let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
             let table = expected.read(&arguments.table)?;
-            let open = arguments.terms.candidates("fit study");
+            let open = arguments.terms.candidates("fit study")?;
             let start = Instant::now();
             let scene = pool.install(|| Scene::load(&campaign, &table))?;
             let seconds = start.elapsed().as_secs_f64();
@@ -200,8 +209,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
         (None, None) => String::new(),
-    };
-    Ok(terminal::print(&text)?)
+    })
 }
 
 /// Studies estimates by samples: their seconds and their errors against the closed form.
@@ -210,8 +218,8 @@ fn rendered(
     captures: &Path,
     pool: &rayon::ThreadPool,
 ) -> Result<String, Failure> {
-    let mut open = arguments.terms.candidates("fit study");
-    sampled::only(&mut open, None, "fit study");
+    let open = arguments.terms.candidates("fit study")?;
+    let open = sampled::only(open, None, "fit study")?;
     let (campaign, expected) = expected::campaign(captures, None)?;
     #[cfg(feature = "report")]
     let mut outputs = Outputs::beside([captures, &arguments.table]);
@@ -286,7 +294,12 @@ fn bounds(study: &Study) -> String {
     text
 }
 
-fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result<String, Failure> {
+fn drawn(
+    arguments: &Arguments,
+    file: &Path,
+    pool: &rayon::ThreadPool,
+    host: Host<'_>,
+) -> Result<String, Failure> {
     let ranges = Ranges::load(file)?;
     let table = tables::read(&arguments.table)?;
     let directions = checked_directions(&ranges, &table, &arguments.table)?;
@@ -295,10 +308,10 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
     #[cfg(feature = "report")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
     if arguments.choice {
-        let (trials, refused) = run_all(arguments.campaigns, pool, |index| {
+        let (trials, refused) = run_all(arguments.campaigns, pool, host, |index| {
             let params = ranges.open_campaign(arguments.seed, index, &directions);
             choice::run(&params, index, &table)
-        });
+        })?;
         let summary = choice::Summary::new(&trials, refused);
         return Ok(if arguments.json {
             output::json(&summary)
@@ -316,16 +329,16 @@ fn drawn(arguments: &Arguments, file: &Path, pool: &rayon::ThreadPool) -> Result
             table: &table,
             directions: &directions,
         };
-        let (text, rows) = study.run(pool)?;
+        let (text, rows) = study.run(pool, host)?;
         if let Some(output) = csv {
             output.commit(rows.as_bytes())?;
         }
         return Ok(text);
     }
-    let (trials, refused) = run_all(arguments.campaigns, pool, |index| {
+    let (trials, refused) = run_all(arguments.campaigns, pool, host, |index| {
         let params = ranges.campaign(arguments.seed, index, &directions);
         trial::run(&params, index, &table)
-    });
+    })?;
     if let Some(output) = csv {
         output.commit(spreadsheet(&trials).as_bytes())?;
     }

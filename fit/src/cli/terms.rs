@@ -1,5 +1,6 @@
 //! The options that name terms of the model or leave them open, and the kernels in words.
 
+use crate::cli::failure::Failure;
 use crate::estimate::Candidates;
 use crate::names::LobeShape;
 use crate::names::{Family, Kernel};
@@ -131,39 +132,34 @@ fn lobes(text: &str) -> Result<Lobes, String> {
     )?))
 }
 
-/// Ends the program with a usage error.
-fn conflict(verb: &'static str, message: &str) -> ! {
-    clap::Command::new(verb)
-        .error(clap::error::ErrorKind::ArgumentConflict, message)
-        .exit()
-}
-
 impl Terms {
-    /// Returns the candidates that these options leave. Ends the program with a usage error if a
-    /// parameter is both shared and per angle, or if terms of one model are named for another.
-    pub(crate) fn candidates(&self, verb: &'static str) -> Candidates {
+    /// Returns the candidates that these options leave.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] if a parameter is both shared and per angle, or if terms of one
+    /// model are named for another.
+    pub(crate) fn candidates(&self, verb: &'static str) -> Result<Candidates, Failure> {
+        let conflict = |message: &'static str| Failure::conflict(verb, message);
         let sharing = |per_angle: PerAngle, shared: SharedName| {
             let named = (
                 self.per_angle.contains(&per_angle),
                 self.shared.contains(&shared),
             );
             match named {
-                (true, false) => Some(true),
-                (false, true) => Some(false),
-                (false, false) => None,
-                (true, true) => conflict(
-                    verb,
+                (true, false) => Ok(Some(true)),
+                (false, true) => Ok(Some(false)),
+                (false, false) => Ok(None),
+                (true, true) => Err(conflict(
                     "a parameter is named both in --per-angle and in --shared; name it in one of \
                     them",
-                ),
+                )),
             }
         };
         let baseline = self.model != Family::Proposed;
         if baseline && self.kernel.0.len() == 1 {
-            conflict(
-                verb,
-                "--kernel names terms of the proposed model; leave it out with another --model",
-            );
+            let message =
+                "--kernel names terms of the proposed model; leave it out with another --model";
+            return Err(conflict(message));
         }
         let shapes = match self.lobe {
             None if baseline => self.model.shapes().to_vec(),
@@ -171,14 +167,14 @@ impl Terms {
             Some(Lobes::Auto) => self.model.shapes().to_vec(),
             Some(Lobes::One(shape)) if self.model.shapes().contains(&shape) => vec![shape],
             Some(Lobes::One(_)) if baseline => {
-                conflict(verb, "the lobe of a baseline is beckmann or ggx")
+                return Err(conflict("the lobe of a baseline is beckmann or ggx"));
             }
-            Some(Lobes::One(_)) => conflict(
-                verb,
-                "the lobe of the proposed model is radial or separable",
-            ),
+            Some(Lobes::One(_)) => {
+                let message = "the lobe of the proposed model is radial or separable";
+                return Err(conflict(message));
+            }
         };
-        Candidates {
+        Ok(Candidates {
             kernels: if baseline {
                 self.model.kernels().to_vec()
             } else {
@@ -186,8 +182,8 @@ impl Terms {
             },
             shapes,
             // The roughness of a material is one number, unless the user asks for one per angle.
-            per_angle_a: sharing(PerAngle::A, SharedName::A).or(baseline.then_some(false)),
-            per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu),
-        }
+            per_angle_a: sharing(PerAngle::A, SharedName::A)?.or(baseline.then_some(false)),
+            per_angle_mu: sharing(PerAngle::Mu, SharedName::Mu)?,
+        })
     }
 }

@@ -69,6 +69,7 @@ pub fn main(commit: Option<&str>) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Usage(usage)) => usage.exit(),
         Err(failure) => {
             terminal::fail(&failure);
             ExitCode::from(failure.code())

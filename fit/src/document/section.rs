@@ -41,6 +41,14 @@ impl Document {
         })
     }
 
+    /// Makes the document of a text in memory; `file` is its name for messages.
+    pub(crate) fn new(file: &Path, text: String) -> Document {
+        Document {
+            file: file.to_owned(),
+            text,
+        }
+    }
+
     /// Parses the text of the document as TOML.
     ///
     /// # Errors

@@ -45,6 +45,22 @@ pub enum Step {
     },
 }
 
+impl Step {
+    /// Returns the step in words: its pieces, the number of those done, and the number of all.
+    ///
+    /// [`Step::Chosen`] has no pieces.
+    pub fn words(self) -> Option<(&'static str, usize, usize)> {
+        match self {
+            Step::Photographs { done, of } => Some(("photographs measured", done, of)),
+            Step::Azimuths { done, of } => Some(("azimuths tried", done, of)),
+            Step::Candidates { done, of } => Some(("fits of models", done, of)),
+            Step::Chosen => None,
+            Step::Suspects { done, of } => Some(("suspects tried", done, of)),
+            Step::Randomisations { done, of } => Some(("randomisations", done, of)),
+        }
+    }
+}
+
 /// Error of an estimate that its caller stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]

@@ -20,6 +20,7 @@ use crate::photographs::captures::expected::ExpectedTable;
 use crate::photographs::edge::accepted::Accepted;
 use crate::photographs::photo;
 use crate::photographs::photo::channel::{Channel, Decode};
+use crate::photographs::photo::held::Held;
 use crate::photographs::photo::plane::Photo;
 use crate::photographs::photo::settings::Settings;
 use crate::photographs::photo::transfer::Transfer;
@@ -142,7 +143,19 @@ impl Shot {
     /// Returns `Error::Photo` if the image file cannot be used, and `Error::RoiOutside` if the
     /// region reaches beyond the picture.
     pub fn load(&self) -> Result<Photo, Error> {
-        let photo = photo::load(&self.image, &self.decode)?;
+        self.checked(photo::load(&self.image, &self.decode)?)
+    }
+
+    /// Returns the photograph of this shot, which lies in memory.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Shot::load`].
+    pub(crate) fn held(&self, picture: &Held) -> Result<Photo, Error> {
+        self.checked(picture.photo(&self.decode)?)
+    }
+
+    /// Checks that the region lies in the photograph.
+    fn checked(&self, photo: Photo) -> Result<Photo, Error> {
         match self.roi {
             Some(roi) if !roi.fits(photo.width, photo.height) => Err(Error::RoiOutside {
                 place: self.place.clone(),
@@ -259,9 +272,29 @@ pub fn load(file: &Path) -> Result<Campaign, Error> {
 /// # Errors
 /// Returns the errors of [`load`].
 pub(crate) fn read(file: &Path) -> Result<Manifest, Error> {
-    let document = Document::read(file)?;
+    of_document(&Document::read(file)?, file, &Path::is_file)
+}
+
+/// Checks a manifest that lies in memory. Its photographs are those for which `is_held` is true.
+///
+/// # Errors
+/// Returns the errors of [`load`].
+pub(crate) fn held(
+    text: String,
+    name: &Path,
+    is_held: &dyn Fn(&Path) -> bool,
+) -> Result<Manifest, Error> {
+    of_document(&Document::new(name, text), name, is_held)
+}
+
+/// Checks a manifest. Its photographs are there if `is_there` says so.
+fn of_document(
+    document: &Document,
+    file: &Path,
+    is_there: &dyn Fn(&Path) -> bool,
+) -> Result<Manifest, Error> {
     let table = document.parse()?;
-    let root = Section::root(&document, &table, &["setup", "reference", "capture"])?;
+    let root = Section::root(document, &table, &["setup", "reference", "capture"])?;
     let known: Vec<_> = SETUP.iter().chain(&SHARED).copied().collect();
     let setup_keys = root.required("setup", root.section("setup", &known)?)?;
     let mut warnings = Vec::new();
@@ -271,6 +304,7 @@ pub(crate) fn read(file: &Path) -> Result<Manifest, Error> {
     let shared = Shared {
         keys: &setup_keys,
         folder,
+        is_there,
     };
 
     let reference = match root.section("reference", &SHOT)? {
@@ -400,6 +434,7 @@ fn read_setup(keys: &Section<'_>, file: &Path, warnings: &mut Vec<String>) -> Re
 struct Shared<'k, 'd> {
     keys: &'k Section<'d>,
     folder: &'k Path,
+    is_there: &'k dyn Fn(&Path) -> bool,
 }
 
 impl Shared<'_, '_> {
@@ -408,7 +443,7 @@ impl Shared<'_, '_> {
             .folder
             .join(keys.required("image", keys.text("image")?)?);
         let place = keys.place_of("image");
-        if !image.is_file() {
+        if !(self.is_there)(&image) {
             return Err(Error::ImageMissing { place, image });
         }
         let roi = read_roi(keys)?.or(read_roi(self.keys)?);

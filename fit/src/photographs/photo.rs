@@ -22,6 +22,7 @@ pub(crate) mod error;
 mod exif_data;
 pub(crate) mod exposure;
 pub(crate) mod format;
+pub(crate) mod held;
 mod icc;
 mod jpeg;
 pub(crate) mod limits;

@@ -12,6 +12,7 @@ mod manual;
 mod plot_format;
 mod terminal;
 mod threads;
+mod usage;
 
 pub use crate::cli::error::Error;
 pub use crate::cli::list::{LONGEST_LIST, ListError, list};
@@ -19,3 +20,4 @@ pub use crate::cli::manual::{Completions, Manual, version};
 pub use crate::cli::plot_format::PlotFormat;
 pub use crate::cli::terminal::{deliver, fail, note, plain, print, reserve, reserve_plot, warn};
 pub use crate::cli::threads::{NoThreads, pool};
+pub use crate::cli::usage::{Refused, parsed, sentence};

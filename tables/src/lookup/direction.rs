@@ -174,6 +174,18 @@ impl Table {
         }
     }
 
+    /// Returns the azimuths in [0, 360) that the table knows, ascending: its own and their images by
+    /// symmetry.
+    ///
+    /// Each is an azimuth in degrees, the index of the azimuth whose distribution it has, and true
+    /// if v is turned over. For a mean over azimuths it is one entry, with the azimuth NaN.
+    pub fn azimuths(&self) -> Vec<(f64, usize, bool)> {
+        let images = self.images().into_iter();
+        images
+            .map(|image| (image.azimuth_deg, image.place, image.mirrored))
+            .collect()
+    }
+
     /// Returns the azimuths in [0, 360) that the table knows, ascending: its own and their images.
     fn images(&self) -> Vec<Image> {
         if self.axes.is_mean() {

@@ -143,7 +143,14 @@ pub(crate) struct Report {
 /// Fails if the photograph cannot be read, if the region does not lie in it, or if it holds no edge
 /// that can be measured.
 pub(crate) fn measured(image: &Path, request: &Request) -> Result<Report, Failure> {
-    let photo = photo::load(image, &request.decode)?;
+    of_photo(image, &photo::load(image, &request.decode)?, request)
+}
+
+/// Measures the edge and the MTF of a photograph in memory; `image` is its name for messages.
+///
+/// # Errors
+/// Fails as [`measured`] does.
+pub(crate) fn of_photo(image: &Path, photo: &Photo, request: &Request) -> Result<Report, Failure> {
     let outside = |roi: &Roi| !roi.fits(photo.width, photo.height);
     if let Some(roi) = request.roi.filter(outside) {
         return Err(Failure::Roi {
@@ -158,8 +165,8 @@ pub(crate) fn measured(image: &Path, request: &Request) -> Result<Report, Failur
         image: PathBuf::from(image),
         fault,
     };
-    let measurement = slanted(&photo, request).map_err(edge)?;
-    Ok(report(image, &photo, measurement, request))
+    let measurement = slanted(photo, request).map_err(edge)?;
+    Ok(report(image, photo, measurement, request))
 }
 
 /// Measures the edge, and refuses one that is aligned with the pixels.

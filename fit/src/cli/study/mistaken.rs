@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use tables::Table;
 
 use crate::cli::failure::Failure;
+use crate::cli::host::Host;
 use crate::cli::output;
 use crate::cli::study::all::run_all;
 use crate::estimate::{OtherTable, Verdict};
@@ -24,17 +25,21 @@ pub(super) struct Mistaken<'a> {
 
 impl Mistaken<'_> {
     /// Runs the study. Returns its text, and one row for each campaign as CSV.
-    pub(super) fn run(&self, pool: &rayon::ThreadPool) -> Result<(String, String), Failure> {
+    pub(super) fn run(
+        &self,
+        pool: &rayon::ThreadPool,
+        host: Host<'_>,
+    ) -> Result<(String, String), Failure> {
         let mut options = mistakes::options();
         for path in self.other_tables {
             options.others.push(OtherTable::read(path)?);
         }
         let seed = self.seed;
-        let (trials, refused) = run_all(self.campaigns, pool, |index| {
+        let (trials, refused) = run_all(self.campaigns, pool, host, |index| {
             let directions = self.of_one_azimuth(index);
             let params = self.ranges.campaign(seed, index, &directions);
             mistakes::run(&params, (seed, index), self.table, &options)
-        });
+        })?;
         let (rows, bands) = (mistakes::rows(&trials), mistakes::bands(&trials));
         let text = if self.is_json {
             output::json(&serde_json::json!({

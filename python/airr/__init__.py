@@ -1,0 +1,47 @@
+"""Retroreflective sheets: traced, estimated from photographs, and predicted.
+
+Three steps, from nothing to the sharpness of a mid-air image::
+
+    import airr
+
+    table = airr.trace(airr.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+    result = airr.estimate("captures.toml", table)
+    result.predict(distance=[150, 300], incidence=range(0, 50, 5)).mtf.plot.line(x="frequency_per_mm")
+
+The functions are those of the programs `bake` and `fit`: the same numbers, the same defaults, the
+same sentences when something is wrong (`Error`). Names of options are those of the command lines,
+with `_` for `-`; an option that is left out (None) has the default of the program.
+
+Lengths are in edge lengths of a cube in tables, and in mm in photographs and images. Angles are in
+degrees. Light is linear.
+"""
+
+from airr import _programs as _programs
+from airr._errors import AirrWarning, Error
+from airr._fit import Edge, Estimate, Report, Result, estimate, load, measure, simulate, study
+from airr._mesh import Mesh, design
+from airr._picture import picture
+from airr._table import Path, Table, open, trace
+from airr._version import __version__
+
+__all__ = [
+    "AirrWarning",
+    "Edge",
+    "Error",
+    "Estimate",
+    "Mesh",
+    "Path",
+    "Report",
+    "Result",
+    "Table",
+    "__version__",
+    "design",
+    "estimate",
+    "load",
+    "measure",
+    "open",
+    "picture",
+    "simulate",
+    "study",
+    "trace",
+]

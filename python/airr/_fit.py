@@ -1,0 +1,753 @@
+"""Photographs measured, sheets estimated, images predicted."""
+
+from __future__ import annotations
+
+import html
+import io
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from airr import _airr
+from airr._errors import Error, refusals, warn
+from airr._picture import Picture, is_file, planes
+from airr._progress import Progress, told
+from airr._table import Floats, Table
+from airr._table import open as open_table
+from airr._words import File, Numbers, text, words
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Name of a manifest in memory. Each capture stands on a line of its own, after this many lines.
+_MEMORY = "captures"
+_BEFORE = 3
+
+
+@dataclass(frozen=True)
+class Edge:
+    """Measured edge of one photograph.
+
+    Attributes
+    ----------
+    frequency : ndarray, shape (n,)
+        Frequencies along the normal of the edge, in `unit`.
+    mtf, standard_error : ndarray, shape (n,)
+        Modulation transfer function (1 at frequency 0), and its standard error.
+    mtf50, mtf10 : float or None
+        Frequencies at which the MTF falls to 0.5 and 0.1; None if it does not, or if noise hides
+        it.
+    angle_deg : float
+        Direction of the normal of the edge: 0 is right, 90 is down.
+    contrast : float
+        Bright side minus dark side, in units of the picture.
+    unit : str
+        ``"cycles/pixel"``, or ``"1/mm"`` with a pixel pitch.
+    warnings : list of str
+        Doubts about the photograph.
+    data : dict
+        All that ``fit mtf --json`` writes.
+    """
+
+    frequency: Floats
+    mtf: Floats
+    standard_error: Floats
+    mtf50: float | None
+    mtf10: float | None
+    angle_deg: float
+    contrast: float
+    unit: str
+    warnings: list[str]
+    data: dict[str, Any] = field(repr=False)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the curve as a dataset over the frequency."""
+        import xarray
+
+        return xarray.Dataset(
+            {
+                "mtf": ("frequency", self.mtf, {"units": "1", "long_name": "MTF"}),
+                "standard_error": (
+                    "frequency",
+                    self.standard_error,
+                    {"units": "1", "long_name": "standard error of the MTF"},
+                ),
+            },
+            {"frequency": ("frequency", self.frequency, {"units": self.unit})},
+        )
+
+
+def measure(
+    image: Picture | File,
+    roi: Sequence[int] | None = None,
+    *,
+    pixel_pitch: float | None = None,
+    at: Numbers | None = None,
+    transfer: str | None = None,
+    channel: str | None = None,
+    accept: str | None = None,
+) -> Edge:
+    """Measure the MTF of a photograph of a slanted edge, as ``fit mtf`` does.
+
+    Parameters
+    ----------
+    image : array or path
+        Photograph: a file (EXR, PNG, TIFF, JPEG), or an array of shape (rows, columns) or (rows,
+        columns, 3). An array is linear light unless `transfer` says ``"srgb"``.
+    roi : four ints, optional
+        Region that holds the edge: x, y, width, height, pixels. Without it the edge is searched.
+    pixel_pitch : float, optional
+        Side of a pixel, mm. Frequencies are then in 1/mm, otherwise in cycles per pixel.
+    at : list of floats, optional
+        Frequencies at which the MTF is named (``edge.data["at"]``).
+
+    Raises
+    ------
+    Error
+        If the photograph holds no edge that can be measured; the sentence says why.
+    """
+    options = dict(
+        roi=roi,
+        pixel_pitch=pixel_pitch,
+        at=at,
+        transfer=transfer,
+        channel=channel,
+        accept=accept,
+    )
+    held = None if is_file(image) else planes(image, "array")
+    with refusals():
+        made = _airr.measure(words("array" if held else image, json=True, **options), held)
+    data = cast("dict[str, Any]", json.loads(made))
+    warn(data["warnings"])
+    return Edge(
+        np.array(data["frequency"]),
+        np.array(data["mtf"]),
+        np.array(data["standard_error"]),
+        data["mtf50"],
+        data["mtf10"],
+        data["edge_angle_deg"],
+        data["contrast"],
+        data["frequency_unit"],
+        data["warnings"],
+        data,
+    )
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Parameter with its standard error; None if the photographs only bound it.
+
+    Attributes
+    ----------
+    value, standard_error : float or None
+        The number, if all incidences share it.
+    per_angle : dict
+        Otherwise a value and a standard error for each incidence, degrees.
+    """
+
+    value: float | None
+    standard_error: float | None
+    per_angle: dict[float, tuple[float | None, float | None]]
+
+    @classmethod
+    def _of(cls, number: Mapping[str, Any] | None) -> Estimate | None:
+        if number is None:
+            return None
+        if "per_angle" not in number:
+            return cls(number["value"], number["standard_error"], {})
+        each = {
+            entry["incidence_deg"]: (entry["value"], entry["standard_error"])
+            for entry in number["per_angle"]
+        }
+        return cls(None, None, each)
+
+    def __str__(self) -> str:
+        def one(value: float | None, error: float | None) -> str:
+            if value is None:
+                return "only bounded"
+            return f"{value:.5g}" + ("" if error is None else f" ± {error:.2g}")
+
+        if not self.per_angle:
+            return one(self.value, self.standard_error)
+        return ", ".join(f"{one(*pair)} at {deg:g}°" for deg, pair in self.per_angle.items())
+
+
+@dataclass(frozen=True)
+class Report:
+    """Page of an estimate. A notebook shows it; `save` writes it for a browser."""
+
+    html: str
+
+    def save(self, path: File) -> None:
+        """Write the page to a file."""
+        with io.open(path, "w", encoding="utf-8") as file:
+            file.write(self.html)
+
+    def _repr_html_(self) -> str:
+        # A frame of its own, so that the styles of page and notebook do not mix.
+        return (
+            f'<iframe srcdoc="{html.escape(self.html)}" title="estimate of a sheet" '
+            'style="width: 100%; height: 600px; border: 0"></iframe>'
+        )
+
+
+class Result:
+    """Estimate of a sheet: c, a and mu with standard errors, and what follows from them.
+
+    Attributes
+    ----------
+    c, a, mu : Estimate or None
+        Corner size (mm), diffraction spread (1/mm; for the kernel ``angular`` A = a R without
+        unit), and reflectance. None if the model has no such parameter.
+    verdict : str
+        ``"good"``, ``"strained"`` or ``"poor"``: whether the model describes the photographs.
+    warnings : list of str
+        Doubts about the campaign, and about each photograph.
+    data : dict
+        All that ``fit estimate -o`` writes.
+    """
+
+    def __init__(self, result: _airr.Result, table: Table) -> None:
+        self._result = result
+        self._table = table
+        self.data: dict[str, Any] = json.loads(result.json())
+        data = self.data
+        self.c = Estimate._of(data["c_mm"])
+        self.a = Estimate._of(data["a_per_mm"] or data["a_times_r"])
+        self.mu = Estimate._of(data["mu"])
+        self.verdict: str = (data.get("fit") or {}).get("verdict", "unknown")
+        self.warnings: list[str] = data["warnings"] + [
+            f"{capture['image']}: {warning}"
+            for capture in data["captures"]
+            for warning in capture["warnings"]
+        ]
+
+    @property
+    def table(self) -> Table:
+        """Table of the sheet."""
+        return self._table
+
+    @property
+    def kernel(self) -> str:
+        """Name of the blur terms that the estimate chose or was given."""
+        return cast(str, self.data["kernel"])
+
+    def to_json(self, path: File | None = None) -> str:
+        """Return the result as ``fit estimate -o`` writes it, and write it to `path` if given."""
+        made = self._result.json()
+        if path is not None:
+            with io.open(path, "w", encoding="utf-8") as file:
+                file.write(made)
+        return made
+
+    def report(self) -> Report:
+        """Return the page with estimates, curves, choice of the model and warnings.
+
+        Raises
+        ------
+        Error
+            If the result was loaded from a file, which does not hold the photographs.
+        """
+        made = self._result.report("airr.estimate(...)")
+        if made is None:
+            raise Error("the result was loaded from a file; estimate again for a report")
+        return Report(made)
+
+    def curves(self) -> xarray.Dataset:
+        """Return measured and modelled MTF of each photograph, and their residual.
+
+        The dimensions are `capture` and `place`, a number along the curve; `frequency_per_mm` is a
+        variable, because photographs may have other frequencies. Shorter curves end in NaN.
+        """
+        import xarray
+
+        captures = self.data["captures"]
+        length = max(len(capture["curves"]["measured"]) for capture in captures)
+        names = ("frequency_per_mm", "measured", "standard_error", "modelled")
+        arrays = {
+            name: np.array(
+                [
+                    np.pad(
+                        np.array(capture["curves"][name], float),
+                        (0, length - len(capture["curves"][name])),
+                        constant_values=np.nan,
+                    )
+                    for capture in captures
+                ]
+            )
+            for name in names
+        }
+        units = {"frequency_per_mm": "1/mm"}
+        dataset = xarray.Dataset(
+            {
+                name: (("capture", "place"), array, {"units": units.get(name, "1")})
+                for name, array in arrays.items()
+            },
+            {
+                "capture": [capture["image"] for capture in captures],
+                "incidence_deg": (
+                    "capture",
+                    [capture["incidence_deg"] for capture in captures],
+                    {"units": "degree"},
+                ),
+                "floating_distance_mm": (
+                    "capture",
+                    [capture["floating_distance_mm"] for capture in captures],
+                    {"units": "mm"},
+                ),
+            },
+        )
+        dataset["residual"] = (dataset.measured - dataset.modelled) / dataset.standard_error
+        dataset["residual"].attrs = {"units": "1", "long_name": "in standard errors"}
+        return dataset
+
+    def predict(
+        self,
+        distance: Numbers,
+        incidence: Numbers,
+        azimuth: Numbers | None = None,
+        *,
+        frequency: Numbers | None = None,
+        table: Table | None = None,
+    ) -> xarray.Dataset:
+        """Predict MTF and luminance elsewhere, as ``fit predict`` does.
+
+        Parameters
+        ----------
+        distance : float or list
+            Floating distances R, mm: the way from the sheet to the image.
+        incidence, azimuth : float or list
+            Directions in the air, degrees.
+        frequency : list or text, optional
+            Frequencies in the image, 1/mm, such as ``"0:5:0.05"``.
+        table : Table, optional
+            Table of the same cell with other directions.
+
+        Returns
+        -------
+        xarray.Dataset
+            `mtf` and its interval of 95 % (`mtf_low`, `mtf_high`) over `floating_distance_mm`,
+            `incidence_deg`, `azimuth_deg`, `axis` (tangential, sagittal) and `frequency_per_mm`;
+            `luminance` relative to the source, with its interval; `retroreflected`; and `outside`,
+            the names of what lies outside of the photographs. The MTF is NaN where nothing comes
+            back.
+        """
+        import xarray
+
+        source = table or self._table
+        options = dict(distance=distance, incidence=incidence, azimuth=azimuth, frequency=frequency)
+        with refusals():
+            made = _airr.predict(
+                words("result", table="table", json=True, **options),
+                self._result,
+                source._table,
+            )
+        data = json.loads(made)
+        warn(data["warnings"])
+        predictions = data["predictions"]
+        frequencies = np.array(data["frequency_per_mm"])
+        keys = ("floating_distance_mm", "incidence_deg", "azimuth_deg", "axis")
+        axes = {
+            key: list(dict.fromkeys(prediction[key] for prediction in predictions)) for key in keys
+        }
+        shape = tuple(len(values) for values in axes.values())
+        names = ("luminance", "luminance_low", "luminance_high", "retroreflected")
+        single = {name: np.full(shape, np.nan) for name in names}
+        curves = {
+            name: np.full((*shape, len(frequencies)), np.nan)
+            for name in ("mtf", "mtf_low", "mtf_high")
+        }
+        outside = np.full(shape, "", dtype=object)
+        for prediction in predictions:
+            place = tuple(axes[key].index(prediction[key]) for key in keys)
+            single["retroreflected"][place] = prediction["retroreflected"]
+            if prediction["luminance"] is not None:
+                single["luminance"][place] = prediction["luminance"]
+            low, high = prediction.get("luminance_interval") or (np.nan, np.nan)
+            single["luminance_low"][place], single["luminance_high"][place] = low, high
+            if prediction["mtf"]:
+                curves["mtf"][place] = prediction["mtf"]
+            if prediction.get("mtf_interval"):
+                ends = np.array(prediction["mtf_interval"])
+                curves["mtf_low"][place], curves["mtf_high"][place] = ends.T
+            outside[place] = " ".join(prediction["outside"])
+        coords: dict[str, Any] = {
+            "floating_distance_mm": (keys[0], axes[keys[0]], {"units": "mm"}),
+            "incidence_deg": (keys[1], axes[keys[1]], {"units": "degree"}),
+            "azimuth_deg": (
+                keys[2],
+                [np.nan if azimuth is None else azimuth for azimuth in axes[keys[2]]],
+                {"units": "degree"},
+            ),
+            "axis": axes["axis"],
+            "frequency_per_mm": ("frequency_per_mm", frequencies, {"units": "1/mm"}),
+        }
+        return xarray.Dataset(
+            {
+                **{
+                    name: ((*keys, "frequency_per_mm"), array, {"units": "1"})
+                    for name, array in curves.items()
+                },
+                **{name: (keys, array, {"units": "1"}) for name, array in single.items()},
+                "outside": (keys, outside.astype(str)),
+            },
+            coords,
+            {"Conventions": "CF-1.11", "kernel": data["kernel"]},
+        )
+
+    def render(
+        self,
+        picture: Picture,
+        distance: float | None = None,
+        incidence: float | None = None,
+        azimuth: float | None = None,
+        *,
+        pixel_pitch: float | None = None,
+        tangential_axis: float | None = None,
+        seen_in_mirror: bool = False,
+        ambient: float | None = None,
+        exposure: float | None = None,
+        transfer: str | None = None,
+        view: File | None = None,
+        tolerance: float | None = None,
+        forward: str | None = None,
+        samples: int | None = None,
+        seed: int | None = None,
+        sequence: str | None = None,
+        threads: int | None = None,
+        table: Table | None = None,
+    ) -> npt.NDArray[np.float32]:
+        """Render the mid-air image of a picture, as ``fit render`` does.
+
+        Parameters
+        ----------
+        picture : array, shape (rows, columns) or (rows, columns, 3)
+            Source, linear light (or sRGB, with ``transfer="srgb"``).
+        distance, incidence, azimuth : float
+            Floating distance R (mm) and direction (degrees).
+        pixel_pitch : float, optional
+            Side of a pixel in the plane of the image, mm; that of the photographs if left out.
+        exposure, ambient : float, optional
+            Factor on the light, and light behind the image.
+        view : path, optional
+            File with the places of camera, image and sheet, in place of distance and direction.
+
+        Returns
+        -------
+        ndarray of float32
+            Linear light, in the shape and the units of the picture.
+        """
+        options: dict[str, Any] = dict(
+            distance=distance,
+            incidence=incidence,
+            azimuth=azimuth,
+            pixel_pitch=pixel_pitch,
+            tangential_axis=tangential_axis,
+            seen_in_mirror=seen_in_mirror,
+            ambient=ambient,
+            exposure=exposure,
+            transfer=transfer,
+            view=view,
+            tolerance=tolerance,
+            forward=forward,
+            samples=samples,
+            seed=seed,
+            sequence=sequence,
+            threads=threads,
+        )
+        named = dict(source="picture", params="result", table="table", output="image.exr")
+        with refusals():
+            made, facts = _airr.render(
+                words(**named, **options),
+                self._result,
+                (table or self._table)._table,
+                planes(picture, "picture"),
+            )
+        warn(json.loads(facts)["warnings"])
+        if np.ndim(picture) == 2:
+            return made[0]
+        return np.stack(made, axis=-1)
+
+    def __repr__(self) -> str:
+        return f"<airr.Result: {self._said()}, {self.verdict}>"
+
+    def _said(self) -> str:
+        named = (("c", self.c, " mm"), ("a", self.a, ""), ("mu", self.mu, ""))
+        return ", ".join(f"{name} = {value}{unit}" for name, value, unit in named if value)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{name}</th><td>{html.escape(str(value))}</td></tr>"
+            for name, value in (
+                ("c (mm)", self.c),
+                ("a (1/mm)" if self.data["a_per_mm"] else "A = a R", self.a),
+                ("mu", self.mu),
+                ("kernel", self.kernel),
+                ("fit", self.verdict),
+                ("warnings", len(self.warnings)),
+            )
+            if value is not None
+        )
+        return f"<table>{rows}</table>"
+
+
+def _toml(value: Any) -> str:
+    """Return a value of a manifest as TOML."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value), ensure_ascii=False)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    return text(value)
+
+
+def _manifest(
+    captures: Mapping[str, Any],
+) -> tuple[str, list[tuple[str, npt.NDArray[np.float32], bool]]]:
+    """Return a campaign as the text of a manifest, one line for each capture, and its pictures."""
+    pictures = []
+
+    def shot(given: Mapping[str, Any], name: str) -> dict[str, Any]:
+        image = given.get("image")
+        if image is None or is_file(image):
+            return dict(given)
+        if "exposure" not in given and name != "reference":
+            raise Error(
+                f"{name}: an array holds no settings of the camera, and there is no `exposure`; "
+                "give the exposure relative to the reference"
+            )
+        pictures.append(planes(image, name))
+        return {**given, "image": name}
+
+    known = {"setup", "reference", "capture"}
+    if unknown := sorted(set(captures) - known):
+        raise Error(f"captures: {unknown[0]!r} is no part of a campaign; use setup, reference, capture")
+    reference = captures.get("reference")
+    lines = [
+        f"setup = {_toml(captures.get('setup', {}))}",
+        "" if reference is None else f"reference = {_toml(shot(reference, 'reference'))}",
+        "capture = [",
+    ]
+    for number, given in enumerate(captures.get("capture", [])):
+        lines.append(f"  {_toml(shot(given, f'capture {number}'))},")
+    return "\n".join([*lines, "]", ""]), pictures
+
+
+def _place(found: re.Match[str]) -> str:
+    """Return the place of a line of a manifest in memory."""
+    line = int(found[1])
+    if line <= _BEFORE:
+        return f"{_MEMORY}: {('setup', 'reference', 'capture')[line - 1]}"
+    return f"{_MEMORY}: capture {line - _BEFORE - 1}"
+
+
+def estimate(
+    captures: File | Mapping[str, Any],
+    table: Table | File | Sequence[Table | File],
+    *,
+    expect_table: str | None = None,
+    model: str | None = None,
+    kernel: str | None = None,
+    lobe: str | None = None,
+    per_angle: str | Sequence[str] | None = None,
+    shared: str | Sequence[str] | None = None,
+    wavelength_nm: str | float | None = None,
+    channel: str | None = None,
+    forward: str | None = None,
+    loss: str | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
+    sequence: str | None = None,
+    fit_azimuth: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Result:
+    """Estimate c, a and mu of a sheet from photographs, as ``fit estimate`` does.
+
+    Parameters
+    ----------
+    captures : path or dict
+        Manifest (captures.toml), or its content: ``{"setup": {...}, "reference": {...},
+        "capture": [{...}, ...]}`` with the keys of the manifest. Each ``"image"`` is a path or an
+        array of shape (rows, columns) or (rows, columns, 3), of linear light unless
+        ``"transfer": "srgb"`` is given.
+    table : Table, path, or list of them
+        Table of the sheet. Further tables are tried if the first does not describe the
+        photographs.
+    model, kernel, lobe, per_angle, shared
+        Terms of the model; what is left out is chosen by a criterion.
+    forward, loss, samples, seed, sequence
+        How the model is evaluated and compared.
+    fit_azimuth : bool
+        True to estimate the azimuth of the sheet too.
+    progress : callable, bool, optional
+        A function that is called with what is done (text), how many, and of how many (None if not
+        known). True shows a bar of tqdm, False nothing. Without it a bar appears on a terminal or in
+        a notebook, if tqdm is installed and the work takes over two seconds.
+
+    Raises
+    ------
+    Error
+        If the manifest, a photograph or the table cannot be used; the sentence says why.
+    """
+    given = [table] if isinstance(table, (Table, str, os.PathLike)) else list(table)
+    tables = [one if isinstance(one, Table) else open_table(one) for one in given]
+    campaign = _manifest(captures) if isinstance(captures, Mapping) else None
+    options: dict[str, Any] = dict(
+        expect_table=expect_table,
+        model=model,
+        kernel=kernel,
+        lobe=lobe,
+        per_angle=per_angle,
+        shared=shared,
+        wavelength_nm=wavelength_nm,
+        channel=channel,
+        forward=forward,
+        loss=loss,
+        samples=samples,
+        seed=seed,
+        sequence=sequence,
+        fit_azimuth=fit_azimuth,
+        threads=threads,
+    )
+    first = tables[0]._table.name if tables else "table"
+    file = _MEMORY if campaign else captures
+    try:
+        with refusals(), told(progress) as tell:
+            made = _airr.estimate(
+                words(file, table=first, **options),
+                [one._table for one in tables],
+                campaign,
+                tell,
+            )
+    except Error as error:
+        if campaign is None:
+            raise
+        raise Error(re.sub(rf"\b{_MEMORY}:(\d+)", _place, error.sentence)) from None
+    result = Result(made, tables[0])
+    warn(result.warnings)
+    return result
+
+
+def load(path: File, table: Table | File, *, channel: str | None = None) -> Result:
+    """Load a result that ``fit estimate -o`` or `Result.to_json` wrote.
+
+    Parameters
+    ----------
+    path : path
+        File of the result.
+    table : Table or path
+        Table of the same cell.
+    channel : str, optional
+        Channel of a file with several results.
+    """
+    source = table if isinstance(table, Table) else open_table(table)
+    with refusals():
+        return Result(_airr.read_result(os.fspath(path), channel), source)
+
+
+def simulate(
+    params: File,
+    output: File,
+    *,
+    table: File | None = None,
+    force: bool = False,
+    threads: int | None = None,
+) -> str:
+    """Write a synthetic campaign with a known answer, as ``fit simulate`` does.
+
+    Parameters
+    ----------
+    params : path
+        Parameters, as TOML; ``fit simulate --help`` shows all keys.
+    output : path
+        Folder that is made.
+    table : path, optional
+        Exact table of the sheet, in place of the ideal cube.
+    force : bool
+        True to write into a folder that holds something.
+
+    Returns
+    -------
+    str
+        Path of the manifest, for `estimate`.
+    """
+    options = dict(output=output, table=table, force=force, threads=threads)
+    with refusals():
+        data = json.loads(_airr.simulate(words(params, **options)))
+    warn(data["warnings"])
+    return cast(str, data["manifest"])
+
+
+def study(
+    captures: File | None = None,
+    *,
+    table: File,
+    ranges: File | None = None,
+    campaigns: int | None = None,
+    seed: int | None = None,
+    choice: bool = False,
+    mistakes: bool = False,
+    other_table: File | None = None,
+    csv: File | None = None,
+    plot: File | None = None,
+    model: str | None = None,
+    kernel: str | None = None,
+    lobe: str | None = None,
+    per_angle: str | Sequence[str] | None = None,
+    shared: str | Sequence[str] | None = None,
+    forward: str | None = None,
+    samples: Numbers | None = None,
+    randomisations: int | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> dict[str, Any]:
+    """Study how good estimates are, as ``fit study --json`` does.
+
+    Parameters
+    ----------
+    captures : path, optional
+        Manifest of photographs whose errors are compared with the Cramér-Rao bound.
+    ranges : path, optional
+        Ranges from which campaigns are drawn, in place of photographs.
+    campaigns : int, optional
+        Number of drawn campaigns.
+
+    Returns
+    -------
+    dict
+        What the program prints as JSON.
+    """
+    options: dict[str, Any] = dict(
+        table=table,
+        ranges=ranges,
+        campaigns=campaigns,
+        seed=seed,
+        choice=choice,
+        mistakes=mistakes,
+        other_table=other_table,
+        csv=csv,
+        plot=plot,
+        model=model,
+        kernel=kernel,
+        lobe=lobe,
+        per_angle=per_angle,
+        shared=shared,
+        forward=forward,
+        samples=samples,
+        randomisations=randomisations,
+        threads=threads,
+        json=True,
+    )
+    arguments = () if captures is None else (captures,)
+    with refusals(), told(progress) as tell:
+        return cast("dict[str, Any]", json.loads(_airr.study(words(*arguments, **options), tell)))

@@ -1,0 +1,41 @@
+"""Options of Python as the words of a command line."""
+
+from __future__ import annotations
+
+import numbers
+import os
+from collections.abc import Iterable
+from typing import Any, TypeAlias
+
+#: A file.
+File: TypeAlias = "str | os.PathLike[str]"
+
+#: A number, a list of numbers, or text such as ``"0:45:5"`` (from 0 to 45 in steps of 5).
+Numbers: TypeAlias = "float | str | Iterable[float]"
+
+
+def text(value: Any) -> str:
+    """Return one value as a command line has it."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        return repr(float(value))
+    if isinstance(value, Iterable):
+        return ",".join(text(item) for item in value)
+    raise TypeError(f"a number, a text or a list is wanted, not {type(value).__name__}")
+
+
+def words(*arguments: Any, **options: Any) -> list[str]:
+    """Return arguments and options as words. None and False leave an option out."""
+    made = [
+        f"--{name.replace('_', '-')}" + ("" if value is True else f"={text(value)}")
+        for name, value in options.items()
+        if value is not None and value is not False
+    ]
+    if arguments:
+        made += ["--", *(text(argument) for argument in arguments)]
+    return made

@@ -1,0 +1,117 @@
+//! Meshes of cells.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::{Words, refusal};
+
+/// Mesh of a cell, in the units of its file.
+#[pyclass(frozen, module = "airr._airr")]
+pub(crate) struct Mesh {
+    pub(crate) mesh: meshes::Mesh,
+}
+
+/// Returns vectors as an array, one row for each.
+fn rows<T: Copy + numpy::Element>(rows: &[[T; 3]]) -> Array2<T> {
+    Array2::from_shape_fn((rows.len(), 3), |(row, column)| rows[row][column])
+}
+
+#[pymethods]
+impl Mesh {
+    /// Makes the mesh of vertices and faces, as if it had been read from an OBJ file.
+    #[new]
+    fn new(
+        vertices: PyReadonlyArray2<'_, f64>,
+        faces: PyReadonlyArray2<'_, u32>,
+        design: String,
+        lattice: Option<[[f64; 3]; 2]>,
+        hollow: bool,
+    ) -> PyResult<Self> {
+        let three = |columns: usize| match columns {
+            3 => Ok(()),
+            _ => Err(refusal(
+                "vertices and faces of a mesh have three columns; give arrays of shapes (n, 3) \
+                and (m, 3)",
+            )),
+        };
+        let (vertices, faces) = (vertices.as_array(), faces.as_array());
+        three(vertices.ncols())?;
+        three(faces.ncols())?;
+        if let Some(&vertex) = faces
+            .iter()
+            .find(|&&vertex| vertex as usize >= vertices.nrows())
+        {
+            return Err(refusal(format!(
+                "faces: {vertex} is the index of no vertex; indices run from 0 to below the {} \
+                vertices",
+                vertices.nrows()
+            )));
+        }
+        let vector = |[x, y, z]: [f64; 3]| DVec3::new(x, y, z);
+        let made = meshes::Mesh {
+            positions: (vertices.rows().into_iter())
+                .map(|row| vector([row[0], row[1], row[2]]))
+                .collect(),
+            triangles: (faces.rows().into_iter())
+                .map(|row| [row[0], row[1], row[2]])
+                .collect(),
+            lattice: lattice.map(|vectors| vectors.map(vector)),
+            design,
+            hollow,
+            ..meshes::Mesh::default()
+        };
+        Mesh::read_back(&made)
+    }
+
+    /// Vertices, file units, shape (n, 3).
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let positions: Vec<[f64; 3]> = (self.mesh.positions.iter())
+            .map(|position| (*position + self.mesh.origin).to_array())
+            .collect();
+        rows(&positions).into_pyarray(py)
+    }
+
+    /// Indices of vertices, one row for each triangle, shape (m, 3).
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
+        rows(&self.mesh.triangles).into_pyarray(py)
+    }
+
+    /// Name of the design.
+    #[getter]
+    fn design(&self) -> &str {
+        &self.mesh.design
+    }
+
+    /// SHA-256 of the mesh as an OBJ file, which a table of this mesh holds.
+    #[getter]
+    fn hash(&self) -> &str {
+        &self.mesh.hash
+    }
+
+    /// Writes the mesh to a file, .obj or .glb.
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        bake::cli::calls::write(&self.mesh, &path).map_err(refusal)
+    }
+}
+
+impl Mesh {
+    /// Returns the mesh as it is read from the OBJ file that it would be written to.
+    fn read_back(mesh: &meshes::Mesh) -> PyResult<Self> {
+        let text = meshes::write::obj(mesh);
+        let mesh = meshes::obj::parse(text.as_bytes()).map_err(refusal)?;
+        Ok(Mesh { mesh })
+    }
+}
+
+/// Makes the mesh of a design.
+#[pyfunction]
+pub(crate) fn design(words: Words) -> PyResult<Mesh> {
+    let mesh = bake::cli::calls::design(&words).map_err(refusal)?;
+    Ok(Mesh { mesh })
+}
