@@ -6,7 +6,7 @@
 .NOTPARALLEL:
 .PHONY: all build install demo manual deny msrv table1 wheel fmt lint doc bench tools python rust \
 	clean mutants test test-full test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics \
-	test-wheel test-fuzz test-kills
+	test-package test-python test-fuzz test-kills
 
 CARGO = cargo
 PYTHON = python3
@@ -25,7 +25,7 @@ all: build
 
 # What `bake --version` and `fit --version` show behind the version. Tests build without it, so that
 # a commit rebuilds nothing there.
-build install demo: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
+build install demo wheel: export AIRR_COMMIT := $(shell git rev-parse --short HEAD 2>/dev/null)
 
 build: tools
 	@$(CARGO) build --release --locked -p bake -p fit -p reader
@@ -54,7 +54,7 @@ tools:
 python: tests/requirements.txt
 	@{ cmp -s tests/requirements.txt .tools/requirements.installed && \
 		"$(VENV)/bin/python" -c '' 2>/dev/null; } || { \
-		echo "set-up: bringing h5py, xarray and h5netcdf into .tools/venv for the tests" >&2; \
+		echo "set-up: bringing h5py, xarray and others into .tools/venv for the tests" >&2; \
 		rm -f .tools/requirements.installed && $(venv) && $(pip) -r tests/requirements.txt && \
 		cp tests/requirements.txt .tools/requirements.installed; }
 
@@ -83,9 +83,10 @@ test: fmt lint doc python
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
 	@echo "== long tests of fit: stated errors over hundreds of drawn campaigns, and others" >&2
 	@$(CARGO) test -p fit --lib --locked -- --ignored --skip trust_costs
+	@$(MAKE) --no-print-directory test-package
 
 # What takes minutes or wants more than a fresh machine has.
-test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-wheel \
+test-full: test test-lean test-mpi test-raw test-mitsuba test-materialx test-metrics test-python \
 	test-fuzz test-kills
 
 # A hundred kills of every command that writes, at random times.
@@ -159,17 +160,36 @@ test-metrics: build
 		--lpips .tools/metrics/seeded.safetensors
 METRICS = numpy scikit-image flip-evaluator torch torchvision lpips safetensors
 
-# ---- A wheel of the programs: `pip install dist/airr-*.whl`, where there is neither Rust nor
-# HDF5.
+# ---- The Python package: a wheel with the module and the programs, which `pip install` puts where
+# there is neither Rust nor HDF5.
 
 wheel: tools
-	@$(venv) && $(pip) "maturin>=1.16,<2" && rm -rf dist && \
-		"$(VENV)/bin/maturin" build --release --locked --out dist
+	@rm -rf dist && $(call wheel_into,dist)
 
-test-wheel: wheel
+# $(1): a folder.
+wheel_into = $(venv) && $(pip) "maturin>=1.16,<2" && PATH="$(VENV)/bin:$$PATH" \
+	"$(VENV)/bin/python" -m pip wheel --quiet --disable-pip-version-check --no-deps \
+	--no-build-isolation --wheel-dir $(1) .
+
+# The tests of the package with the optimisation of tests, in the environment of the tests.
+test-package: tools python
+	@echo "== the Python package" >&2
+	@rm -rf .tools/dist && AIRR_PROFILE=dev && export AIRR_PROFILE && $(call wheel_into,.tools/dist)
+	@$(pip) --force-reinstall --no-deps .tools/dist/airr-*.whl
+	@cd python/tests && "$(VENV)/bin/python" -m unittest $(PACKAGE_TESTS)
+PACKAGE_TESTS = test_programs test_tables test_arrays test_process test_signatures test_pages
+
+# The wheel as a user installs it, in a new environment and with an empty PATH: all tests of the
+# package, its examples, its programs and its notebooks.
+test-python: wheel
 	@echo "== the wheel, in a new environment and with an empty PATH" >&2
 	@rm -rf .tools/wheel && $(PYTHON) -m venv .tools/wheel
-	@.tools/wheel/bin/pip install --quiet --disable-pip-version-check --no-index dist/airr-*.whl
+	@.tools/wheel/bin/pip install --quiet --disable-pip-version-check dist/airr-*.whl \
+		-r tests/requirements.txt -r python/notebooks/requirements.txt
+	@cd python/tests && env -i PATH= $(CURDIR)/.tools/wheel/bin/python -m unittest \
+		$(PACKAGE_TESTS) test_notebooks
+	@cd .tools/wheel && env -i PATH= bin/python -W ignore $(CURDIR)/python/tests/examples.py \
+		$(CURDIR)/$(CAMPAIGN)/captures.toml . >/dev/null
 	@cd .tools/wheel && env -i bin/bake --help >/dev/null && \
 		env -i bin/bake design triangular-pair -o pair.obj && \
 		env -i bin/bake trace pair.obj -o pair.h5 --refractive-index 1.49 --incidence 0:45:5 \

@@ -23,20 +23,25 @@ from maturin import (  # noqa: F401
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ROOT / "python" / "airr.data" / "scripts"
 PROGRAMS = ("bake", "fit", "airr-reader")
+#: Profile of cargo: release, or dev, which tests have compiled already.
+PROFILE = os.environ.get("AIRR_PROFILE", "release")
 
 
 def build_programs() -> None:
     """Build the programs and lay them where maturin packs them."""
     packages = [word for name in ("bake", "fit", "reader") for word in ("-p", name)]
     cargo = os.environ.get("CARGO", "cargo")
-    subprocess.run([cargo, "build", "--release", "--locked", *packages], cwd=ROOT, check=True)
+    build = [cargo, "build", "--profile", PROFILE, "--locked", *packages]
+    subprocess.run(build, cwd=ROOT, check=True)
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    folder = target / ("debug" if PROFILE == "dev" else PROFILE)
     SCRIPTS.mkdir(parents=True, exist_ok=True)
     for name in PROGRAMS:
-        shutil.copy2(target / "release" / name, SCRIPTS / name)
+        shutil.copy2(folder / name, SCRIPTS / name)
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     """Build the wheel (PEP 517)."""
     build_programs()
+    os.environ["MATURIN_PEP517_ARGS"] = f"--profile {PROFILE}"
     return maturin.build_wheel(wheel_directory, config_settings, metadata_directory)

@@ -6,7 +6,7 @@ Three steps, from nothing to the sharpness of a mid-air image::
 
     table = airr.trace(airr.design("triangular-pair"), refractive_index=1.49, azimuth=30)
     result = airr.estimate("captures.toml", table)
-    result.predict(distance=[150, 300], incidence=range(0, 50, 5)).mtf.plot.line(x="frequency_per_mm")
+    result.predict(distance=[150, 300], incidence=[0, 20, 40]).mtf
 
 The functions are those of the programs `bake` and `fit`: the same numbers, the same defaults, the
 same sentences when something is wrong (`Error`). Names of options are those of the command lines,

@@ -180,9 +180,15 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Report:
-    """Page of an estimate. A notebook shows it; `save` writes it for a browser."""
+    """Page of an estimate. A notebook shows it; `save` writes it for a browser.
 
-    html: str
+    Attributes
+    ----------
+    html : str
+        The page, which needs no other file.
+    """
+
+    html: str = field(repr=False)
 
     def save(self, path: File) -> None:
         """Write the page to a file."""
@@ -205,10 +211,17 @@ class Result:
     c, a, mu : Estimate or None
         Corner size (mm), diffraction spread (1/mm; for the kernel ``angular`` A = a R without
         unit), and reflectance. None if the model has no such parameter.
+    roughness, surface_roughness : Estimate or None
+        Roughness of facets and of the front face, of a published baseline.
     verdict : str
         ``"good"``, ``"strained"`` or ``"poor"``: whether the model describes the photographs.
     warnings : list of str
         Doubts about the campaign, and about each photograph.
+    suspects : list of dict
+        Mistakes that would explain why the fit is not good (key ``what``), the best first.
+    chi2, degrees_of_freedom : float or None
+        Sum of squares in units of the noise, and the number that noise alone would give. They
+        depend on the photographs and on the loss, so compare them between fits by one loss.
     data : dict
         All that ``fit estimate -o`` writes.
     """
@@ -222,6 +235,12 @@ class Result:
         self.a = Estimate._of(data["a_per_mm"] or data["a_times_r"])
         self.mu = Estimate._of(data["mu"])
         self.verdict: str = (data.get("fit") or {}).get("verdict", "unknown")
+        self.roughness = Estimate._of(data.get("roughness"))
+        self.surface_roughness = Estimate._of(data.get("surface_roughness"))
+        fit = data.get("fit") or {}
+        self.suspects: list[dict[str, Any]] = fit.get("suspects", [])
+        self.chi2: float | None = fit.get("chi2")
+        self.degrees_of_freedom: float | None = fit.get("degrees_of_freedom")
         self.warnings: list[str] = data["warnings"] + [
             f"{capture['image']}: {warning}"
             for capture in data["captures"]
@@ -237,6 +256,11 @@ class Result:
     def kernel(self) -> str:
         """Name of the blur terms that the estimate chose or was given."""
         return cast(str, self.data["kernel"])
+
+    @property
+    def candidates(self) -> list[dict[str, Any]]:
+        """Models that were compared, the best first, each with its criterion (BIC)."""
+        return cast("list[dict[str, Any]]", self.data["candidates"])
 
     def to_json(self, path: File | None = None) -> str:
         """Return the result as ``fit estimate -o`` writes it, and write it to `path` if given."""
@@ -478,16 +502,23 @@ class Result:
         return f"<airr.Result: {self._said()}, {self.verdict}>"
 
     def _said(self) -> str:
-        named = (("c", self.c, " mm"), ("a", self.a, ""), ("mu", self.mu, ""))
-        return ", ".join(f"{name} = {value}{unit}" for name, value, unit in named if value)
+        return ", ".join(f"{name} = {value}" for name, value in self._named() if value)
+
+    def _named(self) -> list[tuple[str, Estimate | None]]:
+        """Return all parameters with their names and units."""
+        return [
+            ("c (mm)", self.c),
+            ("a (1/mm)" if self.data["a_per_mm"] else "A = a R", self.a),
+            ("roughness", self.roughness),
+            ("surface roughness", self.surface_roughness),
+            ("mu", self.mu),
+        ]
 
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><th>{name}</th><td>{html.escape(str(value))}</td></tr>"
             for name, value in (
-                ("c (mm)", self.c),
-                ("a (1/mm)" if self.data["a_per_mm"] else "A = a R", self.a),
-                ("mu", self.mu),
+                *self._named(),
                 ("kernel", self.kernel),
                 ("fit", self.verdict),
                 ("warnings", len(self.warnings)),
@@ -511,26 +542,31 @@ def _toml(value: Any) -> str:
 
 
 def _manifest(
-    captures: Mapping[str, Any],
+    captures: Mapping[str, Any], folder: File | None
 ) -> tuple[str, list[tuple[str, npt.NDArray[np.float32], bool]]]:
     """Return a campaign as the text of a manifest, one line for each capture, and its pictures."""
     pictures = []
+    base = os.fspath(folder) if folder is not None else os.getcwd()
 
     def shot(given: Mapping[str, Any], name: str) -> dict[str, Any]:
         image = given.get("image")
-        if image is None or is_file(image):
+        if image is None:
             return dict(given)
+        if is_file(image):
+            return {**given, "image": os.path.join(base, os.fspath(image))}
         if "exposure" not in given and name != "reference":
             raise Error(
-                f"{name}: an array holds no settings of the camera, and there is no `exposure`; "
-                "give the exposure relative to the reference"
+                f"{_MEMORY}: {name}: an array holds no settings of the camera, and there is no "
+                "`exposure`; give the exposure relative to the reference"
             )
         pictures.append(planes(image, name))
         return {**given, "image": name}
 
     known = {"setup", "reference", "capture"}
     if unknown := sorted(set(captures) - known):
-        raise Error(f"captures: {unknown[0]!r} is no part of a campaign; use setup, reference, capture")
+        raise Error(
+            f"{_MEMORY}: {unknown[0]!r} is no part of a campaign; use setup, reference, capture"
+        )
     reference = captures.get("reference")
     lines = [
         f"setup = {_toml(captures.get('setup', {}))}",
@@ -554,6 +590,7 @@ def estimate(
     captures: File | Mapping[str, Any],
     table: Table | File | Sequence[Table | File],
     *,
+    folder: File | None = None,
     expect_table: str | None = None,
     model: str | None = None,
     kernel: str | None = None,
@@ -579,10 +616,12 @@ def estimate(
         Manifest (captures.toml), or its content: ``{"setup": {...}, "reference": {...},
         "capture": [{...}, ...]}`` with the keys of the manifest. Each ``"image"`` is a path or an
         array of shape (rows, columns) or (rows, columns, 3), of linear light unless
-        ``"transfer": "srgb"`` is given.
+        ``"transfer": "srgb"`` is given. Captures are counted from 0 in messages.
     table : Table, path, or list of them
         Table of the sheet. Further tables are tried if the first does not describe the
         photographs.
+    folder : path, optional
+        Folder that paths of images in a dict are relative to; the working folder by default.
     model, kernel, lobe, per_angle, shared
         Terms of the model; what is left out is chosen by a criterion.
     forward, loss, samples, seed, sequence
@@ -591,8 +630,8 @@ def estimate(
         True to estimate the azimuth of the sheet too.
     progress : callable, bool, optional
         A function that is called with what is done (text), how many, and of how many (None if not
-        known). True shows a bar of tqdm, False nothing. Without it a bar appears on a terminal or in
-        a notebook, if tqdm is installed and the work takes over two seconds.
+        known). True shows a bar of tqdm, False nothing. Without it a bar appears on a terminal or
+        in a notebook, if tqdm is installed and the work takes over two seconds.
 
     Raises
     ------
@@ -601,7 +640,7 @@ def estimate(
     """
     given = [table] if isinstance(table, (Table, str, os.PathLike)) else list(table)
     tables = [one if isinstance(one, Table) else open_table(one) for one in given]
-    campaign = _manifest(captures) if isinstance(captures, Mapping) else None
+    campaign = _manifest(captures, folder) if isinstance(captures, Mapping) else None
     options: dict[str, Any] = dict(
         expect_table=expect_table,
         model=model,

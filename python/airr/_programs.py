@@ -24,7 +24,8 @@ def _places() -> list[Path]:
 def use() -> None:
     """Name the program to the native module. A missing one is refused when a table is opened."""
     places = _places()
-    _airr.use_reader(str(next((place for place in places if place.is_file()), places[-1]).resolve()))
+    found = next((place for place in places if place.is_file()), places[-1])
+    _airr.use_reader(str(found.resolve()))
 
 
 use()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -44,7 +46,9 @@ class _Bar:
 
     def __call__(self, what: str, done: int, of: int | None) -> None:
         try:
-            from tqdm.auto import tqdm
+            # In a notebook a bar of widgets needs ipywidgets, a bar of text does not.
+            widgets = importlib.util.find_spec("ipywidgets") is not None
+            tqdm = importlib.import_module("tqdm.auto" if widgets else "tqdm.std").tqdm
         except ImportError:
             return
         if self._bar is None or what != self._what:

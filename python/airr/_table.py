@@ -208,7 +208,7 @@ class Table:
             share = self._table.probability(float(incidence), self._azimuth(azimuth))
         total = share.sum()
         if total == 0:
-            raise Error(f"nothing comes back at incidence {incidence} deg; sample another direction")
+            raise Error("nothing comes back at this direction; sample another one")
         ends = np.cumsum(share.ravel())
         drawn = np.searchsorted(ends, generator.random(n) * ends[-1], side="right")
         v, u = np.unravel_index(np.minimum(drawn, share.size - 1), share.shape)
@@ -259,7 +259,9 @@ class Table:
                     "1",
                     "probability of the shift of light that comes back within the range",
                 ),
-                "fate": named(((*directions, "fate_name"), fate), "1", "share of the light by fate"),
+                "fate": named(
+                    ((*directions, "fate_name"), fate), "1", "share of the light by fate"
+                ),
                 "rays": named((directions, rays), "1", "rays launched, 0 if exact"),
             },
             {

@@ -22,12 +22,12 @@ pub(crate) struct Result {
 
 #[pymethods]
 impl Result {
-    /// Text of the result, as `fit estimate -o` writes it.
+    /// Returns the text of the result, as `fit estimate -o` writes it.
     fn json(&self) -> String {
         calls::json(&self.result)
     }
 
-    /// Page of the estimate as HTML, or None if the result was read from a file.
+    /// Returns the page of the estimate as HTML, or None if the result was read from a file.
     fn report(&self, py: Python<'_>, command: &str) -> Option<String> {
         let fit = self.fit.as_ref()?;
         Some(py.detach(|| fit.report(command)))

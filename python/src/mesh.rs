@@ -67,7 +67,7 @@ impl Mesh {
         Mesh::read_back(&made)
     }
 
-    /// Vertices, file units, shape (n, 3).
+    /// Returns the vertices, file units, shape (n, 3).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let positions: Vec<[f64; 3]> = (self.mesh.positions.iter())
@@ -76,19 +76,19 @@ impl Mesh {
         rows(&positions).into_pyarray(py)
     }
 
-    /// Indices of vertices, one row for each triangle, shape (m, 3).
+    /// Returns indices of vertices, one row for each triangle, shape (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
         rows(&self.mesh.triangles).into_pyarray(py)
     }
 
-    /// Name of the design.
+    /// Returns the name of the design.
     #[getter]
     fn design(&self) -> &str {
         &self.mesh.design
     }
 
-    /// SHA-256 of the mesh as an OBJ file, which a table of this mesh holds.
+    /// Returns the SHA-256 of the mesh as an OBJ file, which a table of this mesh holds.
     #[getter]
     fn hash(&self) -> &str {
         &self.mesh.hash

@@ -43,95 +43,96 @@ type Path<'py> = (
 
 #[pymethods]
 impl Table {
-    /// File that the table was read from, or its name in messages.
+    /// Returns the file that the table was read from, or its name in messages.
     #[getter]
     fn name(&self) -> PathBuf {
         self.name.clone()
     }
 
-    /// Incidences outside the sheet, degrees, shape (incidence).
+    /// Returns the incidences outside the sheet, degrees, shape (incidence).
     #[getter]
     fn incidence_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.table.axes.incidence_deg)
     }
 
-    /// Azimuths that the table holds, degrees, shape (azimuth); NaN for a mean over all azimuths.
+    /// Returns the azimuths that the table holds, degrees, shape (azimuth); NaN for a mean over all
+    /// azimuths.
     #[getter]
     fn azimuth_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.table.axes.azimuth_deg)
     }
 
-    /// Half width of the histogram, edge lengths.
+    /// Returns the half width of the histogram, edge lengths.
     #[getter]
     fn range(&self) -> f64 {
         self.table.axes.range
     }
 
-    /// Centres of the bins along u and along v, edge lengths, shape (bin).
+    /// Returns the centres of the bins along u and along v, edge lengths, shape (bin).
     #[getter]
     fn shift<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let axes = &self.table.axes;
         PyArray1::from_iter(py, (0..axes.bins).map(|bin| axes.bin_centre(bin)))
     }
 
-    /// Probability of the shift of light that comes back within the range, shape (incidence,
-    /// azimuth, shift_v, shift_u).
+    /// Returns the probability of the shift of light that comes back within the range, shape
+    /// (incidence, azimuth, shift_v, shift_u).
     #[getter]
     fn histogram<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray4<f64>> {
         self.table.histogram.to_pyarray(py)
     }
 
-    /// Numbers of rays, shape (incidence, azimuth, randomisation, shift_v, shift_u), or None for an
-    /// exact table.
+    /// Returns numbers of rays, shape (incidence, azimuth, randomisation, shift_v, shift_u), or
+    /// None for an exact table.
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray5<u64>>> {
         Some(self.table.counts.as_ref()?.to_pyarray(py))
     }
 
-    /// Retroreflected share of the light, shape (incidence, azimuth).
+    /// Returns the retroreflected share of the light, shape (incidence, azimuth).
     #[getter]
     fn eta<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.table.retroreflected.to_pyarray(py)
     }
 
-    /// Standard error of eta, shape (incidence, azimuth); 0 for an exact table.
+    /// Returns the standard error of eta, shape (incidence, azimuth); 0 for an exact table.
     #[getter]
     fn standard_error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         self.table.standard_error.to_pyarray(py)
     }
 
-    /// Share of the light by fate, shape (incidence, azimuth, fate).
+    /// Returns the share of the light by fate, shape (incidence, azimuth, fate).
     #[getter]
     fn fate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         self.table.fate.to_pyarray(py)
     }
 
-    /// Names of the fates.
+    /// Returns the names of the fates.
     #[getter]
     fn fate_names(&self) -> Vec<&'static str> {
         let fates = Fate::of(self.table.provenance.options.front());
         fates.iter().map(|fate| fate.name()).collect()
     }
 
-    /// Rays launched, shape (incidence, azimuth); 0 for an exact table.
+    /// Returns the rays launched, shape (incidence, azimuth); 0 for an exact table.
     #[getter]
     fn rays<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u64>> {
         self.table.rays.to_pyarray(py)
     }
 
-    /// True if the table holds polygons.
+    /// Returns whether the table holds polygons.
     #[getter]
     fn is_exact(&self) -> bool {
         self.table.exact.is_some()
     }
 
-    /// SHA-256 of the content.
+    /// Returns the SHA-256 of the content.
     #[getter]
     fn content_hash(&self) -> String {
         self.table.content_hash()
     }
 
-    /// Origin of the table, as texts by name.
+    /// Returns the origin of the table, as texts by name.
     #[getter]
     fn provenance(&self) -> Vec<(&'static str, String)> {
         let own = &self.table.provenance;
@@ -157,28 +158,29 @@ impl Table {
         all
     }
 
-    /// Number of rotations and azimuth of a mirror plane (degrees, or None) after which azimuths
-    /// have one distribution.
+    /// Returns the number of rotations and the azimuth of a mirror plane (degrees, or None) after
+    /// which azimuths have one distribution.
     #[getter]
     fn symmetry(&self) -> (u32, Option<f64>) {
         let symmetry = self.table.provenance.symmetry;
         (symmetry.rotations, symmetry.mirror_deg)
     }
 
-    /// Azimuths in [0, 360) that the table knows by its symmetry: for each its azimuth, the index
-    /// of the azimuth that it equals, and whether v is turned over.
+    /// Returns the azimuths in [0, 360) that the table knows by its symmetry: for each its
+    /// azimuth, the index of the azimuth that it equals, and whether v is turned over.
     fn azimuths(&self) -> Vec<(f64, usize, bool)> {
         self.table.azimuths()
     }
 
-    /// Eta at a direction, and whether it was interpolated.
+    /// Returns eta at a direction, and whether it was interpolated.
     fn eta_at(&self, incidence_deg: f64, azimuth_deg: Option<f64>) -> PyResult<(f64, bool)> {
         let direction = self.table.direction(incidence_deg, azimuth_deg);
         let direction = direction.map_err(refusal)?;
         Ok((direction.retroreflected, direction.interpolated))
     }
 
-    /// Probability of each shift per launched ray at a direction, shape (shift_v, shift_u).
+    /// Returns the probability of each shift per launched ray at a direction, shape (shift_v,
+    /// shift_u).
     fn probability<'py>(
         &self,
         py: Python<'py>,
@@ -189,7 +191,7 @@ impl Table {
         Ok(direction.map_err(refusal)?.probability.into_pyarray(py))
     }
 
-    /// Paths of a direction, and the area of the entrance, square edge lengths.
+    /// Returns the paths of a direction, and the area of the entrance, square edge lengths.
     fn paths<'py>(
         &self,
         py: Python<'py>,
@@ -221,7 +223,8 @@ impl Table {
         Ok((paths.collect(), exact.entrance_area))
     }
 
-    /// Transfer function of the shifts at frequencies (fu, fv), cycles per edge length, shape (n).
+    /// Returns the transfer function of the shifts at frequencies (fu, fv), cycles per edge length,
+    /// shape (n).
     fn otf<'py>(
         &self,
         py: Python<'py>,

@@ -41,7 +41,7 @@ impl Host {
 /// Does `work`, and tells `progress` of it some times a second.
 ///
 /// # Errors
-/// Raises what `work` refuses, what `progress` raises, and `KeyboardInterrupt` after Ctrl-C.
+/// Returns what `work` refuses, what `progress` raises, and `KeyboardInterrupt` after Ctrl-C.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,

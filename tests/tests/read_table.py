@@ -42,6 +42,12 @@ def check_direction(incidence_deg, histogram, retroreflected, standard_error, fa
     directions += 1
 
 
+# The groups have names for all dimensions: xarray calls a dimension without a name phony_dim_0.
+group = {"rays": None, "exact": "exact"}[method]
+with xarray.open_dataset(path, engine="h5netcdf", group=group) as data:
+    assert data.sizes and not any("phony" in name for name in data.sizes), data.sizes
+    assert group is None or data.sizes["path"] + 1 == data.sizes["bound"], data.sizes
+
 with h5py.File(path) as file:
     assert [
         dimension.label or dimension[0].name.strip("/") for dimension in file["histogram"].dims

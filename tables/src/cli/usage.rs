@@ -21,8 +21,15 @@ pub fn sentence(usage: &clap::Error) -> String {
     let told = lines.take_while(|line| {
         !line.starts_with("Usage:") && !line.starts_with("For more information")
     });
-    let words: Vec<&str> = told.filter(|line| !line.is_empty()).collect();
-    let sentence = words.join("; ");
+    let mut sentence = String::new();
+    for line in told.filter(|line| !line.is_empty()) {
+        let between = match sentence.chars().last() {
+            None => "",
+            Some(':') => " ",
+            Some(_) => "; ",
+        };
+        sentence = sentence + between + line;
+    }
     sentence
         .strip_prefix("error: ")
         .unwrap_or(&sentence)

@@ -3,6 +3,7 @@
 //! `names` holds every HDF5 name, `store` writes, and `load` reads without trust in the file.
 
 mod deviations;
+mod flat;
 mod load;
 mod names;
 mod place;

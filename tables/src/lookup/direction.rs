@@ -174,11 +174,11 @@ impl Table {
         }
     }
 
-    /// Returns the azimuths in [0, 360) that the table knows, ascending: its own and their images by
-    /// symmetry.
+    /// Returns the azimuths in [0, 360) that the table knows, ascending.
     ///
-    /// Each is an azimuth in degrees, the index of the azimuth whose distribution it has, and true
-    /// if v is turned over. For a mean over azimuths it is one entry, with the azimuth NaN.
+    /// They are its own azimuths and their images by symmetry. Each is an azimuth in degrees, the
+    /// index of the azimuth whose distribution it has, and true if v is turned over. For a mean
+    /// over azimuths it is one entry, with the azimuth NaN.
     pub fn azimuths(&self) -> Vec<(f64, usize, bool)> {
         let images = self.images().into_iter();
         images

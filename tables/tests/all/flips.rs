@@ -18,6 +18,10 @@ fn payload(path: &Path) -> Vec<Range<usize>> {
         .chain(file.group("deviation"));
     let mut ranges = Vec::new();
     for dataset in groups.flat_map(|group| group.datasets().unwrap()) {
+        // Dimensions without coordinates store nothing.
+        if dataset.chunk().is_none() && dataset.storage_size() == 0 {
+            continue;
+        }
         dataset
             .chunks_visit(|chunk| {
                 ranges.push(chunk.addr as usize..(chunk.addr + chunk.size) as usize);

@@ -160,14 +160,8 @@ fn installed_programs_find_the_reader() {
 #[test]
 fn the_reader_is_packed_with_the_programs() {
     let read = |file: &str| fs::read_to_string(argument(file)).unwrap();
-    let wheel: toml::Table = read("wheel/Cargo.toml").parse().unwrap();
-    let packed: Vec<&str> = wheel["bin"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|bin| bin["name"].as_str().unwrap())
-        .collect();
-    assert_eq!(packed, ["bake", "fit", "airr-reader"]);
+    let wheel = read("python/build_backend.py");
+    assert!(wheel.contains("PROGRAMS = (\"bake\", \"fit\", \"airr-reader\")\n"));
     let make = read("Makefile");
     for package in ["bake", "fit", "reader"] {
         assert!(

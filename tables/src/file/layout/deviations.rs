@@ -3,9 +3,10 @@
 use hdf5::{File, Result};
 
 use crate::error::error::Error;
+use crate::file::layout::flat::Flat;
 use crate::file::layout::names::deviation;
 use crate::file::layout::place::Place;
-use crate::file::layout::put::{put, shaped};
+use crate::file::layout::put::put;
 use crate::table::deviation::{Deviations, Grid};
 use crate::table::flat::FlatEntries;
 
@@ -19,10 +20,12 @@ pub(crate) fn store(found: &Deviations, file: &File) -> Result<()> {
     put(&group, deviation::BINS, &(bins as u64))?;
     put(&group, deviation::RANGE, &range)?;
     let flat = FlatEntries::new(found);
-    let entries = flat.place.len();
-    shaped(&group, deviation::START, &flat.start, &[flat.start.len()])?;
-    shaped(&group, deviation::PLACE, &flat.place, &[entries])?;
-    shaped(&group, deviation::RAYS, &flat.rays, &[entries])
+    let entries = [(deviation::ENTRY, flat.place.len())];
+    let bounds = [(deviation::BOUND, flat.start.len())];
+    let mut group = Flat::new(&group);
+    group.array(deviation::START, &flat.start, &bounds)?;
+    group.array(deviation::PLACE, &flat.place, &entries)?;
+    group.array(deviation::RAYS, &flat.rays, &entries)
 }
 
 /// Reads the group, if the file has one.

@@ -19,6 +19,9 @@ pub(crate) const VERSION_OF_PASSES: u64 = 3;
 /// Value of the root attribute `format`.
 pub(crate) const FORMAT: &str = "retroreflective ray-shift table";
 
+/// Value of the root attribute `Conventions`: the rules that names of dimensions and units follow.
+pub(crate) const CONVENTIONS: &str = "CF-1.11";
+
 /// Conventions of the frame in one sentence.
 pub(crate) const FRAME: &str = "Travel direction d = -n cos(incidence) + t sin(incidence), n the \
 outward normal of the sheet and t the in-plane unit vector at the azimuth, right-handed about n \
@@ -126,8 +129,23 @@ pub(crate) const RAYS: Variable = Variable {
     long_name: "launched rays, 0 if exact",
 };
 
-/// Names of the group of polygons, its attribute and its flat datasets.
+/// Name of a dimension without coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Dimension(pub(crate) &'static str);
+
+/// Names of the group of polygons, its attribute, its flat datasets and their dimensions.
 pub(crate) mod exact {
+    use super::Dimension;
+
+    pub(crate) const PATH: Dimension = Dimension("path");
+    pub(crate) const BOUND: Dimension = Dimension("bound");
+    pub(crate) const VERTEX: Dimension = Dimension("vertex");
+    pub(crate) const SHIFT_AXIS: Dimension = Dimension("shift_axis");
+    pub(crate) const ENTRY_AXIS: Dimension = Dimension("entry_axis");
+    pub(crate) const DEVIATION_AXIS: Dimension = Dimension("deviation_axis");
+    pub(crate) const FIELD_OUT: Dimension = Dimension("field_out");
+    pub(crate) const FIELD_IN: Dimension = Dimension("field_in");
+    pub(crate) const COMPLEX_PART: Dimension = Dimension("complex_part");
     pub(crate) const GROUP: &str = "exact";
     pub(crate) const ENTRANCE_AREA: &str = "entrance_area";
     pub(crate) const PATH_DIRECTION: &str = "path_direction";
@@ -141,8 +159,13 @@ pub(crate) mod exact {
     pub(crate) const POLYGON_VERTEX: &str = "polygon_vertex";
 }
 
-/// Names of the group of rays by shift and deviation, its attributes and its flat datasets.
+/// Names of the group of rays by shift and deviation, its attributes, its flat datasets and their
+/// dimensions.
 pub(crate) mod deviation {
+    use super::Dimension;
+
+    pub(crate) const BOUND: Dimension = Dimension("bound");
+    pub(crate) const ENTRY: Dimension = Dimension("entry");
     pub(crate) const GROUP: &str = "deviation";
     pub(crate) const CELLS: &str = "cells";
     pub(crate) const BINS: &str = "bins";
@@ -154,6 +177,7 @@ pub(crate) mod deviation {
 
 /// Names of the attributes of the root and of datasets.
 pub(crate) mod attribute {
+    pub(crate) const CONVENTIONS: &str = "Conventions";
     pub(crate) const FORMAT: &str = "format";
     pub(crate) const VERSION: &str = "version";
     pub(crate) const FRAME: &str = "frame";

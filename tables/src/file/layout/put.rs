@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Group, H5Type, Location, Result};
-use ndarray::{ArrayView, ArrayViewD, Dimension};
+use ndarray::{ArrayView, Dimension};
 
 /// Level of compression with the best size for its time on histograms; 9 is 1 % smaller and takes 4
 /// times as long.
@@ -32,18 +32,6 @@ pub(crate) fn dataset<T: H5Type + Clone, D: Dimension>(
         .deflate(DEFLATE)
         .fletcher32()
         .create(name)
-}
-
-/// Writes numbers as an array of this shape, in one chunk.
-pub(crate) fn shaped<T: H5Type + Clone>(
-    group: &Group,
-    name: &str,
-    values: &[T],
-    shape: &[usize],
-) -> Result<()> {
-    let values = ArrayViewD::from_shape(shape, values)
-        .map_err(|error| hdf5::Error::Internal(error.to_string()))?;
-    dataset(group, name, values, shape).map(drop)
 }
 
 /// Writes an attribute of one value.

@@ -4,8 +4,9 @@ use hdf5::{Dataset, File, H5Type, Result};
 use ndarray::{Array1, ArrayView1, ArrayViewD};
 
 use crate::file::layout::deviations;
+use crate::file::layout::flat::Flat;
 use crate::file::layout::names::{self, Scale, Variable, attribute, exact};
-use crate::file::layout::put::{dataset, put, put_array, put_text, shaped, text};
+use crate::file::layout::put::{dataset, put, put_array, put_text, text};
 use crate::file::library::{load_no_code, unused_name};
 use crate::file::scales::{attach_scale, set_scale};
 use crate::options::Front;
@@ -134,22 +135,32 @@ fn polygons(found: &Exact, file: &File) -> Result<()> {
     let group = builder.create(exact::GROUP)?;
     put(&group, exact::ENTRANCE_AREA, &found.entrance_area)?;
     let flat = FlatPaths::new(found);
-    let (paths, vertices) = (flat.weight.len(), flat.vertex.len() / 2);
-    shaped(&group, exact::PATH_DIRECTION, &flat.direction, &[paths])?;
-    shaped(&group, exact::PATH_MATRIX, &flat.matrix, &[paths, 2, 2])?;
-    shaped(&group, exact::PATH_OFFSET, &flat.offset, &[paths, 2])?;
-    shaped(&group, exact::PATH_WEIGHT, &flat.weight, &[paths])?;
+    let path = (exact::PATH, flat.weight.len());
+    let [shift, entry, deviation] =
+        [exact::SHIFT_AXIS, exact::ENTRY_AXIS, exact::DEVIATION_AXIS].map(|axis| (axis, 2));
+    let mut group = Flat::new(&group);
+    group.array(exact::PATH_DIRECTION, &flat.direction, &[path])?;
+    group.array(exact::PATH_MATRIX, &flat.matrix, &[path, shift, entry])?;
+    group.array(exact::PATH_OFFSET, &flat.offset, &[path, shift])?;
+    group.array(exact::PATH_WEIGHT, &flat.weight, &[path])?;
     if !flat.deviation.is_empty() {
-        shaped(&group, exact::PATH_DEVIATION, &flat.deviation, &[paths, 2])?;
+        group.array(exact::PATH_DEVIATION, &flat.deviation, &[path, deviation])?;
     }
     if !flat.passes.is_empty() {
-        shaped(&group, exact::PATH_PASSES, &flat.passes, &[paths])?;
+        group.array(exact::PATH_PASSES, &flat.passes, &[path])?;
     }
     if !flat.jones.is_empty() {
-        shaped(&group, exact::PATH_JONES, &flat.jones, &[paths, 2, 2, 2])?;
+        let [out, inward, part] =
+            [exact::FIELD_OUT, exact::FIELD_IN, exact::COMPLEX_PART].map(|axis| (axis, 2));
+        group.array(exact::PATH_JONES, &flat.jones, &[path, out, inward, part])?;
     }
-    shaped(&group, exact::POLYGON_START, &flat.start, &[paths + 1])?;
-    shaped(&group, exact::POLYGON_VERTEX, &flat.vertex, &[vertices, 2])
+    group.array(
+        exact::POLYGON_START,
+        &flat.start,
+        &[(exact::BOUND, path.1 + 1)],
+    )?;
+    let vertex = (exact::VERTEX, flat.vertex.len() / 2);
+    group.array(exact::POLYGON_VERTEX, &flat.vertex, &[vertex, entry])
 }
 
 /// Returns the first version that can say all of the table.
@@ -172,6 +183,7 @@ fn version(table: &Table) -> u64 {
 
 /// Writes the root attributes.
 fn attributes(table: &Table, file: &File) -> Result<()> {
+    put_text(file, attribute::CONVENTIONS, names::CONVENTIONS)?;
     put_text(file, attribute::FORMAT, names::FORMAT)?;
     put(file, attribute::VERSION, &version(table))?;
     put_text(file, attribute::FRAME, names::FRAME)?;

@@ -1,0 +1,88 @@
+"""Examples of the documentation, as code that mypy reads and that runs.
+
+    python examples.py CAPTURES.toml FOLDER
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import airr
+import numpy as np
+
+
+def readme(captures: str) -> airr.Result:
+    """The three lines of the README."""
+    table = airr.trace(airr.design("triangular-pair"), refractive_index=1.49, azimuth=30)
+    result = airr.estimate(captures, table)
+    result.predict(distance=[150, 300], incidence=range(0, 50, 5)).mtf
+    return result
+
+
+def tables(folder: Path) -> None:
+    """Tables: made, read, looked up."""
+    mesh = airr.design("triangular-pair", edge_length=0.18, dihedral_error_mrad=[0.1, 0, 0])
+    mesh.save(folder / "pair.obj")
+    table = airr.trace(
+        folder / "pair.obj",
+        folder / "pair.h5",
+        refractive_index=1.49,
+        incidence="0:40:20",
+        azimuth="full:30",
+        progress=lambda what, done, of: None,
+    )
+    table = airr.open(folder / "pair.h5")
+    eta: float = table.eta_at(10, 15)
+    areas = [path.weight * path.area for path in table.polygons(10, 15)]
+    u = np.linspace(-2, 2, 9)
+    otf = table.otf(u[:, None], u[None, :], 10, 15)
+    shifts = table.sample(1000, seed=1, incidence=10, azimuth=15)
+    data = table.to_xarray()
+    print(eta, sum(areas), otf.shape, shifts.mean(axis=0), data.sizes["azimuth_deg"])
+
+
+def photographs(captures: str, result: airr.Result) -> None:
+    """Photographs: measured, from files and arrays."""
+    folder = Path(captures).parent
+    picture = airr.picture(folder / "source.exr")
+    edge = airr.measure(picture, pixel_pitch=0.05, at=[0.5, 1.0])
+    print(edge.mtf50, edge.unit, edge.to_xarray().sizes)
+    assert result.c is not None and result.c.value is not None
+    campaign = {
+        "setup": {"pixel_pitch_mm": 0.05},
+        "reference": {"image": picture},
+        "capture": [
+            {
+                "image": airr.picture(folder / "aerial_150mm_20deg_tan.exr"),
+                "floating_distance_mm": 150,
+                "incidence_deg": 20,
+                "azimuth_deg": 30,
+                "exposure": 6.0,
+            }
+        ],
+    }
+    alone = airr.estimate(campaign, result.table, kernel="eq1", lobe="radial")
+    print(alone.c, alone.a, alone.mu, alone.verdict, alone.curves().sizes)
+
+
+def images(result: airr.Result, folder: Path) -> None:
+    """Images: rendered, and what is kept."""
+    source = np.zeros((64, 64, 3), np.float32)
+    source[16:48, 16:48] = [1.0, 0.5, 0.0]
+    image = result.render(source, distance=150, incidence=20, pixel_pitch=0.1)
+    print(image.max(), image.shape)
+    result.report().save(folder / "report.html")
+    result.to_json(folder / "result.json")
+    print(airr.load(folder / "result.json", result.table))
+    try:
+        airr.trace(airr.design("triangular-pair"), incidence=95)
+    except airr.Error as error:
+        print(error.file, error.place, error.remedy)
+
+
+if __name__ == "__main__":
+    found = readme(sys.argv[1])
+    tables(Path(sys.argv[2]))
+    photographs(sys.argv[1], found)
+    images(found, Path(sys.argv[2]))

@@ -1,0 +1,313 @@
+"""The package against the programs: the same numbers, the same bytes, the same sentences."""
+
+from __future__ import annotations
+
+import json
+import re
+import unittest
+import warnings
+from typing import Any
+
+import airr
+import numpy as np
+from common import CAMPAIGN, EDGE, ROOT, Case, read_exr, refusal, run
+
+
+class Bytes(Case):
+    def test_tables_and_meshes_have_the_bytes_of_the_programs(self) -> None:
+        cases: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
+            ("triangular", {}, {"refractive_index": 1.49}),
+            ("triangular-pair", {"edge_length": 0.18}, {"incidence": [0, 20], "azimuth": "full"}),
+            (
+                "triangular-pair",
+                {"dihedral_error_mrad": [0.5, 0, -0.3]},
+                {"method": "rays", "rays": 4096, "sampler": "random", "seed": 7},
+            ),
+            ("full-cube", {}, {"incidence": "0:40:20", "azimuth": 10, "losses": "fresnel"}),
+            ("canted", {"cant_deg": -5.0}, {"azimuth": "mean", "incidence": 10}),
+            (
+                "triangular",
+                {"sag": 1e-4, "segments": 4},
+                {"normals": "file", "rays": 1000, "incidence": 0.0},
+            ),
+            ("plate", {"depth": 2.5}, {"element": "plate", "azimuth": -45, "incidence": 30}),
+        ]
+        for name, shape, options in cases:
+            with self.subTest(name), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                mesh = airr.design(name, **shape)
+                mesh.save(self.folder / "python.obj")
+                run("bake", "design", name, "-o", self.folder / "mesh.obj", *flags(shape))
+                self.assertEqual(
+                    (self.folder / "python.obj").read_bytes(),
+                    (self.folder / "mesh.obj").read_bytes(),
+                )
+                of_memory = airr.trace(mesh, self.folder / "memory.h5", **options)
+                airr.trace(self.folder / "mesh.obj", **options).save(self.folder / "file.h5")
+                table, obj = self.folder / "table.h5", self.folder / "mesh.obj"
+                run("bake", "trace", obj, "-o", table, *flags(options))
+                for other in ("memory.h5", "file.h5"):
+                    same = (self.folder / other).read_bytes() == table.read_bytes()
+                    self.assertTrue(same, (name, other))
+                again = airr.open(table)
+                self.assertEqual(again.content_hash, of_memory.content_hash)
+                np.testing.assert_array_equal(again.histogram, of_memory.histogram)
+        self.tell(len(cases), "cells")
+
+    def test_a_mesh_of_arrays_is_the_mesh_of_its_file(self) -> None:
+        pair = airr.design("triangular-pair")
+        made = airr.Mesh(pair.vertices, pair.faces, design="triangular-pair")
+        a, b = (airr.trace(mesh, refractive_index=1.5, incidence=20) for mesh in (pair, made))
+        np.testing.assert_array_equal(a.histogram, b.histogram)
+
+
+class Numbers(Case):
+    def setUp(self) -> None:
+        super().setUp()
+        self.table = airr.trace(
+            airr.design("triangular-pair"),
+            self.folder / "pair.h5",
+            refractive_index=1.49,
+            incidence="0:45:5",
+            azimuth=30,
+        )
+
+    def test_measurements(self) -> None:
+        cases = 0
+        given: list[dict[str, Any]] = [
+            {},
+            {"pixel_pitch": 0.05, "at": [0.5, 1.0]},
+            {"roi": [100, 60, 140, 120], "channel": "luminance"},
+        ]
+        for options in given:
+            told = json.loads(run("fit", "mtf", EDGE, "--json", *flags(options)).stdout)
+            edge = airr.measure(EDGE, **options)
+            self.assertEqual(edge.data, told)
+            np.testing.assert_array_equal(edge.mtf, told["mtf"])
+            cases += 1
+        self.tell(cases, "measurements")
+
+    def test_estimates_and_what_follows_from_them(self) -> None:
+        file = self.folder / "result.json"
+        given: list[dict[str, Any]] = [
+            {},
+            {"kernel": "eq1", "lobe": "radial", "per_angle": ["a", "mu"], "loss": "mtf"},
+            {"kernel": "eq1", "threads": 1, "loss": "mse"},
+        ]
+        for options in given:
+            run(
+                "fit", "estimate", CAMPAIGN, "--table", self.folder / "pair.h5", "-o", file,
+                *flags(options),
+            )  # fmt: skip
+            result = quiet(airr.estimate, CAMPAIGN, self.folder / "pair.h5", **options)
+            told = json.loads(file.read_text())
+            self.assertEqual(timeless(result.data), timeless(told))
+            self.assertEqual(timeless(json.loads(result.to_json())), timeless(told))
+        self.tell(len(given), "estimates")
+
+    def test_predictions(self) -> None:
+        file = self.folder / "result.json"
+        result = quiet(airr.estimate, CAMPAIGN, self.table)
+        result.to_json(file)
+        told = run(
+            "fit", "predict", file, "--table", self.folder / "pair.h5", "--distance", "150,300",
+            "--incidence", "0:40:20", "--frequency", "0:2:0.5", "--json",
+        )  # fmt: skip
+        made = quiet(result.predict, [150, 300], [0, 20, 40], frequency="0:2:0.5")
+        cases = 0
+        for prediction in json.loads(told.stdout)["predictions"]:
+            at = made.sel(
+                floating_distance_mm=prediction["floating_distance_mm"],
+                incidence_deg=prediction["incidence_deg"],
+                axis=prediction["axis"],
+            ).squeeze()
+            np.testing.assert_array_equal(at.mtf, prediction["mtf"])
+            np.testing.assert_array_equal(
+                np.stack([at.mtf_low, at.mtf_high], -1), prediction["mtf_interval"]
+            )
+            self.assertEqual(float(at.luminance), prediction["luminance"])
+            cases += 1
+        self.assertEqual(cases, 2 * 3 * 2)
+        loaded = quiet(airr.load, file, self.table)
+        np.testing.assert_array_equal(
+            quiet(loaded.predict, 300, 20).mtf, quiet(result.predict, 300, 20).mtf
+        )
+        with self.assertRaises(airr.Error):
+            loaded.report()
+        self.assertIn("<html", result.report().html)
+        self.assertIn("srcdoc", result.report()._repr_html_())
+        self.assertIn("<table>", result._repr_html_())
+        self.tell(cases, "predictions")
+
+    def test_images(self) -> None:
+        result = quiet(airr.estimate, CAMPAIGN, self.table)
+        result.to_json(self.folder / "result.json")
+        sign = ROOT / "doc" / "sign.png"
+        source, cases = quiet(airr.picture, sign), 0
+        options: dict[str, Any]
+        for options in (
+            {"distance": 300, "incidence": 20, "pixel_pitch": 0.1, "exposure": 15.0},
+            {"distance": 150.0, "incidence": 0, "ambient": 0.01},
+            {"distance": 150, "incidence": 10, "forward": "render", "samples": 4, "seed": 3},
+        ):
+            out = self.folder / "aerial.exr"
+            run(
+                "fit", "render", "--source", sign, "--params", self.folder / "result.json",
+                "--table", self.folder / "pair.h5", "-o", out, *flags(options),
+            )  # fmt: skip
+            made = quiet(result.render, source, **options)
+            np.testing.assert_array_equal(made, read_exr(out))
+            self.assertEqual(made.shape, source.shape)
+            cases += 1
+        grey = source if source.ndim == 2 else source[:, :, 1]
+        made = quiet(result.render, grey, 150, 0)
+        self.assertEqual(made.shape, grey.shape)
+        self.tell(cases, "images")
+
+    def test_campaigns_and_studies(self) -> None:
+        params = self.folder / "params.toml"
+        params.write_text(PARAMS)
+        run("fit", "simulate", params, "-o", self.folder / "program")
+        manifest = airr.simulate(params, self.folder / "python")
+        self.assertEqual(manifest, str(self.folder / "python" / "captures.toml"))
+        files = sorted(path.name for path in (self.folder / "program").iterdir())
+        for name in files:
+            one, other = (self.folder / folder / name for folder in ("program", "python"))
+            self.assertEqual(one.read_bytes(), other.read_bytes(), name)
+        ranges = ROOT / "fit" / "doc" / "ranges.toml"
+        options = {"table": self.folder / "pair.h5", "ranges": ranges, "campaigns": 2, "seed": 5}
+        told = json.loads(run("fit", "study", *flags(options), "--json").stdout)
+        self.assertEqual(timeless(airr.study(**options)), timeless(told))
+        self.tell(len(files), "files of a campaign, and a study")
+
+
+class Sentences(Case):
+    def test_refusals_are_those_of_the_programs(self) -> None:
+        mesh, table = self.folder / "pair.obj", self.folder / "pair.h5"
+        airr.design("triangular-pair").save(mesh)
+        airr.trace(mesh, table, refractive_index=1.49, azimuth=30)
+        broken = self.folder / "broken.toml"
+        broken.write_text(CAMPAIGN.read_text().replace("pixel_pitch_mm", "pixel_pich_mm", 1))
+        nothing = self.folder / "nothing.h5"
+        out = self.folder / "out.h5"
+        cases: list[tuple[Any, tuple[object, ...], int]] = [
+            (lambda: airr.trace(nothing), ("bake", "trace", nothing, "-o", out), 1),
+            (
+                lambda: airr.trace(mesh, incidence=95),
+                ("bake", "trace", mesh, "-o", out, "--incidence=95"),
+                2,
+            ),
+            (
+                lambda: airr.trace(mesh, method="exact", roughness=0.01),
+                ("bake", "trace", mesh, "-o", out, "--method=exact", "--roughness=0.01"),
+                1,
+            ),
+            (lambda: airr.design("cone"), ("bake", "design", "cone", "-o", out), 2),
+            (lambda: airr.open(mesh), ("bake", "verify", mesh), 1),
+            (lambda: airr.open(nothing), ("bake", "verify", nothing), 1),
+            (lambda: airr.measure(mesh), ("fit", "mtf", mesh), 1),
+            (
+                lambda: airr.estimate(broken, table),
+                ("fit", "estimate", broken, "--table", table),
+                1,
+            ),
+            (
+                lambda: airr.estimate(CAMPAIGN, nothing),
+                ("fit", "estimate", CAMPAIGN, "--table", nothing),
+                1,
+            ),
+            (
+                lambda: airr.estimate(CAMPAIGN, table, expect_table="0" * 64),
+                ("fit", "estimate", CAMPAIGN, "--table", table, "--expect-table", "0" * 64),
+                1,
+            ),
+            (lambda: airr.load(mesh, table), ("fit", "predict", mesh, "--table", table,
+             "--distance=1", "--incidence=0"), 1),
+        ]  # fmt: skip
+        for call, command, code in cases:
+            with self.subTest(command), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                with self.assertRaises(airr.Error) as caught:
+                    call()
+                program, *words = command
+                told = refusal(str(program), *words, code=code)
+                self.assertEqual(caught.exception.sentence, told)
+                self.assertTrue(caught.exception.remedy)
+        self.tell(len(cases), "refusals")
+
+    def test_an_error_names_file_place_and_remedy(self) -> None:
+        broken = self.folder / "broken.toml"
+        broken.write_text(CAMPAIGN.read_text().replace("pixel_pitch_mm", "pixel_pich_mm", 1))
+        table = airr.trace(airr.design("triangular-pair"), incidence=0, refractive_index=1.49)
+        with self.assertRaises(airr.Error) as caught:
+            airr.estimate(broken, table)
+        error = caught.exception
+        self.assertEqual(error.file, str(broken))
+        self.assertTrue(re.fullmatch(r"line \d+", error.place or ""), error.place)
+        self.assertIn("pixel_pitch_mm", error.sentence)
+        with self.assertRaises(airr.Error) as caught:
+            airr.trace(airr.design("triangular-pair"), incidence=95)
+        self.assertEqual((caught.exception.file, caught.exception.place), (None, "--incidence"))
+        with self.assertRaises(TypeError):
+            airr.trace(airr.design("triangular-pair"), incidense=95)  # type: ignore[call-arg]
+
+    def test_warnings_are_those_of_the_program(self) -> None:
+        mesh = self.folder / "pair.obj"
+        airr.design("triangular-pair").save(mesh)
+        told = run("bake", "trace", mesh, "-o", self.folder / "pair.h5").stderr
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            airr.trace(mesh)
+        self.assertEqual([f"warning: {one.message}" for one in caught], told.splitlines())
+        self.assertTrue(all(one.category is airr.AirrWarning for one in caught))
+        self.assertEqual({one.filename for one in caught}, {__file__})
+
+
+def flags(options: dict[str, Any]) -> list[str]:
+    """Return options as a user types them."""
+    made = []
+    for name, value in options.items():
+        if isinstance(value, list):
+            value = ",".join(str(item) for item in value)
+        made.append(f"--{name.replace('_', '-')}={value}")
+    return made
+
+
+def timeless(data: Any) -> Any:
+    """Return JSON without what a clock measured."""
+    if isinstance(data, dict):
+        return {key: timeless(value) for key, value in data.items() if "second" not in key}
+    if isinstance(data, list):
+        return [timeless(item) for item in data]
+    return data
+
+
+def quiet(call: Any, *arguments: Any, **options: Any) -> Any:
+    """Call without warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return call(*arguments, **options)
+
+
+PARAMS = """
+seed = 7
+[truth]
+kernel = "eq1"
+lobe = "radial"
+refractive_index = 1.49
+pair = true
+a = 4.0
+c = 0.24
+mu = 0.5
+[camera]
+width = 160
+height = 128
+[reference]
+[[capture]]
+floating_distance_mm = 150.0
+incidence_deg = 20.0
+azimuth_deg = 30.0
+"""
+
+if __name__ == "__main__":
+    unittest.main()

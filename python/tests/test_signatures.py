@@ -1,0 +1,96 @@
+"""Names: every option of a program has its keyword, and every example has its types."""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import re
+import subprocess
+import sys
+import unittest
+from collections.abc import Callable
+
+import airr
+from common import ROOT, Case, run
+
+#: Options that mean something at a command line only.
+OF_A_SHELL = {"output", "json", "help", "list", "plot", "report", "resume", "save_every", "truth"}
+#: Keywords that a program has not.
+OF_PYTHON = {"folder", "progress", "table", "result"}
+#: Options that a prediction in Python does not need.
+OF_PREDICT = {"against", "channel", "floating_distance", "model"}
+#: Options that stand first in Python, without a keyword of their own name.
+FIRST = {"captures", "mesh", "image", "params", "name", "source"}
+
+
+class Signatures(Case):
+    def test_keywords_are_the_options_of_the_programs(self) -> None:
+        verbs: list[tuple[Callable[..., object], str, str, set[str]]] = [
+            (airr.design, "bake", "design", set()),
+            (airr.trace, "bake", "trace", set()),
+            (airr.measure, "fit", "mtf", set()),
+            (airr.estimate, "fit", "estimate", set()),
+            (airr.simulate, "fit", "simulate", set()),
+            (airr.study, "fit", "study", set()),
+            # Pictures against a quantity are a matter of xarray in Python, model and channel are
+            # those of the result, and --floating-distance is another name of --distance.
+            (airr.Result.predict, "fit", "predict", OF_PREDICT),
+            (airr.Result.render, "fit", "render", {"floating_distance", "model"}),
+        ]
+        compared = 0
+        for function, program, verb, left_out in verbs:
+            told = run(program, "completions", "bash").stdout
+            found = re.search(rf'{program}__(?:subcmd__)?{verb}\)\s+opts="([^"]*)"', told)
+            assert found, verb
+            options = set(re.findall(r"--([a-z][a-z-]*)", found[1]))
+            wanted = {option.replace("-", "_") for option in options}
+            parameters = inspect.signature(function).parameters.values()
+            keywords = {
+                one.name for one in parameters if one.kind is not one.VAR_KEYWORD
+            } - FIRST - {"self", "picture", "frequency"} | (wanted & {"frequency"})
+            missing = wanted - keywords - OF_A_SHELL - left_out - FIRST - {"table"}
+            self.assertEqual(missing, {"params"} & missing, (verb, "has no keyword"))
+            self.assertLessEqual(keywords - wanted, OF_PYTHON | OF_A_SHELL, verb)
+            compared += len(wanted)
+        self.tell(compared, "options")
+
+    def test_no_default_stands_in_python(self) -> None:
+        cases = 0
+        for function in (airr.design, airr.trace, airr.measure, airr.estimate, airr.study):
+            for one in inspect.signature(function).parameters.values():
+                if one.kind is one.KEYWORD_ONLY:
+                    self.assertIn(one.default, (None, False, one.empty), one.name)
+                    cases += 1
+        self.tell(cases, "keywords")
+
+    def test_everything_public_is_described(self) -> None:
+        cases = 0
+        for name in airr.__all__:
+            thing = getattr(airr, name)
+            if name == "__version__":
+                continue
+            self.assertTrue(inspect.getdoc(thing), name)
+            cases += 1
+            if inspect.isclass(thing):
+                for member, value in vars(thing).items():
+                    described = callable(value) or isinstance(value, property)
+                    if described and not member.startswith("_"):
+                        self.assertTrue(inspect.getdoc(value), f"{name}.{member}")
+                        cases += 1
+        self.tell(cases, "names")
+
+    def test_the_types_are_right(self) -> None:
+        if importlib.util.find_spec("mypy") is None:
+            self.skipTest("mypy is not installed")
+        files = [ROOT / "python" / "tests" / "examples.py"]
+        mypy = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-incremental"]
+        for what in (["-p", "airr"], files):
+            done = subprocess.run(
+                [*mypy, *what], capture_output=True, text=True, check=False, cwd=self.folder
+            )
+            self.assertEqual(done.returncode, 0, done.stdout)
+        self.tell(1 + len(files), "runs of mypy")
+
+
+if __name__ == "__main__":
+    unittest.main()
