@@ -18,7 +18,7 @@ degrees. Light is linear.
 
 from airr import _programs as _programs
 from airr._errors import AirrWarning, Error
-from airr._fit import Edge, Estimate, Report, Result, estimate, load, measure, simulate, study
+from airr._fit import Edge, Estimate, Report, Result, estimate, load, measure, sheet, simulate, study
 from airr._mesh import Mesh, design
 from airr._picture import picture
 from airr._table import Path, Table, open, trace
@@ -41,6 +41,7 @@ __all__ = [
     "measure",
     "open",
     "picture",
+    "sheet",
     "simulate",
     "study",
     "trace",

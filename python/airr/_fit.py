@@ -437,6 +437,7 @@ class Result:
         seen_in_mirror: bool = False,
         ambient: float | None = None,
         exposure: float | None = None,
+        auto_exposure: bool = False,
         transfer: str | None = None,
         view: File | None = None,
         tolerance: float | None = None,
@@ -459,6 +460,8 @@ class Result:
             Side of a pixel in the plane of the image, mm; that of the photographs if left out.
         exposure, ambient : float, optional
             Factor on the light, and light behind the image.
+        auto_exposure : bool
+            True to make the brightest pixel as bright as that of the picture.
         view : path, optional
             File with the places of camera, image and sheet, in place of distance and direction.
 
@@ -476,6 +479,7 @@ class Result:
             seen_in_mirror=seen_in_mirror,
             ambient=ambient,
             exposure=exposure,
+            auto_exposure=auto_exposure,
             transfer=transfer,
             view=view,
             tolerance=tolerance,
@@ -692,6 +696,51 @@ def load(path: File, table: Table | File, *, channel: str | None = None) -> Resu
     source = table if isinstance(table, Table) else open_table(table)
     with refusals():
         return Result(_airr.read_result(os.fspath(path), channel), source)
+
+
+def sheet(
+    table: Table | File,
+    *,
+    c: float,
+    wavelength_nm: str | float | None = None,
+    a: float | None = None,
+    a_times_r: float | None = None,
+    kernel: str | None = None,
+    mu: float | None = None,
+    half_mirror: float | None = None,
+    pixel_pitch: float | None = None,
+) -> Result:
+    """Make the result of a sheet that nobody has photographed, to predict and render with.
+
+    Parameters
+    ----------
+    table : Table or path
+        Table of its cell.
+    c : float
+        Corner size, mm.
+    wavelength_nm, a, a_times_r
+        What spreads the light: wave optics at these wavelengths; a lobe of this a (1/mm) at every
+        distance; or a lobe of fixed angle, A = a R. Give one of them.
+    mu : float, optional
+        Reflectance; without it the luminance is not known.
+    half_mirror : float, optional
+        Transmittance times reflectance of the half mirror.
+    pixel_pitch : float, optional
+        Side of a pixel of pictures, mm, for `Result.render`.
+    """
+    source = table if isinstance(table, Table) else open_table(table)
+    options = dict(
+        c=c,
+        wavelength_nm=wavelength_nm,
+        a=a,
+        a_times_r=a_times_r,
+        kernel=kernel,
+        mu=mu,
+        half_mirror=half_mirror,
+        pixel_pitch=pixel_pitch,
+    )
+    with refusals():
+        return Result(_airr.sheet(words(**options), source._table), source)
 
 
 def simulate(

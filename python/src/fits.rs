@@ -84,6 +84,13 @@ pub(crate) fn read_result(file: PathBuf, channel: Option<&str>) -> PyResult<Resu
     Ok(Result { result, fit: None })
 }
 
+/// Makes the result of a sheet whose numbers are given by hand.
+#[pyfunction]
+pub(crate) fn sheet(words: Words, table: PyRef<'_, Table>) -> PyResult<Result> {
+    let result = calls::sheet(&words, &table.table).map_err(refusal)?;
+    Ok(Result { result, fit: None })
+}
+
 /// Predicts MTF and luminance; returns JSON.
 #[pyfunction]
 pub(crate) fn predict(

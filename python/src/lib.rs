@@ -45,7 +45,8 @@ mod _airr {
     use super::Refusal;
     #[pymodule_export]
     use super::fits::{
-        Result, estimate, measure, predict, read_picture, read_result, render, simulate, study,
+        Result, estimate, measure, predict, read_picture, read_result, render, sheet, simulate,
+        study,
     };
     #[pymodule_export]
     use super::mesh::{Mesh, design};

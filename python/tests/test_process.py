@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -145,6 +146,8 @@ class Process(Case):
         self.tell(2, "orders of import")
 
     def test_the_module_shows_no_names_of_hdf5(self) -> None:
+        if shutil.which("nm") is None:
+            self.skipTest("nm is not on PATH")
         module = Path(airr._airr.__file__)
         dynamic = subprocess.run(["nm", "-D", module], capture_output=True, text=True, check=True)
         names = [line.split()[-1] for line in dynamic.stdout.splitlines() if " T " in line]

@@ -164,6 +164,31 @@ class Numbers(Case):
         self.assertEqual(made.shape, grey.shape)
         self.tell(cases, "images")
 
+    def test_sheets_without_a_fit(self) -> None:
+        picture = np.zeros((40, 60), np.float32)
+        picture[10:30, 20:40] = 0.5
+        cases: list[dict[str, Any]] = [
+            {"wavelength_nm": 550, "mu": 0.5},
+            {"a": 4.0, "half_mirror": 0.2, "mu": 0.3},
+            {"a_times_r": 600.0},
+        ]
+        for options in cases:
+            told = run(
+                "fit", "predict", "--c", "0.2", *flags(options), "--table",
+                self.folder / "pair.h5", "--distance=300", "--incidence=20", "--json",
+            )  # fmt: skip
+            told = json.loads(told.stdout)["predictions"]
+            sheet = airr.sheet(self.table, c=0.2, pixel_pitch=0.1, **options)
+            made = quiet(sheet.predict, 300, 20)
+            for index, axis in enumerate(("tangential", "sagittal")):
+                at = made.sel(axis=axis).squeeze()
+                np.testing.assert_array_equal(at.mtf, told[index]["mtf"])
+            image = quiet(sheet.render, picture, 300, 20, auto_exposure=True)
+            self.assertAlmostEqual(float(image.max()), 0.5, delta=1e-6)
+        with self.assertRaises(airr.Error):
+            airr.sheet(self.table, c=0.2)
+        self.tell(len(cases), "sheets")
+
     def test_campaigns_and_studies(self) -> None:
         params = self.folder / "params.toml"
         params.write_text(PARAMS)

@@ -19,6 +19,8 @@ OF_A_SHELL = {"output", "json", "help", "list", "plot", "report", "resume", "sav
 OF_PYTHON = {"folder", "progress", "table", "result"}
 #: Options that a prediction in Python does not need.
 OF_PREDICT = {"against", "channel", "floating_distance", "model"}
+#: Options of a sheet without a fit, which are the keywords of `airr.sheet`.
+OF_A_SHEET = {"a", "a_times_r", "c", "half_mirror", "kernel", "mu", "wavelength_nm"}
 #: Options that stand first in Python, without a keyword of their own name.
 FIRST = {"captures", "mesh", "image", "params", "name", "source"}
 
@@ -34,10 +36,12 @@ class Signatures(Case):
             (airr.study, "fit", "study", set()),
             # Pictures against a quantity are a matter of xarray in Python, model and channel are
             # those of the result, and --floating-distance is another name of --distance.
-            (airr.Result.predict, "fit", "predict", OF_PREDICT),
-            (airr.Result.render, "fit", "render", {"floating_distance", "model"}),
+            (airr.Result.predict, "fit", "predict", OF_PREDICT | OF_A_SHEET),
+            (airr.Result.render, "fit", "render", OF_PREDICT | OF_A_SHEET | {"beside"}),
         ]
         compared = 0
+        sheet = set(inspect.signature(airr.sheet).parameters)
+        self.assertEqual(sheet, OF_A_SHEET | {"table", "pixel_pitch"})
         for function, program, verb, left_out in verbs:
             told = run(program, "completions", "bash").stdout
             found = re.search(rf'{program}__(?:subcmd__)?{verb}\)\s+opts="([^"]*)"', told)

@@ -14,10 +14,11 @@ use std::time::Instant;
 use tables::Table;
 use tables::cli::{self as terminal, parsed};
 
+use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::{Estimation, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::host::Host;
-use crate::cli::{estimate, mtf, output, predict, render, simulate, study};
+use crate::cli::{estimate, mtf, output, parse, predict, render, simulate, study};
 use crate::estimate::{OtherTable, error};
 use crate::photographs::photo::held::Held;
 use crate::photographs::photo::picture::Picture;
@@ -124,6 +125,26 @@ pub fn read(file: &Path, channel: Option<&str>) -> Result<ResultFile, Refused> {
 /// Returns a result as the text of a RESULT.json.
 pub fn json(result: &ResultFile) -> String {
     output::json(result)
+}
+
+/// Numbers of a sheet without a fit, and the pixels of its images.
+#[derive(Debug, clap::Args)]
+struct Sheet {
+    #[command(flatten)]
+    numbers: Numbers,
+    #[arg(long, value_parser = parse::positive, default_value_t = 1.0)]
+    pixel_pitch: f64,
+}
+
+/// Makes the result of a sheet whose numbers are given by hand, as `fit render --c` does.
+///
+/// # Errors
+/// Returns [`Refused`] if the words cannot be used, or if nothing says what spreads the light.
+pub fn sheet(words: &[OsString], table: &Table) -> Result<ResultFile, Refused> {
+    let sheet: Sheet = parsed(words)?;
+    Ok(sheet
+        .numbers
+        .result("fit predict", sheet.pixel_pitch, table)?)
 }
 
 /// Predicts MTF and luminance, as `fit predict --json` does.

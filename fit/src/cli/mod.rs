@@ -4,6 +4,7 @@
 //! room may touch every other room of the crate. Only this room prints, reads the command line and
 //! ends the program.
 
+mod by_hand;
 #[cfg(all(feature = "images", feature = "report"))]
 pub mod calls;
 mod estimate;

@@ -69,6 +69,14 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     within(text, Bounds::POSITIVE)
 }
 
+/// Reads a share of a whole, above 0 and at most 1.
+///
+/// # Errors
+/// Returns a message for clap if `text` is no such number.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    within(text, Bounds::SHARE)
+}
+
 /// Reads one number that is 0 or larger.
 ///
 /// # Errors

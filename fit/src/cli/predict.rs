@@ -7,6 +7,7 @@ use tables::cli as terminal;
 use serde::Serialize;
 use tables::{Outputs, Table};
 
+use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::output;
@@ -45,13 +46,18 @@ Examples:
       --azimuth 30 --plot mtf.svg --json
   fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 \\
       --frequency 0.5,1,2 --against incidence --plot against.svg -o against.csv
+  fit predict --c 0.15 --wavelength-nm 550 --mu 0.5 --table pair.h5 \\
+      --distance 3000 --incidence 20 --azimuth 30
   fit predict result.json --table pair.h5 --distance 150 --incidence 20 \\
       --frequency 0.5,1,2 --against direction --plot polar.svg --json -o polar.json
 
 Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
     /// Result that `fit estimate -o` wrote, as JSON.
-    pub result: PathBuf,
+    ///
+    /// Without a fit, give --c and its companions instead.
+    #[arg(required_unless_present = "c", conflicts_with = "c")]
+    pub result: Option<PathBuf>,
     /// Ray-shift table of the fitted cell, from `bake trace`.
     ///
     /// Give the table of the fit, or one of the same mesh and refractive index with more
@@ -74,6 +80,9 @@ pub(crate) struct Arguments {
     /// Azimuths of the light, degrees; that of the table if it holds one.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = terminal::list)]
     pub azimuth: Option<std::vec::Vec<f64>>,
+    /// Numbers of a sheet without a fit.
+    #[command(flatten)]
+    pub by_hand: Numbers,
     /// Channel of a result of several channels: red, green or blue.
     ///
     /// `fit estimate --channel each` writes such results.
@@ -170,13 +179,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             ),
         ));
     }
-    let mut outputs = Outputs::beside([arguments.result.as_path(), &arguments.table]);
+    let inputs = arguments.result.iter().chain([&arguments.table]);
+    let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
-    let result = read_channel(&arguments.result, arguments.channel.as_deref())?;
-    check_model(&arguments.result, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
+    let result = match &arguments.result {
+        Some(file) => {
+            let result = read_channel(file, arguments.channel.as_deref())?;
+            check_model(file, &result, arguments.model)?;
+            result
+        }
+        None => arguments.by_hand.result("fit predict", 1.0, &table)?,
+    };
     let found = predicted(arguments, &result, &table)?;
     terminal::warn(&found.warnings);
     #[cfg(feature = "report")]

@@ -6,8 +6,9 @@ use std::time::Instant;
 use tables::cli as terminal;
 
 use serde::Serialize;
-use tables::Outputs;
+use tables::{Outputs, Table};
 
+use crate::cli::by_hand::Numbers;
 use crate::cli::estimate::{check_model, read_result};
 use crate::cli::failure::Failure;
 use crate::cli::output;
@@ -26,6 +27,7 @@ use crate::photographs::photo;
 use crate::photographs::photo::picture::{Picture, Writing};
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::{Fitted, remarks};
+use crate::result::ResultFile;
 
 /// Renders the mid-air image of a picture: blurred and dimmed by the fitted sheet.
 #[derive(Debug, clap::Args)]
@@ -45,6 +47,11 @@ Examples:
   fit render --source content.png --params result.json --table pair.h5 \\
       --distance 300 --incidence 20 --azimuth 30 --forward render --samples 64 \\
       -o sampled.exr --json
+
+Without a fit, give the numbers of a sheet by hand. This sign is 3 m away:
+  fit render --source sign.png --c 0.15 --wavelength-nm 550 --mu 0.5 \\
+      --table pair.h5 --distance 3000 --incidence 20 --azimuth 30 \\
+      --pixel-pitch 0.5 --auto-exposure --beside -o aerial.png
 
 With --view, a camera sees the sheet. Each pixel then has its own incidence,
 azimuth and distance, and with them its own blur and brightness. The table must
@@ -73,8 +80,18 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "IMAGE")]
     pub source: PathBuf,
     /// Result that `fit estimate -o` wrote, as JSON.
-    #[arg(long, value_name = "RESULT.json")]
-    pub params: PathBuf,
+    ///
+    /// Without a fit, give --c and its companions instead.
+    #[arg(
+        long,
+        value_name = "RESULT.json",
+        required_unless_present = "c",
+        conflicts_with = "c"
+    )]
+    pub params: Option<PathBuf>,
+    /// Numbers of a sheet without a fit.
+    #[command(flatten)]
+    pub by_hand: Numbers,
     /// Ray-shift table of the fitted cell, from `bake trace`.
     #[arg(long, value_name = "TABLE.h5")]
     pub table: PathBuf,
@@ -176,6 +193,14 @@ pub(crate) struct Arguments {
         help_heading = "Picture"
     )]
     pub exposure: f64,
+    /// Makes the brightest pixel of the result as bright as that of the source.
+    ///
+    /// The factor is printed. Ambient light is made brighter with it.
+    #[arg(long, conflicts_with = "exposure", help_heading = "Picture")]
+    pub auto_exposure: bool,
+    /// Puts the source beside the image, on the left.
+    #[arg(long, help_heading = "Picture")]
+    pub beside: bool,
     /// Meaning of integers in the source: linear or srgb.
     ///
     /// Without this option the file decides: its cICP chunk, ICC profile, sRGB chunk, gAMA chunk or
@@ -220,6 +245,10 @@ pub(super) struct Report {
     width: usize,
     height: usize,
     channels: usize,
+    /// Width and height of the mid-air image, mm.
+    size_mm: [f64; 2],
+    /// Factor on the light.
+    exposure: f64,
     pixel_pitch_mm: f64,
     incidence_deg: Range,
     azimuth_deg: Option<Range>,
@@ -242,6 +271,38 @@ pub(super) struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     seconds: Option<Seconds>,
     pub(super) warnings: Vec<String>,
+}
+
+impl Report {
+    /// Returns size, place, luminance and exposure of the image, for a reader.
+    fn text(&self) -> String {
+        let [width, height] = self.size_mm;
+        let span = |[low, high]: Range, digits: usize| match format!("{low:.digits$}") {
+            low if low == format!("{high:.digits$}") => low,
+            low => format!("{low} to {high:.digits$}"),
+        };
+        let light = self
+            .energy
+            .map_or("not known".into(), |energy| span(energy, 4));
+        format!(
+            "{width:.1} x {height:.1} mm, {} mm from the sheet, incidence {} deg\n\
+            luminance / source: {light}; exposure {:.4}\n",
+            span(self.distance_mm, 0),
+            span(self.incidence_deg, 1),
+            self.exposure
+        )
+    }
+}
+
+/// Returns the exposure that makes the brightest pixel of an image as bright as that of its source;
+/// 1 if the image is black.
+fn automatic(source: &Picture, image: &Picture, ambient: f64) -> f64 {
+    let exposure = source.peak_luminance() / (image.peak_luminance() + ambient);
+    if exposure.is_finite() && exposure > 0.0 {
+        exposure
+    } else {
+        1.0
+    }
 }
 
 #[derive(Serialize)]
@@ -269,17 +330,19 @@ struct Seconds {
 /// Fails if the source, the result, the table or the view cannot be used, if the table lacks a
 /// direction, or if the output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let inputs = [&arguments.source, &arguments.params, &arguments.table];
-    let inputs = inputs.into_iter().chain(&arguments.view);
+    let inputs = [&arguments.source, &arguments.table];
+    let inputs = inputs
+        .into_iter()
+        .chain(&arguments.params)
+        .chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let ending = || render::Error::Ending {
         path: arguments.output.clone(),
     };
     let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
     let output = outputs.reserve(&arguments.output)?;
-    let result = read_result(&arguments.params)?;
-    check_model(&arguments.params, &result, arguments.model)?;
     let table = tables::read(&arguments.table)?;
+    let result = arguments.result(&table)?;
     let sheet = Fitted::new(&result, &table)?;
     let pool = terminal::pool(arguments.threads)?;
 
@@ -296,7 +359,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let written = started.elapsed().as_secs_f64();
     terminal::warn(&report.warnings);
     if !arguments.json {
-        return Ok(());
+        return Ok(terminal::print(&report.text())?);
     }
     report.seconds = Some(Seconds {
         read,
@@ -304,6 +367,28 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         write: written - rendered,
     });
     Ok(terminal::print(&output::json(&report))?)
+}
+
+impl Arguments {
+    /// Returns the result of the file that is named, or the numbers that are given.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be used, and returns [`Failure::Usage`] if the numbers say nothing
+    /// of diffraction or nothing says how large a pixel is.
+    fn result(&self, table: &Table) -> Result<ResultFile, Failure> {
+        let Some(file) = &self.params else {
+            let pitch = self.pixel_pitch.or(self.view.is_some().then_some(1.0));
+            let pitch = pitch.ok_or_else(|| {
+                let message = "numbers of a sheet have no camera; give --pixel-pitch, the width of \
+                    the picture in mm divided by its width in pixels";
+                Failure::conflict("fit render", message)
+            })?;
+            return self.by_hand.result("fit render", pitch, table);
+        };
+        let result = read_result(file)?;
+        check_model(file, &result, self.model)?;
+        Ok(result)
+    }
 }
 
 /// Renders the mid-air image of a picture, and returns it with its facts.
@@ -335,13 +420,24 @@ pub(super) fn rendered(
         mean: image.mean_luminance() / ambient,
         peak: image.peak_luminance() / ambient,
     });
-    image.expose(ambient, arguments.exposure);
+    let exposure = match arguments.auto_exposure {
+        true => automatic(source, &image, ambient),
+        false => arguments.exposure,
+    };
+    image.expose(ambient, exposure);
+    let size_mm = [image.width, image.height].map(|pixels| pixels as f64 * pitch_mm);
+    let image = match arguments.beside {
+        true => image.beside(source),
+        false => image,
+    };
 
     let spots = &seen.spots;
     let report = Report {
         width: image.width,
         height: image.height,
         channels: image.planes.len(),
+        size_mm,
+        exposure,
         pixel_pitch_mm: pitch_mm,
         incidence_deg: range(spots, |spot| spot.place.incidence_deg),
         azimuth_deg: (!table.axes.is_mean())
@@ -503,8 +599,8 @@ fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
     };
     if spots.iter().any(|spot| spot.energy.is_none()) {
         warnings.push(
-            "the result has no mu (no reference photograph): the image has the brightness of the \
-            source"
+            "the result has no mu (no reference photograph, or --mu left out): the image has the \
+            brightness of the source"
                 .into(),
         );
     }

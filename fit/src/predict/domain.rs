@@ -2,10 +2,16 @@
 
 use tables::{Symmetry, Table};
 
+use crate::names::Kernel;
 use crate::predict::curve::Line;
 use crate::predict::error::Error;
 use crate::predict::sheet::Fitted;
 use crate::result::{Domain, ResultFile};
+
+/// Remark about a lobe that is taken to another distance.
+const ONE_LOBE: &str = "the kernel eq1 takes the blur by diffraction as the same at every distance; \
+    the kernels angular and wave let it grow, and photographs at two distances tell which of them \
+    holds";
 
 /// Incidence, azimuth and distance at which a point of the mid-air image is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,14 +89,25 @@ pub(crate) fn remarks(
     places: &[Viewpoint],
 ) -> Result<Vec<String>, Error> {
     let own = result.warnings.iter();
-    let mut remarks: Vec<String> = own.map(|w| format!("the result warns: {w}")).collect();
+    let mut remarks: Vec<String> = if result.is_by_hand() {
+        own.cloned().collect()
+    } else {
+        own.map(|w| format!("the result warns: {w}")).collect()
+    };
     match &result.domain {
+        None if result.is_by_hand() => {}
         None => remarks.push(
             "the result has no key domain (an older fit wrote it), so it is unknown whether this \
             lies outside of its photographs; fit again"
                 .into(),
         ),
-        Some(domain) => remarks.extend(beyond(domain, table, places)),
+        Some(domain) => {
+            remarks.extend(beyond(domain, table, places));
+            let range = domain.floating_distance_mm;
+            if result.kernel == Kernel::Eq1 && places.iter().any(|p| !holds(range, p.r_mm)) {
+                remarks.push(ONE_LOBE.into());
+            }
+        }
     }
     if result.seen_in_mirror.is_none()
         && let Some(place) = places.first()

@@ -4,11 +4,13 @@
 //! room computes nothing. It knows parameters as types; their text form (`a_per_mm_at_20`) exists
 //! only in the file. It may touch `estimate` and the rooms below it.
 
+mod by_hand;
 mod domain;
 mod quality;
 pub(crate) mod report;
 mod table;
 
+pub(crate) use by_hand::{ByHand, Spread};
 pub(crate) use domain::Domain;
 pub(crate) use quality::FitResult;
 pub use report::ResultFile;

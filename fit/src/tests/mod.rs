@@ -6,6 +6,7 @@ mod adobe;
 mod azimuth;
 mod bad_inputs;
 mod baselines;
+mod by_hand;
 mod campaign;
 mod captures_manifest;
 mod carried;

@@ -77,7 +77,10 @@ fn dependencies_go_one_way() {
         {
             assert!(may.contains(other), "{package} must not depend on {other}");
         }
-        assert!(!names.contains(&"airr".into()), "{package} must not depend on python");
+        assert!(
+            !names.contains(&"airr".into()),
+            "{package} must not depend on python"
+        );
         for needed in may {
             assert!(
                 names.iter().any(|name| name == needed),

@@ -90,6 +90,35 @@ impl Picture {
         samples.for_each(|value| *value = (*value + ambient) * exposure);
     }
 
+    /// Returns a picture with `left` on the left of this one, and a dark gap between them.
+    ///
+    /// If one of them is grey and the other one in colour, both are in colour. The lower one is
+    /// filled up with darkness.
+    pub fn beside(&self, left: &Picture) -> Picture {
+        let gap = (left.width / 32).max(1);
+        let width = left.width + gap + self.width;
+        let height = left.height.max(self.height);
+        let plane = |number: usize| {
+            let mut plane = vec![0.0; width * height];
+            for (picture, column) in [(left, 0), (self, left.width + gap)] {
+                let own = &picture.planes[number.min(picture.planes.len() - 1)];
+                for (row, line) in own.chunks_exact(picture.width).enumerate() {
+                    let start = row * width + column;
+                    plane[start..start + line.len()].copy_from_slice(line);
+                }
+            }
+            plane
+        };
+        let count = left.planes.len().max(self.planes.len());
+        Picture {
+            width,
+            height,
+            planes: (0..count).map(plane).collect(),
+            transfer: self.transfer,
+            warnings: self.warnings.clone(),
+        }
+    }
+
     /// Counts the samples above 1, which a PNG clips.
     pub fn above_white(&self) -> usize {
         let above = |plane: &Vec<f32>| plane.iter().filter(|&&v| v > 1.0).count();

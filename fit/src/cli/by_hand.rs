@@ -1,0 +1,136 @@
+//! The options of a sheet without a fit.
+
+use tables::Table;
+
+use crate::cli::failure::Failure;
+use crate::cli::parse;
+use crate::names::{Kernel, Spectrum};
+use crate::result::{ByHand, ResultFile, Spread, TableResult};
+
+/// Numbers of a sheet that nobody has fitted. They take the place of a result.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Sheet without a fit")]
+pub(crate) struct Numbers {
+    /// Corner size c, mm: the edge of a cube from its apex.
+    ///
+    /// It takes the place of a result. Give what spreads the light too: --wavelength-nm, --a or
+    /// --a-times-r.
+    #[arg(long, value_name = "MM", value_parser = parse::positive, allow_negative_numbers = true)]
+    pub c: Option<f64>,
+    /// Kernel of these numbers: wave, eq1 or angular.
+    ///
+    /// It follows from the numbers. If it is named, it must be the one that follows.
+    #[arg(long, value_name = "KERNEL", value_parser = kernel, requires = "c")]
+    pub kernel: Option<Kernel>,
+    /// Wavelengths of the source, nm, with weights; diffraction follows from them and from c.
+    ///
+    /// Write 550, or 450:0.2,550:0.5,620:0.3. The table must be exact.
+    #[arg(
+        long,
+        value_name = "NM[:WEIGHT],...",
+        value_parser = Spectrum::parse,
+        requires = "c",
+        conflicts_with_all = ["a", "a_times_r"]
+    )]
+    pub wavelength_nm: Option<Spectrum>,
+    /// Diffraction spread a, 1/mm, the same at every distance.
+    #[arg(
+        long,
+        value_name = "A",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        requires = "c",
+        conflicts_with = "a_times_r"
+    )]
+    pub a: Option<f64>,
+    /// Diffraction spread A = a R of a lobe of fixed angle.
+    #[arg(
+        long,
+        value_name = "A",
+        value_parser = parse::positive,
+        allow_negative_numbers = true,
+        requires = "c"
+    )]
+    pub a_times_r: Option<f64>,
+    /// Reflectance mu of the sheet.
+    ///
+    /// Without it the luminance is not known, and an image has the brightness of its source.
+    #[arg(
+        long,
+        value_name = "MU",
+        value_parser = parse::share,
+        allow_negative_numbers = true,
+        requires = "c"
+    )]
+    pub mu: Option<f64>,
+    /// Transmittance times reflectance of the half mirror; 0.25 if left out.
+    #[arg(
+        long,
+        value_name = "TR",
+        value_parser = parse::share,
+        allow_negative_numbers = true,
+        requires = "c"
+    )]
+    pub half_mirror: Option<f64>,
+}
+
+fn kernel(text: &str) -> Result<Kernel, String> {
+    let known = [Kernel::Wave, Kernel::Eq1, Kernel::Angular];
+    let named = known.into_iter().find(|kernel| kernel.name() == text);
+    named.ok_or_else(|| "use wave, eq1 or angular".into())
+}
+
+/// Light that passes a half mirror of 50 % and is reflected by it.
+const HALF_MIRROR: f64 = 0.25;
+
+impl Numbers {
+    /// Returns the numbers as a result of this table.
+    ///
+    /// `pixel_pitch_mm` is that of images, mm.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] if there are no numbers, or if nothing says what spreads the
+    /// light.
+    pub(super) fn result(
+        &self,
+        verb: &'static str,
+        pixel_pitch_mm: f64,
+        table: &Table,
+    ) -> Result<ResultFile, Failure> {
+        let Some(c_mm) = self.c else {
+            let message = "give a result, or the numbers of a sheet: --c with --wavelength-nm, \
+                --a or --a-times-r";
+            return Err(Failure::conflict(verb, message));
+        };
+        let spread = match (&self.wavelength_nm, self.a, self.a_times_r) {
+            (Some(spectrum), ..) => Spread::Wave(spectrum.clone()),
+            (None, Some(a), _) => Spread::Lobe(a),
+            (None, None, Some(a)) => Spread::Angle(a),
+            (None, None, None) => {
+                let message = "--c alone says nothing of diffraction; give --wavelength-nm (wave \
+                    optics), --a or --a-times-r too";
+                return Err(Failure::conflict(verb, message));
+            }
+        };
+        let sheet = ByHand {
+            c_mm,
+            spread,
+            mu: self.mu,
+            half_mirror: self.half_mirror.unwrap_or(HALF_MIRROR),
+            pixel_pitch_mm,
+        };
+        let result = sheet.result(TableResult::of(table));
+        match self.kernel {
+            Some(kernel) if kernel != result.kernel => Err(Failure::conflict(
+                verb,
+                format!(
+                    "--kernel {} does not follow from the numbers, which are those of {}; leave \
+                    it out, or give wave a --wavelength-nm, eq1 an --a, angular an --a-times-r",
+                    kernel.name(),
+                    result.kernel.name()
+                ),
+            )),
+            _ => Ok(result),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! A sheet whose numbers are given by hand, for who has no fit of it.
+
+use crate::estimate::{Bounds, Forward, Kind};
+use crate::names::{Family, Kernel, LobeShape, Spectrum};
+use crate::result::report::{CameraResult, Covariance, Number, Parameter, ResultFile};
+use crate::result::table::TableResult;
+
+/// Reason why the solver of such a result stopped: it never began.
+const BY_HAND: &str = "given by hand";
+
+/// What spreads the light besides the ray shift.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Spread {
+    /// Diffraction by wave optics, from c and these wavelengths.
+    Wave(Spectrum),
+    /// Lobe of this spread a, 1/mm, at every distance.
+    Lobe(f64),
+    /// Lobe of a fixed angle, of this A = a R.
+    Angle(f64),
+}
+
+/// Numbers of a sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ByHand {
+    /// Corner size c, mm.
+    pub c_mm: f64,
+    /// What spreads the light.
+    pub spread: Spread,
+    /// Reflectance mu; `None` if it is not known.
+    pub mu: Option<f64>,
+    /// Transmittance times reflectance of the half mirror.
+    pub half_mirror: f64,
+    /// Side of a pixel in the plane of the mid-air image, mm.
+    pub pixel_pitch_mm: f64,
+}
+
+/// Warning about a lobe that is the same at all distances.
+const ONE_LOBE: &str = "a is taken as the same at every distance (kernel eq1); a lobe that grows \
+    with the distance is --a-times-r (fixed angle) or --wavelength-nm (wave optics), and which of \
+    them a sheet has is told by photographs at two distances";
+
+impl ByHand {
+    /// Returns the numbers as a result, which has no standard errors.
+    pub(crate) fn result(&self, table: TableResult) -> ResultFile {
+        let shared = |value| {
+            Parameter::Shared(Number {
+                value: Some(value),
+                standard_error: None,
+            })
+        };
+        let (kernel, a_per_mm, a_times_r, wavelength_nm) = match &self.spread {
+            Spread::Wave(spectrum) => (Kernel::Wave, None, None, Some(spectrum.clone())),
+            Spread::Lobe(a) => (Kernel::Eq1, Some(shared(*a)), None, None),
+            Spread::Angle(a) => (Kernel::Angular, None, Some(shared(*a)), None),
+        };
+        let warns = kernel == Kernel::Eq1;
+        ResultFile {
+            model: Family::Proposed,
+            kernel,
+            lobe: kernel.has_lobe().then_some(LobeShape::Radial),
+            loss: Kind::Edge,
+            forward: Forward::Spectral,
+            sampling: None,
+            iterations: 0,
+            stop: BY_HAND.into(),
+            seconds: 0.0,
+            wavelength_nm,
+            c_mm: Some(Number {
+                value: Some(self.c_mm),
+                standard_error: None,
+            }),
+            a_per_mm,
+            a_times_r,
+            roughness: None,
+            surface_roughness: None,
+            mu: self.mu.map(shared),
+            azimuth_deg: None,
+            covariance: Covariance {
+                names: Vec::new(),
+                matrix: Vec::new(),
+            },
+            bounds: Bounds::new(),
+            candidates: Vec::new(),
+            reference_transfer: None,
+            reference_transfer_from: None,
+            captures: Vec::new(),
+            camera: CameraResult {
+                pixel_pitch_mm: self.pixel_pitch_mm,
+                lens_blur_mm: None,
+                lens_exponent: None,
+                lens_assumed: false,
+            },
+            half_mirror: self.half_mirror,
+            seen_in_mirror: Some(false),
+            fit: None,
+            domain: None,
+            trusted: Vec::new(),
+            table,
+            warnings: Vec::from_iter(warns.then(|| ONE_LOBE.into())),
+        }
+    }
+}
+
+impl ResultFile {
+    /// Returns whether the numbers were given by hand, so that no photograph stands behind them.
+    pub fn is_by_hand(&self) -> bool {
+        self.stop == BY_HAND
+    }
+}
