@@ -18,7 +18,8 @@ degrees. Light is linear.
 
 from airr import _programs as _programs
 from airr._errors import AirrWarning, Error
-from airr._fit import Edge, Estimate, Report, Result, estimate, load, measure, sheet, simulate, study
+from airr._fit import Edge, Estimate, Report, Result
+from airr._fit import estimate, load, measure, sheet, simulate, study
 from airr._mesh import Mesh, design
 from airr._picture import picture
 from airr._table import Path, Table, open, trace

@@ -1,11 +1,12 @@
 //! `fit render`: makes the mid-air image of any picture.
 
+mod facts;
+
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
 use tables::cli as terminal;
 
-use serde::Serialize;
 use tables::{Outputs, Table};
 
 use crate::cli::by_hand::Numbers;
@@ -13,6 +14,7 @@ use crate::cli::estimate::{check_model, read_result};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
+use crate::cli::render::facts::{Contrast, Range, Report, Seconds, TileReport, automatic};
 use crate::cli::sampled::Samples;
 use crate::estimate::Forward;
 use crate::images::Scale;
@@ -234,94 +236,6 @@ pub(crate) struct Arguments {
     /// if the source is, else sRGB, and names this in a chunk.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-}
-
-/// Least and greatest value over the image.
-type Range = [f64; 2];
-
-/// Facts about an image.
-#[derive(Serialize)]
-pub(super) struct Report {
-    width: usize,
-    height: usize,
-    channels: usize,
-    /// Width and height of the mid-air image, mm.
-    size_mm: [f64; 2],
-    /// Factor on the light.
-    exposure: f64,
-    pixel_pitch_mm: f64,
-    incidence_deg: Range,
-    azimuth_deg: Option<Range>,
-    distance_mm: Range,
-    /// True if the sheet is seen in the half mirror.
-    seen_in_mirror: bool,
-    /// Luminance relative to the source; null without mu.
-    energy: Option<Range>,
-    /// Largest error of the contrast by the frequencies that were left out.
-    transfer_error: f64,
-    /// Number of tiles and largest error between their corners; null without a view.
-    tiles: Option<TileReport>,
-    /// Standard error by the samples, root mean square over the image, before exposure; null
-    /// without samples.
-    sampling_error: Option<f64>,
-    /// Mean and greatest luminance of the mid-air image, relative to the ambient light; null
-    /// without ambient light.
-    contrast: Option<Contrast>,
-    /// Absent where the program did not read and write the pictures.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seconds: Option<Seconds>,
-    pub(super) warnings: Vec<String>,
-}
-
-impl Report {
-    /// Returns size, place, luminance and exposure of the image, for a reader.
-    fn text(&self) -> String {
-        let [width, height] = self.size_mm;
-        let span = |[low, high]: Range, digits: usize| match format!("{low:.digits$}") {
-            low if low == format!("{high:.digits$}") => low,
-            low => format!("{low} to {high:.digits$}"),
-        };
-        let light = self
-            .energy
-            .map_or("not known".into(), |energy| span(energy, 4));
-        format!(
-            "{width:.1} x {height:.1} mm, {} mm from the sheet, incidence {} deg\n\
-            luminance / source: {light}; exposure {:.4}\n",
-            span(self.distance_mm, 0),
-            span(self.incidence_deg, 1),
-            self.exposure
-        )
-    }
-}
-
-/// Returns the exposure that makes the brightest pixel of an image as bright as that of its source;
-/// 1 if the image is black.
-fn automatic(source: &Picture, image: &Picture, ambient: f64) -> f64 {
-    let exposure = source.peak_luminance() / (image.peak_luminance() + ambient);
-    if exposure.is_finite() && exposure > 0.0 {
-        exposure
-    } else {
-        1.0
-    }
-}
-
-#[derive(Serialize)]
-struct TileReport {
-    counts: [usize; 2],
-    error: f64,
-}
-
-#[derive(Serialize)]
-struct Contrast {
-    mean: f64,
-    peak: f64,
-}
-
-#[derive(Serialize)]
-struct Seconds {
-    read: f64,
-    render: f64,
-    write: f64,
 }
 
 /// Runs the verb.

@@ -9,9 +9,9 @@ use crate::predict::sheet::Fitted;
 use crate::result::{Domain, ResultFile};
 
 /// Remark about a lobe that is taken to another distance.
-const ONE_LOBE: &str = "the kernel eq1 takes the blur by diffraction as the same at every distance; \
-    the kernels angular and wave let it grow, and photographs at two distances tell which of them \
-    holds";
+const ONE_LOBE: &str = "the kernel eq1 takes the blur by diffraction as the same at every \
+    distance; the kernels angular and wave let it grow, and photographs at two distances tell \
+    which of them holds";
 
 /// Incidence, azimuth and distance at which a point of the mid-air image is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

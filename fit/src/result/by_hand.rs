@@ -8,7 +8,7 @@ use crate::result::table::TableResult;
 /// Reason why the solver of such a result stopped: it never began.
 const BY_HAND: &str = "given by hand";
 
-/// What spreads the light besides the ray shift.
+/// Cause that spreads the light besides the ray shift.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Spread {
     /// Diffraction by wave optics, from c and these wavelengths.
@@ -24,7 +24,7 @@ pub(crate) enum Spread {
 pub(crate) struct ByHand {
     /// Corner size c, mm.
     pub c_mm: f64,
-    /// What spreads the light.
+    /// Cause that spreads the light.
     pub spread: Spread,
     /// Reflectance mu; `None` if it is not known.
     pub mu: Option<f64>,

@@ -32,8 +32,7 @@ impl Held {
     /// Returns one plane of linear light, as from a file.
     ///
     /// # Errors
-    /// Returns [`Error::NoChannel`] if the picture lacks the channel, and [`Error::NotFinite`] if a
-    /// value is not finite.
+    /// Returns an error if the picture lacks the channel, or if a value is not finite.
     pub fn photo(&self, options: &Decode) -> Result<Photo, Error> {
         let weights: &[f32] = match (&self.planes[..], &options.channel) {
             ([_], Channel::Luminance) => &[1.0],
@@ -92,7 +91,7 @@ impl Held {
     /// Returns the picture in colour, as from a file.
     ///
     /// # Errors
-    /// Returns [`Error::NotFinite`] if a value is not finite.
+    /// Returns an error if a value is not finite.
     pub fn into_picture(self, transfer: Option<Transfer>) -> Result<Picture, Error> {
         for plane in &self.planes {
             check_finite(&self.name, self.width, plane)?;
