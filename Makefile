@@ -81,8 +81,9 @@ pip = "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --
 test: fmt lint doc python
 	@echo "== tests" >&2
 	@AIRR_PYTHON="$(VENV)/bin/python" $(CARGO) test --workspace --locked
+	@# With airr, whose macros want other features: nothing is compiled anew.
 	@echo "== long tests of fit: stated errors over hundreds of drawn campaigns, and others" >&2
-	@$(CARGO) test -p fit --lib --locked -- --ignored --skip trust_costs
+	@$(CARGO) test -p fit -p airr --lib --locked -- --ignored --skip trust_costs
 	@$(MAKE) --no-print-directory test-package
 
 # What takes minutes or wants more than a fresh machine has.

@@ -29,7 +29,8 @@ PROFILE = os.environ.get("AIRR_PROFILE", "release")
 
 def build_programs() -> None:
     """Build the programs and lay them where maturin packs them."""
-    packages = [word for name in ("bake", "fit", "reader") for word in ("-p", name)]
+    # With the module, so that both builds share what they compile.
+    packages = [word for name in ("bake", "fit", "reader", "airr") for word in ("-p", name)]
     cargo = os.environ.get("CARGO", "cargo")
     build = [cargo, "build", "--profile", PROFILE, "--locked", *packages]
     subprocess.run(build, cwd=ROOT, check=True)

@@ -51,9 +51,9 @@ Examples:
       -o sampled.exr --json
 
 Without a fit, give the numbers of a sheet by hand. This sign is 3 m away:
-  fit render --source sign.png --c 0.15 --wavelength-nm 550 --mu 0.5 \\
+  fit render --source content.png --c 0.15 --wavelength-nm 550 --mu 0.5 \\
       --table pair.h5 --distance 3000 --incidence 20 --azimuth 30 \\
-      --pixel-pitch 0.5 --auto-exposure --beside -o aerial.png
+      --pixel-pitch 0.5 --auto-exposure --beside -o far.png
 
 With --view, a camera sees the sheet. Each pixel then has its own incidence,
 azimuth and distance, and with them its own blur and brightness. The table must
