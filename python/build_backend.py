@@ -13,12 +13,7 @@ import subprocess
 from pathlib import Path
 
 import maturin
-from maturin import (  # noqa: F401
-    build_sdist,
-    get_requires_for_build_sdist,
-    get_requires_for_build_wheel,
-    prepare_metadata_for_build_wheel,
-)
+from maturin import get_requires_for_build_sdist, get_requires_for_build_wheel  # noqa: F401
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = ROOT / "python" / "airr.data" / "scripts"
@@ -39,6 +34,18 @@ def build_programs() -> None:
     SCRIPTS.mkdir(parents=True, exist_ok=True)
     for name in PROGRAMS:
         shutil.copy2(folder / name, SCRIPTS / name)
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Write the metadata (PEP 517). maturin wants the folder of data there, empty or not."""
+    SCRIPTS.mkdir(parents=True, exist_ok=True)
+    return maturin.prepare_metadata_for_build_wheel(metadata_directory, config_settings)
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """Build the source archive (PEP 517)."""
+    SCRIPTS.mkdir(parents=True, exist_ok=True)
+    return maturin.build_sdist(sdist_directory, config_settings)
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

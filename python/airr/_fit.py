@@ -226,8 +226,9 @@ class Result:
         All that ``fit estimate -o`` writes.
     """
 
-    def __init__(self, result: _airr.Result, table: Table) -> None:
+    def __init__(self, result: _airr.Result, table: Table, has_pitch: bool = True) -> None:
         self._result = result
+        self._has_pitch = has_pitch
         self._table = table
         self.data: dict[str, Any] = json.loads(result.json())
         data = self.data
@@ -327,7 +328,9 @@ class Result:
                 ),
             },
         )
-        dataset["residual"] = (dataset.measured - dataset.modelled) / dataset.standard_error
+        # At frequency 0 the MTF is 1 without an error, and there is no residual.
+        errors = dataset.standard_error.where(dataset.standard_error > 0)
+        dataset["residual"] = (dataset.measured - dataset.modelled) / errors
         dataset["residual"].attrs = {"units": "1", "long_name": "in standard errors"}
         return dataset
 
@@ -489,6 +492,11 @@ class Result:
             sequence=sequence,
             threads=threads,
         )
+        if not self._has_pitch and pixel_pitch is None and view is None:
+            raise Error(
+                "numbers of a sheet have no camera; give pixel_pitch, the width of the picture in "
+                "mm divided by its width in pixels"
+            )
         named = dict(source="picture", params="result", table="table", output="image.exr")
         with refusals():
             made, facts = _airr.render(
@@ -536,10 +544,19 @@ def _toml(value: Any) -> str:
     """Return a value of a manifest as TOML."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
+    if getattr(value, "ndim", None) == 0:
+        value = value.item()
     if isinstance(value, (str, os.PathLike)):
-        return json.dumps(os.fspath(value), ensure_ascii=False)
+        # All characters that TOML has no room for are escaped.
+        return json.dumps(os.fspath(value))
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + " }"
+        # What is None is left out. Keys are quoted, so that a wrong one is refused by its name.
+        entries = [
+            f"{json.dumps(str(key))} = {_toml(item)}"
+            for key, item in value.items()
+            if item is not None
+        ]
+        return "{ " + ", ".join(entries) + " }"
     if isinstance(value, (list, tuple, np.ndarray)):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     return text(value)
@@ -553,12 +570,17 @@ def _manifest(
     base = os.fspath(folder) if folder is not None else os.getcwd()
 
     def shot(given: Mapping[str, Any], name: str) -> dict[str, Any]:
+        if not isinstance(given, Mapping):
+            raise TypeError(
+                f"{name} is a dict with the keys of the manifest, such as image and exposure, not "
+                f"{type(given).__name__}"
+            )
         image = given.get("image")
         if image is None:
             return dict(given)
         if is_file(image):
             return {**given, "image": os.path.join(base, os.fspath(image))}
-        if "exposure" not in given and name != "reference":
+        if given.get("exposure") is None and name != "reference":
             raise Error(
                 f"{_MEMORY}: {name}: an array holds no settings of the camera, and there is no "
                 "`exposure`; give the exposure relative to the reference"
@@ -567,17 +589,21 @@ def _manifest(
         return {**given, "image": name}
 
     known = {"setup", "reference", "capture"}
-    if unknown := sorted(set(captures) - known):
+    if unknown := sorted(set(captures) - known, key=str):
         raise Error(
             f"{_MEMORY}: {unknown[0]!r} is no part of a campaign; use setup, reference, capture"
         )
     reference = captures.get("reference")
+    setup = captures.get("setup")
     lines = [
-        f"setup = {_toml(captures.get('setup', {}))}",
+        f"setup = {_toml({} if setup is None else setup)}",
         "" if reference is None else f"reference = {_toml(shot(reference, 'reference'))}",
         "capture = [",
     ]
-    for number, given in enumerate(captures.get("capture", [])):
+    shots = captures.get("capture", [])
+    if not isinstance(shots, (list, tuple)):
+        raise TypeError(f"capture is a list of dicts, not {type(shots).__name__}")
+    for number, given in enumerate(shots):
         lines.append(f"  {_toml(shot(given, f'capture {number}'))},")
     return "\n".join([*lines, "]", ""]), pictures
 
@@ -740,7 +766,8 @@ def sheet(
         pixel_pitch=pixel_pitch,
     )
     with refusals():
-        return Result(_airr.sheet(words(**options), source._table), source)
+        made = _airr.sheet(words(**options), source._table)
+    return Result(made, source, has_pitch=pixel_pitch is not None)
 
 
 def simulate(

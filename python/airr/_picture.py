@@ -13,7 +13,8 @@ from airr._errors import refusals, warn
 from airr._words import File
 
 #: An array of shape (rows, columns) or (rows, columns, 3), of linear light unless a `transfer` is
-#: named. Integers are divided by the largest integer of their type, so that 1 is saturated.
+#: named. Unsigned integers of 8, 16 or 32 bits are divided by the largest integer of their type,
+#: so that 1 is saturated.
 Picture: TypeAlias = "npt.NDArray[Any]"
 
 
@@ -25,8 +26,11 @@ def is_file(picture: Picture | File) -> bool:
 def planes(picture: Any, name: str) -> tuple[str, npt.NDArray[np.float32], bool]:
     """Return the name of a picture, its planes (plane, row, column), and if it had integers."""
     array = np.asarray(picture)
-    if array.dtype.kind not in "uif":
-        raise TypeError(f"{name}: a picture has floats or integers, not {array.dtype}")
+    if array.dtype.kind != "f" and array.dtype not in (np.uint8, np.uint16, np.uint32):
+        raise TypeError(
+            f"{name}: a picture has floats, or integers of type uint8, uint16 or uint32, whose "
+            f"greatest value is full scale; convert the {array.dtype} to one of them"
+        )
     if array.ndim == 2:
         array = array[:, :, None]
     if array.ndim != 3:

@@ -179,6 +179,8 @@ class Table:
         """
         u, v = np.broadcast_arrays(np.asarray(fx, float), np.asarray(fy, float))
         scale = 1.0 if c_mm is None else float(c_mm)
+        if not 0 < scale < np.inf:
+            raise ValueError("c_mm is a length above 0, in mm")
         with refusals():
             values = self._table.otf(
                 np.ascontiguousarray(u).ravel() * scale,

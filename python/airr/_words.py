@@ -7,6 +7,8 @@ import os
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
+import numpy as np
+
 #: A file.
 File: TypeAlias = "str | os.PathLike[str]"
 
@@ -20,6 +22,9 @@ def text(value: Any) -> str:
         return value
     if isinstance(value, os.PathLike):
         return str(os.fspath(value))
+    if getattr(value, "ndim", None) == 0:
+        # A number of numpy or xarray.
+        value = value.item()
     if isinstance(value, numbers.Integral):
         return str(int(value))
     if isinstance(value, numbers.Real):
@@ -29,12 +34,22 @@ def text(value: Any) -> str:
     raise TypeError(f"a number, a text or a list is wanted, not {type(value).__name__}")
 
 
+def is_true(value: Any) -> bool:
+    """Return whether a value is True, of Python or of numpy."""
+    return isinstance(value, (bool, np.bool_)) and bool(value)
+
+
+def is_false(value: Any) -> bool:
+    """Return whether a value is False, of Python or of numpy."""
+    return isinstance(value, (bool, np.bool_)) and not value
+
+
 def words(*arguments: Any, **options: Any) -> list[str]:
     """Return arguments and options as words. None and False leave an option out."""
     made = [
-        f"--{name.replace('_', '-')}" + ("" if value is True else f"={text(value)}")
+        f"--{name.replace('_', '-')}" + ("" if is_true(value) else f"={text(value)}")
         for name, value in options.items()
-        if value is not None and value is not False
+        if value is not None and not is_false(value)
     ]
     if arguments:
         made += ["--", *(text(argument) for argument in arguments)]

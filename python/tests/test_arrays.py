@@ -32,7 +32,7 @@ class Arrays(Case):
             (shades, 1e-6),
             # Steps of 1 / 65535 are far below the noise.
             (np.round(array * 65535).astype(np.uint16), 1e-3),
-            (np.round(array * (2**32 - 1)).astype(np.uint32), 1e-4),
+            (np.round(array.astype(float) * (2**32 - 1)).astype(np.uint32), 1e-4),
             (array.astype(np.float16), 3e-3),
         ]
         for picture, within in cases:
@@ -51,6 +51,15 @@ class Arrays(Case):
             warnings.simplefilter("ignore")
             files = airr.estimate(CAMPAIGN, table)
             arrays = airr.estimate(in_memory(), table)
+        self.assertFalse(np.isinf(arrays.curves().residual).any())
+        # Paths and arrays may stand side by side, and numbers may be numpy's.
+        mixed = tomllib.loads(CAMPAIGN.read_text())
+        mixed["reference"]["image"] = airr.picture(CAMPAIGN.parent / "source.exr")
+        mixed["capture"][3]["incidence_deg"] = np.array(mixed["capture"][3]["incidence_deg"])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            other = airr.estimate(mixed, table, folder=CAMPAIGN.parent)
+        self.assertEqual(files.data["c_mm"], other.data["c_mm"])
         for name in ("c_mm", "a_per_mm", "mu", "kernel", "covariance", "candidates", "trusted"):
             self.assertEqual(files.data[name], arrays.data[name], name)
         self.assertIn("<svg", arrays.report().html)
@@ -90,9 +99,16 @@ class Arrays(Case):
         refused(lambda c: c.update(captures=[]), "captures", "capture")
         refused(lambda c: c.update(capture=[]), "captures")
         refused(lambda c: c["capture"][1].update(image="nowhere.exr"), "capture 1", "nowhere.exr")
+        refused(lambda c: c["capture"][1].update({"a b": 1}), "capture 1", "a b")
+        refused(lambda c: c["capture"][1].update(incidence_deg=None), "capture 1", "incidence_deg")
+        for wrong_shape in ({"capture": {}}, {"reference": np.ones((5, 5))}, {"capture": [3]}):
+            with self.assertRaises(TypeError):
+                airr.estimate({**in_memory(), **wrong_shape}, table)
+            cases += 1
         refused(spoil(np.nan), "capture 1", "column 5, row 3", "NaN")
         refused(spoil(np.inf), "capture 1", "column 5, row 3", "inf")
-        for wrong in (np.zeros(5), np.zeros((4, 4, 2)), np.array([["a"]]), np.zeros((0, 3))):
+        # int64 has a full scale that no camera has: 16 bits in it would be black.
+        for wrong in (np.ones((64, 64), int), np.zeros(5), np.zeros((4, 4, 2)), np.array([["a"]]), np.zeros((0, 3))):
             with self.assertRaises((airr.Error, TypeError)):
                 airr.measure(wrong)
             cases += 1

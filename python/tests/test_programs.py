@@ -187,6 +187,8 @@ class Numbers(Case):
             self.assertAlmostEqual(float(image.max()), 0.5, delta=1e-6)
         with self.assertRaises(airr.Error):
             airr.sheet(self.table, c=0.2)
+        with self.assertRaisesRegex(airr.Error, "pixel_pitch"):
+            airr.sheet(self.table, c=0.2, a=4.0).render(picture, 300, 20)
         self.tell(len(cases), "sheets")
 
     def test_campaigns_and_studies(self) -> None:

@@ -357,7 +357,7 @@ pub(super) fn called(
     let photographs = photographs.unwrap_or_default();
     let (campaign, expected) = match manifest {
         Some(text) => {
-            let is_held = |image: &Path| photographs.contains_key(image);
+            let is_held = |image: &Path| photographs.contains_key(image) || image.is_file();
             expected::of(captures::held(text, &arguments.captures, &is_held)?, option)?
         }
         None => expected::campaign(&arguments.captures, option)?,

@@ -71,16 +71,17 @@ impl Expected {
     /// # Errors
     /// Returns [`Failure::OtherTable`] if the table has another content hash.
     pub(super) fn check(&self, table: &Table, path: &Path) -> Result<(), Failure> {
-        match &self.0 {
-            Some((hash, asked)) => match table.content_hash() {
-                found if *hash != found => Err(Failure::OtherTable {
-                    table: path.to_owned(),
-                    found,
-                    asked: asked.clone(),
-                }),
-                _ => Ok(()),
-            },
-            None => Ok(()),
+        let Some((hash, asked)) = &self.0 else {
+            return Ok(());
+        };
+        let found = table.content_hash();
+        if *hash == found {
+            return Ok(());
         }
+        Err(Failure::OtherTable {
+            table: path.to_owned(),
+            found,
+            asked: asked.clone(),
+        })
     }
 }
