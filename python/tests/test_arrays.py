@@ -108,7 +108,13 @@ class Arrays(Case):
         refused(spoil(np.nan), "capture 1", "column 5, row 3", "NaN")
         refused(spoil(np.inf), "capture 1", "column 5, row 3", "inf")
         # int64 has a full scale that no camera has: 16 bits in it would be black.
-        for wrong in (np.ones((64, 64), int), np.zeros(5), np.zeros((4, 4, 2)), np.array([["a"]]), np.zeros((0, 3))):
+        for wrong in (
+            np.ones((64, 64), int),
+            np.zeros(5),
+            np.zeros((4, 4, 2)),
+            np.array([["a"]]),
+            np.zeros((0, 3)),
+        ):
             with self.assertRaises((airr.Error, TypeError)):
                 airr.measure(wrong)
             cases += 1
