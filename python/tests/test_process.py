@@ -49,14 +49,17 @@ class Process(Case):
         }
         for name, work in works.items():
             with self.subTest(name):
+                # A job in the background of a shell ignores Ctrl-C, and so would its children.
                 code = f"""
-                import airr, warnings
+                import airr, signal, warnings
+                signal.signal(signal.SIGINT, signal.default_int_handler)
                 warnings.simplefilter("ignore")
                 print("begins", flush=True)
                 {work}
                 print("done", flush=True)
                 """
                 child = python(code)
+                self.addCleanup(child.kill)
                 assert child.stdout is not None
                 self.assertEqual(child.stdout.readline(), "begins\n")
                 time.sleep(1.0)
