@@ -270,8 +270,10 @@ demo: tools
 	@$(BIN)/fit estimate $(CAMPAIGN)/captures.toml --table demo/pair.h5 \
 		--truth $(CAMPAIGN)/truth.json \
 		-o demo/result.json --plot demo/mtf.png --report demo/report.html
+	@$(BIN)/fit explore demo/result.json --table demo/pair.h5 -o demo/explore.html
 	@echo
-	@echo "demo/report.html  all of it on one page: open this first"
+	@echo "demo/explore.html a sign and its mid-air image, with sliders: open this first"
+	@echo "demo/report.html  the estimate on one page"
 	@echo "demo/pair.obj     the mesh of one cell"
 	@echo "demo/pair.h5      its ray-shift table"
 	@echo "demo/shift.png    the histograms of the ray shift"

@@ -69,6 +69,7 @@
 //! - `result`: the file `result.json`.
 //! - `predict`: MTF and luminance at other distances and angles.
 //! - `images`: pictures through a sheet (a feature).
+//! - `explore`: the page with sliders (two features).
 //! - `study`: the quality of estimates.
 //! - `report`: plots and the HTML page (a feature).
 //! - `cli`: the program.
@@ -90,6 +91,8 @@ pub mod cli;
 mod compare;
 mod document;
 mod estimate;
+#[cfg(all(feature = "images", feature = "report"))]
+mod explore;
 #[cfg(feature = "images")]
 mod images;
 mod model;

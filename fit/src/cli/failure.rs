@@ -8,6 +8,8 @@ use tables::OutputError;
 use crate::document::FileLine;
 use crate::estimate::error as estimate;
 use crate::estimate::scene;
+#[cfg(all(feature = "images", feature = "report"))]
+use crate::explore;
 #[cfg(feature = "images")]
 use crate::images::{metrics, render};
 use crate::names::Family;
@@ -86,6 +88,10 @@ pub(crate) enum Failure {
     #[cfg(feature = "images")]
     #[error(transparent)]
     Render(#[from] render::Error),
+    /// Failure of the page with sliders.
+    #[cfg(all(feature = "images", feature = "report"))]
+    #[error(transparent)]
+    Explore(#[from] explore::Error),
     /// Failure of the simulation.
     #[error(transparent)]
     Simulate(#[from] simulate::Error),

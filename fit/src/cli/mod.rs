@@ -11,6 +11,8 @@ mod estimate;
 #[cfg(feature = "images")]
 mod evaluate;
 mod expected;
+#[cfg(all(feature = "images", feature = "report"))]
+mod explore;
 mod export;
 mod failure;
 mod forward;

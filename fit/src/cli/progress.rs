@@ -27,6 +27,12 @@ impl Progress {
         Progress::with(0, "{bar:40} {pos}/{len} {msg}, {eta} left")
     }
 
+    /// Shows how many grids of a page have been tried, and for how long.
+    #[cfg(feature = "report")]
+    pub(crate) fn of_grids() -> Progress {
+        Progress::with(0, "{spinner} grid {pos} tried, {elapsed}")
+    }
+
     #[cfg(feature = "report")]
     fn with(length: u64, template: &str) -> Progress {
         let bar = ProgressBar::new(length);

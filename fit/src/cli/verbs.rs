@@ -6,6 +6,8 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tables::cli as terminal;
 use tables::cli::{Completions, Manual, version};
 
+#[cfg(all(feature = "images", feature = "report"))]
+use crate::cli::explore;
 use crate::cli::failure::Failure;
 use crate::cli::{estimate, export, mtf, predict, simulate, study};
 #[cfg(feature = "images")]
@@ -36,6 +38,8 @@ enum Verb {
     Predict(predict::Arguments),
     #[cfg(feature = "images")]
     Render(render::Arguments),
+    #[cfg(all(feature = "images", feature = "report"))]
+    Explore(explore::Arguments),
     #[cfg(feature = "images")]
     Evaluate(evaluate::Arguments),
     Simulate(simulate::Arguments),
@@ -60,6 +64,8 @@ pub fn main(commit: Option<&str>) -> ExitCode {
         Verb::Predict(arguments) => predict::run(&arguments),
         #[cfg(feature = "images")]
         Verb::Render(arguments) => render::run(&arguments),
+        #[cfg(all(feature = "images", feature = "report"))]
+        Verb::Explore(arguments) => explore::run(&arguments),
         #[cfg(feature = "images")]
         Verb::Evaluate(arguments) => evaluate::run(&arguments),
         Verb::Simulate(arguments) => simulate::run(&arguments),

@@ -14,6 +14,6 @@ pub(crate) use metrics::Shown;
 pub(crate) use render::Scale;
 #[cfg(test)]
 pub(crate) use render::viewed;
-pub(crate) use spot::Viewpoint;
 #[cfg(test)]
-pub(crate) use spot::{Sampler, Sheet, Spot, TAIL};
+pub(crate) use spot::Sampler;
+pub(crate) use spot::{Sheet, Spot, TAIL, Viewpoint};

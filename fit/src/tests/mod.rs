@@ -17,8 +17,10 @@ mod correlation;
 mod curves;
 mod edge;
 mod estimate;
-mod exponent;
 #[cfg(feature = "report")]
+#[cfg(all(feature = "images", feature = "report"))]
+mod explore;
+mod exponent;
 mod export;
 mod exposure;
 mod forward;

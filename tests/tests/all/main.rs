@@ -15,6 +15,7 @@ mod deviations;
 mod edges;
 mod elements;
 mod expected_table;
+mod explore;
 mod forged;
 mod forward;
 mod front;

@@ -36,6 +36,7 @@ const ORDER: [(&str, &[&str]); 4] = [
             "result",
             "predict",
             "images",
+            "explore",
             "study",
             "report",
             "cli",

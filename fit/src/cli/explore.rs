@@ -1,0 +1,251 @@
+//! `fit explore`: writes a page in which sliders change the mid-air image.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use tables::Outputs;
+use tables::cli as terminal;
+
+use crate::cli::by_hand::Numbers;
+use crate::cli::estimate::read_result;
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::parse;
+use crate::cli::progress::Progress;
+use crate::explore::{self, Explorer, Source, Span};
+use crate::photographs::photo;
+use crate::photographs::photo::picture::Picture;
+use crate::photographs::photo::transfer::Transfer;
+use crate::predict::Fitted;
+use crate::result::ResultFile;
+
+/// Writes a page in which you move sliders and see the mid-air image at once.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The page is one file, which needs no network. Open it in a browser. It shows
+a picture and its mid-air image beside each other, the MTF, the luminance, and
+the smallest letter that stays readable. Sliders change the distance, the
+incidence, the azimuth, the width of the picture, and c, a and mu. Drop a
+picture of your own on the page. What lies outside of the photographs of the
+fit is hatched, and said.
+
+The page mixes the blur of each direction from directions that are computed
+here. The error of that is measured, printed, and stated on the page.
+
+Examples:
+  fit explore result.json --table pair.h5 -o explore.html
+  fit explore result.json --table pair.h5 --source content.png \\
+      --farthest 10000 -o explore.html --json
+
+Without a fit, give the numbers of a sheet by hand:
+  fit explore --c 0.15 --wavelength-nm 550 --mu 0.5 --table pair.h5 \\
+      -o explore.html
+
+Words and formulas: fit/doc/model.md")]
+pub(crate) struct Arguments {
+    /// Result that `fit estimate -o` wrote, as JSON.
+    ///
+    /// Without a fit, give --c and its companions instead.
+    #[arg(
+        value_name = "RESULT.json",
+        required_unless_present = "c",
+        conflicts_with = "c"
+    )]
+    pub result: Option<PathBuf>,
+    /// Numbers of a sheet without a fit.
+    #[command(flatten)]
+    pub by_hand: Numbers,
+    /// Ray-shift table of the fitted cell, from `bake trace`.
+    #[arg(long, value_name = "TABLE.h5")]
+    pub table: PathBuf,
+    /// Picture that the page shows first.
+    ///
+    /// Its longer side is brought to at most 512 pixels.
+    #[arg(long, value_name = "IMAGE", help_heading = "Page")]
+    pub source: Option<PathBuf>,
+    /// Meaning of integers in the source: linear or srgb.
+    ///
+    /// Without this option the file decides, as for `fit render`.
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = parse::transfer,
+        requires = "source",
+        help_heading = "Page"
+    )]
+    pub transfer: Option<Transfer>,
+    /// Shortest floating distance of the slider, mm; half the shortest that was photographed.
+    ///
+    /// Without photographs it is 50 mm.
+    #[arg(
+        long,
+        value_name = "MM",
+        value_parser = parse::positive,
+        help_heading = "Page"
+    )]
+    pub nearest: Option<f64>,
+    /// Longest floating distance of the slider, mm; 3000 mm, or twice the longest photographed.
+    #[arg(
+        long,
+        value_name = "MM",
+        value_parser = parse::positive,
+        help_heading = "Page"
+    )]
+    pub farthest: Option<f64>,
+    /// Number of threads; one per core if left out.
+    #[arg(long, value_name = "N", help_heading = "Output and threads")]
+    pub threads: Option<NonZeroUsize>,
+    /// Prints the facts about the page as one JSON object.
+    #[arg(long, help_heading = "Output and threads")]
+    pub json: bool,
+    /// File that receives the page, as HTML.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// Shortest distance of the slider without photographs, mm.
+const NEAREST_MM: f64 = 50.0;
+
+/// Longest distance of the slider at least, mm: that of a large stage.
+const FARTHEST_MM: f64 = 3000.0;
+
+/// Factors on c, a and mu that the sliders span.
+const FACTOR: [f64; 2] = [0.5, 2.0];
+
+/// Longest side of a picture in the page, pixels.
+const SIDE: u32 = 512;
+
+/// Facts about a page.
+#[derive(Serialize)]
+struct Facts {
+    megabytes: f64,
+    directions: usize,
+    distance_mm: [f64; 2],
+    /// Largest error of a pixel, in units of the brightest, and of a weight, in units of the
+    /// largest.
+    mixing_error: f64,
+    mixing_error_of_peak: f64,
+    /// Places at which the error was measured.
+    places: usize,
+    warnings: Vec<String>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Fails if the result, the table or the picture cannot be used, or if the page cannot be written.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let inputs = [&arguments.table].into_iter();
+    let inputs = inputs.chain(&arguments.result).chain(&arguments.source);
+    let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
+    let output = outputs.reserve(&arguments.output)?;
+    let table = tables::read(&arguments.table)?;
+    let (result, title) = match &arguments.result {
+        Some(file) => (read_result(file)?, file.display().to_string()),
+        // The page chooses the size of its pixels itself.
+        None => (
+            arguments.by_hand.result("fit explore", 1.0, &table)?,
+            "numbers given by hand".into(),
+        ),
+    };
+    let sheet = Fitted::new(&result, &table)?;
+    let pool = terminal::pool(arguments.threads)?;
+    let mut warnings = result.warnings.clone();
+    let source = match &arguments.source {
+        None => None,
+        Some(file) => {
+            let picture = photo::load_colour(file, arguments.transfer)?;
+            warnings.extend(picture.warnings.iter().cloned());
+            Some(embedded(file, &picture))
+        }
+    };
+    let explorer = Explorer {
+        sheet,
+        span: arguments.span(&result)?,
+        title,
+        source,
+    };
+    let progress = Progress::of_grids();
+    let page = pool.install(|| explore::page(&explorer, &|_| progress.step()));
+    progress.done();
+    let page = page?;
+    output.commit(page.html.as_bytes())?;
+    terminal::warn(&warnings);
+    let facts = Facts {
+        megabytes: page.html.len() as f64 / 1e6,
+        directions: page.directions,
+        distance_mm: explorer.span.distance_mm,
+        mixing_error: page.misfit.pixel,
+        mixing_error_of_peak: page.misfit.peak,
+        places: page.places,
+        warnings,
+    };
+    Ok(terminal::print(&match arguments.json {
+        true => output::json(&facts),
+        false => format!(
+            "{}: {:.1} MB, {} directions; a pixel errs by at most {:.2} % of the brightest \
+            (at {} places)\n",
+            arguments.output.display(),
+            facts.megabytes,
+            facts.directions,
+            100.0 * facts.mixing_error,
+            facts.places
+        ),
+    })?)
+}
+
+impl Arguments {
+    /// Returns the ranges of the sliders.
+    ///
+    /// # Errors
+    /// Returns [`Failure::Usage`] if the nearest distance is not below the farthest one.
+    fn span(&self, result: &ResultFile) -> Result<Span, Failure> {
+        let photographed = result.domain.map(|domain| domain.floating_distance_mm);
+        let [near, far] = match photographed {
+            Some([near, far]) => [0.5 * near, FARTHEST_MM.max(2.0 * far)],
+            None => [NEAREST_MM, FARTHEST_MM],
+        };
+        let distance_mm = [self.nearest.unwrap_or(near), self.farthest.unwrap_or(far)];
+        if distance_mm[0] >= distance_mm[1] {
+            let message = format!(
+                "the nearest distance, {} mm, is not below the farthest, {} mm; give --nearest or \
+                --farthest so that it is",
+                distance_mm[0], distance_mm[1]
+            );
+            return Err(Failure::conflict("fit explore", message));
+        }
+        Ok(Span {
+            distance_mm,
+            factor: FACTOR,
+        })
+    }
+}
+
+/// Returns a picture as a PNG of at most [`SIDE`] pixels, in sRGB.
+fn embedded(file: &Path, picture: &Picture) -> Source {
+    let [width, height] = [picture.width, picture.height].map(|side| side as u32);
+    let scale = f64::from(SIDE) / f64::from(width.max(height));
+    let shown = |side: u32| ((f64::from(side) * scale.min(1.0)).round() as u32).max(1);
+    let light = image::Rgb32FImage::from_fn(width, height, |x, y| {
+        let at = y as usize * picture.width + x as usize;
+        let plane = |k: usize| picture.planes[k.min(picture.planes.len() - 1)][at];
+        image::Rgb([plane(0), plane(1), plane(2)])
+    });
+    let filter = image::imageops::FilterType::Triangle;
+    let light = image::imageops::resize(&light, shown(width), shown(height), filter);
+    let code = |light: f32| (255.0 * Transfer::Srgb.to_stored(light)).round() as u8;
+    let codes = image::RgbImage::from_fn(light.width(), light.height(), |x, y| {
+        image::Rgb(light.get_pixel(x, y).0.map(code))
+    });
+    let mut png = std::io::Cursor::new(Vec::new());
+    // Memory takes every byte, so that encoding cannot fail.
+    let _ = codes.write_to(&mut png, image::ImageFormat::Png);
+    Source {
+        name: file
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+            .unwrap_or_default(),
+        png: png.into_inner(),
+    }
+}

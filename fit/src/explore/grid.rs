@@ -1,0 +1,239 @@
+//! Transforms of the ray shift on a grid of directions, from which the page mixes every place.
+//!
+//! The sheet of the grid has cells of 1 mm and no lobe. Its OTF S depends on the direction, on the
+//! frequency and, where light does not leave straight back or is taken as waves, on one number
+//! more: the [`Scaling`]. A frequency g of this sheet stands for g / c of a sheet with cells of
+//! size c. So c, the lobe and the size of the picture need no nodes: the page computes with them as
+//! they are.
+
+use std::io::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use rayon::prelude::*;
+use tables::Table;
+
+use crate::explore::lattice::{Ending, Lattice, MARGIN, Shape, kinked};
+use crate::explore::scaling::{Scaling, bend, scaling, states};
+use crate::explore::span::{Fineness, Span, known};
+use crate::explore::stencil::{Ends, Nodes};
+use crate::explore::unit::{UnitSheet, shifts};
+use crate::images::Sheet;
+use crate::images::Viewpoint;
+use crate::predict::{Error as PredictError, Fitted};
+
+/// Reason why no page can be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub(crate) enum Error {
+    /// Blur that cannot be computed.
+    #[error(transparent)]
+    Sheet(#[from] PredictError),
+    /// Light that is spread so far that its transform fits into no page.
+    #[error(
+        "the page would need {megabytes:.0} MB, because light leaves up to {reach:.0} edge lengths \
+        from its place; give a shorter --farthest than {farthest_mm} mm"
+    )]
+    Large {
+        /// Size of the numbers in the page, MB.
+        megabytes: f64,
+        /// Farthest shift, edge lengths.
+        reach: f64,
+        /// Farthest distance of the page, mm.
+        farthest_mm: f64,
+    },
+}
+
+/// Numbers of the page, at most, bytes. They take about a sixth of it when packed.
+const MOST_BYTES: usize = 32_000_000;
+
+/// Text of the packed numbers, at most, bytes, so that the page stays below 4 MB.
+const MOST_TEXT: usize = 3_700_000;
+
+/// Factor from a number of a transform to an integer of the page.
+///
+/// Transforms divided by that of a kink can be larger than 1.
+pub(crate) const UNIT: f64 = 16_000.0;
+
+/// Transforms of the ray shift on a grid of directions.
+#[derive(Debug, Clone)]
+pub(crate) struct Grid {
+    /// Incidences, degrees.
+    pub incidence: Nodes,
+    /// Azimuths, degrees; NaN for a mean over azimuths.
+    pub azimuth: Nodes,
+    /// Coordinates of the [`Scaling`].
+    pub state: Nodes,
+    /// Number at which the coordinate of the scaling bends.
+    pub bend: f64,
+    /// Ends of the lattices.
+    pub ends: Ending,
+    /// Slope of the kink of waves, see [`kink`].
+    pub kink: f64,
+    /// Number that `state` stands for.
+    pub scaling: Scaling,
+    /// Lattice of frequencies of each state.
+    pub lattices: Vec<Lattice>,
+    /// True if all transforms are real.
+    pub real: bool,
+    /// Light that returns, before mu and half mirror, `[incidence, azimuth]`.
+    pub energy: Vec<f64>,
+    /// Distance that contains all shifts, edge lengths, `[incidence, azimuth, state]`.
+    pub reach: Vec<f64>,
+    /// Transforms in units of 1 / [`UNIT`], `[incidence, azimuth, state, row, column]`, real and
+    /// imaginary parts in turns.
+    pub values: Vec<i16>,
+    /// `values` as text: the lower bytes of all, then the upper bytes, packed by zlib, in base64.
+    pub text: String,
+}
+
+/// Transforms of one direction, for each state: the reach and the numbers.
+type Transforms = Vec<(f64, Vec<[f64; 2]>)>;
+
+impl Grid {
+    /// Computes the grid of a sheet.
+    ///
+    /// # Errors
+    /// Returns [`Error::Sheet`] if the blur cannot be computed, and [`Error::Large`] if the numbers
+    /// do not fit into a page.
+    pub(crate) fn new(sheet: &Fitted<'_>, span: &Span, fineness: &Fineness) -> Result<Grid, Error> {
+        let (result, table) = (sheet.result, sheet.table);
+        let scaling = scaling(result.kernel, table);
+        let incidences = &table.axes.incidence_deg;
+        let (low, high) = (incidences[0], incidences[incidences.len() - 1]);
+        let steps = ((high - low) / fineness.incidence_deg - 1e-9)
+            .ceil()
+            .max(3.0);
+        let incidence = Nodes::between([low, high], steps as usize, Ends::Open);
+        let azimuth = azimuths(table, fineness.azimuth_deg);
+        let bend = bend(sheet, scaling);
+        let state = states(sheet, span, scaling, fineness.state)?;
+        let shape = Shape::new(sheet, span, fineness, &state, scaling, &incidence)?;
+        let real = scaling == Scaling::Waves || !shifts(result.kernel);
+        let parts = if real { 1 } else { 2 };
+        let places = incidence.count * azimuth.count;
+        let numbers: usize = shape.lattices.iter().map(Lattice::count).sum();
+        let bytes = places * numbers * parts * size_of::<i16>();
+        let large = |bytes: usize| Error::Large {
+            megabytes: bytes as f64 / 1e6,
+            reach: shape.reach,
+            farthest_mm: span.distance_mm[1],
+        };
+        if bytes > MOST_BYTES {
+            return Err(large(bytes / 4));
+        }
+        let unit = UnitSheet::of(result);
+        let nodes: Vec<(f64, Transforms)> = (0..places)
+            .into_par_iter()
+            .map(|place| {
+                let at = Viewpoint {
+                    incidence_deg: incidence.place(place / azimuth.count),
+                    azimuth_deg: known(azimuth.place(place % azimuth.count)),
+                    r_mm: 1.0,
+                };
+                node(sheet, &unit, &at, &shape)
+            })
+            .collect::<Result<_, PredictError>>()?;
+        let mut grid = Grid {
+            incidence,
+            azimuth,
+            state,
+            bend,
+            ends: shape.ends,
+            kink: shape.kink,
+            scaling,
+            lattices: shape.lattices,
+            real,
+            energy: Vec::with_capacity(places),
+            reach: Vec::new(),
+            values: Vec::with_capacity(bytes / size_of::<i16>()),
+            text: String::new(),
+        };
+        for (energy, lattices) in nodes {
+            grid.energy.push(energy);
+            for (reach, values) in lattices {
+                grid.reach.push(reach);
+                let rounded = |part: f64| (part * UNIT).round() as i16;
+                let all = values.iter().flat_map(|value| &value[..parts]);
+                grid.values.extend(all.map(|&part| rounded(part)));
+            }
+        }
+        grid.text = packed(&grid.values);
+        if grid.text.len() > MOST_TEXT {
+            return Err(large(grid.text.len()));
+        }
+        Ok(grid)
+    }
+}
+
+/// Packs numbers as the page unpacks them.
+fn packed(values: &[i16]) -> String {
+    let byte = |which: usize| values.iter().map(move |value| value.to_le_bytes()[which]);
+    let bytes: Vec<u8> = byte(0).chain(byte(1)).collect();
+    let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    // Memory takes every byte, so that packing cannot fail.
+    let _ = packer.write_all(&bytes);
+    STANDARD.encode(packer.finish().unwrap_or_default())
+}
+
+/// Returns the azimuths of the grid: one sector if the table goes all around, else what it spans.
+fn azimuths(table: &Table, step_deg: f64) -> Nodes {
+    let own = &table.axes.azimuth_deg;
+    if table.axes.is_mean() {
+        return Nodes::one(f64::NAN);
+    }
+    let steps = |width: f64| ((width / step_deg - 1e-9).ceil() as usize).max(3);
+    let symmetry = table.provenance.symmetry;
+    let (first, width) = symmetry.sector_deg();
+    let incidence_deg = table.axes.incidence_deg[0];
+    // A table that knows the middle between all its neighbours goes all around.
+    let whole = (0..360).all(|deg| {
+        let azimuth_deg = Some(f64::from(deg) + 0.5);
+        table.direction(incidence_deg, azimuth_deg).is_ok()
+    });
+    let ends = match (whole, symmetry.mirror_deg) {
+        (true, Some(_)) => Ends::Mirrors,
+        (true, None) => Ends::Turn,
+        (false, _) => {
+            return Nodes::between(
+                [own[0], own[own.len() - 1]],
+                steps(own[own.len() - 1] - own[0]),
+                Ends::Open,
+            );
+        }
+    };
+    Nodes::between([first, first + width], steps(width), ends)
+}
+
+/// Computes energy, reach and lattices of one direction.
+fn node(
+    sheet: &Fitted<'_>,
+    unit: &UnitSheet,
+    at: &Viewpoint,
+    shape: &Shape,
+) -> Result<(f64, Transforms), PredictError> {
+    let direction = sheet.table.direction(at.incidence_deg, at.azimuth_deg)?;
+    let energy = sheet.returned(at.incidence_deg, direction.retroreflected);
+    let rays = unit.rays();
+    let unit = unit.on(sheet);
+    let mut all = Transforms::new();
+    for (&r_mm, lattice) in shape.distances.iter().zip(&shape.lattices) {
+        if !shifts(sheet.result.kernel) {
+            all.push((0.0, vec![[1.0, 0.0]]));
+            continue;
+        }
+        let at = Viewpoint { r_mm, ..*at };
+        let step = lattice.step();
+        let spot = unit.spot(&at, lattice.end + step * (MARGIN + 1) as f64)?;
+        let (columns, zero) = (lattice.size()[0], lattice.zero());
+        let value = |place: usize| {
+            let at = [place % columns, place / columns];
+            let frequency = [0, 1].map(|k| step * (at[k] as f64 - zero[k] as f64));
+            let smooth = spot.otf(frequency) / kinked(shape.kink * r_mm, frequency);
+            [smooth.re, smooth.im]
+        };
+        let reach = rays.on(sheet).spot(&at, 1.0)?.reach_mm();
+        all.push((reach, (0..lattice.count()).map(value).collect()));
+    }
+    Ok((energy, all))
+}

@@ -1,0 +1,395 @@
+//! Spots mixed from the nodes of a grid, computed as the page computes them, and the error of that.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use rayon::prelude::*;
+use rustfft::FftPlanner;
+
+use crate::explore::grid::{Error, Grid, UNIT};
+use crate::explore::lattice::{Lattice, kinked};
+use crate::explore::scaling::Scaling;
+use crate::explore::span::known;
+use crate::explore::stencil::Share;
+use crate::images::Viewpoint;
+use crate::images::{Sheet, Spot, TAIL};
+use crate::model::{Baseline, Blur, CUT};
+use crate::names::{Kernel, LobeShape};
+use crate::numerics::sinc::sinc;
+use crate::predict::{Error as PredictError, Fitted};
+
+/// Sheet whose shift or waves are mixed from the nodes of a grid.
+#[derive(Clone, Copy)]
+pub(crate) struct Mixed<'a> {
+    /// Parameters, and the table that the grid was computed from.
+    pub sheet: Fitted<'a>,
+    /// Transforms of the shift.
+    pub grid: &'a Grid,
+}
+
+/// Spot of [`Mixed`] at one place.
+struct MixedSpot {
+    kernel: Kernel,
+    shape: LobeShape,
+    blur: Blur,
+    r_mm: f64,
+    /// Rough facets along the tangential and the sagittal axis; `None` for other kernels.
+    facets: Option<[Baseline; 2]>,
+    energy: Option<f64>,
+    returns: bool,
+    shift: Shift,
+    reach_mm: f64,
+}
+
+/// Mixture of the transforms around one place.
+struct Shift {
+    /// Highest frequency, 1/mm.
+    end: f64,
+    /// Slope of the kink of waves, mm.
+    kink: f64,
+    /// Mixture over the directions, for each state.
+    states: Vec<(Lattice, Vec<Complex64>)>,
+}
+
+impl Sheet for Mixed<'_> {
+    fn spot(&self, place: &Viewpoint, _: f64) -> Result<Box<dyn Spot + '_>, PredictError> {
+        let Fitted { result, table } = self.sheet;
+        let blur = self.sheet.blur(place.incidence_deg)?;
+        let (shift, light, reach) = self.mixture(place, blur.c_mm);
+        let returns = light > FAINT;
+        let mu = result.mu.as_ref().and_then(|mu| mu.at(place.incidence_deg));
+        let shape = result.lobe.unwrap_or(LobeShape::Radial);
+        let index = table.provenance.refractive_index;
+        let radians = place.incidence_deg.to_radians();
+        let along = |normal| Baseline::new(result.kernel, radians, index, normal);
+        let facets = along([1.0, 0.0])
+            .zip(along([0.0, 1.0]))
+            .map(|(a, b)| [a, b]);
+        let mut spot = MixedSpot {
+            kernel: result.kernel,
+            shape,
+            blur,
+            r_mm: place.r_mm,
+            facets,
+            energy: match returns {
+                true => mu.map(|mu| mu * light * result.half_mirror),
+                false => Some(0.0),
+            },
+            returns,
+            shift,
+            reach_mm: 0.0,
+        };
+        let waves = spot.shift.kink / (PI * PI * TAIL);
+        spot.reach_mm = reach * blur.c_mm + spot.lobe_reach_mm() + waves;
+        Ok(Box::new(spot))
+    }
+}
+
+/// Light below which nothing returns, as a share. A mixture of nodes without light and with a
+/// little can be negative.
+pub(crate) const FAINT: f64 = 1e-4;
+
+impl Mixed<'_> {
+    /// Returns the shift at a place, the light that returns and the reach in edge lengths.
+    fn mixture(&self, place: &Viewpoint, c_mm: f64) -> (Shift, f64, f64) {
+        let grid = self.grid;
+        let along = grid.incidence.mixture(place.incidence_deg);
+        let around = match place.azimuth_deg {
+            Some(azimuth_deg) if grid.azimuth.count > 1 => grid.azimuth.mixture(azimuth_deg),
+            _ => vec![Share::ALL],
+        };
+        let scaling = grid.scaling.of(place.r_mm, c_mm);
+        let states = match grid.scaling {
+            Scaling::Fixed => vec![Share::ALL],
+            _ => grid
+                .state
+                .mixture(grid.scaling.coordinate(scaling, grid.bend)),
+        };
+        let parts = if grid.real { 1 } else { 2 };
+        let ends: Vec<usize> = (grid.lattices.iter())
+            .scan(0, |end, lattice| {
+                *end += lattice.count() * parts;
+                Some(*end)
+            })
+            .collect();
+        let per_direction = ends[ends.len() - 1];
+        let (mut light, mut reach) = (0.0, 0.0_f64);
+        let mut mixed: Vec<(Lattice, Vec<Complex64>)> = (states.iter())
+            .map(|state| grid.lattices[state.node])
+            .map(|lattice| (lattice, vec![Complex64::ZERO; lattice.count()]))
+            .collect();
+        for a in &along {
+            for b in &around {
+                let direction = a.node * grid.azimuth.count + b.node;
+                let share = a.weight * b.weight * grid.energy[direction];
+                light += share;
+                if share == 0.0 {
+                    continue;
+                }
+                for (c, (lattice, values)) in states.iter().zip(&mut mixed) {
+                    reach = reach.max(grid.reach[direction * grid.state.count + c.node]);
+                    let columns = lattice.size()[0];
+                    let size = lattice.count() * parts;
+                    let start = direction * per_direction + ends[c.node] - size;
+                    let own = &grid.values[start..][..size];
+                    let share = share * c.weight / UNIT;
+                    for (k, value) in values.iter_mut().enumerate() {
+                        // In a mirror the sagittal frequency changes its sign: the transform at
+                        // (x, -y) is the conjugate of that at (-x, y).
+                        let (at, sign) = match b.mirrored {
+                            true => (k - k % columns + columns - 1 - k % columns, -1.0),
+                            false => (k, 1.0),
+                        };
+                        let part = |i: usize| f64::from(own[at * parts + i]);
+                        let imaginary = if grid.real { 0.0 } else { sign * part(1) };
+                        *value += Complex64::new(part(0), imaginary) * share;
+                    }
+                }
+            }
+        }
+        let all = mixed.iter_mut().flat_map(|(_, values)| values);
+        all.for_each(|value| *value /= light.max(FAINT));
+        let shift = Shift {
+            end: grid.ends.at(scaling) / c_mm,
+            kink: grid.kink * scaling * c_mm,
+            states: mixed,
+        };
+        (shift, light, reach)
+    }
+}
+
+impl MixedSpot {
+    /// Returns how far the lobe reaches, mm.
+    fn lobe_reach_mm(&self) -> f64 {
+        if let Some(facets) = &self.facets {
+            let reach = |own: &Baseline| own.reach_mm(self.shape, self.blur, self.r_mm, TAIL);
+            return reach(&facets[0]).max(reach(&facets[1]));
+        }
+        if !self.kernel.has_lobe() {
+            return 0.0;
+        }
+        let a = self.blur.spread / self.kernel.distance_scale(self.r_mm);
+        match self.shape {
+            LobeShape::Separable => 1.0 / (PI * a * TAIL),
+            _ => CUT / a,
+        }
+    }
+
+    /// Evaluates the transfer of the lobe.
+    fn lobe(&self, frequency: [f64; 2]) -> f64 {
+        let modulus = frequency[0].hypot(frequency[1]);
+        if let Some(facets) = &self.facets {
+            // Slopes are spread evenly around, so that the gains of both axes add as squares.
+            return Baseline::across(facets, self.shape, self.blur, self.r_mm, frequency);
+        }
+        if !self.kernel.has_lobe() {
+            return 1.0;
+        }
+        let a = self.blur.spread / self.kernel.distance_scale(self.r_mm);
+        let normal = match modulus > 0.0 {
+            true => frequency.map(|f| f / modulus),
+            false => [1.0, 0.0],
+        };
+        self.shape.otf(a, modulus, normal).0
+    }
+}
+
+impl Spot for MixedSpot {
+    fn energy(&self) -> Option<f64> {
+        self.energy
+    }
+
+    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
+        match self.returns {
+            true => self.shift.at(frequency) * self.lobe(frequency),
+            false => Complex64::ZERO,
+        }
+    }
+
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm
+    }
+}
+
+impl Shift {
+    /// Interpolates the transform at a frequency, 1/mm; 0 beyond the end.
+    fn at(&self, frequency: [f64; 2]) -> Complex64 {
+        if self.states[0].0.points == 0 {
+            return Complex64::ONE;
+        }
+        if frequency[1] < 0.0 {
+            return self.at(frequency.map(|f| -f)).conj();
+        }
+        // States are mixed at the same share of their ends.
+        let share = frequency.map(|f| f / self.end);
+        if share[0].abs() > 1.0 || share[1] > 1.0 {
+            return Complex64::ZERO;
+        }
+        let states = self.states.iter();
+        let smooth: Complex64 = states
+            .map(|(lattice, values)| interpolated(lattice, values, share))
+            .sum();
+        smooth * kinked(self.kink, frequency)
+    }
+}
+
+/// Interpolates on one lattice at a frequency that is given as a share of its end.
+fn interpolated(lattice: &Lattice, values: &[Complex64], share: [f64; 2]) -> Complex64 {
+    let [x, y] = share.map(|share| share * lattice.points as f64);
+    let (left, top) = (x.floor(), y.floor());
+    let (across, down) = (six(x - left), six(y - top));
+    let (columns, zero) = (lattice.size()[0], lattice.zero());
+    let first = (left as i64 + zero[0] as i64 - 2) as usize;
+    let mut sum = Complex64::ZERO;
+    for (i, weight) in down.iter().enumerate() {
+        let row = (top as usize + zero[1] - 2 + i) * columns + first;
+        let values = values[row..].iter().zip(&across);
+        let part: Complex64 = values.map(|(value, weight)| value * weight).sum();
+        sum += part * weight;
+    }
+    sum
+}
+
+/// Returns the weights of the points -2 to 3 of a polynomial through six points, at `t` in [0, 1].
+fn six(t: f64) -> [f64; 6] {
+    [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|own: f64| {
+        [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0]
+            .iter()
+            .filter(|&&other| other != own)
+            .map(|other| (t - other) / (own - other))
+            .product()
+    })
+}
+
+/// Error of mixing at one place.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Misfit {
+    /// Sum of the differences of all weights: the largest error of a pixel, in units of the
+    /// brightest pixel of an image at the brightest direction.
+    pub pixel: f64,
+    /// Largest difference of a weight, in units of the largest weight at the brightest direction.
+    pub peak: f64,
+}
+
+impl Misfit {
+    /// Returns the larger of the two numbers.
+    pub(crate) fn larger(self) -> f64 {
+        self.pixel.max(self.peak)
+    }
+
+    /// Returns the larger of both in each number.
+    pub(crate) fn or(self, other: Misfit) -> Misfit {
+        Misfit {
+            pixel: self.pixel.max(other.pixel),
+            peak: self.peak.max(other.peak),
+        }
+    }
+}
+
+/// Points of the transforms along each axis in which errors are measured.
+const POINTS: usize = 48;
+
+/// Returns the largest misfit of a mixture from the sheet itself over some places.
+///
+/// # Errors
+/// Returns [`Error::Sheet`] if the blur cannot be computed at a place.
+pub(crate) fn misfit(mixed: &Mixed<'_>, places: &[Viewpoint]) -> Result<Misfit, Error> {
+    let brightest = mixed.grid.energy.iter().copied().fold(0.0, f64::max);
+    let all = places
+        .par_iter()
+        .map(|place| misfit_at(mixed, place, brightest));
+    all.try_reduce(Misfit::default, |a, b| Ok(a.or(b)))
+}
+
+/// Returns the misfit at one place.
+///
+/// The differences of both point spreads are computed on a period that holds all but their tails.
+/// Tails that come round only add to them.
+fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Misfit, Error> {
+    let blur = mixed.sheet.blur(place.incidence_deg)?;
+    let found = mixed.spot(place, 1.0)?;
+    // The tails of waves and of the separable lobe are far wider than the blur itself.
+    let widest = 3.0 * blur.c_mm + 5.0 / core(mixed, &blur, place);
+    let period = 2.0 * found.reach_mm().min(widest).max(1e-9);
+    let step = 1.0 / period;
+    let truth = mixed.sheet.spot(place, step * POINTS as f64)?;
+    let (_, light, _) = mixed.mixture(place, blur.c_mm);
+    let light = if light > FAINT { light } else { 0.0 };
+    let azimuth_deg = place.azimuth_deg.and_then(known);
+    let direction = mixed
+        .sheet
+        .table
+        .direction(place.incidence_deg, azimuth_deg);
+    let eta = direction.map_or(0.0, |direction| direction.retroreflected);
+    let own = mixed.sheet.returned(place.incidence_deg, eta);
+    // Squares of light: what lies beyond the frequencies is damped by them.
+    let half = POINTS as i64 / 2;
+    let damped = |k: i64| sinc(PI * k as f64 / POINTS as f64).powi(2);
+    let mut off = vec![Complex64::ZERO; POINTS * POINTS];
+    let mut whole = off.clone();
+    for y in -half + 1..half {
+        for x in -half + 1..half {
+            let frequency = [x, y].map(|k| step * k as f64);
+            let weight = damped(x) * damped(y);
+            let at = y.rem_euclid(POINTS as i64) * POINTS as i64 + x.rem_euclid(POINTS as i64);
+            let exact = truth.otf(frequency) * own;
+            off[at as usize] = (found.otf(frequency) * light - exact) * weight;
+            whole[at as usize] = exact * weight;
+        }
+    }
+    let differences = spread_of(off);
+    let peak = spread_of(whole).into_iter().fold(0.0, f64::max);
+    let scale = if own > 0.0 { brightest / own } else { 1.0 };
+    let largest = differences.iter().map(|v| v.abs()).fold(0.0, f64::max);
+    Ok(Misfit {
+        pixel: differences.iter().map(|v| v.abs()).sum::<f64>() / brightest,
+        peak: if peak > 0.0 {
+            largest / (peak * scale)
+        } else {
+            0.0
+        },
+    })
+}
+
+/// Transforms a spectrum of [`POINTS`] by [`POINTS`] frequencies into weights.
+fn spread_of(mut spectrum: Vec<Complex64>) -> Vec<f64> {
+    let inverse = FftPlanner::new().plan_fft_inverse(POINTS);
+    for _ in 0..2 {
+        spectrum
+            .chunks_exact_mut(POINTS)
+            .for_each(|row| inverse.process(row));
+        spectrum = (0..POINTS * POINTS)
+            .map(|k| spectrum[k % POINTS * POINTS + k / POINTS])
+            .collect();
+    }
+    let scale = 1.0 / (POINTS * POINTS) as f64;
+    spectrum.into_iter().map(|value| value.re * scale).collect()
+}
+
+/// Returns the frequency scale of the lobe or of the waves, 1/mm; infinite without either.
+fn core(mixed: &Mixed<'_>, blur: &Blur, place: &Viewpoint) -> f64 {
+    let result = mixed.sheet.result;
+    match &result.wavelength_nm {
+        Some(spectrum) if result.kernel == Kernel::Wave => {
+            let lines = spectrum.lines().iter().map(|line| line.wavelength_nm);
+            blur.c_mm / (lines.fold(0.0, f64::max) * 1e-6 * place.r_mm)
+        }
+        _ if result.kernel.is_baseline() => 1.0 / (2.0 * blur.spread * place.r_mm),
+        _ if result.kernel.has_lobe() => blur.spread / result.kernel.distance_scale(place.r_mm),
+        _ => f64::INFINITY,
+    }
+}
+
+/// Returns the misfit of a grid at some places, for tests.
+#[cfg(test)]
+pub(crate) fn misfit_of(
+    sheet: &Fitted<'_>,
+    grid: &Grid,
+    places: &[Viewpoint],
+) -> Result<Misfit, Error> {
+    let mixed = Mixed {
+        sheet: *sheet,
+        grid,
+    };
+    misfit(&mixed, places)
+}

@@ -1,0 +1,405 @@
+// Sliders, pictures, and the loop that draws.
+
+const $ = (id) => document.getElementById(id);
+
+// A slider: its range, whether it is a logarithm, its unit, and what it stands for.
+function sliders() {
+  const { span, incidence, azimuth, parameters, domain } = data;
+  const last = (axis) => axis.first + axis.step * (axis.count - (axis.ends === "turn" ? 0 : 1));
+  const middle = (range, low, high) =>
+    range ? Math.max(low, Math.min(high, 0.5 * (range[0] + range[1]))) : 0.5 * (low + high);
+  const [near, far] = span.distance_mm;
+  const at = domain ? domain.floating_distance_mm[0] : Math.sqrt(near * far);
+  const all = [
+    ["distance", "Floating distance", "mm", near, far, at, true, domain?.floating_distance_mm],
+    [
+      "incidence",
+      "Incidence",
+      "deg",
+      incidence.first,
+      last(incidence),
+      middle(domain?.incidence_deg, incidence.first, last(incidence)),
+      false,
+      domain?.incidence_deg,
+    ],
+  ];
+  if (azimuth && azimuth.count > 1) {
+    const range = domain?.azimuth_deg;
+    const turn = azimuth.ends === "open" ? [azimuth.first, last(azimuth)] : [0, 360];
+    const start = Math.max(turn[0], Math.min(turn[1], range ? range[0] : azimuth.first));
+    all.push(["azimuth", "Azimuth", "deg", ...turn, start, false, range]);
+  }
+  all.push(["width", "Width of the picture", "mm", 10, 3000, 100, true, null]);
+  const factor = [...span.factor, 1, true, null];
+  if (parameters.c.length) all.push(["c", NAMES_OF[data.size_name], "x fit", ...factor]);
+  if (parameters.spread.length) {
+    all.push(["spread", NAMES_OF[data.spread_name], "x fit", ...factor]);
+  }
+  if (parameters.mu.length) all.push(["mu", "Reflectance mu", "x fit", ...factor]);
+  return all.map(([key, label, unit, low, high, value, log, range]) => {
+    return { key, label, unit, low, high, value, log, range };
+  });
+}
+
+const NAMES_OF = {
+  c_mm: "Corner size c",
+  surface_roughness: "Roughness of the front",
+  a_per_mm: "Diffraction spread a",
+  a_times_r: "Diffraction spread a R",
+  roughness: "Roughness",
+};
+const UNITS_OF = { c_mm: " mm", a_per_mm: " 1/mm" };
+
+const SLIDERS = sliders();
+const state = Object.fromEntries(SLIDERS.map(({ key, value }) => [key, value]));
+const STEPS = 1000;
+
+function position({ low, high, log }, value) {
+  const share = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+  return Math.round(STEPS * share);
+}
+
+function valueAt({ low, high, log }, at) {
+  const share = at / STEPS;
+  return log ? low * (high / low) ** share : low + share * (high - low);
+}
+
+// Settings of the model: parameters are factors on the fitted values at the incidence.
+function settings(from = state) {
+  const { spread, c, mu } = data.parameters;
+  const at = (all, factor, none) => {
+    const own = fitted(all, from.incidence);
+    return own === null ? none : own * (factor ?? 1);
+  };
+  return {
+    distance: from.distance,
+    incidence: from.incidence,
+    azimuth: data.azimuth?.count > 1 ? from.azimuth : (data.azimuth?.first ?? null),
+    spread: at(spread, from.spread, 1),
+    c: at(c, from.c, 1),
+    mu: at(mu, from.mu, null),
+  };
+}
+
+// ---- Rendering.
+
+let picture = null;
+let convolver = null;
+let spectra = null;
+
+function use(next) {
+  picture = next;
+  convolver = null;
+  draw($("source"), picture.planes, picture.width, picture.height, 1, 0);
+  refresh(true);
+}
+
+// Planes of the mid-air image, before exposure. `colour` is false while a slider moves.
+function render(place, pitch, colour) {
+  const blur = weights(place, pitch, colour ? FINE : QUICK);
+  const planes = colour ? picture.planes : [picture.luminance];
+  if (!convolver || convolver.reach < blur.reach || convolver.reach > 2 * blur.reach + 32) {
+    convolver = new Convolver(picture.width, picture.height, blur.reach);
+    spectra = new Map();
+  }
+  const own = planes.map((plane) => {
+    if (!spectra.has(plane)) spectra.set(plane, convolver.spectrum(plane));
+    return spectra.get(plane);
+  });
+  const energy = place.energy();
+  return convolver.blur(own, blur, energy ?? 1);
+}
+
+// The narrowest picture whose blur the page can render, mm.
+function narrowest(place) {
+  return ((place.core / (FINE.widest - 2)) * Math.max(picture.width, picture.height)) * 1.001;
+}
+
+let resting = 0;
+let asked = false;
+
+// Draws at the next frame; in colour when the sliders rest.
+function refresh(colour) {
+  clearTimeout(resting);
+  if (colour) remember();
+  if (!colour) resting = setTimeout(() => refresh(true), 150);
+  if (asked && !colour) return;
+  asked = true;
+  requestAnimationFrame(() => {
+    asked = false;
+    paint(colour);
+  });
+}
+
+function paint(colour) {
+  if (!picture) return;
+  const own = settings();
+  const place = new Place(own);
+  const width = Math.max(state.width, narrowest(place));
+  const pitch = width / Math.max(picture.width, picture.height);
+  const planes = render(place, pitch, colour);
+  const light = Number($("luminance").value) || 0;
+  const ambient = light > 0 ? (Number($("ambient").value) || 0) / light : 0;
+  const brightest = planes.length === 3 ? brightestOf(planes) : peak(planes[0]);
+  const auto = $("auto").checked && brightest + ambient > 0;
+  const exposure = auto ? picture.white / (brightest + ambient) : 1;
+  draw($("aerial"), planes, picture.width, picture.height, exposure, ambient);
+  say(own, place, { width, pitch, exposure, light, ambient, colour });
+}
+
+function brightestOf([r, g, b]) {
+  let most = 0;
+  for (let i = 0; i < r.length; i++) {
+    const own = 0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i];
+    if (own > most) most = own;
+  }
+  return most;
+}
+
+// ---- Numbers and sentences.
+
+function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
+  const height = pitch * picture.height;
+  const energy = place.energy();
+  const threshold = Math.min(1, Math.max(0.001, Number($("threshold").value) || 0.1));
+  // The contrast (Lmax - Lmin) / (Lmax + Lmin) of a wide pattern, whose dark is the ambient light.
+  const contrast = energy === null ? 1 : energy > 0 ? energy / (energy + 2 * ambient) : 0;
+  const finest = contrast > threshold ? fallsTo(place, threshold / contrast) : 0;
+  const half = fallsTo(place, 0.5);
+  // Bands by c need more mixtures where the blur depends on the scaling: they wait for a rest.
+  plot($("curves"), place, finest, colour || data.scaling === "fixed");
+  const facts = {
+    "fact-size": `${shown(pitch * picture.width)} x ${shown(height)} mm`,
+    "fact-luminance":
+      energy === null
+        ? "not known: the result has no mu"
+        : `${shown(energy * light)}${interval(own, place, light)} cd/m\u00b2, ` +
+          `${shown(100 * energy)} % of the source`,
+    "fact-mtf50": half > 0 ? `${shown(half)} 1/mm` : "no contrast",
+    "fact-letter":
+      finest > 0
+        ? `${shown(2.5 / finest)} mm high`
+        : "none: no contrast above the threshold",
+    "fact-exposure": `x ${shown(exposure)}`,
+  };
+  for (const [id, text] of Object.entries(facts)) $(id).textContent = text;
+  const remarks = [];
+  if (!place.returns) remarks.push("Nothing returns in this direction: the image is black.");
+  if (width > state.width * 1.0001) {
+    remarks.push(`The picture is shown ${shown(width)} mm wide: at ${shown(state.width)} mm its ` +
+      "blur would be wider than this page can compute.");
+  }
+  const left = outside(own);
+  if (left.length) {
+    remarks.push(`Outside of the photographs of the fit: ${left.join(", ")}. Nothing was ` +
+      "measured there.");
+  }
+  if (data.kernel === "eq1" && left.some((text) => text.startsWith("distance"))) {
+    remarks.push("The kernel eq1 takes the blur as the same at every distance. The kernels " +
+      "angular and wave let it grow. Photographs at two distances tell which of them holds.");
+  }
+  if (data.by_hand) remarks.push("These numbers were given by hand. No photograph stands behind " +
+    "them.");
+  $("remarks").innerHTML = "";
+  for (const text of remarks) {
+    const item = document.createElement("li");
+    item.textContent = text;
+    $("remarks").append(item);
+  }
+  $("aerial").setAttribute("aria-label", `Mid-air image, ${facts["fact-size"]}, ` +
+    `${shown(own.distance)} mm from the sheet, incidence ${shown(own.incidence)} degrees`);
+}
+
+// The 95 % interval of the luminance, as text; empty where it is not known.
+function interval(own, place, light) {
+  const byMu = place.light * data.half_mirror * light;
+  const error = standardError(own.incidence, [0, 0, byMu]);
+  if (error === null) return "";
+  const value = own.mu * byMu;
+  return ` (${shown(Math.max(0, value - 1.96 * error))} to ${shown(value + 1.96 * error)})`;
+}
+
+// ---- Controls.
+
+function outputOf(slider) {
+  const value = state[slider.key];
+  if (slider.unit !== "x fit") return `${shown(value)} ${slider.unit}`;
+  const name = slider.key === "c" ? data.size_name : slider.key === "mu" ? "mu" : data.spread_name;
+  const own = settings()[slider.key];
+  return `${shown(own)}${UNITS_OF[name] ?? ""} (${shown(value)} x ${data.by_hand ? "given" : "fit"})`;
+}
+
+// Hatches the track of a slider where no photograph was taken, and marks the fitted value with its
+// 95 % interval.
+function track(slider) {
+  const percent = (value) => {
+    const at = (100 * position(slider, value)) / STEPS;
+    return Math.max(0, Math.min(100, at)).toFixed(1);
+  };
+  if (slider.range) {
+    const turned = slider.key === "azimuth" ? slider.range.map((v) => ((v % 360) + 360) % 360) : slider.range;
+    const [low, high] = turned.map(percent).map(Number);
+    // A range that was photographed at one value is still a mark that can be seen.
+    return { low: Math.max(0, low - 0.7), high: Math.min(100, high + 0.7) };
+  }
+  if (slider.unit !== "x fit") return null;
+  const all = data.parameters[slider.key];
+  const own = parts(all, state.incidence)[0];
+  const half = own.standard_error ? (1.96 * own.standard_error) / own.value : 0;
+  const [low, high] = [Math.max(slider.low, 1 - half), Math.min(slider.high, 1 + half)]
+    .map(percent)
+    .map(Number);
+  return { low: Math.max(0, low - 0.7), high: Math.min(100, high + 0.7) };
+}
+
+function addSlider(slider) {
+  const row = document.createElement("div");
+  row.className = "slider";
+  row.innerHTML = `<label for="s-${slider.key}"></label><output id="o-${slider.key}"></output>` +
+    `<span class="track" aria-hidden="true"><i></i></span>` +
+    `<input type="range" id="s-${slider.key}" min="0" max="${STEPS}" step="1">`;
+  row.querySelector("label").textContent = slider.label;
+  $("sliders").append(row);
+  const input = row.querySelector("input");
+  input.addEventListener("input", () => {
+    state[slider.key] = valueAt(slider, Number(input.value));
+    sync(false);
+    refresh(false);
+  });
+  input.addEventListener("change", () => refresh(true));
+}
+
+// Brings sliders and texts to the state.
+function sync(move = true) {
+  for (const slider of SLIDERS) {
+    const input = $(`s-${slider.key}`);
+    if (move) input.value = position(slider, state[slider.key]);
+    const text = outputOf(slider);
+    $(`o-${slider.key}`).textContent = text;
+    input.setAttribute("aria-valuetext", text);
+    const found = track(slider);
+    const row = input.parentElement;
+    row.classList.toggle("hatched", Boolean(slider.range));
+    const mark = row.querySelector("i");
+    mark.hidden = !found;
+    if (found) Object.assign(mark.style, { left: `${found.low}%`, width: `${found.high - found.low}%` });
+  }
+}
+
+// Writes the settings into the part of the address behind #, so that a link leads back to them.
+function remember() {
+  const fragment = SLIDERS.map(({ key }) => `${key}=${Number(state[key].toPrecision(6))}`).join("&");
+  try {
+    history.replaceState(null, "", `#${fragment}`);
+  } catch {
+    // A page in a frame of another origin may not change its address; it works without.
+  }
+}
+
+// Takes settings from the part of the address behind #.
+function fromAddressBar() {
+  for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
+    const slider = SLIDERS.find((one) => one.key === key);
+    const value = Number(text);
+    if (slider && Number.isFinite(value)) {
+      state[key] = Math.max(slider.low, Math.min(slider.high, value));
+    }
+  }
+}
+
+async function choose(name) {
+  try {
+    use(name === "own" ? await fromAddress(data.source[1]) : builtIn(name));
+  } catch {
+    $("remarks").textContent = "The picture could not be shown.";
+  }
+}
+
+async function take(file) {
+  if (!file) return;
+  try {
+    use(await fromFile(file));
+  } catch {
+    $("remarks").textContent = `${file.name} could not be read as a picture; ` +
+      "take a PNG, a JPEG or a WebP.";
+  }
+}
+
+async function begin() {
+  await unpack();
+  fromAddressBar();
+  SLIDERS.forEach(addSlider);
+  const option = (value, text) => $("choice").append(new Option(text, value));
+  if (data.source) option("own", data.source[0]);
+  option("sign", "Sign");
+  option("card", "Test card");
+  option("edge", "Edge");
+  $("choice").addEventListener("change", () => choose($("choice").value));
+  $("file").addEventListener("change", () => take($("file").files[0]));
+  addEventListener("dragover", (event) => event.preventDefault());
+  addEventListener("drop", (event) => {
+    event.preventDefault();
+    take(event.dataTransfer.files[0]);
+  });
+  for (const id of ["luminance", "ambient", "threshold"]) {
+    $(id).addEventListener("input", () => refresh(true));
+  }
+  $("auto").addEventListener("change", () => refresh(true));
+  $("reset").addEventListener("click", () => {
+    for (const { key, value } of SLIDERS) state[key] = value;
+    sync();
+    refresh(true);
+  });
+  addEventListener("resize", () => refresh(true));
+  $("design").textContent = data.design;
+  document.title = `${data.design}: mid-air image`;
+  const model = `kernel ${data.kernel}${data.lobe ? `, lobe ${data.lobe}` : ""}`;
+  const verdict = data.verdict ? `The fit is ${data.verdict}. ` : "";
+  $("about").textContent = `${data.title}: ${model}. ${verdict}${data.warnings.length ? `It has ` +
+    `${data.warnings.length} warning${data.warnings.length > 1 ? "s" : ""}, below.` : ""}`;
+  for (const text of data.warnings) {
+    const item = document.createElement("li");
+    item.textContent = text;
+    $("warnings").append(item);
+  }
+  $("warned").hidden = data.warnings.length === 0;
+  const percent = (share) => `${shown(100 * share)} %`;
+  $("error").textContent = `Against fit render, a pixel errs by at most ` +
+    `${percent(data.misfit[0])} of the brightest, and a weight of the blur by at most ` +
+    `${percent(data.misfit[1])} of the largest. This was measured at ${data.places} places ` +
+    `between the directions that the page holds.`;
+  sync();
+  await choose(data.source ? "own" : "sign");
+}
+
+// For scripts, and for the console of the browser: settings in mm and degrees, c, spread and mu as
+// factors on the fit. `render` returns the planes of light of the mid-air image, source white = 1.
+window.airr = {
+  state,
+  settings,
+  picture: () => picture,
+  use: (name) => use(builtIn(name)),
+  render: (changed = {}, colour = true) => {
+    const from = { ...state, ...changed };
+    const place = new Place(settings(from));
+    const pitch = from.width / Math.max(picture.width, picture.height);
+    return { planes: render(place, pitch, colour), pitch, energy: place.energy() };
+  },
+  otf: (x, y, changed = {}) => {
+    const value = [0, 0];
+    new Place(settings({ ...state, ...changed })).otf(x, y, value);
+    return value;
+  },
+  seconds: (frames, key = "incidence") => {
+    const slider = SLIDERS.find((one) => one.key === key);
+    const began = performance.now();
+    for (let k = 0; k < frames; k++) {
+      state[key] = valueAt(slider, (STEPS * (k + 0.5)) / frames);
+      sync();
+      paint(false);
+    }
+    return (performance.now() - began) / 1000 / frames;
+  },
+};
+
+window.airr.ready = begin();

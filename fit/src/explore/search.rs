@@ -1,0 +1,194 @@
+//! Search for the coarsest grid that is fine enough.
+
+use crate::explore::grid::{Error, Grid};
+use crate::explore::mixed::{Misfit, Mixed, misfit};
+use crate::explore::scaling::Scaling;
+use crate::explore::span::{Fineness, Span, known};
+use crate::explore::stencil::Nodes;
+use crate::images::Viewpoint;
+use crate::predict::Fitted;
+use crate::result::{AtAngle, Number, Parameter, ResultFile};
+
+/// Largest error of mixing that the search aims at.
+const WANTED: f64 = 0.01;
+
+/// Places at which the error that the page states is measured.
+const PLACES: usize = 200;
+
+/// Places at which the error along one axis is measured.
+const ALONG: usize = 24;
+
+/// Factor by which the axis with the largest error is made finer.
+const FINER: f64 = 0.6;
+
+/// Grid of a page, with its error.
+pub(crate) struct Found {
+    /// The grid.
+    pub grid: Grid,
+    /// Largest error over the places.
+    pub misfit: Misfit,
+    /// Count of places between the nodes at which the error was measured.
+    pub places: usize,
+}
+
+/// Computes the coarsest grid whose error of mixing is at most 1 %, or else the finest that fits
+/// into a page.
+///
+/// `step` is told how many grids have been tried.
+///
+/// # Errors
+/// Returns the errors of [`Grid::new`] for the first grid, and those of [`misfit`].
+pub(crate) fn grid(
+    sheet: &Fitted<'_>,
+    span: &Span,
+    step: &(dyn Fn(usize) + Sync),
+) -> Result<Found, Error> {
+    let sharpest = scaled(sheet.result, span.factor[1]);
+    let sharpest = Fitted {
+        result: &sharpest,
+        table: sheet.table,
+    };
+    let mut fineness = Fineness::first(sheet);
+    let mut best: Option<Found> = None;
+    let mut tried = 0;
+    loop {
+        tried += 1;
+        let grid = match (Grid::new(sheet, span, &fineness), best) {
+            (Ok(grid), _) => grid,
+            (Err(Error::Large { .. }), Some(best)) => return Ok(best),
+            (Err(error), _) => return Err(error),
+        };
+        let error = |sheet: &Fitted<'_>, places: &[Viewpoint]| {
+            let mixed = Mixed {
+                sheet: *sheet,
+                grid: &grid,
+            };
+            misfit(&mixed, places)
+        };
+        let spread = spread(sheet, &grid, span);
+        let found = error(sheet, &spread)?.or(error(&sharpest, &spread)?);
+        step(tried);
+        let by_axis = [
+            error(sheet, &along(sheet, &grid, span, Axis::Incidence))?.larger(),
+            error(sheet, &along(sheet, &grid, span, Axis::Azimuth))?.larger(),
+            error(sheet, &along(sheet, &grid, span, Axis::State))?.larger(),
+            error(sheet, &along(sheet, &grid, span, Axis::None))?.larger(),
+        ];
+        let best_now = Found {
+            grid,
+            misfit: found,
+            places: 2 * spread.len(),
+        };
+        if found.larger() <= WANTED || tried == MOST_GRIDS {
+            return Ok(best_now);
+        }
+        best = Some(best_now);
+        let worst = (0..4).max_by(|&a, &b| by_axis[a].total_cmp(&by_axis[b]));
+        let finer = match worst {
+            Some(0) => &mut fineness.incidence_deg,
+            Some(1) => &mut fineness.azimuth_deg,
+            Some(2) => &mut fineness.state,
+            _ => &mut fineness.lost,
+        };
+        *finer *= FINER;
+        if worst == Some(3) {
+            fineness.bends /= FINER;
+        }
+    }
+}
+
+/// Grids that are tried at most.
+const MOST_GRIDS: usize = 8;
+
+/// Returns a result with c and the spread multiplied by a factor.
+fn scaled(result: &ResultFile, factor: f64) -> ResultFile {
+    let number = |own: &Number| Number {
+        value: own.value.map(|value| value * factor),
+        ..*own
+    };
+    let all = |own: &Option<Parameter>| {
+        own.as_ref().map(|own| match own {
+            Parameter::Shared(own) => Parameter::Shared(number(own)),
+            Parameter::PerAngle { per_angle } => Parameter::PerAngle {
+                per_angle: per_angle
+                    .iter()
+                    .map(|own| AtAngle {
+                        value: own.value.map(|value| value * factor),
+                        ..*own
+                    })
+                    .collect(),
+            },
+        })
+    };
+    ResultFile {
+        c_mm: result.c_mm.as_ref().map(number),
+        a_per_mm: all(&result.a_per_mm),
+        a_times_r: all(&result.a_times_r),
+        ..result.clone()
+    }
+}
+
+/// Axis of a grid.
+#[derive(Clone, Copy, PartialEq)]
+enum Axis {
+    Incidence,
+    Azimuth,
+    State,
+    /// None of the axes: places on nodes.
+    None,
+}
+
+/// Returns places in the middle between nodes of one axis, and on nodes of the others.
+fn along(sheet: &Fitted<'_>, grid: &Grid, span: &Span, axis: Axis) -> Vec<Viewpoint> {
+    let nodes = |nodes: &Nodes| -> Vec<f64> { (0..nodes.count).map(|k| nodes.place(k)).collect() };
+    let pick = |own: &Nodes, between: bool| match between {
+        true if own.count > 1 => own.middles().collect(),
+        true => Vec::new(),
+        false => nodes(own),
+    };
+    let incidences = pick(&grid.incidence, axis == Axis::Incidence);
+    let azimuths = pick(&grid.azimuth, axis == Axis::Azimuth);
+    let states = pick(&grid.state, axis == Axis::State);
+    let count = incidences.len() * azimuths.len() * states.len();
+    let chosen = (0..ALONG.min(count)).map(|k| k * count / ALONG.min(count));
+    chosen
+        .map(|k| {
+            let state = states[k % states.len()];
+            let azimuth = azimuths[k / states.len() % azimuths.len()];
+            let incidence_deg = incidences[k / states.len() / azimuths.len()];
+            let c_mm = sheet.blur(incidence_deg).map_or(1.0, |blur| blur.c_mm);
+            let [near, far] = span.distance_mm;
+            let r_mm = match grid.scaling {
+                Scaling::Fixed => (near * far).sqrt(),
+                Scaling::Deviating => grid.scaling.at(state, grid.bend) * c_mm,
+                Scaling::Waves => grid.scaling.at(state, grid.bend) * c_mm * c_mm,
+            };
+            Viewpoint {
+                incidence_deg,
+                azimuth_deg: known(azimuth),
+                r_mm: r_mm.clamp(near, far),
+            }
+        })
+        .collect()
+}
+
+/// Returns places that fill the ranges evenly: multiples of three irrational numbers.
+fn spread(sheet: &Fitted<'_>, grid: &Grid, span: &Span) -> Vec<Viewpoint> {
+    // The powers of the root of x^4 = x + 1 spread points evenly in three dimensions.
+    const STEP: [f64; 3] = [0.819_172_513, 0.671_043_607, 0.549_700_478];
+    let incidences = &sheet.table.axes.incidence_deg;
+    let (low, high) = (incidences[0], incidences[incidences.len() - 1]);
+    let around = &grid.azimuth;
+    let end = around.place(around.count - 1);
+    let [near, far] = span.distance_mm.map(f64::ln);
+    (0..PLACES)
+        .map(|k| {
+            let [a, b, c] = STEP.map(|step| (0.5 + step * k as f64).fract());
+            Viewpoint {
+                incidence_deg: low + a * (high - low),
+                azimuth_deg: known(around.first + b * (end - around.first)),
+                r_mm: (near + c * (far - near)).exp(),
+            }
+        })
+        .collect()
+}
