@@ -171,6 +171,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     progress.done();
     let page = page?;
     output.commit(page.html.as_bytes())?;
+    if page.misfit.pixel > 3.0 * explore::WANTED {
+        warnings.push(format!(
+            "a pixel of the page can err by {:.0} % of the brightest, because no finer grid fits \
+            into a page; give a shorter range by --nearest and --farthest",
+            100.0 * page.misfit.pixel
+        ));
+    }
     terminal::warn(&warnings);
     let facts = Facts {
         megabytes: page.html.len() as f64 / 1e6,

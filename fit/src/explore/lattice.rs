@@ -26,8 +26,9 @@ pub(crate) const HIGHEST: f64 = 4.0;
 pub(crate) struct Ending {
     /// Highest frequency of all, cycles per edge length.
     pub highest: f64,
-    /// Frequency times [`Scaling`] at which waves end, [`f64::MAX`] without waves.
-    pub waves: f64,
+    /// Frequency times [`Scaling`] at which waves or a lobe of fixed angle end; [`f64::MAX`] without
+    /// either.
+    pub angle: f64,
 }
 
 impl Ending {
@@ -35,7 +36,7 @@ impl Ending {
     ///
     /// It is smooth, so that states are mixed at equal shares of their ends.
     pub(crate) fn at(&self, scaling: f64) -> f64 {
-        (self.highest.powi(-4) + (scaling / self.waves).powi(4)).powf(-0.25)
+        (self.highest.powi(-4) + (scaling / self.angle).powi(4)).powf(-0.25)
     }
 }
 
@@ -113,7 +114,7 @@ impl Shape {
             return Ok(Shape {
                 ends: Ending {
                     highest: 1.0,
-                    waves: f64::MAX,
+                    angle: f64::MAX,
                 },
                 kink: 0.0,
                 distances: vec![1.0; state.count],
@@ -123,8 +124,11 @@ impl Shape {
         }
         let ends = Ending {
             highest: highest(sheet, span, fineness.lost, incidence)?,
-            waves: match scaling {
+            angle: match scaling {
                 Scaling::Waves => cutoff(sheet.result),
+                Scaling::Deviating if kernel == Kernel::Angular => {
+                    lobe_of_an_angle(sheet, span, fineness.lost, incidence)?
+                }
                 Scaling::Fixed | Scaling::Deviating => f64::MAX,
             },
         };
@@ -194,13 +198,33 @@ pub(crate) fn highest(
     for k in 0..incidence.count {
         let blur = sheet.blur(incidence.place(k))?;
         let a = most * blur.spread / result.kernel.distance_scale(span.distance_mm[0]);
-        let end = (1..=400)
-            .map(|i| 0.01 * f64::from(i))
-            .filter(|&f| shape.otf(1.0, f, [1.0, 0.0]).0.abs() > lost)
-            .fold(0.01, f64::max);
-        highest = highest.max(end * a * most * blur.c_mm);
+        highest = highest.max(end_of_lobe(shape, lost) * a * most * blur.c_mm);
     }
     Ok(highest.clamp(0.1, HIGHEST))
+}
+
+/// Returns the frequency times the scaling R / c beyond which a lobe of fixed angle passes at most
+/// `lost`. The rest is for the bend of [`Ending::at`].
+fn lobe_of_an_angle(
+    sheet: &Fitted<'_>,
+    span: &Span,
+    lost: f64,
+    incidence: &Nodes,
+) -> Result<f64, PredictError> {
+    let mut widest: f64 = 0.0;
+    for k in 0..incidence.count {
+        widest = widest.max(sheet.blur(incidence.place(k))?.spread);
+    }
+    let shape = sheet.result.lobe.unwrap_or(LobeShape::Radial);
+    Ok(1.1 * end_of_lobe(shape, lost) * span.factor[1] * widest)
+}
+
+/// Returns the frequency, in units of a, beyond which a lobe passes at most `lost`.
+fn end_of_lobe(shape: LobeShape, lost: f64) -> f64 {
+    (1..=400)
+        .map(|i| 0.01 * f64::from(i))
+        .filter(|&f| shape.otf(1.0, f, [1.0, 0.0]).0.abs() > lost)
+        .fold(0.01, f64::max)
 }
 
 /// Returns the mean slope of the transform of waves at frequency 0, per frequency and [`Scaling`];

@@ -295,6 +295,9 @@ const POINTS: usize = 48;
 /// Returns [`Error::Sheet`] if the blur cannot be computed at a place.
 pub(crate) fn misfit(mixed: &Mixed<'_>, places: &[Viewpoint]) -> Result<Misfit, Error> {
     let brightest = mixed.grid.energy.iter().copied().fold(0.0, f64::max);
+    if brightest <= 0.0 {
+        return Ok(Misfit::default());
+    }
     let all = places
         .par_iter()
         .map(|place| misfit_at(mixed, place, brightest));

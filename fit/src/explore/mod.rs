@@ -20,6 +20,7 @@ pub(crate) use grid::Error;
 #[cfg(test)]
 pub(crate) use mixed::misfit_of;
 pub(crate) use page::{Explorer, Source, page};
+pub(crate) use search::WANTED;
 #[cfg(test)]
 pub(crate) use search::grid;
 pub(crate) use span::Span;

@@ -133,6 +133,7 @@ struct Data<'a> {
     domain: Option<&'a Domain>,
     places: usize,
     misfit: [f64; 2],
+    goal: f64,
     warnings: &'a [String],
     source: Option<[String; 2]>,
     version: &'static str,
@@ -239,6 +240,7 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         domain: result.domain.as_ref(),
         places,
         misfit: [misfit.pixel, misfit.peak],
+        goal: search::WANTED,
         warnings: &result.warnings,
         source: explorer.source.as_ref().map(|source| {
             let address = format!("data:image/png;base64,{}", STANDARD.encode(&source.png));

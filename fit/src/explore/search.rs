@@ -10,7 +10,7 @@ use crate::predict::Fitted;
 use crate::result::{AtAngle, Number, Parameter, ResultFile};
 
 /// Largest error of mixing that the search aims at.
-const WANTED: f64 = 0.01;
+pub(crate) const WANTED: f64 = 0.01;
 
 /// Places at which the error that the page states is measured.
 const PLACES: usize = 200;

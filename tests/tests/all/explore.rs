@@ -81,6 +81,14 @@ fn a_browser_shows_what_fit_render_computes() {
     picture(here);
     let whole = bake_table(here, "triangular-pair", "0:40:10", "full:10");
     let one = bake_table(here, "triangular-pair", "0:40:5", "23");
+    let errors = ["--dihedral-error-mrad", "0.5,0,-0.3", "-o", "errors.obj"];
+    bake(
+        here,
+        &[&["design", "triangular-pair"], &errors[..]].concat(),
+    )
+    .done();
+    let trace = words("trace errors.obj --refractive-index 1.49 --incidence 0:40:5 --azimuth 23");
+    bake(here, &[trace, words("-o errors.h5")].concat()).done();
     let sheets = [
         Sheet {
             name: "eq1",
@@ -91,6 +99,12 @@ fn a_browser_shows_what_fit_render_computes() {
         Sheet {
             name: "angular",
             table: &whole,
+            options: words("--c 0.2 --a-times-r 700 --mu 0.5"),
+            tails: 0.0,
+        },
+        Sheet {
+            name: "errors",
+            table: "errors.h5",
             options: words("--c 0.2 --a-times-r 700 --mu 0.5"),
             tails: 0.0,
         },
@@ -147,7 +161,7 @@ fn a_browser_shows_what_fit_render_computes() {
             let energy = told["energy"][0].as_f64().unwrap();
             let aerial = fit::load_colour(&here.join("aerial.exr"), None).unwrap();
             // The error is stated in units of the brightest pixel of all directions: incidence 0,
-            // where the pair returns two thirds of the light.
+            // where the pair returns two thirds of the light (with errors a little less).
             let brightest = 0.5 * 0.25 * 2.0 / 3.0;
             let most = (stated + sheet.tails + 1e-6) * brightest;
             assert!((image["energy"].as_f64().unwrap() - energy).abs() <= stated * brightest);
@@ -170,7 +184,7 @@ fn a_browser_shows_what_fit_render_computes() {
             }
         }
     }
-    assert_eq!(compared, 3 * 3 * 3);
+    assert_eq!(compared, 4 * 3 * 3);
 }
 
 /// A fitted sheet has intervals, marks what was photographed, and says what was not. The page fits

@@ -19,7 +19,10 @@ class Fourier {
           sines[p * radix + k] = Math.sin(angle);
         }
       }
-      this.stages.push({ radix, count, stride, cosines, sines });
+      const root = (k) => (2 * Math.PI * k) / radix;
+      const cos = Float64Array.from({ length: radix }, (_, k) => Math.cos(root(k)));
+      const sin = Float64Array.from({ length: radix }, (_, k) => -Math.sin(root(k)));
+      this.stages.push({ radix, count, stride, cosines, sines, cos, sin });
       rest = count;
       stride *= radix;
     }
@@ -31,7 +34,7 @@ class Fourier {
     let [ar, ai] = [re, im];
     let [br, bi] = this.spare;
     for (const stage of this.stages) {
-      const run = { 2: two, 3: three, 4: four, 5: five }[stage.radix] ?? any;
+      const run = { 2: two, 3: three, 4: four }[stage.radix] ?? any;
       run(stage, ar, ai, br, bi);
       [ar, ai, br, bi] = [br, bi, ar, ai];
     }
@@ -135,15 +138,9 @@ function four({ count, stride, cosines, sines }, ar, ai, br, bi) {
   }
 }
 
-function five(stage, ar, ai, br, bi) {
-  any(stage, ar, ai, br, bi);
-}
-
 // A transform of a stage by its definition.
-function any({ radix, count, stride, cosines, sines }, ar, ai, br, bi) {
+function any({ radix, count, stride, cosines, sines, cos, sin }, ar, ai, br, bi) {
   const step = stride * count;
-  const cos = Float64Array.from({ length: radix }, (_, k) => Math.cos((2 * Math.PI * k) / radix));
-  const sin = Float64Array.from({ length: radix }, (_, k) => -Math.sin((2 * Math.PI * k) / radix));
   for (let p = 0; p < count; p++) {
     for (let k = 0; k < radix; k++) {
       const c = cosines[radix * p + k];

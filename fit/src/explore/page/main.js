@@ -198,16 +198,26 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
     remarks.push("The kernel eq1 takes the blur as the same at every distance. The kernels " +
       "angular and wave let it grow. Photographs at two distances tell which of them holds.");
   }
+  if (data.misfit[0] > data.goal * 3) {
+    const share = shown(100 * data.misfit[0]);
+    remarks.push(`A pixel of this page can err by ${share} % of the brightest.`);
+  }
   if (data.by_hand) remarks.push("These numbers were given by hand. No photograph stands behind " +
     "them.");
-  $("remarks").innerHTML = "";
-  for (const text of remarks) {
-    const item = document.createElement("li");
-    item.textContent = text;
-    $("remarks").append(item);
-  }
+  list($("remarks"), remarks);
   $("aerial").setAttribute("aria-label", `Mid-air image, ${facts["fact-size"]}, ` +
     `${shown(own.distance)} mm from the sheet, incidence ${shown(own.incidence)} degrees`);
+}
+
+// Fills a list with sentences.
+function list(element, sentences) {
+  element.replaceChildren(
+    ...sentences.map((text) => {
+      const item = document.createElement("li");
+      item.textContent = text;
+      return item;
+    }),
+  );
 }
 
 // The 95 % interval of the luminance, as text; empty where it is not known.
@@ -226,7 +236,8 @@ function outputOf(slider) {
   if (slider.unit !== "x fit") return `${shown(value)} ${slider.unit}`;
   const name = slider.key === "c" ? data.size_name : slider.key === "mu" ? "mu" : data.spread_name;
   const own = settings()[slider.key];
-  return `${shown(own)}${UNITS_OF[name] ?? ""} (${shown(value)} x ${data.by_hand ? "given" : "fit"})`;
+  const of = data.by_hand ? "given" : "fit";
+  return `${shown(own)}${UNITS_OF[name] ?? ""} (${shown(value)} x ${of})`;
 }
 
 // Hatches the track of a slider where no photograph was taken, and marks the fitted value with its
@@ -237,8 +248,8 @@ function track(slider) {
     return Math.max(0, Math.min(100, at)).toFixed(1);
   };
   if (slider.range) {
-    const turned = slider.key === "azimuth" ? slider.range.map((v) => ((v % 360) + 360) % 360) : slider.range;
-    const [low, high] = turned.map(percent).map(Number);
+    const turned = (v) => (slider.key === "azimuth" ? ((v % 360) + 360) % 360 : v);
+    const [low, high] = slider.range.map((v) => Number(percent(turned(v))));
     // A range that was photographed at one value is still a mark that can be seen.
     return { low: Math.max(0, low - 0.7), high: Math.min(100, high + 0.7) };
   }
@@ -282,13 +293,17 @@ function sync(move = true) {
     row.classList.toggle("hatched", Boolean(slider.range));
     const mark = row.querySelector("i");
     mark.hidden = !found;
-    if (found) Object.assign(mark.style, { left: `${found.low}%`, width: `${found.high - found.low}%` });
+    if (found) {
+      mark.style.left = `${found.low}%`;
+      mark.style.width = `${found.high - found.low}%`;
+    }
   }
 }
 
 // Writes the settings into the part of the address behind #, so that a link leads back to them.
 function remember() {
-  const fragment = SLIDERS.map(({ key }) => `${key}=${Number(state[key].toPrecision(6))}`).join("&");
+  const parts = SLIDERS.map(({ key }) => `${key}=${Number(state[key].toPrecision(6))}`);
+  const fragment = parts.join("&");
   try {
     history.replaceState(null, "", `#${fragment}`);
   } catch {
@@ -311,7 +326,7 @@ async function choose(name) {
   try {
     use(name === "own" ? await fromAddress(data.source[1]) : builtIn(name));
   } catch {
-    $("remarks").textContent = "The picture could not be shown.";
+    list($("remarks"), ["The picture could not be shown."]);
   }
 }
 
@@ -320,8 +335,8 @@ async function take(file) {
   try {
     use(await fromFile(file));
   } catch {
-    $("remarks").textContent = `${file.name} could not be read as a picture; ` +
-      "take a PNG, a JPEG or a WebP.";
+    const what = `${file.name} could not be read as a picture; take a PNG, a JPEG or a WebP.`;
+    list($("remarks"), [what]);
   }
 }
 
@@ -357,11 +372,7 @@ async function begin() {
   const verdict = data.verdict ? `The fit is ${data.verdict}. ` : "";
   $("about").textContent = `${data.title}: ${model}. ${verdict}${data.warnings.length ? `It has ` +
     `${data.warnings.length} warning${data.warnings.length > 1 ? "s" : ""}, below.` : ""}`;
-  for (const text of data.warnings) {
-    const item = document.createElement("li");
-    item.textContent = text;
-    $("warnings").append(item);
-  }
+  list($("warnings"), data.warnings);
   $("warned").hidden = data.warnings.length === 0;
   const percent = (share) => `${shown(100 * share)} %`;
   $("error").textContent = `Against fit render, a pixel errs by at most ` +

@@ -106,7 +106,8 @@ function drawCard(pen) {
         const bar = turned ? [2 * k * unit, 0, unit, 5 * unit] : [0, 2 * k * unit, 5 * unit, unit];
         pen.fillRect(x + bar[0], y + bar[1], bar[2], bar[3]);
       }
-      pen.fillRect(x, y + (turned ? 4 * unit : 0), turned ? 5 * unit : unit, turned ? unit : 5 * unit);
+      if (turned) pen.fillRect(x, y + 4 * unit, 5 * unit, unit);
+      else pen.fillRect(x, y, unit, 5 * unit);
     }
     x += 5 * unit + 24;
   }

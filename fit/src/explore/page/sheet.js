@@ -148,8 +148,8 @@ class Place {
     this.states = states;
     this.light = light;
     this.returns = light > FAINT;
-    const { highest, waves } = data.ends;
-    const end = (highest ** -4 + (scaling / waves) ** 4) ** -0.25;
+    const { highest, angle } = data.ends;
+    const end = (highest ** -4 + (scaling / angle) ** 4) ** -0.25;
     this.end = shifts ? end / c : Infinity;
     this.kink = data.kink * scaling * c;
     this.lobe = lobe(settings);

@@ -118,7 +118,8 @@ function plot(svg, place, mark, bands) {
     const level = k / 4;
     parts.push(`<line class="rule" x1="${left}" x2="${right}" y1="${y(level)}" y2="${y(level)}"/>`);
     parts.push(`<text class="y" x="${left - 8}" y="${y(level) + 4}">${level}</text>`);
-    parts.push(`<text class="x" x="${x(level * end)}" y="${bottom + 18}">${shown(level * end)}</text>`);
+    const at = level * end;
+    parts.push(`<text class="x" x="${x(at)}" y="${bottom + 18}">${shown(at)}</text>`);
   }
   const middle = (left + right) / 2;
   parts.push(`<text class="x" x="${middle}" y="${height - 6}">frequency, 1/mm</text>`);
