@@ -17,8 +17,8 @@ const HALVINGS: usize = 10;
 const MOST_PITS: usize = 8;
 
 /// Number of faces of such a pit: three mirrors and the opening. With more mirrors, as a flat apex
-/// has, light of one map comes from several polygons, and 40 s of search proved nothing where trials
-/// end after 3 s.
+/// has, light of one map comes from several polygons, and 40 s of search proved nothing where
+/// trials end after 3 s.
 const FACES: usize = 4;
 
 /// Part of the directions between those of a table, and a bound of the error in all of it.
@@ -34,15 +34,15 @@ pub(crate) struct Part {
 
 /// Returns what is needed for proofs, or `None` if the class of the cell has none.
 ///
-/// The class has convex pits of three mirrors at exact right angles, ideal mirrors and a front
-/// that sends nothing back. Two things keep others out:
+/// The class has convex pits of three mirrors at exact right angles, ideal mirrors and a front that
+/// sends nothing back. Others are kept out:
 ///
 /// - With dihedral errors, the six orders of the facets are six paths with nearly one map. The
 ///   lines between them turn with the light, and interpolation mistakes a part of one path for
 ///   another. That costs little, for the light goes to nearly the same place. But the bound counts
-///   it as lost: it looks at each path by itself. Between the 21 directions of such a pair bounds of
-///   up to 0.5 remain where errors of up to 0.0004 are found. A better bound would have to compare
-///   the unions of these paths.
+///   it as lost: it looks at each path by itself. Between the 21 directions of such a pair bounds
+///   of up to 0.5 remain where errors of up to 0.0004 are found. A better bound would have to
+///   compare the unions of these paths.
 /// - In a lattice light meets facets of many copies, some behind others, and losses depend on the
 ///   direction otherwise than by lines. Neither is enclosed here.
 /// - Each family is compared with each pit, so the time grows with the square of their number.
