@@ -57,6 +57,7 @@ pub use error::output::OutputError;
 pub use table::invalid::Invalid;
 // A direction and its spectrum:
 pub use lookup::direction::Direction;
+pub use lookup::family::Family;
 pub use otf::hermite::Samples;
 pub use otf::shift::ShiftLine;
 pub use otf::wave::{NoWaves, WaveLine};

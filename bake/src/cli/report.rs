@@ -23,6 +23,8 @@ pub(crate) struct Trace<'a> {
     pub file: &'a Path,
     /// Time of the bake in seconds, without reading and writing.
     pub seconds: f64,
+    /// True if the tolerance between directions is proved, false if it was tried.
+    pub proved: bool,
 }
 
 impl Trace<'_> {
@@ -48,6 +50,10 @@ impl Trace<'_> {
         } else {
             writeln!(text, ", {:.4} s", self.seconds)
         };
+        if let Some(tolerance) = table.provenance.direction_tolerance {
+            let how = if self.proved { "proved" } else { "tried" };
+            let _ = writeln!(text, "between directions: within {tolerance}, {how}");
+        }
         text.push_str(&directions_text(table));
         text
     }
@@ -101,6 +107,9 @@ impl Trace<'_> {
             "rays": rays,
             "rays_per_second":
                 if rays > 0 { json!(rays as f64 / self.seconds) } else { Value::Null },
+            "between_directions": self.table.provenance.direction_tolerance.map(|_| {
+                if self.proved { "proved" } else { "tried" }
+            }),
             "directions": directions_json(self.table),
         })
     }

@@ -349,6 +349,7 @@ pub(super) fn called(
         table: &table,
         file: &args.output,
         seconds: 0.0,
+        proved: bake.is_proved(),
     };
     warnings.extend(report.warnings());
     Ok((table, warnings))
@@ -413,6 +414,7 @@ impl Job<'_> {
         ranks: &dyn Ranks,
     ) -> Result<Option<serde_json::Value>, Failure> {
         let progress = Progress::new(&self.bake, ranks.leads());
+        let proved = self.bake.is_proved();
         let saved = SavedFile::of(self.file);
         let mut unsaved = None;
         // A disk that is full now may have room at the end. So the bake continues if a save fails,
@@ -447,6 +449,7 @@ impl Job<'_> {
             table: &table,
             file: self.file,
             seconds,
+            proved,
         };
         warn(report.warnings());
         if !args.json {

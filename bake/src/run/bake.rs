@@ -4,7 +4,9 @@ use crate::cell::{ExactCell, Prepared};
 use crate::optics::Rules;
 use crate::plan::Plan;
 use crate::rays::Tracer;
+use crate::run::proved::provable;
 use crate::run::provenance::provenance;
+use crate::run::trial::ASTRAY_RAD;
 use tables::options::{Method, Sampler};
 use tables::{Axes, Provenance, Symmetry};
 
@@ -36,6 +38,15 @@ impl Bake<'_> {
     /// Returns the directions and bins of the table.
     pub(crate) fn axes(&self) -> &Axes {
         &self.axes
+    }
+
+    /// Returns whether the tolerance between directions is proved: it is wherever proofs are
+    /// possible, for the search ends only then.
+    pub(crate) fn is_proved(&self) -> bool {
+        let chosen = self
+            .exact
+            .filter(|_| self.plan.direction_tolerance.is_some());
+        chosen.is_some_and(|exact| provable(exact, &self.rules, ASTRAY_RAD).is_some())
     }
 
     /// Returns the provenance of a table that is made by `method` with `sampler`.

@@ -5,23 +5,27 @@
 //!
 //! The search begins with the ends of the angles asked for. It interpolates the table in the middle
 //! between neighbouring incidences and between neighbouring azimuths. It compares the result with
-//! the exact method. Where the two differ by more than the tolerance, it halves the gap. At the end
-//! it checks random directions too. So the directions lie close together where paths end or lose a
+//! the exact method. Where the two differ by more than the tolerance, it halves the gap. Then it
+//! checks random directions too. So the directions lie close together where paths end or lose a
 //! corner, and far apart elsewhere.
+//!
+//! For the cells of [`proved::provable`] trials are not enough: the search ends only when a bound
+//! of the error, in all directions between those of the table, is below the tolerance. A gap with a
+//! greater bound is halved. For other cells the trials are all.
 
-use crate::beams::exact;
 use crate::cell::ExactCell;
-use crate::geometry::polygon;
 use crate::plan::default;
+use crate::proof::Proof;
 use crate::run::bake::Bake;
 use crate::run::error::RunError;
+use crate::run::proved;
+use crate::run::trial::{self, ASTRAY_RAD, OPEN};
 use crate::run::watch::Watch;
 use crate::samples::Stream;
-use glam::DVec2;
 use rayon::prelude::*;
 use tables::cli::pool;
 use tables::options::Sampler;
-use tables::{Axes, Fate, Path, Table};
+use tables::{Axes, Table};
 
 /// Part of the tolerance that the search aims at, because it tries only some of all directions.
 const AIM: f64 = 0.8;
@@ -29,14 +33,8 @@ const AIM: f64 = 0.8;
 /// Number of random directions that are tried at the end.
 pub(crate) const TRIED: u64 = 2000;
 
-/// Error of a direction whose polygons cannot be interpolated. No other error is as great.
-const OPEN: f64 = 1.0;
-
-/// Largest error of an exit direction, rad: 5 um at a distance of 1 m, a twentieth of the smallest
-/// corners.
-///
-/// Light that leaves in a direction farther off counts as light in a wrong bin.
-const ASTRAY_RAD: f64 = 5e-6;
+/// Greatest bound of a direction whose error is not proved. It is below [`OPEN`].
+const UNPROVED: f64 = 0.99;
 
 /// Largest number of directions.
 ///
@@ -75,6 +73,8 @@ pub(crate) fn choose(
             ends(&bake.axes.azimuth_deg)
         },
         around_to: goes_around.then_some(first + width),
+        proof: proved::provable(exact, &bake.rules, ASTRAY_RAD),
+        tolerance,
         aim: AIM * tolerance,
     };
     pool(bake.plan.threads)?.install(|| search.refine(watch))?;
@@ -85,7 +85,11 @@ pub(crate) fn choose(
 struct Search<'a> {
     bake: &'a Bake<'a>,
     exact: &'a ExactCell,
-    /// Total variation to reach.
+    /// Cell in the form that proofs need; `None` if there are none for it.
+    proof: Option<Proof>,
+    /// Total variation to reach in all directions.
+    tolerance: f64,
+    /// Total variation to reach in directions that are tried.
     aim: f64,
     incidences: Vec<f64>,
     azimuths: Vec<f64>,
@@ -140,7 +144,10 @@ impl Search<'_> {
             if worst(&found) <= self.aim {
                 found = self.errors(&table, self.random());
                 if worst(&found) <= self.aim {
-                    return Ok(());
+                    found = self.unproved(&table, watch)?;
+                    if found.is_empty() {
+                        return Ok(());
+                    }
                 }
             }
             self.halve(&found)?;
@@ -204,41 +211,39 @@ impl Search<'_> {
             .collect()
     }
 
-    /// Returns the error of each direction to try.
-    fn errors(&self, table: &Table, probes: Vec<Probe>) -> Vec<(f64, Probe)> {
-        let error = |probe: Probe| (self.error(table, &probe), probe);
-        probes.into_par_iter().map(error).collect()
+    /// Returns a direction of each gap whose bound is above the tolerance, with that bound.
+    ///
+    /// It is empty if the tolerance is proved, and for cells without proofs.
+    fn unproved(&self, table: &Table, watch: Watch<'_>) -> Result<Vec<(f64, Probe)>, RunError> {
+        let Some(proof) = &self.proof else {
+            return Ok(Vec::new());
+        };
+        let azimuths = self.azimuth_ends();
+        let parts = proved::parts(proof, table, &azimuths, self.tolerance, watch);
+        let parts = parts.ok_or(RunError::Stopped)?;
+        let gap = |ends: &[f64], [from, to]: [f64; 2]| {
+            (from < to).then(|| ends.partition_point(|&end| end <= from).max(1) - 1)
+        };
+        let open = parts.iter().filter(|part| part.bound > self.tolerance);
+        let probe = |part: &proved::Part| Probe {
+            incidence_deg: part.incidence_deg[0],
+            azimuth_deg: part.azimuth_deg[0],
+            along: gap(&self.incidences, part.incidence_deg),
+            across: gap(&azimuths, part.azimuth_deg),
+        };
+        // A bound may be infinite, and is no error that was found.
+        let found = open.map(|part| (part.bound.min(UNPROVED), probe(part)));
+        Ok(found.collect())
     }
 
-    /// Returns the total variation between the interpolated table and the truth in one direction.
-    fn error(&self, table: &Table, probe: &Probe) -> f64 {
-        let (incidence, azimuth) = (probe.incidence_deg, probe.azimuth_deg);
-        let paths = table
-            .direction(incidence, Some(azimuth))
-            .ok()
-            .and_then(|found| found.paths);
-        let Some(paths) = paths else { return OPEN };
-        // The bins are always the default ones, so that a tolerance has one meaning.
-        let (bins, range) = (default::BINS, default::RANGE);
-        let truth = self
-            .exact
-            .direction(incidence, azimuth, bins, range, &self.bake.rules);
-        let (mass, outside) = exact::spread(&paths, self.exact.entrance_area(), bins, range);
-        let bins = mass
-            .iter()
-            .zip(&truth.histogram)
-            .map(|(a, b)| (a - b).abs());
-        let shifted =
-            0.5 * (bins.sum::<f64>() + (outside - truth.fate[Fate::OutOfRange as usize]).abs());
-        let astray: f64 = paths
-            .iter()
-            .filter(|path| is_astray(path, &truth.paths))
-            .map(|path| {
-                let corners = path.polygon.iter().map(|&corner| DVec2::from(corner));
-                path.weight * polygon::area(&corners.collect::<Vec<_>>())
-            })
-            .sum();
-        shifted.max(astray / self.exact.entrance_area())
+    /// Returns the error of each direction to try.
+    fn errors(&self, table: &Table, probes: Vec<Probe>) -> Vec<(f64, Probe)> {
+        let error = |probe: Probe| {
+            let (incidence, azimuth) = (probe.incidence_deg, probe.azimuth_deg);
+            let found = trial::error(self.exact, &self.bake.rules, table, incidence, azimuth);
+            (found, probe)
+        };
+        probes.into_par_iter().map(error).collect()
     }
 
     /// Halves the gaps with errors above the tolerance.
@@ -318,13 +323,4 @@ impl Search<'_> {
 /// Returns the greatest error.
 fn worst(found: &[(f64, Probe)]) -> f64 {
     found.iter().map(|(error, _)| *error).fold(0.0, f64::max)
-}
-
-/// Returns whether no path of the truth leaves in the direction of `path`.
-fn is_astray(path: &Path, truth: &[Path]) -> bool {
-    let apart = |own: &Path| {
-        let [x, y] = [0, 1].map(|k| own.deviation[k] - path.deviation[k]);
-        x.hypot(y)
-    };
-    path.deviation != [0.0; 2] && truth.iter().all(|own| apart(own) > ASTRAY_RAD)
 }

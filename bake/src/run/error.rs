@@ -97,7 +97,7 @@ pub enum RunError {
 /// Returns what is still wrong with an interpolated direction.
 fn still(reached: Option<f64>) -> String {
     match reached {
-        Some(error) => format!("the error is still {error:.2e}"),
+        Some(error) => format!("the error, or what is proved of it, is still {error:.2e}"),
         None => "the polygons can still not be interpolated".into(),
     }
 }

@@ -13,6 +13,8 @@ mod directions;
 mod error;
 mod exits;
 mod paths;
+
+mod proved;
 mod provenance;
 mod ranks;
 mod retrace;
@@ -20,6 +22,7 @@ mod rounds;
 pub(crate) mod saves;
 pub(crate) mod start;
 mod trace;
+mod trial;
 mod watch;
 mod work;
 #[cfg(feature = "mpi")]

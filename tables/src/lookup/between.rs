@@ -30,6 +30,9 @@ pub(crate) struct Node {
     pub paths: Vec<Path>,
     /// Share in a bilinear mixture of the four directions around; 0 for directions further away.
     pub share: f64,
+    /// Corner of the gap, if the node is one: 1 for the greater incidence, and for the greater
+    /// azimuth.
+    pub corner: [f64; 2],
 }
 
 /// Greatest distance of the unit normals of two lines that may be one line that turned.
@@ -44,7 +47,7 @@ const NO_AREA: f64 = 1e-12;
 /// Greatest move of a line for each unit of tau, edge lengths.
 ///
 /// Light in a cube passes its height of 0.6 down and up, twice.
-const FASTEST: f64 = 4.0;
+pub(crate) const FASTEST: f64 = 4.0;
 
 /// Greatest change of the numbers of [`astray`] for each unit of tau, as a part of the greatest of
 /// these numbers.
@@ -59,6 +62,30 @@ const TURN: f64 = 1.5;
 /// part there, the path ends by a jump, as at the limit of total reflection.
 const JUMP: f64 = 0.25;
 
+/// Returns the shapes of the paths of each node, or `None` if one cannot be interpolated.
+pub(crate) fn shapes(nodes: &[Node], index: f64) -> Option<Vec<Vec<Shape>>> {
+    let of = |node: &Node| {
+        let shapes = node.paths.iter().map(|path| Shape::new(path, node, index));
+        shapes.collect()
+    };
+    nodes.iter().map(of).collect()
+}
+
+/// Returns the nodes with a share that lack a family by a jump.
+pub(crate) fn absent<'a>(
+    nodes: &'a [Node],
+    family: &[(usize, usize)],
+    lines: &[Course],
+    members: &[(&Node, &Shape)],
+) -> Vec<&'a Node> {
+    let lacking = nodes.iter().enumerate().filter(|&(index, node)| {
+        let lacks = node.share > 0.0 && family.iter().all(|&(member, _)| member != index);
+        let there = || area(&outline(lines, members, node.tau));
+        lacks && there() > JUMP * members[0].1.area
+    });
+    lacking.map(|(_, node)| node).collect()
+}
+
 /// Returns the paths at `tau` in the frame of `azimuth_rad`, interpolated between `nodes`.
 ///
 /// `index` is the refractive index of the sheet. Returns `None` if the paths of the nodes cannot be
@@ -69,16 +96,7 @@ pub(crate) fn paths(
     azimuth_rad: f64,
     index: f64,
 ) -> Option<Vec<Path>> {
-    let seen: Option<Vec<Vec<Shape>>> = nodes
-        .iter()
-        .map(|node| {
-            node.paths
-                .iter()
-                .map(|path| Shape::new(path, node, index))
-                .collect()
-        })
-        .collect();
-    let seen = seen?;
+    let seen = shapes(nodes, index)?;
     let mut paths = Vec::new();
     for family in families(nodes, &seen) {
         let members: Vec<(&Node, &Shape)> = family
@@ -90,12 +108,8 @@ pub(crate) fn paths(
         if area(&polygon) <= NO_AREA {
             continue;
         }
-        let absent = nodes.iter().enumerate().filter(|&(index, node)| {
-            let lacks = node.share > 0.0 && family.iter().all(|&(member, _)| member != index);
-            let there = || area(&outline(&lines, &members, node.tau));
-            lacks && there() > JUMP * members[0].1.area
-        });
-        let present = 1.0 - absent.map(|(_, node)| node.share).sum::<f64>();
+        let absent = absent(nodes, &family, &lines, &members);
+        let present = 1.0 - absent.iter().map(|node| node.share).sum::<f64>();
         let places: Vec<[f64; 2]> = members.iter().map(|(node, _)| node.tau).collect();
         let weights = weights(&places, tau);
         // The mean is taken relative to the first member: a value that all members share comes out
@@ -195,25 +209,25 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 /// Half-plane normal . p <= offset.
 #[derive(Debug, Clone, Copy)]
-struct Line {
-    normal: [f64; 2],
-    offset: f64,
+pub(crate) struct Line {
+    pub normal: [f64; 2],
+    pub offset: f64,
 }
 
 /// Path in the frame of azimuth 0, relative to the fixed point of its map.
-struct Shape {
-    corners: Vec<[f64; 2]>,
+pub(crate) struct Shape {
+    pub corners: Vec<[f64; 2]>,
     lines: Vec<Line>,
     area: f64,
     /// Fixed point of the map in the frame of azimuth 0, with the origin of the table's polygons.
     fixed: [f64; 2],
-    matrix: [[f64; 2]; 2],
-    weight: f64,
+    pub matrix: [[f64; 2]; 2],
+    pub weight: f64,
     /// Deviation in a form that is affine in tau; 0 for an ideal cube.
     ///
     /// It is the part along the sheet of (M + 1) (tau, -1), where M is the linear map of the path
     /// inside.
-    astray: [f64; 2],
+    pub astray: [f64; 2],
     passes: u32,
 }
 
@@ -298,7 +312,7 @@ fn assigned(mut costs: Vec<(f64, usize, usize)>) -> Vec<(usize, usize)> {
 /// A family begins at one of the four directions around, at the steepest that has the path. It goes
 /// on from there to the next nodes. The steepest is first because cubes of all orientations look
 /// alike at normal incidence, and after a wide turn one cube looks like another.
-fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
+pub(crate) fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
     let steepness = |index: usize| dot(nodes[index].tau, nodes[index].tau);
     let (mut order, mut rest): (Vec<usize>, Vec<usize>) =
         (0..nodes.len()).partition(|&index| nodes[index].share > 0.0);
@@ -352,10 +366,10 @@ fn families(nodes: &[Node], seen: &[Vec<Shape>]) -> Vec<Vec<(usize, usize)>> {
 }
 
 /// Line as the directions that have it show it: tau and the line there.
-type Course = Vec<([f64; 2], Line)>;
+pub(crate) type Course = Vec<([f64; 2], Line)>;
 
 /// Finds the lines of a family.
-fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
+pub(crate) fn lines(members: &[(&Node, &Shape)]) -> Vec<Course> {
     let mut courses: Vec<Course> = Vec::new();
     // For each line, the members that have it as an edge.
     let mut holders: Vec<Vec<usize>> = Vec::new();
@@ -578,6 +592,7 @@ mod tests {
                 azimuth_rad,
                 paths: paths.map(turned).collect(),
                 share: 1.0 / count,
+                corner: [0.0; 2],
             }
         };
         let around = azimuths
@@ -809,6 +824,7 @@ mod tests {
                 azimuth_rad: 0.0,
                 paths: Vec::new(),
                 share: 1.0,
+                corner: [0.0; 2],
             });
             nodes.iter_mut().for_each(|node| node.share = 1.0 / 7.0);
             let found = paths(&nodes, tau(10.0, 0.0), 0.0, 1.0).unwrap();
@@ -845,6 +861,7 @@ mod tests {
                 azimuth_rad: 0.0,
                 paths: vec![point_mirror(polygon)],
                 share: 1.0 / 3.0,
+                corner: [0.0; 2],
             }
         };
         // Continued to 0.2, the edge would cut off 0.3 of both sides.
@@ -869,6 +886,7 @@ mod tests {
                 azimuth_rad: 0.0,
                 paths: vec![point_mirror(polygon)],
                 share: 0.5,
+                corner: [0.0; 2],
             }
         })
     }

@@ -12,6 +12,7 @@ use crate::error::error::Error;
 use crate::error::no_direction::NoDirection;
 use crate::lookup::between;
 use crate::lookup::between::Node;
+use crate::lookup::family::{self, Family};
 use crate::table::deviation::Exits;
 use crate::table::exact::{Exact, Path};
 use crate::table::polygon::area;
@@ -156,22 +157,38 @@ impl Table {
             }
             .into());
         }
+        match self.cell(incidence_deg, asked) {
+            Some(cell) => Ok(cell.direction(incidence_deg, asked)),
+            None => Err(self.outside(incidence_deg, asked).into()),
+        }
+    }
+
+    /// Returns what the interpolation of polygons knows of the gap in which a direction lies, or
+    /// `None` if the direction is outside of the table, or polygons cannot be interpolated there.
+    ///
+    /// All directions within the gap give the same. A direction with an incidence or an azimuth of
+    /// the table lies in a gap of its own, along the line of that angle. A mean over azimuths has
+    /// no gaps.
+    pub fn families(&self, incidence_deg: f64, azimuth_deg: f64) -> Option<Vec<Family>> {
+        let exact = self.exact.as_ref().filter(|_| !self.axes.is_mean())?;
+        let cell = self.cell(incidence_deg, azimuth_deg)?;
+        family::known(&cell.nodes(exact)?, self.provenance.refractive_index)
+    }
+
+    /// Returns the table's directions around a direction, or `None` outside of the table.
+    fn cell(&self, incidence_deg: f64, azimuth_deg: f64) -> Option<Cell<'_>> {
         let images = self.images();
         let across = if self.axes.is_mean() {
             Some((0, 0, 0.0))
         } else {
-            around(&images, self.widest_gap_deg(), asked)
+            around(&images, self.widest_gap_deg(), azimuth_deg)
         };
-        match (between(&self.axes.incidence_deg, incidence_deg), across) {
-            (Some(along), Some(across)) => Ok(Cell {
-                table: self,
-                images,
-                along,
-                across,
-            }
-            .direction(incidence_deg, asked)),
-            _ => Err(self.outside(incidence_deg, asked).into()),
-        }
+        Some(Cell {
+            table: self,
+            along: between(&self.axes.incidence_deg, incidence_deg)?,
+            across: across?,
+            images,
+        })
     }
 
     /// Returns the azimuths in [0, 360) that the table knows, ascending.
@@ -361,11 +378,20 @@ impl Cell<'_> {
         azimuth_deg: f64,
     ) -> Option<Vec<Path>> {
         let index = self.table.provenance.refractive_index;
-        let tau = |incidence_deg: f64, azimuth_rad: f64| {
-            let sine = incidence_deg.to_radians().sin() / index;
-            let tangent = sine / (1.0 - sine * sine).sqrt();
-            [azimuth_rad.cos(), azimuth_rad.sin()].map(|x| tangent * x)
-        };
+        let azimuth_rad = azimuth_deg.to_radians();
+        let tau = self.tau(incidence_deg, azimuth_rad);
+        between::paths(&self.nodes(exact)?, tau, azimuth_rad, index)
+    }
+
+    /// Returns tan(incidence inside the sheet) (cos azimuth, sin azimuth).
+    fn tau(&self, incidence_deg: f64, azimuth_rad: f64) -> [f64; 2] {
+        let sine = incidence_deg.to_radians().sin() / self.table.provenance.refractive_index;
+        let tangent = sine / (1.0 - sine * sine).sqrt();
+        [azimuth_rad.cos(), azimuth_rad.sin()].map(|x| tangent * x)
+    }
+
+    /// Returns the corners of the cell and the directions next to them.
+    fn nodes(&self, exact: &Exact) -> Option<Vec<Node>> {
         let incidences = &self.table.axes.incidence_deg;
         let last = (self.along.1 + 1).min(incidences.len() - 1);
         let around = self.along.0.saturating_sub(1)..=last;
@@ -375,15 +401,15 @@ impl Cell<'_> {
             for &k in &azimuths {
                 let azimuth_rad = self.images[k].azimuth_deg.to_radians();
                 nodes.push(Node {
-                    tau: tau(incidence_deg, azimuth_rad),
+                    tau: self.tau(incidence_deg, azimuth_rad),
                     azimuth_rad,
                     paths: self.paths(exact, i, k)?,
                     share: share(self.along, i) * share(self.across, k),
+                    corner: [i == self.along.1, k == self.across.1].map(|far| f64::from(far as u8)),
                 });
             }
         }
-        let azimuth_rad = azimuth_deg.to_radians();
-        between::paths(&nodes, tau(incidence_deg, azimuth_rad), azimuth_rad, index)
+        Some(nodes)
     }
 
     /// Returns the images at the cell's corners, and the images next to them unless a wide gap lies

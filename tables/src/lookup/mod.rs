@@ -5,4 +5,5 @@
 
 pub(crate) mod between;
 pub(crate) mod direction;
+pub(crate) mod family;
 pub(crate) mod moved;

@@ -17,8 +17,8 @@ const ORDER: [(&str, &[&str]); 4] = [
     (
         "bake",
         &[
-            "geometry", "samples", "optics", "cell", "plan", "rays", "beams", "run", "plots",
-            "study", "cli",
+            "geometry", "samples", "optics", "cell", "plan", "rays", "beams", "proof", "run",
+            "plots", "study", "cli",
         ],
     ),
     (

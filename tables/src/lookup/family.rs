@@ -1,0 +1,78 @@
+//! What the interpolation between directions knows of each path, for those who bound its error.
+
+use crate::lookup::between::{self, Course, FASTEST, Line, Node, Shape, absent, families, shapes};
+
+/// Path of the sheet as the directions around a gap show it: all that the interpolation between
+/// them knows, whatever direction of the gap is asked for.
+///
+/// Everything is in the frame of azimuth 0, relative to the fixed point of the path's map, in edge
+/// lengths. A value at tau is the mean of those of the directions, weighted as the head of
+/// `lookup/between.rs` says.
+#[derive(Debug, Clone)]
+pub struct Family {
+    /// Lines that bound the polygon: for each, the directions that show it, as tau and (normal,
+    /// offset). The polygon is where normal . p is at most the offset.
+    pub lines: Vec<Vec<([f64; 2], [f64; 3])>>,
+    /// Directions that have the path: tau, and row-major matrix, tangents astray, weight.
+    ///
+    /// The tangents are the part along the sheet of (M + 1) (tau, -1), where M is the linear map of
+    /// the path inside.
+    pub members: Vec<([f64; 2], [f64; 7])>,
+    /// Least and greatest coordinates of the corners in all these directions.
+    pub bounds: [[f64; 2]; 2],
+    /// Shares of the directions that lack the path by a jump, as (greater incidence, greater
+    /// azimuth) of the corner of the gap.
+    pub jumps: Vec<[f64; 2]>,
+}
+
+impl Family {
+    /// Greatest move of a corner for each unit of tau, edge lengths.
+    ///
+    /// At tau the polygon lies within [`Family::bounds`], widened by this times the distance to the
+    /// nearest direction that has the path.
+    pub const FASTEST: f64 = FASTEST;
+}
+
+/// Returns the families between `nodes`, or `None` if they cannot be interpolated.
+///
+/// They are those of [`between::paths`]: neither depends on the direction that is asked for, but
+/// only on which nodes have a share.
+pub(crate) fn known(nodes: &[Node], index: f64) -> Option<Vec<Family>> {
+    let seen = shapes(nodes, index)?;
+    let of = |family: Vec<(usize, usize)>| {
+        let members: Vec<(&Node, &Shape)> = family
+            .iter()
+            .map(|&(node, path)| (&nodes[node], &seen[node][path]))
+            .collect();
+        let lines: Vec<Course> = between::lines(&members);
+        let jumps = absent(nodes, &family, &lines, &members);
+        let corners = || members.iter().flat_map(|(_, shape)| &shape.corners);
+        let end = |axis: usize, start: f64, pick: fn(f64, f64) -> f64| {
+            corners().map(|corner| corner[axis]).fold(start, pick)
+        };
+        Family {
+            jumps: jumps.iter().map(|node| node.corner).collect(),
+            bounds: [
+                [0, 1].map(|axis| end(axis, f64::INFINITY, f64::min)),
+                [0, 1].map(|axis| end(axis, f64::NEG_INFINITY, f64::max)),
+            ],
+            lines: lines
+                .iter()
+                .map(|course| {
+                    let line = |(tau, line): &([f64; 2], Line)| {
+                        (*tau, [line.normal[0], line.normal[1], line.offset])
+                    };
+                    course.iter().map(line).collect()
+                })
+                .collect(),
+            members: members
+                .iter()
+                .map(|(node, shape)| {
+                    let ([[a, b], [c, d]], [x, y]) = (shape.matrix, shape.astray);
+                    (node.tau, [a, b, c, d, x, y, shape.weight])
+                })
+                .collect(),
+        }
+    };
+    Some(families(nodes, &seen).into_iter().map(of).collect())
+}
