@@ -26,8 +26,9 @@ pub(crate) const HIGHEST: f64 = 4.0;
 pub(crate) struct Ending {
     /// Highest frequency of all, cycles per edge length.
     pub highest: f64,
-    /// Frequency times [`Scaling`] at which waves or a lobe of fixed angle end; [`f64::MAX`] without
-    /// either.
+    /// Frequency times [`Scaling`] at which waves or a lobe of fixed angle end.
+    ///
+    /// It is [`f64::MAX`] without either.
     pub angle: f64,
 }
 
