@@ -76,23 +76,29 @@ impl Browser {
             address(page).display()
         );
         std::fs::write(&frame, markup).expect("a temporary folder takes a file");
-        let output = self.run(&[
-            "--window-size=1400,900".into(),
-            format!("--blink-settings=preferredColorScheme={scheme}").into(),
-            // Virtual time runs as fast as the page works. The page is dumped when it is idle.
-            "--virtual-time-budget=10000".into(),
-            "--dump-dom".into(),
-            address(&frame),
-        ]);
-        let dumped = String::from_utf8_lossy(&output.stdout);
-        let title = dumped
-            .split_once("<title>")
-            .and_then(|(_, rest)| rest.split_once("</title>"))
-            .map(|(title, _)| title.replace("&amp;", "&"));
-        title
-            .as_deref()
-            .and_then(|title| serde_json::from_str(title).ok())
-            .unwrap_or_else(|| panic!("{title:?}\n{}", String::from_utf8_lossy(&output.stderr)))
+        // Virtual time runs on while other threads of the browser unpack data or decode a picture.
+        // On a busy machine it can be over before they are, so the page is then opened again.
+        let mut errors = String::new();
+        for _ in 0..5 {
+            let output = self.run(&[
+                "--window-size=1400,900".into(),
+                format!("--blink-settings=preferredColorScheme={scheme}").into(),
+                // Virtual time runs as fast as the page works. The page is dumped when it is idle.
+                "--virtual-time-budget=60000".into(),
+                "--dump-dom".into(),
+                address(&frame),
+            ]);
+            let dumped = String::from_utf8_lossy(&output.stdout);
+            let title = dumped
+                .split_once("<title>")
+                .and_then(|(_, rest)| rest.split_once("</title>"))
+                .map(|(title, _)| title.replace("&amp;", "&"));
+            if let Some(posted) = title.and_then(|title| serde_json::from_str(&title).ok()) {
+                return posted;
+            }
+            errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        }
+        panic!("the page posted no JSON\n{errors}");
     }
 
     /// Prints a page to a PDF and returns its bytes.
