@@ -323,7 +323,7 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
         .sheet
         .table
         .direction(place.incidence_deg, azimuth_deg);
-    let eta = direction.map_or(0.0, |direction| direction.retroreflected);
+    let eta = direction.map_err(PredictError::from)?.retroreflected;
     let own = mixed.sheet.returned(place.incidence_deg, eta);
     // Squares of light: what lies beyond the frequencies is damped by them.
     let half = POINTS as i64 / 2;

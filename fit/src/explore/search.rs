@@ -53,10 +53,12 @@ pub(crate) fn grid(
     let mut tried = 0;
     loop {
         tried += 1;
-        let grid = match (Grid::new(sheet, span, &fineness), best) {
-            (Ok(grid), _) => grid,
-            (Err(Error::Large { .. }), Some(best)) => return Ok(best),
-            (Err(error), _) => return Err(error),
+        let grid = match Grid::new(sheet, span, &fineness) {
+            Ok(grid) => grid,
+            Err(error) => {
+                let large = matches!(error, Error::Large { .. });
+                return best.filter(|_| large).ok_or(error);
+            }
         };
         let error = |sheet: &Fitted<'_>, places: &[Viewpoint]| {
             let mixed = Mixed {
@@ -74,15 +76,17 @@ pub(crate) fn grid(
             error(sheet, &along(sheet, &grid, span, Axis::State))?.larger(),
             error(sheet, &along(sheet, &grid, span, Axis::None))?.larger(),
         ];
-        let best_now = Found {
+        let now = Found {
             grid,
             misfit: found,
             places: 2 * spread.len(),
         };
-        if found.larger() <= WANTED || tried == MOST_GRIDS {
-            return Ok(best_now);
+        let better = best.filter(|best| best.misfit.larger() <= found.larger());
+        let kept = better.unwrap_or(now);
+        if kept.misfit.larger() <= WANTED || tried == MOST_GRIDS {
+            return Ok(kept);
         }
-        best = Some(best_now);
+        best = Some(kept);
         let worst = (0..4).max_by(|&a, &b| by_axis[a].total_cmp(&by_axis[b]));
         let finer = match worst {
             Some(0) => &mut fineness.incidence_deg,
