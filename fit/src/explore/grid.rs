@@ -18,8 +18,7 @@ use crate::explore::scaling::{Scaling, bend, scaling, states};
 use crate::explore::span::{Fineness, Span, known};
 use crate::explore::stencil::{Ends, Nodes};
 use crate::explore::unit::{UnitSheet, shifts};
-use crate::images::Sheet;
-use crate::images::Viewpoint;
+use crate::images::{Sheet, Viewpoint};
 use crate::predict::{Error as PredictError, Fitted};
 
 /// Reason why no page can be made.
@@ -123,6 +122,7 @@ impl Grid {
             return Err(large(bytes / 4));
         }
         let unit = UnitSheet::of(result);
+        let rays = unit.rays();
         let nodes: Vec<(f64, Transforms)> = (0..places)
             .into_par_iter()
             .map(|place| {
@@ -131,7 +131,7 @@ impl Grid {
                     azimuth_deg: known(azimuth.place(place % azimuth.count)),
                     r_mm: 1.0,
                 };
-                node(sheet, &unit, &at, &shape)
+                node(sheet, [&unit, &rays], &at, &shape)
             })
             .collect::<Result<_, PredictError>>()?;
         let mut grid = Grid {
@@ -205,17 +205,17 @@ fn azimuths(table: &Table, step_deg: f64) -> Nodes {
     Nodes::between([first, first + width], steps(width), ends)
 }
 
-/// Computes energy, reach and lattices of one direction.
+/// Computes energy, reach and lattices of one direction, by the sheet with cells of 1 mm and by its
+/// rays alone.
 fn node(
     sheet: &Fitted<'_>,
-    unit: &UnitSheet,
+    [unit, rays]: [&UnitSheet; 2],
     at: &Viewpoint,
     shape: &Shape,
 ) -> Result<(f64, Transforms), PredictError> {
     let direction = sheet.table.direction(at.incidence_deg, at.azimuth_deg)?;
     let energy = sheet.returned(at.incidence_deg, direction.retroreflected);
-    let rays = unit.rays();
-    let unit = unit.on(sheet);
+    let [unit, rays] = [unit.on(sheet), rays.on(sheet)];
     let mut all = Transforms::new();
     for (&r_mm, lattice) in shape.distances.iter().zip(&shape.lattices) {
         if !shifts(sheet.result.kernel) {
@@ -232,7 +232,7 @@ fn node(
             let smooth = spot.otf(frequency) / kinked(shape.kink * r_mm, frequency);
             [smooth.re, smooth.im]
         };
-        let reach = rays.on(sheet).spot(&at, 1.0)?.reach_mm();
+        let reach = rays.spot(&at, 1.0)?.reach_mm();
         all.push((reach, (0..lattice.count()).map(value).collect()));
     }
     Ok((energy, all))

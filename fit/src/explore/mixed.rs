@@ -9,12 +9,11 @@ use rustfft::FftPlanner;
 use crate::explore::grid::{Error, Grid, UNIT};
 use crate::explore::lattice::{Lattice, kinked};
 use crate::explore::scaling::Scaling;
-use crate::explore::span::known;
 use crate::explore::stencil::Share;
-use crate::images::Viewpoint;
-use crate::images::{Sheet, Spot, TAIL};
-use crate::model::{Baseline, Blur, CUT};
+use crate::images::{Sheet, TAIL, Viewpoint};
+use crate::model::{Baseline, Blur};
 use crate::names::{Kernel, LobeShape};
+use crate::numerics::lagrange::lagrange;
 use crate::numerics::sinc::sinc;
 use crate::predict::{Error as PredictError, Fitted};
 
@@ -27,16 +26,17 @@ pub(crate) struct Mixed<'a> {
     pub grid: &'a Grid,
 }
 
-/// Spot of [`Mixed`] at one place.
+/// Image of a point at one place, by [`Mixed`].
 struct MixedSpot {
     kernel: Kernel,
     shape: LobeShape,
     blur: Blur,
     r_mm: f64,
-    /// Rough facets along the tangential and the sagittal axis; `None` for other kernels.
-    facets: Option<[Baseline; 2]>,
-    energy: Option<f64>,
-    returns: bool,
+    incidence_rad: f64,
+    refractive_index: f64,
+    /// Light that returns, before mu and half mirror; 0 where a mixture is too faint to be told
+    /// from nothing.
+    light: f64,
     shift: Shift,
     reach_mm: f64,
 }
@@ -51,45 +51,32 @@ struct Shift {
     states: Vec<(Lattice, Vec<Complex64>)>,
 }
 
-impl Sheet for Mixed<'_> {
-    fn spot(&self, place: &Viewpoint, _: f64) -> Result<Box<dyn Spot + '_>, PredictError> {
-        let Fitted { result, table } = self.sheet;
-        let blur = self.sheet.blur(place.incidence_deg)?;
-        let (shift, light, reach) = self.mixture(place, blur.c_mm);
-        let returns = light > FAINT;
-        let mu = result.mu.as_ref().and_then(|mu| mu.at(place.incidence_deg));
-        let shape = result.lobe.unwrap_or(LobeShape::Radial);
-        let index = table.provenance.refractive_index;
-        let radians = place.incidence_deg.to_radians();
-        let along = |normal| Baseline::new(result.kernel, radians, index, normal);
-        let facets = along([1.0, 0.0])
-            .zip(along([0.0, 1.0]))
-            .map(|(a, b)| [a, b]);
-        let mut spot = MixedSpot {
-            kernel: result.kernel,
-            shape,
-            blur,
-            r_mm: place.r_mm,
-            facets,
-            energy: match returns {
-                true => mu.map(|mu| mu * light * result.half_mirror),
-                false => Some(0.0),
-            },
-            returns,
-            shift,
-            reach_mm: 0.0,
-        };
-        let waves = spot.shift.kink / (PI * PI * TAIL);
-        spot.reach_mm = reach * blur.c_mm + spot.lobe_reach_mm() + waves;
-        Ok(Box::new(spot))
-    }
-}
-
 /// Light below which nothing returns, as a share. A mixture of nodes without light and with a
 /// little can be negative.
 pub(crate) const FAINT: f64 = 1e-4;
 
 impl Mixed<'_> {
+    /// Mixes the spot at a place.
+    fn spot(&self, place: &Viewpoint) -> Result<MixedSpot, PredictError> {
+        let Fitted { result, table } = self.sheet;
+        let blur = self.sheet.blur(place.incidence_deg)?;
+        let (shift, light, reach) = self.mixture(place, blur.c_mm);
+        let mut spot = MixedSpot {
+            kernel: result.kernel,
+            shape: result.lobe.unwrap_or(LobeShape::Radial),
+            blur,
+            r_mm: place.r_mm,
+            incidence_rad: place.incidence_deg.to_radians(),
+            refractive_index: table.provenance.refractive_index,
+            light: if light > FAINT { light } else { 0.0 },
+            shift,
+            reach_mm: 0.0,
+        };
+        let waves = spot.shift.kink / (PI * PI * TAIL);
+        spot.reach_mm = reach * blur.c_mm + spot.lobe_reach_mm() + waves;
+        Ok(spot)
+    }
+
     /// Returns the shift at a place, the light that returns and the reach in edge lengths.
     fn mixture(&self, place: &Viewpoint, c_mm: f64) -> (Shift, f64, f64) {
         let grid = self.grid;
@@ -159,55 +146,51 @@ impl Mixed<'_> {
 }
 
 impl MixedSpot {
+    /// Returns the rough facets along one direction of the image; `None` for the other kernels.
+    fn facets(&self, normal: [f64; 2]) -> Option<Baseline> {
+        Baseline::new(
+            self.kernel,
+            self.incidence_rad,
+            self.refractive_index,
+            normal,
+        )
+    }
+
+    /// Returns a of the lobe, 1/mm.
+    fn a(&self) -> f64 {
+        self.blur.spread / self.kernel.distance_scale(self.r_mm)
+    }
+
     /// Returns how far the lobe reaches, mm.
     fn lobe_reach_mm(&self) -> f64 {
-        if let Some(facets) = &self.facets {
-            let reach = |own: &Baseline| own.reach_mm(self.shape, self.blur, self.r_mm, TAIL);
-            return reach(&facets[0]).max(reach(&facets[1]));
+        let axes = [[1.0, 0.0], [0.0, 1.0]].map(|normal| self.facets(normal));
+        if let [Some(tangential), Some(sagittal)] = axes {
+            let reach = |own: Baseline| own.reach_mm(self.shape, self.blur, self.r_mm, TAIL);
+            return reach(tangential).max(reach(sagittal));
         }
-        if !self.kernel.has_lobe() {
-            return 0.0;
-        }
-        let a = self.blur.spread / self.kernel.distance_scale(self.r_mm);
-        match self.shape {
-            LobeShape::Separable => 1.0 / (PI * a * TAIL),
-            _ => CUT / a,
+        match self.kernel.has_lobe() {
+            true => self.shape.reach_mm(self.a(), TAIL),
+            false => 0.0,
         }
     }
 
     /// Evaluates the transfer of the lobe.
     fn lobe(&self, frequency: [f64; 2]) -> f64 {
         let modulus = frequency[0].hypot(frequency[1]);
-        if let Some(facets) = &self.facets {
-            // Slopes are spread evenly around, so that the gains of both axes add as squares.
-            return Baseline::across(facets, self.shape, self.blur, self.r_mm, frequency);
-        }
-        if !self.kernel.has_lobe() {
-            return 1.0;
-        }
-        let a = self.blur.spread / self.kernel.distance_scale(self.r_mm);
         let normal = match modulus > 0.0 {
             true => frequency.map(|f| f / modulus),
             false => [1.0, 0.0],
         };
-        self.shape.otf(a, modulus, normal).0
-    }
-}
-
-impl Spot for MixedSpot {
-    fn energy(&self) -> Option<f64> {
-        self.energy
-    }
-
-    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
-        match self.returns {
-            true => self.shift.at(frequency) * self.lobe(frequency),
-            false => Complex64::ZERO,
+        match self.facets(normal) {
+            Some(facets) => facets.otf(self.shape, self.blur, self.r_mm, modulus)[0].re,
+            None if self.kernel.has_lobe() => self.shape.otf(self.a(), modulus, normal).0,
+            None => 1.0,
         }
     }
 
-    fn reach_mm(&self) -> f64 {
-        self.reach_mm
+    /// Evaluates the OTF at a frequency (tangential, sagittal), 1/mm.
+    fn otf(&self, frequency: [f64; 2]) -> Complex64 {
+        self.shift.at(frequency) * self.lobe(frequency)
     }
 }
 
@@ -237,7 +220,7 @@ impl Shift {
 fn interpolated(lattice: &Lattice, values: &[Complex64], share: [f64; 2]) -> Complex64 {
     let [x, y] = share.map(|share| share * lattice.points as f64);
     let (left, top) = (x.floor(), y.floor());
-    let (across, down) = (six(x - left), six(y - top));
+    let (across, down) = (lagrange(x - left), lagrange(y - top));
     let (columns, zero) = (lattice.size()[0], lattice.zero());
     let first = (left as i64 + zero[0] as i64 - 2) as usize;
     let mut sum = Complex64::ZERO;
@@ -248,17 +231,6 @@ fn interpolated(lattice: &Lattice, values: &[Complex64], share: [f64; 2]) -> Com
         sum += part * weight;
     }
     sum
-}
-
-/// Returns the weights of the points -2 to 3 of a polynomial through six points, at `t` in [0, 1].
-fn six(t: f64) -> [f64; 6] {
-    [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|own: f64| {
-        [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0]
-            .iter()
-            .filter(|&&other| other != own)
-            .map(|other| (t - other) / (own - other))
-            .product()
-    })
 }
 
 /// Error of mixing at one place.
@@ -310,21 +282,19 @@ pub(crate) fn misfit(mixed: &Mixed<'_>, places: &[Viewpoint]) -> Result<Misfit, 
 /// Tails that come round only add to them.
 fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Misfit, Error> {
     let blur = mixed.sheet.blur(place.incidence_deg)?;
-    let found = mixed.spot(place, 1.0)?;
+    let found = mixed.spot(place)?;
     // The tails of waves and of the separable lobe are far wider than the blur itself.
     let widest = 3.0 * blur.c_mm + 5.0 / core(mixed, &blur, place);
-    let period = 2.0 * found.reach_mm().min(widest).max(1e-9);
+    let period = 2.0 * found.reach_mm.min(widest).max(1e-9);
     let step = 1.0 / period;
     let truth = mixed.sheet.spot(place, step * POINTS as f64)?;
-    let (_, light, _) = mixed.mixture(place, blur.c_mm);
-    let light = if light > FAINT { light } else { 0.0 };
-    let azimuth_deg = place.azimuth_deg.and_then(known);
-    let direction = mixed
+    let table = mixed.sheet.table;
+    let direction = table
+        .direction(place.incidence_deg, place.azimuth_deg)
+        .map_err(PredictError::from)?;
+    let own = mixed
         .sheet
-        .table
-        .direction(place.incidence_deg, azimuth_deg);
-    let eta = direction.map_err(PredictError::from)?.retroreflected;
-    let own = mixed.sheet.returned(place.incidence_deg, eta);
+        .returned(place.incidence_deg, direction.retroreflected);
     // Squares of light: what lies beyond the frequencies is damped by them.
     let half = POINTS as i64 / 2;
     let damped = |k: i64| sinc(PI * k as f64 / POINTS as f64).powi(2);
@@ -336,7 +306,7 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
             let weight = damped(x) * damped(y);
             let at = y.rem_euclid(POINTS as i64) * POINTS as i64 + x.rem_euclid(POINTS as i64);
             let exact = truth.otf(frequency) * own;
-            off[at as usize] = (found.otf(frequency) * light - exact) * weight;
+            off[at as usize] = (found.otf(frequency) * found.light - exact) * weight;
             whole[at as usize] = exact * weight;
         }
     }

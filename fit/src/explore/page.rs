@@ -6,11 +6,13 @@ use serde::Serialize;
 
 use crate::explore::grid::{Error, Grid, UNIT};
 use crate::explore::lattice::{Ending, Lattice, MARGIN};
-use crate::explore::mixed::Misfit;
+use crate::explore::mixed::{FAINT, Misfit};
+use crate::explore::scaling::Scaling;
 use crate::explore::search;
 use crate::explore::span::{Span, known};
-use crate::explore::stencil::{Ends, Nodes};
-use crate::model::Baseline;
+use crate::explore::stencil::Nodes;
+use crate::images::TAIL;
+use crate::model::{Baseline, CUT};
 use crate::names::{Kernel, LobeShape, ParameterKind};
 use crate::predict::Fitted;
 use crate::result::{Domain, Number, Parameter};
@@ -64,15 +66,6 @@ pub(crate) struct Page {
     pub directions: usize,
 }
 
-/// Nodes of an axis, for the page.
-#[derive(Serialize)]
-struct AxisData {
-    first: f64,
-    step: f64,
-    count: usize,
-    ends: &'static str,
-}
-
 /// Value of a parameter at an incidence, with the row of the covariance.
 #[derive(Serialize)]
 struct Value {
@@ -110,16 +103,19 @@ struct Data<'a> {
     half_mirror: f64,
     seen_in_mirror: bool,
     verdict: Option<&'static str>,
-    incidence: AxisData,
-    azimuth: Option<AxisData>,
-    state: AxisData,
-    scaling: &'static str,
+    incidence: Nodes,
+    azimuth: Option<Nodes>,
+    state: Nodes,
+    scaling: Scaling,
     bend: f64,
     ends: Ending,
     kink: f64,
     unit: f64,
     lattices: &'a [Lattice],
     margin: usize,
+    tail: f64,
+    cut: f64,
+    faint: f64,
     real: bool,
     energy: &'a [f64],
     reach: &'a [f64],
@@ -151,7 +147,7 @@ pub(crate) fn page(explorer: &Explorer<'_>, step: &(dyn Fn(usize) + Sync)) -> Re
     let data = data(explorer, &found.grid, found.misfit, found.places);
     // A script element ends at its end tag, wherever that stands; JSON may write < as an escape.
     let json = serde_json::to_string(&data)
-        .unwrap_or_default()
+        .expect("all keys are strings and all values are numbers or text")
         .replace('<', "\\u003c");
     let scripts = SCRIPTS.concat();
     let html = [
@@ -214,16 +210,19 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
         half_mirror: result.half_mirror,
         seen_in_mirror: result.seen_in_mirror == Some(true),
         verdict: result.fit.as_ref().map(|fit| fit.verdict.name()),
-        incidence: axis(&grid.incidence),
-        azimuth: known(grid.azimuth.first).map(|_| axis(&grid.azimuth)),
-        state: axis(&grid.state),
-        scaling: grid.scaling.name(),
+        incidence: grid.incidence,
+        azimuth: known(grid.azimuth.first).map(|_| grid.azimuth),
+        state: grid.state,
+        scaling: grid.scaling,
         bend: grid.bend,
         ends: grid.ends,
         kink: grid.kink,
         unit: UNIT,
         lattices: &grid.lattices,
         margin: MARGIN,
+        tail: TAIL,
+        cut: CUT,
+        faint: FAINT,
         real: grid.real,
         energy: &grid.energy,
         reach: &grid.reach,
@@ -247,19 +246,6 @@ fn data<'a>(explorer: &'a Explorer<'_>, grid: &'a Grid, misfit: Misfit, places: 
             [source.name.clone(), address]
         }),
         version: env!("CARGO_PKG_VERSION"),
-    }
-}
-
-fn axis(nodes: &Nodes) -> AxisData {
-    AxisData {
-        first: nodes.first,
-        step: nodes.step,
-        count: nodes.count,
-        ends: match nodes.ends {
-            Ends::Open => "open",
-            Ends::Turn => "turn",
-            Ends::Mirrors => "mirrors",
-        },
     }
 }
 

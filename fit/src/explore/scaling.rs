@@ -10,7 +10,8 @@ use crate::predict::{Error as PredictError, Fitted};
 use crate::result::ResultFile;
 
 /// Number on which the OTF of a sheet with cells of 1 mm depends besides direction and frequency.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Scaling {
     /// None: all light leaves straight back, as rays.
     Fixed,
@@ -46,15 +47,6 @@ impl Scaling {
         match self {
             Scaling::Fixed => 1.0,
             Scaling::Deviating | Scaling::Waves => bend / (-coordinate).exp_m1(),
-        }
-    }
-
-    /// Returns the name in the page.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Scaling::Fixed => "fixed",
-            Scaling::Deviating => "deviating",
-            Scaling::Waves => "waves",
         }
     }
 }

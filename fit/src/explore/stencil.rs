@@ -1,10 +1,13 @@
 //! Nodes along one axis of the grid, and the weights by which a place between them mixes them.
 
+use serde::Serialize;
+
 /// Most nodes that a place mixes along one axis.
 const POINTS: usize = 4;
 
 /// Continuation of the nodes of an axis beyond its ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Ends {
     /// Nothing is known beyond the ends.
     Open,
@@ -15,7 +18,7 @@ pub(crate) enum Ends {
 }
 
 /// Evenly spaced nodes along one axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Nodes {
     /// Place of the first node.
     pub first: f64,

@@ -15,5 +15,5 @@ pub(crate) use render::Scale;
 #[cfg(test)]
 pub(crate) use render::viewed;
 #[cfg(test)]
-pub(crate) use spot::Sampler;
-pub(crate) use spot::{Sheet, Spot, TAIL, Viewpoint};
+pub(crate) use spot::{Sampler, Spot};
+pub(crate) use spot::{Sheet, TAIL, Viewpoint};

@@ -11,6 +11,7 @@ use std::f64::consts::{PI, TAU};
 use num_complex::Complex64;
 use tables::Direction;
 
+use crate::numerics::lagrange::lagrange;
 use crate::numerics::sinc::sinc;
 
 /// Points of the lattice per cycle of the fastest phase.
@@ -200,18 +201,6 @@ impl Lattice {
         }
         sum
     }
-}
-
-/// Returns the weights of the points -2 to 3 of a six-point interpolation at `t` in [0, 1).
-fn lagrange(t: f64) -> [f64; 6] {
-    const PLACES: [f64; 6] = [-2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
-    PLACES.map(|own| {
-        PLACES
-            .iter()
-            .filter(|&&other| other != own)
-            .map(|other| (t - other) / (own - other))
-            .product()
-    })
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@ use crate::images::plane::ShiftPlane;
 use crate::images::spot::{Sampler, Sheet, Spot, TAIL, Viewpoint};
 use crate::model::Baseline;
 use crate::model::Blur;
-use crate::model::CUT;
 use crate::model::wave;
 use crate::names::Kernel;
 use crate::names::LobeShape;
@@ -128,15 +127,7 @@ impl FittedSpot<'_> {
             }
             return Ok(plane.reach_mm() + kink / (PI * PI * TAIL));
         }
-        let lobe = match self.lobe {
-            None => 0.0,
-            Some((LobeShape::Radial, a)) => CUT / a,
-            // The lobes of rough facets are treated above.
-            Some((LobeShape::Beckmann | LobeShape::Ggx, _)) => 0.0,
-            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a. So the share
-            // 1/(pi a x) of the light lies beyond x.
-            Some((LobeShape::Separable, a)) => 1.0 / (PI * a * TAIL),
-        };
+        let lobe = self.lobe.map_or(0.0, |(shape, a)| shape.reach_mm(a, TAIL));
         Ok(shift + lobe)
     }
 }

@@ -98,28 +98,6 @@ impl Baseline {
         [own * front, by_own * front, own * by_front].map(Complex64::from)
     }
 
-    /// Evaluates the OTF at a `frequency` (tangential, sagittal; 1/mm), from the facets along both
-    /// axes.
-    ///
-    /// The gains along a line are those of the axes, added as squares.
-    pub(crate) fn across(
-        axes: &[Baseline; 2],
-        shape: LobeShape,
-        blur: Blur,
-        r_mm: f64,
-        frequency: [f64; 2],
-    ) -> f64 {
-        let part = |of: fn(&Baseline) -> Facets, scale_mm: f64| {
-            let [along, across] = [0, 1].map(|k| of(&axes[k]).gain * frequency[k]);
-            let facets = Facets {
-                gain: 1.0,
-                count: of(&axes[0]).count,
-            };
-            facets.otf(shape, scale_mm, along.hypot(across)).0
-        };
-        part(|own| own.own, blur.spread * r_mm) * part(|own| own.front, blur.c_mm * r_mm)
-    }
-
     /// Returns the gain and the count of the own facets and of those of the front.
     pub(crate) fn gains(&self) -> [(f64, i32); 2] {
         [self.own, self.front].map(|facets| (facets.gain, facets.count))

@@ -48,6 +48,18 @@ impl LobeShape {
         }
     }
 
+    /// Returns the distance that holds all but the share `tail` of the light along each axis, mm.
+    ///
+    /// It is for the shapes of a diffraction lobe. The radial one ends.
+    pub(crate) fn reach_mm(self, a: f64, tail: f64) -> f64 {
+        match self {
+            // The mean of sin^2 is 1/2, and the integral of sinc^2(a x) is pi/a. So the share
+            // 1/(pi a x) of the light lies beyond x.
+            LobeShape::Separable => 1.0 / (PI * a * tail),
+            _ => CUT / a,
+        }
+    }
+
     /// Returns the slope of the OTF at frequency 0, -d OTF/d|f| (mm), and its derivative by a.
     ///
     /// This kink gives an edge its 1/x tails. Only the separable shape has one. The radial lobe has

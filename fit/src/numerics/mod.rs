@@ -7,6 +7,7 @@ pub(crate) mod chance;
 pub(crate) mod clip;
 pub(crate) mod factor;
 pub(crate) mod fourier;
+pub(crate) mod lagrange;
 mod quadrature;
 pub(crate) mod sinc;
 mod solve;

@@ -15,9 +15,7 @@ for (const { end, points } of data.lattices) {
   grid.lattices.push({ end, points, margin, columns, rows, start: grid.numbers });
   grid.numbers += columns * rows * grid.parts;
 }
-const TAIL = 0.002;
-const CUT = 2.4 * Math.PI;
-const FAINT = 1e-4;
+const { tail: TAIL, cut: CUT, faint: FAINT } = data;
 
 // Unpacks the transforms: all lower bytes, then all upper bytes, in zlib's format.
 async function unpack() {
