@@ -31,9 +31,33 @@ pub(crate) const COLOURS: [&str; 6] = [
     "#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf",
 ];
 
+/// MTF below which the rest of a curve is not shown.
+const LOW: f64 = 0.02;
+
+/// Largest number of curves whose legend stands in the panel.
+const INSIDE: usize = 4;
+
+/// Returns the place of the legend of a panel: beside it if it would cover curves.
+fn legend_of(curves: usize) -> LegendPosition {
+    match curves > INSIDE {
+        true => LegendPosition::OutsideRightTop,
+        false => LegendPosition::InsideTopRight,
+    }
+}
+
+/// Returns the frequency up to which curves of an MTF are shown, at least 0.5/mm.
+fn farthest<'a>(curves: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> f64 {
+    curves
+        .flat_map(|(frequency, mtf)| frequency.iter().zip(mtf))
+        .filter(|(_, mtf)| **mtf > LOW)
+        .map(|(&frequency, _)| frequency)
+        .fold(0.5, f64::max)
+}
+
 /// Draws the measured MTF (dots, with one standard error) and the model (line).
 ///
-/// There is one panel per incidence angle.
+/// There is one panel per incidence angle. The lines of every second distance are dashed, so that
+/// curves that coincide are both seen.
 ///
 /// # Errors
 /// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
@@ -42,13 +66,13 @@ pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error>
     let mut incidences: Vec<f64> = result.captures.iter().map(|c| c.incidence_deg).collect();
     incidences.sort_by(f64::total_cmp);
     incidences.dedup();
-    let farthest = result
-        .captures
-        .iter()
-        .flat_map(|c| c.curves.frequency_per_mm.iter().zip(&c.curves.modelled))
-        .filter(|(_, m)| **m > 0.02)
-        .map(|(&f, _)| f)
-        .fold(0.5, f64::max);
+    let mut distances: Vec<f64> = (result.captures.iter())
+        .map(|c| c.floating_distance_mm)
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    distances.dedup();
+    let curves = result.captures.iter().map(|c| &c.curves);
+    let farthest = farthest(curves.map(|c| (&*c.frequency_per_mm, &*c.modelled)));
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
     for &incidence in &incidences {
@@ -86,8 +110,13 @@ pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error>
             let line = LinePlot::new()
                 .with_data(points(&curves.modelled))
                 .with_color(colour)
-                .with_stroke_width(1.5);
-            plots.push(Plot::Line(line.with_legend(name)));
+                .with_stroke_width(1.5)
+                .with_legend(name);
+            let place = distances.partition_point(|&mm| mm < shot.floating_distance_mm);
+            plots.push(Plot::Line(match place % 2 {
+                0 => line,
+                _ => line.with_dashed(),
+            }));
         }
         let layout = Layout::auto_from_plots(&plots)
             .with_title(format!("incidence {incidence}°"))
@@ -97,7 +126,7 @@ pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error>
             .with_x_axis_max(farthest)
             .with_y_axis_min(0.0)
             .with_y_axis_max(1.0)
-            .with_legend_position(LegendPosition::InsideTopRight);
+            .with_legend_position(legend_of(plots.len() / 2));
         panels.push(plots);
         layouts.push(layout);
     }
@@ -110,6 +139,8 @@ pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error>
 
 /// Draws the predicted MTF: one panel per distance and axis, one curve per incidence.
 ///
+/// The frequencies end where the last curve does.
+///
 /// # Errors
 /// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
 /// ending of the file is no format of plots.
@@ -121,6 +152,8 @@ pub(crate) fn predicted(
     let mut distances: Vec<f64> = predictions.iter().map(|p| p.floating_distance_mm).collect();
     distances.sort_by(f64::total_cmp);
     distances.dedup();
+    let curves = predictions.iter().map(|p| (frequency_per_mm, &*p.mtf));
+    let end = farthest(curves).min(frequency_per_mm.iter().copied().fold(0.0, f64::max));
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
     for axis in [Axis::Tangential, Axis::Sagittal] {
@@ -137,9 +170,11 @@ pub(crate) fn predicted(
                 .enumerate()
                 .map(|(i, p)| {
                     let points = frequency_per_mm.iter().copied().zip(p.mtf.iter().copied());
+                    let within = |f: f64| f <= end;
+                    let ends = frequency_per_mm.iter().zip(&p.mtf_interval);
                     let line = Line {
-                        points: points.collect(),
-                        intervals: p.mtf_interval.clone(),
+                        points: points.filter(|point| within(point.0)).collect(),
+                        intervals: ends.filter(|(f, _)| within(**f)).map(|(_, e)| *e).collect(),
                         outside: !p.outside.is_empty(),
                     };
                     line.drawn(
@@ -149,8 +184,7 @@ pub(crate) fn predicted(
                 })
                 .collect();
             let all_outside = chosen.iter().all(|p| !p.outside.is_empty());
-            let farthest = frequency_per_mm.iter().copied().fold(0.0, f64::max);
-            let shaded = all_outside.then_some([0.0, farthest]);
+            let shaded = all_outside.then_some([0.0, end]);
             let name = if axis == Axis::Tangential {
                 "tangential"
             } else {
@@ -161,9 +195,10 @@ pub(crate) fn predicted(
                 .with_x_label("frequency (1/mm)")
                 .with_y_label("MTF")
                 .with_x_axis_min(0.0)
+                .with_x_axis_max(end)
                 .with_y_axis_min(0.0)
                 .with_y_axis_max(1.0)
-                .with_legend_position(LegendPosition::InsideTopRight);
+                .with_legend_position(legend_of(plots.len()));
             panels.push(plots);
             layouts.push(with_shades(layout, shaded));
         }
@@ -394,15 +429,27 @@ pub(crate) fn around(
     draw(panels, layouts, title, path)
 }
 
-/// Returns a colour between blue (0) and red (1).
+/// Colours of an ordered scale, from dark to light: matplotlib's viridis (CC0) in steps of an eighth,
+/// up to 0.625, so that the lightest line is still seen on white.
+///
+/// Its lightness grows evenly, so people who do not see all colours can still tell the order.
+const SCALE: [[f64; 3]; 6] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 45.0, 123.0],
+    [59.0, 82.0, 139.0],
+    [44.0, 114.0, 142.0],
+    [33.0, 145.0, 140.0],
+    [40.0, 174.0, 128.0],
+];
+
+/// Returns a colour of the ordered scale, from dark (0) to light (1).
 fn ramp(x: f64) -> String {
-    let mix = |a: f64, b: f64| (a + (b - a) * x).round() as u8;
-    format!(
-        "#{:02x}{:02x}{:02x}",
-        mix(31.0, 214.0),
-        mix(119.0, 39.0),
-        mix(180.0, 40.0)
-    )
+    let place = x.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+    let left = (place as usize).min(SCALE.len() - 2);
+    let share = place - left as f64;
+    let [r, g, b] =
+        [0, 1, 2].map(|k| (SCALE[left][k] * (1.0 - share) + SCALE[left + 1][k] * share).round());
+    format!("#{:02x}{:02x}{:02x}", r as u8, g as u8, b as u8)
 }
 
 /// Draws panels under one title.
@@ -443,5 +490,48 @@ pub(crate) fn encoded(figure: Figure, path: &Path) -> Result<Vec<u8>, Error> {
                     message: message.to_string(),
                 })
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks that the axis ends with the last curve, and not before 0.5/mm.
+    #[test]
+    fn the_axis_ends_where_the_last_curve_does() {
+        let frequency = [0.0, 0.5, 1.0, 1.5, 2.0];
+        let [short, long] = [[1.0, 0.3, 0.0, 0.0, 0.0], [1.0, 0.9, 0.5, 0.03, 0.0]];
+        let curves = |all: &'static [usize]| {
+            let of = |&k: &usize| [&short[..], &long[..]][k];
+            farthest(all.iter().map(|k| (&frequency[..], of(k))))
+        };
+        assert_eq!(
+            [curves(&[0, 1]), curves(&[0]), curves(&[])],
+            [1.5, 0.5, 0.5]
+        );
+    }
+
+    /// Checks at 101 places that the scale grows lighter, and that its lightest colour has a
+    /// contrast of 2.8 with white (relative luminance of WCAG 2).
+    #[test]
+    fn the_scale_of_colours_is_ordered_by_lightness() {
+        let luminance = |colour: &str| -> f64 {
+            let channel = |k: usize| {
+                let value = u8::from_str_radix(&colour[k..k + 2], 16).expect("two digits") as f64;
+                let value = value / 255.0;
+                match value <= 0.03928 {
+                    true => value / 12.92,
+                    false => ((value + 0.055) / 1.055).powf(2.4),
+                }
+            };
+            0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+        };
+        let all: Vec<f64> = (0..=100)
+            .map(|k| luminance(&ramp(k as f64 / 100.0)))
+            .collect();
+        assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
+        let contrast = 1.05 / (all[100] + 0.05);
+        assert!(contrast > 2.8, "{contrast}");
     }
 }
