@@ -429,8 +429,8 @@ pub(crate) fn around(
     draw(panels, layouts, title, path)
 }
 
-/// Colours of an ordered scale, from dark to light: matplotlib's viridis (CC0) in steps of an eighth,
-/// up to 0.625, so that the lightest line is still seen on white.
+/// Colours of an ordered scale, from dark to light: matplotlib's viridis (CC0) in steps of an
+/// eighth, up to 0.625, so that the lightest line is still seen on white.
 ///
 /// Its lightness grows evenly, so people who do not see all colours can still tell the order.
 const SCALE: [[f64; 3]; 6] = [
