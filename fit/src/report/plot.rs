@@ -56,8 +56,8 @@ fn farthest<'a>(curves: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> f64 {
 
 /// Draws the measured MTF (dots, with one standard error) and the model (line).
 ///
-/// There is one panel per incidence angle. The lines of every second distance are dashed, so that
-/// curves that coincide are both seen.
+/// There is one panel per incidence angle. The curves of every second distance are thin and dashed,
+/// and the others wide, so that curves that coincide are both seen.
 ///
 /// # Errors
 /// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
@@ -100,22 +100,23 @@ pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error>
                 "{} mm, edge {:.0}°",
                 shot.floating_distance_mm, shot.edge_angle_deg
             );
+            let place = distances.partition_point(|&mm| mm < shot.floating_distance_mm);
+            let below = place % 2 == 0;
             plots.push(Plot::Scatter(
                 ScatterPlot::new()
                     .with_data(points(&curves.measured))
                     .with_y_err(curves.standard_error[..shown].iter().copied())
                     .with_color(colour)
-                    .with_size(2.0),
+                    .with_size(if below { 4.0 } else { 2.0 }),
             ));
             let line = LinePlot::new()
                 .with_data(points(&curves.modelled))
                 .with_color(colour)
-                .with_stroke_width(1.5)
+                .with_stroke_width(if below { 4.0 } else { 1.5 })
                 .with_legend(name);
-            let place = distances.partition_point(|&mm| mm < shot.floating_distance_mm);
-            plots.push(Plot::Line(match place % 2 {
-                0 => line,
-                _ => line.with_dashed(),
+            plots.push(Plot::Line(match below {
+                true => line,
+                false => line.with_dashed(),
             }));
         }
         let layout = Layout::auto_from_plots(&plots)
