@@ -28,6 +28,8 @@ import mitsuba as mi
 import numpy as np
 
 BINS, HALF = 128, 2.0
+# The edge length of cells of `bake design`.
+EDGE = 3.0
 ERRORS = ["--dihedral-error-mrad=0.5,0,-0.3"]
 FOUR = [0, 15, 30, 45]
 TEN = list(range(0, 50, 5))
@@ -137,7 +139,7 @@ def many(case, corners, facets, rng):
             all_facets.append(facets + len(corners) * len(all_corners))
             all_corners.append(own)
     corners, facets = np.concatenate(all_corners), np.concatenate(all_facets)
-    return (divided(corners, facets) if case.whole else (corners, facets))
+    return divided(corners, facets) if case.whole else (corners, facets)
 
 
 def divided(corners, facets):
@@ -155,6 +157,7 @@ def divided(corners, facets):
 
 
 def write(path, corners, facets):
+    """Writes an OBJ file."""
     with open(path, "w") as out:
         for corner in corners:
             out.write("v " + " ".join(repr(float(x)) for x in corner) + "\n")
@@ -167,17 +170,16 @@ class Mitsuba:
 
     def __init__(self, case, path):
         corners, facets, lattice = read(path)
-        edge = 3.0  # the default of `bake design`
-        corners = corners / edge
+        corners, lattice = corners / EDGE, None if lattice is None else lattice / EDGE
         self.case = case
         self.normal, self.top = rim(corners)
         n = self.normal
         u = np.array([1.0, 0, 0]) - n * n[0]
         self.u = u / np.linalg.norm(u)
         self.v = np.cross(n, self.u)
-        self.entrance(corners, lattice, edge)
+        self.entrance(corners, lattice)
         if case.copies:
-            corners, facets = self.patch(corners, facets, lattice / edge)
+            corners, facets = self.patch(corners, facets, lattice)
         ends = corners[facets]
         normals = np.cross(ends[:, 1] - ends[:, 0], ends[:, 2] - ends[:, 0])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -200,11 +202,11 @@ class Mitsuba:
             self.rough = mi.MicrofacetDistribution(mi.MicrofacetType.Beckmann, case.alpha, True)
         self.run(case.angles[0], 0)
 
-    def entrance(self, corners, lattice, edge):
+    def entrance(self, corners, lattice):
         """Sets a corner and two sides of the entrance, a triangle or a parallelogram."""
         self.triangle = len(corners) == 4
         if self.case.copies:
-            a, b = lattice / edge
+            a, b = lattice
             self.corner = self.normal * self.top - (a + b) / 2
         elif self.triangle:
             a, b = corners[2] - corners[1], corners[3] - corners[1]
@@ -273,6 +275,7 @@ class Mitsuba:
 
     @staticmethod
     def counted(back, place, value, kind):
+        """Returns a histogram of the rays that come back."""
         i, j = place
         inside = back & (i >= 0) & (j >= 0) & (i < BINS) & (j < BINS)
         counts = dr.zeros(kind, BINS**2)
@@ -310,6 +313,7 @@ class Mitsuba:
 
 
 def seconds(who):
+    """Returns the processor seconds of this process or of its children."""
     used = resource.getrusage(who)
     return used.ru_utime + used.ru_stime
 
@@ -319,6 +323,8 @@ def bake(args, case, mesh, options):
     angles = ",".join(map(str, case.angles))
     words = [args.bake, "trace", mesh, "-o", mesh + ".h5", "--incidence", angles, "--json"]
     words += ["--threads", str(args.threads), "--method", "rays", *case.trace, *options]
+    # The unlike cubes of a mesh have no common edge length.
+    words += ["--edge-length", str(EDGE)] if case.pairs else []
     before = seconds(resource.RUSAGE_CHILDREN)
     done = subprocess.run(words, capture_output=True, text=True)
     used = seconds(resource.RUSAGE_CHILDREN) - before
@@ -329,6 +335,7 @@ def bake(args, case, mesh, options):
 
 
 def mesh_of(args, case, folder):
+    """Writes the mesh of a case and returns its path."""
     path = os.path.join(folder, "cell.obj")
     subprocess.run([args.bake, "design", *case.design, "-o", path], check=True, capture_output=True)
     if case.pairs:
@@ -338,9 +345,11 @@ def mesh_of(args, case, folder):
 
 
 def measure(args, case, folder):
+    """Returns millions of rays per processor second in each round: Mitsuba, and bake twice.
+
+    It ends the script if another share of light comes back in bake than in Mitsuba.
+    """
     mesh = mesh_of(args, case, folder)
-    if case.pairs:
-        case.trace = [*case.trace, "--edge-length", "3"]
     peer = Mitsuba(case, mesh)
     rays = case.rays * len(case.angles) / 1e6
     found = {"Mitsuba": [], "random": [], "Sobol": []}
@@ -361,6 +370,7 @@ def measure(args, case, folder):
 
 
 def figure(values):
+    """Returns the median and the range of values."""
     low, high = min(values), max(values)
     digits = 0 if low >= 20 else 1
     return f"{statistics.median(values):.{digits}f} [{low:.{digits}f}-{high:.{digits}f}]"

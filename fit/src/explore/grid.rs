@@ -171,9 +171,8 @@ fn packed(values: &[i16]) -> String {
     let byte = |which: usize| values.iter().map(move |value| value.to_le_bytes()[which]);
     let bytes: Vec<u8> = byte(0).chain(byte(1)).collect();
     let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
-    // Memory takes every byte, so that packing cannot fail.
-    let _ = packer.write_all(&bytes);
-    STANDARD.encode(packer.finish().unwrap_or_default())
+    let written = packer.write_all(&bytes).and_then(|()| packer.finish());
+    STANDARD.encode(written.expect("memory takes every byte"))
 }
 
 /// Returns the azimuths of the grid: one sector if the table goes all around, else what it spans.

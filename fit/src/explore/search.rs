@@ -21,6 +21,12 @@ const ALONG: usize = 24;
 /// Factor by which the axis with the largest error is made finer.
 const FINER: f64 = 0.6;
 
+/// Grids that are tried at most.
+const MOST_GRIDS: usize = 8;
+
+/// Axes along which a grid can be made finer.
+const AXES: [Axis; 4] = [Axis::Incidence, Axis::Azimuth, Axis::State, Axis::None];
+
 /// Grid of a page, with its error.
 pub(crate) struct Found {
     /// The grid.
@@ -70,12 +76,18 @@ pub(crate) fn grid(
         let spread = spread(sheet, &grid, span);
         let found = error(sheet, &spread)?.or(error(&sharpest, &spread)?);
         step(tried);
-        let by_axis = [
-            error(sheet, &along(sheet, &grid, span, Axis::Incidence))?.larger(),
-            error(sheet, &along(sheet, &grid, span, Axis::Azimuth))?.larger(),
-            error(sheet, &along(sheet, &grid, span, Axis::State))?.larger(),
-            error(sheet, &along(sheet, &grid, span, Axis::None))?.larger(),
-        ];
+        let enough = found.larger() <= WANTED || tried == MOST_GRIDS;
+        let worst = match enough {
+            true => None,
+            false => {
+                let along = |axis| Ok(error(sheet, &along(sheet, &grid, span, axis))?.larger());
+                let errors = AXES
+                    .map(along)
+                    .into_iter()
+                    .collect::<Result<Vec<_>, Error>>()?;
+                (0..4).max_by(|&a, &b| errors[a].total_cmp(&errors[b]))
+            }
+        };
         let now = Found {
             grid,
             misfit: found,
@@ -83,26 +95,21 @@ pub(crate) fn grid(
         };
         let better = best.filter(|best| best.misfit.larger() <= found.larger());
         let kept = better.unwrap_or(now);
-        if kept.misfit.larger() <= WANTED || tried == MOST_GRIDS {
+        let Some(worst) = worst else {
             return Ok(kept);
-        }
-        best = Some(kept);
-        let worst = (0..4).max_by(|&a, &b| by_axis[a].total_cmp(&by_axis[b]));
-        let finer = match worst {
-            Some(0) => &mut fineness.incidence_deg,
-            Some(1) => &mut fineness.azimuth_deg,
-            Some(2) => &mut fineness.state,
-            _ => &mut fineness.lost,
         };
-        *finer *= FINER;
-        if worst == Some(3) {
-            fineness.bends /= FINER;
+        best = Some(kept);
+        match AXES[worst] {
+            Axis::Incidence => fineness.incidence_deg *= FINER,
+            Axis::Azimuth => fineness.azimuth_deg *= FINER,
+            Axis::State => fineness.state *= FINER,
+            Axis::None => {
+                fineness.lost *= FINER;
+                fineness.bends /= FINER;
+            }
         }
     }
 }
-
-/// Grids that are tried at most.
-const MOST_GRIDS: usize = 8;
 
 /// Returns a result with c and the spread multiplied by a factor.
 fn scaled(result: &ResultFile, factor: f64) -> ResultFile {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use kuva::prelude::*;
 
-use crate::report::plot::{COLOURS, Error, encoded};
+use crate::report::plot::{COLOURS, Error, INSIDE, encoded, legend_of};
 
 /// A measured curve.
 pub(crate) struct Shown<'a> {
@@ -23,9 +23,6 @@ pub(crate) struct Shown<'a> {
 /// MTF below which the rest of a curve is not shown, and how much farther the axis reaches.
 const LOW: f64 = 0.05;
 const ROOM: f64 = 1.3;
-
-/// Largest number of curves whose legend stands in the picture.
-const INSIDE: usize = 4;
 
 /// Draws measured curves with a band of one standard error, and a dot at each MTF50.
 ///
@@ -60,11 +57,6 @@ pub(crate) fn measured(all: &[Shown], unit: &str, path: &Path) -> Result<Vec<u8>
             .with_size(4.0);
         plots.push(Plot::Scatter(dots));
     }
-    let legend = if all.len() > INSIDE {
-        LegendPosition::OutsideRightTop
-    } else {
-        LegendPosition::InsideTopRight
-    };
     let highest = all.iter().flat_map(|shown| shown.mtf).copied();
     let layout = Layout::auto_from_plots(&plots)
         .with_x_label(format!("frequency ({unit})"))
@@ -77,7 +69,7 @@ pub(crate) fn measured(all: &[Shown], unit: &str, path: &Path) -> Result<Vec<u8>
         } else {
             1.0
         })
-        .with_legend_position(legend);
+        .with_legend_position(legend_of(all.len()));
     let figure = Figure::new(1, 1)
         .with_title("MTF and its standard error; dots mark MTF50")
         .with_plots(vec![plots])

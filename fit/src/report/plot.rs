@@ -35,23 +35,40 @@ pub(crate) const COLOURS: [&str; 6] = [
 const LOW: f64 = 0.02;
 
 /// Largest number of curves whose legend stands in the panel.
-const INSIDE: usize = 4;
+pub(crate) const INSIDE: usize = 4;
 
 /// Returns the place of the legend of a panel: beside it if it would cover curves.
-fn legend_of(curves: usize) -> LegendPosition {
+pub(crate) fn legend_of(curves: usize) -> LegendPosition {
     match curves > INSIDE {
         true => LegendPosition::OutsideRightTop,
         false => LegendPosition::InsideTopRight,
     }
 }
 
-/// Returns the frequency up to which curves of an MTF are shown, at least 0.5/mm.
-fn farthest<'a>(curves: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> f64 {
+/// Returns the highest frequency at which a curve of an MTF is above [`LOW`].
+fn farthest<'a>(curves: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> Option<f64> {
     curves
         .flat_map(|(frequency, mtf)| frequency.iter().zip(mtf))
         .filter(|(_, mtf)| **mtf > LOW)
         .map(|(&frequency, _)| frequency)
-        .fold(0.5, f64::max)
+        .max_by(f64::total_cmp)
+}
+
+/// Returns the frequency that follows the last one at which a curve is seen; the last of all if
+/// none follows, or if no curve is seen.
+fn end_of<'a>(frequency_per_mm: &'a [f64], curves: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let last = farthest(curves.map(|mtf| (frequency_per_mm, mtf)));
+    let all = || frequency_per_mm.iter().copied();
+    let following = last.and_then(|last| all().filter(|&f| f > last).min_by(f64::total_cmp));
+    following.unwrap_or_else(|| all().fold(0.0, f64::max))
+}
+
+/// Returns the values in ascending order, each once.
+fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// Draws the measured MTF (dots, with one standard error) and the model (line).
@@ -63,16 +80,11 @@ fn farthest<'a>(curves: impl Iterator<Item = (&'a [f64], &'a [f64])>) -> f64 {
 /// Returns [`Error::Drawing`] if the library cannot draw the picture, and [`Error::Format`] if the
 /// ending of the file is no format of plots.
 pub(crate) fn fitted(result: &ResultFile, path: &Path) -> Result<Vec<u8>, Error> {
-    let mut incidences: Vec<f64> = result.captures.iter().map(|c| c.incidence_deg).collect();
-    incidences.sort_by(f64::total_cmp);
-    incidences.dedup();
-    let mut distances: Vec<f64> = (result.captures.iter())
-        .map(|c| c.floating_distance_mm)
-        .collect();
-    distances.sort_by(f64::total_cmp);
-    distances.dedup();
+    let incidences = distinct(result.captures.iter().map(|c| c.incidence_deg));
+    let distances = distinct(result.captures.iter().map(|c| c.floating_distance_mm));
     let curves = result.captures.iter().map(|c| &c.curves);
     let farthest = farthest(curves.map(|c| (&*c.frequency_per_mm, &*c.modelled)));
+    let farthest = farthest.unwrap_or(0.5).max(0.5);
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
     for &incidence in &incidences {
@@ -150,11 +162,8 @@ pub(crate) fn predicted(
     frequency_per_mm: &[f64],
     path: &Path,
 ) -> Result<Vec<u8>, Error> {
-    let mut distances: Vec<f64> = predictions.iter().map(|p| p.floating_distance_mm).collect();
-    distances.sort_by(f64::total_cmp);
-    distances.dedup();
-    let curves = predictions.iter().map(|p| (frequency_per_mm, &*p.mtf));
-    let end = farthest(curves).min(frequency_per_mm.iter().copied().fold(0.0, f64::max));
+    let distances = distinct(predictions.iter().map(|p| p.floating_distance_mm));
+    let end = end_of(frequency_per_mm, predictions.iter().map(|p| &*p.mtf));
     let mut panels = Vec::new();
     let mut layouts = Vec::new();
     for axis in [Axis::Tangential, Axis::Sagittal] {
@@ -498,19 +507,19 @@ pub(crate) fn encoded(figure: Figure, path: &Path) -> Result<Vec<u8>, Error> {
 mod tests {
     use super::*;
 
-    /// Checks that the axis ends with the last curve, and not before 0.5/mm.
+    /// Checks that the axis ends behind the last curve, and that nothing is lost where no curve is
+    /// seen or none ends.
     #[test]
     fn the_axis_ends_where_the_last_curve_does() {
         let frequency = [0.0, 0.5, 1.0, 1.5, 2.0];
-        let [short, long] = [[1.0, 0.3, 0.0, 0.0, 0.0], [1.0, 0.9, 0.5, 0.03, 0.0]];
-        let curves = |all: &'static [usize]| {
-            let of = |&k: &usize| [&short[..], &long[..]][k];
-            farthest(all.iter().map(|k| (&frequency[..], of(k))))
-        };
-        assert_eq!(
-            [curves(&[0, 1]), curves(&[0]), curves(&[])],
-            [1.5, 0.5, 0.5]
-        );
+        let short = [1.0, 0.3, 0.0, 0.0, 0.0];
+        let long = [1.0, 0.9, 0.5, 0.03, 0.0];
+        let end = |all: &[&[f64]]| end_of(&frequency, all.iter().copied());
+        assert_eq!(end(&[&short, &long]), 2.0);
+        assert_eq!(end(&[&short]), 1.0);
+        assert_eq!(end(&[&[1.0; 5]]), 2.0);
+        assert_eq!(end(&[&[0.0; 5]]), 2.0);
+        assert_eq!(end(&[]), 2.0);
     }
 
     /// Checks at 101 places that the scale grows lighter, and that its lightest colour has a
