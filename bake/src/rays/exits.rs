@@ -1,15 +1,17 @@
 //! Exit directions of programs, counted by shift.
 //!
 //! All rays of a path leave in one direction. So a ray is counted by its bin of shift and by the
-//! number of its exit direction, and nothing is sorted.
+//! number of its exit direction. Where there are few exit directions, each has a counter for each
+//! bin, and nothing is sorted. Where there are many, the rays are listed.
 
 use crate::rays::bins::Bins;
 use crate::rays::lane::LANES;
 use crate::rays::program::Program;
 use crate::rays::tally::Tally;
+use std::collections::HashMap;
 use tables::deviation::{Entry, Grid};
 
-/// Largest number of counters of a run, 8 MB. More exit directions are counted ray by ray.
+/// Largest number of counters of a run, 8 MB. With more exit directions the rays are listed.
 const MOST_COUNTERS: usize = 1 << 21;
 
 /// Exit directions of the programs of a sheet, numbered.
@@ -24,25 +26,23 @@ pub(crate) struct Exits {
 impl Exits {
     /// Numbers the exit directions of `programs` on `grid`.
     ///
-    /// Returns `None` if there are too many for the memory of a run.
+    /// Returns `None` if 32 bits cannot number all bins of all exit directions.
     pub(crate) fn new(programs: &[Program], grid: &Grid, bins: &Bins) -> Option<Self> {
         let mut places = Vec::new();
+        let mut numbers = HashMap::new();
         let mut starts = Vec::new();
         for program in programs {
             let of_map = program.deviations.iter().map(|off| {
                 let place = grid.place([0, 0], [grid.bin(off.y), grid.bin(off.x)]);
-                let known = places.iter().position(|&known| known == place);
-                let number = known.unwrap_or_else(|| {
+                let number = *numbers.entry(place).or_insert_with(|| {
                     places.push(place);
                     places.len() - 1
                 });
                 (number * bins.len()) as f64
             });
             starts.push(of_map.collect());
-            if places.len() * bins.len() > MOST_COUNTERS {
-                return None;
-            }
         }
+        u32::try_from(places.len() * bins.len()).ok()?;
         Some(Exits {
             grid: *grid,
             places,
@@ -56,17 +56,44 @@ impl Exits {
         &self.starts[program]
     }
 
-    /// Returns counters at 0: the bins of each exit direction, and [`LANES`] slots.
-    pub(crate) fn counters(&self, bins: &Bins) -> Vec<u32> {
-        vec![0; self.places.len() * bins.len() + LANES]
+    /// Returns an empty record of a run of so many rays.
+    pub(crate) fn record(&self, bins: &Bins, rays: usize) -> Record {
+        let counters = self.places.len() * bins.len();
+        if counters > MOST_COUNTERS {
+            Record::List(Vec::with_capacity(rays + LANES))
+        } else {
+            Record::Counters(vec![0; counters + LANES])
+        }
     }
 
-    /// Adds the counters of a run to the bins and to the exit directions of `tally`.
-    pub(crate) fn count(&self, bins: &Bins, counters: &[u32], tally: &mut Tally) {
-        let (size, pool) = (bins.len(), bins.count / self.grid.cells);
+    /// Adds the record of a run to the bins and to the exit directions of `tally`.
+    pub(crate) fn count(&self, bins: &Bins, record: &Record, tally: &mut Tally) {
+        match record {
+            Record::Counters(counters) => self.add_counters(bins, counters, tally),
+            Record::List(list) => {
+                let size = bins.len();
+                tally.exits.reserve(list.len());
+                for &counter in list {
+                    let (number, bin) = (counter as usize / size, counter as usize % size);
+                    tally.histogram[bin] += 1;
+                    tally.exits.push(self.cell(bins, bin) + self.places[number]);
+                }
+            }
+        }
+    }
+
+    /// Returns the place of exit direction 0 in the cell of the grid that holds a bin of shift.
+    fn cell(&self, bins: &Bins, bin: usize) -> u64 {
+        let pool = bins.count / self.grid.cells;
+        let [v, u] = [bin / bins.count, bin % bins.count].map(|k| k / pool);
+        self.grid.place([v, u], [0, 0])
+    }
+
+    /// Adds counters to the bins and to the exit directions of `tally`.
+    fn add_counters(&self, bins: &Bins, counters: &[u32], tally: &mut Tally) {
+        let size = bins.len();
         for bin in 0..size {
-            let [v, u] = [bin / bins.count, bin % bins.count].map(|k| k / pool);
-            let cell = self.grid.place([v, u], [0, 0]);
+            let cell = self.cell(bins, bin);
             for (number, place) in self.places.iter().enumerate() {
                 let rays = counters[number * size + bin];
                 if rays > 0 {
@@ -79,4 +106,14 @@ impl Exits {
             }
         }
     }
+}
+
+/// Rays of a run, by bin of shift and exit direction.
+///
+/// Counter number e B + b is that of bin b and exit direction e, where B is the number of bins.
+pub(crate) enum Record {
+    /// Number of rays of each counter, and [`LANES`] slots for the rays that fall in no bin.
+    Counters(Vec<u32>),
+    /// Number of the counter of each ray.
+    List(Vec<u32>),
 }

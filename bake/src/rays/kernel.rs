@@ -184,7 +184,7 @@ impl Kernel {
 
     /// Returns the tracer that records exit directions too, if there is a grid for them.
     ///
-    /// It runs no programs if these have too many exit directions.
+    /// It runs no programs if these have too many exit directions to be numbered.
     pub(crate) fn recording(self, exits: Option<Grid>) -> Self {
         let Some(grid) = &exits else {
             return self;

@@ -16,7 +16,7 @@
 use crate::rays::bins::Bins;
 use crate::rays::drawn::{chances, digits, points, sobol};
 use crate::rays::excerpt::Excerpt;
-use crate::rays::exits::Exits;
+use crate::rays::exits::{Exits, Record};
 use crate::rays::lane::{LANES, Mask, Reals, UNITS, choose, floor};
 use crate::rays::order::order;
 use crate::rays::program::{DEPTH, End, Loss, Program, Step};
@@ -46,9 +46,11 @@ struct Scratch<'a> {
     left: [Mask; DEPTH],
     /// Number of rays that ended with each fate, per lane.
     ended: [Mask; Fate::ALL.len()],
-    /// Counters of the bins, for each exit direction if these are recorded, and then [`LANES`]
-    /// slots for the rays that fall in no bin.
+    /// Counters of the bins, for each exit direction if these are recorded and counted, and then
+    /// [`LANES`] slots for the rays that fall in no bin.
     histogram: &'a mut [u32],
+    /// Counters of single rays, if exit directions are recorded and listed.
+    list: Option<&'a mut Vec<u32>>,
 }
 
 /// Samples to trace, and the programs that trace them.
@@ -110,16 +112,20 @@ fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) 
         ref samples,
         exits,
     } = *batch;
-    let mut by_exit = exits.map_or(Vec::new(), |exits| exits.counters(bins));
+    let rays = (samples.end - samples.start) as usize;
+    let mut record = exits.map(|exits| exits.record(bins, rays));
     let programs = Programs { programs, exits };
+    let (histogram, list) = match &mut record {
+        None => (&mut tally.histogram[..], None),
+        Some(Record::Counters(counters)) => (&mut counters[..], None),
+        Some(Record::List(list)) => (&mut [][..], Some(list)),
+    };
     let mut work = Scratch {
         bins,
         left: [[0; LANES]; DEPTH],
         ended: [[0; LANES]; Fate::ALL.len()],
-        histogram: match exits {
-            None => &mut tally.histogram,
-            Some(_) => &mut by_exit,
-        },
+        histogram,
+        list,
     };
     let cells = stream.sampler == Sampler::Sobol;
     let mut first = samples.start;
@@ -146,8 +152,8 @@ fn run<const RECORD: bool, const LOSSY: bool>(batch: &Batch, tally: &mut Tally) 
         }
     }
     let ended = work.ended;
-    if let Some(exits) = exits {
-        exits.count(bins, &by_exit, tally);
+    if let (Some(exits), Some(record)) = (exits, &record) {
+        exits.count(bins, record, tally);
     }
     for (sum, lanes) in tally.fates.iter_mut().zip(&ended) {
         *sum += lanes.iter().sum::<u64>();
@@ -477,7 +483,10 @@ fn survivors(loss: &Loss, chance: &Reals, taken: &Mask, ended: &mut [Mask]) -> M
 #[inline(always)]
 fn scatter<const RECORD: bool>([u, v, start]: [&Reals; 3], back: &Mask, work: &mut Scratch) {
     let end = work.bins.count as f64;
-    let size = if RECORD {
+    let listed = RECORD && work.list.is_some();
+    let size = if listed {
+        0.0
+    } else if RECORD {
         (work.histogram.len() - LANES) as f64
     } else {
         work.bins.len() as f64
@@ -504,6 +513,16 @@ fn scatter<const RECORD: bool>([u, v, start]: [&Reals; 3], back: &Mask, work: &m
             size + SPILL[lane]
         };
         at[lane] = (slot + UNITS).to_bits() & 0xffff_ffff;
+    }
+    if let (true, Some(list)) = (listed, &mut work.list) {
+        let mut inside = [0_u32; LANES];
+        let mut count = 0;
+        for lane in 0..LANES {
+            inside[count] = at[lane] as u32;
+            count += (within[lane] >> 63) as usize;
+        }
+        list.extend_from_slice(&inside[..count]);
+        return;
     }
     for bin in at {
         work.histogram[bin as usize] += 1;

@@ -13,7 +13,9 @@ use crate::samples::{Launch, Stream};
 use glam::DVec3;
 use meshes::design::{Design, Shape};
 use meshes::{Cell, Entrance};
+use std::collections::HashSet;
 use std::sync::Arc;
+use tables::deviation::Grid;
 use tables::options::Sampler;
 
 const MIRROR: Rules = Rules {
@@ -472,6 +474,51 @@ fn unlike_bodies_equal_the_whole_mesh_ray_for_ray() {
     }
     let sets = InstructionSet::available().len() as u64;
     assert_eq!(compared, 3 * 4 * 2 * sets * 40_000);
+}
+
+/// Exit directions of unlike cubes are those of single rays, where they are few and counted and
+/// where they are many and listed, on every instruction set.
+#[test]
+fn exit_directions_of_unlike_bodies_equal_those_of_single_rays() {
+    let grid = Grid {
+        cells: 8,
+        bins: 401,
+        range: 0.01,
+    };
+    // 8 MB of counters hold 2,048 exit directions of 32 x 32 bins, and 128 of 128 x 128.
+    let (mut compared, mut most) = (0, [0; 4]);
+    let cases = [(2, 2, 32), (6, 5, 32), (2, 2, 128), (12, 10, 128)];
+    for (most, (columns, rows, bins)) in most.iter_mut().zip(cases) {
+        let sheet = Sheet::new(&bakes::prepared(&uneven(columns, rows)), Index::Auto);
+        let bins = Bins::new(bins, 1.5);
+        for (incidence, azimuth) in [(0.0, 0.0), (20.0, 75.0)] {
+            for sampler in [Sampler::Random, Sampler::Sobol] {
+                let stream = Stream::new(sampler, 5, incidence, azimuth, 0);
+                for set in InstructionSet::available() {
+                    let kernel = Kernel::over(&sheet, &MIRROR, &bins, incidence, azimuth).on(set);
+                    let kernel = kernel.recording(Some(grid));
+                    assert_eq!(kernel.programs().len(), 2 * columns * rows);
+                    let (mut fast, mut plain) = (Tally::new(&bins), Tally::new(&bins));
+                    kernel.trace(&stream, 3..20_003, &mut fast);
+                    kernel.trace_one_by_one(&stream, 3..20_003, &mut plain);
+                    let exits = fast.take_exits();
+                    assert_eq!(exits, plain.take_exits(), "{columns} x {rows}");
+                    assert_eq!(fast, plain);
+                    let directions: HashSet<u64> = exits
+                        .iter()
+                        .map(|entry| entry.place % (401 * 401))
+                        .collect();
+                    *most = directions.len().max(*most);
+                    compared += 20_000;
+                }
+            }
+        }
+    }
+    println!("{compared} rays, up to {most:?} exit directions");
+    // Six paths a cube: the first three cases are counted, and the last is listed.
+    assert!(most[2] <= 48 && most[1] <= 360 && most[3] > 128, "{most:?}");
+    let sets = InstructionSet::available().len();
+    assert_eq!(compared, 4 * 2 * 2 * sets * 20_000);
 }
 
 /// Returns a patch whose cubes all differ, so that each is a kind of its own: every vertex below
