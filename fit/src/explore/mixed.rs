@@ -236,8 +236,11 @@ fn interpolated(lattice: &Lattice, values: &[Complex64], share: [f64; 2]) -> Com
 /// Error of mixing at one place.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Misfit {
-    /// Sum of the differences of all weights: the largest error of a pixel, in units of the
-    /// brightest pixel of an image at the brightest direction.
+    /// Largest error of a pixel in any picture, in units of the brightest pixel of an image at the
+    /// brightest direction.
+    ///
+    /// Light is not negative, so it is the sum of the positive or of the negative differences of
+    /// all weights: that of a picture which is bright just where they are.
     pub pixel: f64,
     /// Largest difference of a weight, in units of the largest weight at the brightest direction.
     pub peak: f64,
@@ -313,9 +316,11 @@ fn misfit_at(mixed: &Mixed<'_>, place: &Viewpoint, brightest: f64) -> Result<Mis
     let differences = spread_of(off);
     let peak = spread_of(whole).into_iter().fold(0.0, f64::max);
     let scale = if own > 0.0 { brightest / own } else { 1.0 };
+    let above: f64 = differences.iter().map(|v| v.max(0.0)).sum();
+    let below: f64 = differences.iter().map(|v| (-v).max(0.0)).sum();
     let largest = differences.iter().map(|v| v.abs()).fold(0.0, f64::max);
     Ok(Misfit {
-        pixel: differences.iter().map(|v| v.abs()).sum::<f64>() / brightest,
+        pixel: above.max(below) / brightest,
         peak: if peak > 0.0 {
             largest / (peak * scale)
         } else {

@@ -21,8 +21,11 @@ const ALONG: usize = 24;
 /// Factor by which the axis with the largest error is made finer.
 const FINER: f64 = 0.6;
 
+/// Factor that is tried where the numbers of a grid that is finer by [`FINER`] do not fit.
+const LITTLE_FINER: f64 = 0.8;
+
 /// Grids that are tried at most.
-const MOST_GRIDS: usize = 8;
+const MOST_GRIDS: usize = 10;
 
 /// Axes along which a grid can be made finer.
 const AXES: [Axis; 4] = [Axis::Incidence, Axis::Azimuth, Axis::State, Axis::None];
@@ -56,15 +59,20 @@ pub(crate) fn grid(
     };
     let mut fineness = Fineness::first(sheet);
     let mut best: Option<Found> = None;
+    let mut coarser: Option<Fineness> = None;
     let mut tried = 0;
     loop {
         tried += 1;
         let grid = match Grid::new(sheet, span, &fineness) {
             Ok(grid) => grid,
-            Err(error) => {
-                let large = matches!(error, Error::Large { .. });
-                return best.filter(|_| large).ok_or(error);
-            }
+            Err(error @ Error::Large { .. }) => match coarser.take() {
+                Some(coarser) => {
+                    fineness = coarser;
+                    continue;
+                }
+                None => return best.ok_or(error),
+            },
+            Err(error) => return Err(error),
         };
         let error = |sheet: &Fitted<'_>, places: &[Viewpoint]| {
             let mixed = Mixed {
@@ -76,11 +84,12 @@ pub(crate) fn grid(
         let spread = spread(sheet, &grid, span);
         let found = error(sheet, &spread)?.or(error(&sharpest, &spread)?);
         step(tried);
-        let enough = found.larger() <= WANTED || tried == MOST_GRIDS;
+        let enough = found.larger() <= WANTED || tried >= MOST_GRIDS;
         let worst = match enough {
             true => None,
             false => {
-                let along = |axis| Ok(error(sheet, &along(sheet, &grid, span, axis))?.larger());
+                let one = |sheet, axis| error(sheet, &along(sheet, &grid, span, axis));
+                let along = |axis| Ok(one(sheet, axis)?.or(one(&sharpest, axis)?).larger());
                 let errors = AXES
                     .map(along)
                     .into_iter()
@@ -99,16 +108,23 @@ pub(crate) fn grid(
             return Ok(kept);
         };
         best = Some(kept);
-        match AXES[worst] {
-            Axis::Incidence => fineness.incidence_deg *= FINER,
-            Axis::Azimuth => fineness.azimuth_deg *= FINER,
-            Axis::State => fineness.state *= FINER,
-            Axis::None => {
-                fineness.lost *= FINER;
-                fineness.bends /= FINER;
-            }
+        coarser = Some(finer(fineness, AXES[worst], LITTLE_FINER));
+        fineness = finer(fineness, AXES[worst], FINER);
+    }
+}
+
+/// Returns the fineness of a grid whose steps along one axis are multiplied by `factor`.
+fn finer(mut fineness: Fineness, axis: Axis, factor: f64) -> Fineness {
+    match axis {
+        Axis::Incidence => fineness.incidence_deg *= factor,
+        Axis::Azimuth => fineness.azimuth_deg *= factor,
+        Axis::State => fineness.state *= factor,
+        Axis::None => {
+            fineness.lost *= factor;
+            fineness.bends /= factor;
         }
     }
+    fineness
 }
 
 /// Returns a result with c and the spread multiplied by a factor.

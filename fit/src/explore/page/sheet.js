@@ -17,14 +17,34 @@ for (const { end, points } of data.lattices) {
 }
 const { tail: TAIL, cut: CUT, faint: FAINT } = data;
 
-// Unpacks the transforms: all lower bytes, then all upper bytes, in zlib's format.
+// Unpacks the transforms: all lower bytes, then all upper bytes, in zlib's format. They are
+// differences (see `packed` in grid.rs), with the sign in the lowest bit.
 async function unpack() {
   const packed = Uint8Array.from(atob(data.values), (c) => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
   const count = bytes.length / 2;
   grid.values = new Int16Array(count);
-  for (let k = 0; k < count; k++) grid.values[k] = bytes[k] | (bytes[count + k] << 8);
+  for (let k = 0; k < count; k++) {
+    const coded = bytes[k] | (bytes[count + k] << 8);
+    grid.values[k] = (coded >> 1) ^ -(coded & 1);
+  }
+  for (let start = 0; start < count; start += grid.numbers) {
+    for (const lattice of grid.lattices) addUp(start + lattice.start, lattice);
+  }
+}
+
+// Adds the differences of a lattice up, twice along its rows and once along its columns. The array
+// takes all sums modulo 2^16.
+function addUp(first, { columns, rows }) {
+  const { parts, values } = grid;
+  const width = columns * parts;
+  for (let row = first; row < first + rows * width; row += width) {
+    for (let twice = 0; twice < 2; twice++) {
+      for (let k = row + parts; k < row + width; k++) values[k] += values[k - parts];
+    }
+    if (row > first) for (let k = row; k < row + width; k++) values[k] += values[k - width];
+  }
 }
 
 // ---- Parameters.
