@@ -436,6 +436,7 @@ class Result:
         azimuth: float | None = None,
         *,
         pixel_pitch: float | None = None,
+        width: float | None = None,
         tangential_axis: float | None = None,
         seen_in_mirror: bool = False,
         ambient: float | None = None,
@@ -461,6 +462,8 @@ class Result:
             Floating distance R (mm) and direction (degrees).
         pixel_pitch : float, optional
             Side of a pixel in the plane of the image, mm; that of the photographs if left out.
+        width : float, optional
+            Width of the picture in the plane of the image, mm, in place of `pixel_pitch`.
         exposure, ambient : float, optional
             Factor on the light, and light behind the image.
         auto_exposure : bool
@@ -478,6 +481,7 @@ class Result:
             incidence=incidence,
             azimuth=azimuth,
             pixel_pitch=pixel_pitch,
+            width=width,
             tangential_axis=tangential_axis,
             seen_in_mirror=seen_in_mirror,
             ambient=ambient,
@@ -492,10 +496,10 @@ class Result:
             sequence=sequence,
             threads=threads,
         )
-        if not self._has_pitch and pixel_pitch is None and view is None:
+        if not self._has_pitch and pixel_pitch is None and width is None and view is None:
             raise Error(
-                "numbers of a sheet have no camera; give pixel_pitch, the width of the picture in "
-                "mm divided by its width in pixels"
+                "numbers of a sheet have no camera; give width, the width of the picture in the "
+                "air, mm, or pixel_pitch"
             )
         named = dict(source="picture", params="result", table="table", output="image.exr")
         with refusals():
@@ -725,9 +729,10 @@ def load(path: File, table: Table | File, *, channel: str | None = None) -> Resu
 
 
 def sheet(
-    table: Table | File,
+    table: Table | File | None = None,
     *,
-    c: float,
+    sheet: str | None = None,
+    c: float | None = None,
     wavelength_nm: str | float | None = None,
     a: float | None = None,
     a_times_r: float | None = None,
@@ -740,9 +745,12 @@ def sheet(
 
     Parameters
     ----------
-    table : Table or path
-        Table of its cell.
-    c : float
+    table : Table or path, optional
+        Table of its cell. A named sheet brings its own.
+    sheet : str, optional
+        Name of a nominal sheet, such as ``"prism-0.1"``, whose numbers come from public sources and
+        from assumptions (``fit render --help`` lists them). Or give ``c``:
+    c : float, optional
         Corner size, mm.
     wavelength_nm, a, a_times_r
         What spreads the light: wave optics at these wavelengths; a lobe of this a (1/mm) at every
@@ -754,8 +762,15 @@ def sheet(
     pixel_pitch : float, optional
         Side of a pixel of pictures, mm, for `Result.render`.
     """
-    source = table if isinstance(table, Table) else open_table(table)
+    if table is not None:
+        source = table if isinstance(table, Table) else open_table(table)
+    elif sheet is not None:
+        with refusals():
+            source = Table(_airr.table_of_sheet(sheet))
+    else:
+        raise TypeError("give the table of the sheet's cell, or the name of a nominal sheet")
     options = dict(
+        sheet=sheet,
         c=c,
         wavelength_nm=wavelength_nm,
         a=a,

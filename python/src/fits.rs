@@ -91,6 +91,13 @@ pub(crate) fn sheet(words: Words, table: PyRef<'_, Table>) -> PyResult<Result> {
     Ok(Result { result, fit: None })
 }
 
+/// Reads the table of a nominal sheet.
+#[pyfunction]
+pub(crate) fn table_of_sheet(name: &str) -> PyResult<Table> {
+    let table = calls::table_of_sheet(name).map_err(refusal)?;
+    Ok(Table::held(table, name))
+}
+
 /// Predicts MTF and luminance; returns JSON.
 #[pyfunction]
 pub(crate) fn predict(

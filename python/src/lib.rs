@@ -46,7 +46,7 @@ mod _airr {
     #[pymodule_export]
     use super::fits::{
         Result, estimate, measure, predict, read_picture, read_result, render, sheet, simulate,
-        study,
+        study, table_of_sheet,
     };
     #[pymodule_export]
     use super::mesh::{Mesh, design};

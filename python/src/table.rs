@@ -25,6 +25,14 @@ pub(crate) struct Table {
 }
 
 impl Table {
+    /// Returns a table that the program holds.
+    pub(crate) fn held(table: tables::Table, name: &str) -> Table {
+        Table {
+            table: Arc::new(table),
+            name: name.into(),
+        }
+    }
+
     /// Returns the table with its name for messages.
     pub(crate) fn named(&self) -> (PathBuf, Arc<tables::Table>) {
         (self.name.clone(), Arc::clone(&self.table))

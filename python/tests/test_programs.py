@@ -185,6 +185,16 @@ class Numbers(Case):
                 np.testing.assert_array_equal(at.mtf, told[index]["mtf"])
             image = quiet(sheet.render, picture, 300, 20, auto_exposure=True)
             self.assertAlmostEqual(float(image.max()), 0.5, delta=1e-6)
+        told = run(
+            "fit", "predict", "--sheet=published", "--distance=300", "--incidence=20", "--json"
+        )  # fmt: skip
+        told = json.loads(told.stdout)["predictions"]
+        made = quiet(quiet(airr.sheet, sheet="published", pixel_pitch=0.1).predict, 300, 20)
+        np.testing.assert_array_equal(made.sel(axis="tangential").squeeze().mtf, told[0]["mtf"])
+        with self.assertRaisesRegex(airr.Error, "prism-0.1"):
+            airr.sheet(sheet="prism")
+        with self.assertRaises(TypeError):
+            airr.sheet(c=0.2)
         with self.assertRaises(airr.Error):
             airr.sheet(self.table, c=0.2)
         with self.assertRaisesRegex(airr.Error, "pixel_pitch"):

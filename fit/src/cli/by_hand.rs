@@ -1,16 +1,29 @@
 //! The options of a sheet without a fit.
 
+use std::path::Path;
+
+use clap::ArgGroup;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tables::Table;
 
 use crate::cli::failure::Failure;
 use crate::cli::parse;
 use crate::names::{Kernel, Spectrum};
-use crate::result::{ByHand, ResultFile, Spread, TableResult};
+use crate::result::{ByHand, Nominal, ResultFile, Spread, TableResult};
 
 /// Numbers of a sheet that nobody has fitted. They take the place of a result.
 #[derive(Debug, Clone, clap::Args)]
-#[command(next_help_heading = "Sheet without a fit")]
+#[command(
+    next_help_heading = "Sheet without a fit",
+    group = ArgGroup::new("own_sheet").args(["sheet", "c"])
+)]
 pub(crate) struct Numbers {
+    /// Sheet whose numbers come from public sources, and from assumptions.
+    ///
+    /// It takes the place of a result. It brings a table of its cell, so that --table can be left
+    /// out.
+    #[arg(long, value_name = "NAME", value_parser = sheets())]
+    pub sheet: Option<&'static Nominal>,
     /// Corner size c, mm: the edge of a cube from its apex.
     ///
     /// It takes the place of a result. Give what spreads the light too: --wavelength-nm, --a or
@@ -54,13 +67,14 @@ pub(crate) struct Numbers {
     pub a_times_r: Option<f64>,
     /// Reflectance mu of the sheet.
     ///
-    /// Without it the luminance is not known, and an image has the brightness of its source.
+    /// Without it the luminance is not known, and an image has the brightness of its source. A
+    /// --sheet has its own.
     #[arg(
         long,
         value_name = "MU",
         value_parser = parse::share,
         allow_negative_numbers = true,
-        requires = "c"
+        requires = "own_sheet"
     )]
     pub mu: Option<f64>,
     /// Transmittance times reflectance of the half mirror; 0.25 if left out.
@@ -69,9 +83,16 @@ pub(crate) struct Numbers {
         value_name = "TR",
         value_parser = parse::share,
         allow_negative_numbers = true,
-        requires = "c"
+        requires = "own_sheet"
     )]
     pub half_mirror: Option<f64>,
+}
+
+/// Returns the parser of the names of nominal sheets.
+fn sheets() -> impl TypedValueParser<Value = &'static Nominal> {
+    let named = |sheet: &'static Nominal| PossibleValue::new(sheet.name).help(sheet.about);
+    PossibleValuesParser::new(Nominal::all().iter().map(named))
+        .try_map(|name| Nominal::named(&name).ok_or("no such sheet"))
 }
 
 fn kernel(text: &str) -> Result<Kernel, String> {
@@ -84,6 +105,21 @@ fn kernel(text: &str) -> Result<Kernel, String> {
 const HALF_MIRROR: f64 = 0.25;
 
 impl Numbers {
+    /// Reads the table of a file, or that of the nominal sheet where no file is named.
+    ///
+    /// # Errors
+    /// Returns the errors of reading, and [`Failure::Usage`] without a file and a sheet.
+    pub(super) fn table(&self, verb: &'static str, file: Option<&Path>) -> Result<Table, Failure> {
+        match (file, self.sheet) {
+            (Some(file), _) => Ok(tables::read(file)?),
+            (None, Some(sheet)) => Ok(sheet.table()?),
+            (None, None) => {
+                let message = "give the table of the sheet's cell: --table";
+                Err(Failure::conflict(verb, message))
+            }
+        }
+    }
+
     /// Returns the numbers as a result of this table.
     ///
     /// `pixel_pitch_mm` is that of images, mm.
@@ -97,9 +133,15 @@ impl Numbers {
         pixel_pitch_mm: f64,
         table: &Table,
     ) -> Result<ResultFile, Failure> {
+        let half_mirror = self.half_mirror.unwrap_or(HALF_MIRROR);
+        if let Some(sheet) = self.sheet {
+            // A table that is named must be of the same cell: this is checked with every result.
+            let own = TableResult::of(&sheet.table()?);
+            return Ok(sheet.result(own, self.mu, half_mirror, pixel_pitch_mm));
+        }
         let Some(c_mm) = self.c else {
-            let message = "give a result, or the numbers of a sheet: --c with --wavelength-nm, \
-                --a or --a-times-r";
+            let message = "give a result, a --sheet, or the numbers of a sheet: --c with \
+                --wavelength-nm, --a or --a-times-r";
             return Err(Failure::conflict(verb, message));
         };
         let spread = match (&self.wavelength_nm, self.a, self.a_times_r) {
@@ -116,7 +158,7 @@ impl Numbers {
             c_mm,
             spread,
             mu: self.mu,
-            half_mirror: self.half_mirror.unwrap_or(HALF_MIRROR),
+            half_mirror,
             pixel_pitch_mm,
         };
         let result = sheet.result(TableResult::of(table));

@@ -20,10 +20,11 @@ use crate::cli::failure::Failure;
 use crate::cli::host::Host;
 use crate::cli::{estimate, mtf, output, parse, predict, render, simulate, study};
 use crate::estimate::{OtherTable, error};
+use crate::images::UNWATCHED;
 use crate::photographs::photo::held::Held;
 use crate::photographs::photo::picture::Picture;
 use crate::predict::Fitted;
-use crate::result::ResultFile;
+use crate::result::{Nominal, ResultFile};
 
 pub use crate::cli::host::Caller;
 pub use tables::cli::Refused;
@@ -147,6 +148,21 @@ pub fn sheet(words: &[OsString], table: &Table) -> Result<ResultFile, Refused> {
         .result("fit predict", sheet.pixel_pitch, table)?)
 }
 
+/// Reads the table of a nominal sheet.
+///
+/// # Errors
+/// Returns [`Refused`] if no sheet has this name.
+pub fn table_of_sheet(name: &str) -> Result<Table, Refused> {
+    let Some(sheet) = Nominal::named(name) else {
+        let names: Vec<&str> = Nominal::all().iter().map(|sheet| sheet.name).collect();
+        return Err(Refused::Sentence(format!(
+            "no sheet is named {name}; take one of {}",
+            names.join(", ")
+        )));
+    };
+    Ok(sheet.table().map_err(Failure::from)?)
+}
+
 /// Predicts MTF and luminance, as `fit predict --json` does.
 ///
 /// # Errors
@@ -173,7 +189,8 @@ pub fn render(
         .map_err(Failure::from)?;
     let sheet = Fitted::new(result, table).map_err(Failure::from)?;
     let pool = terminal::pool(arguments.threads).map_err(Failure::from)?;
-    let (image, facts) = pool.install(|| render::rendered(&arguments, &sheet, &source))?;
+    let (image, facts) =
+        pool.install(|| render::rendered(&arguments, &sheet, &source, UNWATCHED))?;
     Ok((image, output::json(&facts)))
 }
 

@@ -8,7 +8,7 @@ use tables::Outputs;
 use tables::cli as terminal;
 
 use crate::cli::by_hand::Numbers;
-use crate::cli::estimate::read_result;
+use crate::cli::estimate::read_channel;
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
@@ -38,7 +38,8 @@ Examples:
   fit explore result.json --table pair.h5 --source content.png \\
       --farthest 10000 -o explore.html --json
 
-Without a fit, give the numbers of a sheet by hand:
+Without a fit, name a sheet, or give the numbers of a sheet by hand:
+  fit explore --sheet prism-0.1 -o prisms.html
   fit explore --c 0.15 --wavelength-nm 550 --mu 0.5 --table pair.h5 \\
       -o explore.html
 
@@ -46,19 +47,26 @@ Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
     /// Result that `fit estimate -o` wrote, as JSON.
     ///
-    /// Without a fit, give --c and its companions instead.
+    /// Without a fit, give --sheet, or --c and its companions, instead.
     #[arg(
         value_name = "RESULT.json",
-        required_unless_present = "c",
-        conflicts_with = "c"
+        required_unless_present = "own_sheet",
+        conflicts_with = "own_sheet"
     )]
     pub result: Option<PathBuf>,
+    /// Channel of a result of several channels: red, green or blue.
+    ///
+    /// `fit estimate --channel each` writes such results.
+    #[arg(long, value_name = "NAME", conflicts_with = "own_sheet")]
+    pub channel: Option<String>,
     /// Numbers of a sheet without a fit.
     #[command(flatten)]
     pub by_hand: Numbers,
     /// Ray-shift table of the fitted cell, from `bake trace`.
-    #[arg(long, value_name = "TABLE.h5")]
-    pub table: PathBuf,
+    ///
+    /// A --sheet brings its own.
+    #[arg(long, value_name = "TABLE.h5", required_unless_present = "sheet")]
+    pub table: Option<PathBuf>,
     /// Picture that the page shows first.
     ///
     /// Its longer side is brought to at most 512 pixels.
@@ -136,17 +144,22 @@ struct Facts {
 /// # Errors
 /// Fails if the result, the table or the picture cannot be used, or if the page cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let inputs = [&arguments.table].into_iter();
+    let inputs = arguments.table.iter();
     let inputs = inputs.chain(&arguments.result).chain(&arguments.source);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = outputs.reserve(&arguments.output)?;
-    let table = tables::read(&arguments.table)?;
+    let table = (arguments.by_hand).table("fit explore", arguments.table.as_deref())?;
     let (result, title) = match &arguments.result {
-        Some(file) => (read_result(file)?, file.display().to_string()),
+        Some(file) => (
+            read_channel(file, arguments.channel.as_deref())?,
+            file.display().to_string(),
+        ),
         // The page chooses the size of its pixels itself.
         None => (
             arguments.by_hand.result("fit explore", 1.0, &table)?,
-            "numbers given by hand".into(),
+            (arguments.by_hand.sheet)
+                .map_or("numbers given by hand", |sheet| sheet.name)
+                .into(),
         ),
     };
     let sheet = Fitted::new(&result, &table)?;

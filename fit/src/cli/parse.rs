@@ -7,6 +7,7 @@ use tables::cli::list;
 use crate::cli::failure::Failure;
 use crate::document::Bounds;
 use crate::photographs::photo::transfer::Transfer;
+use crate::result::ResultFile;
 
 /// Reads a list of incidence angles, degrees.
 ///
@@ -39,6 +40,13 @@ pub(crate) fn only_azimuth(table: &tables::Table) -> Option<f64> {
         [azimuth] if !azimuth.is_nan() => Some(azimuth),
         _ => None,
     }
+}
+
+/// Returns the azimuth of light that nobody named: that of the table if it holds one, and 0 for a
+/// nominal sheet.
+pub(crate) fn usual_azimuth(table: &tables::Table, result: &ResultFile) -> Option<f64> {
+    let all_around = result.is_nominal() && !table.axes.is_mean();
+    only_azimuth(table).or(all_around.then_some(0.0))
 }
 
 /// Reads a list of numbers above 0.

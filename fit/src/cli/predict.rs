@@ -46,6 +46,7 @@ Examples:
       --azimuth 30 --plot mtf.svg --json
   fit predict result.json --table pair.h5 --distance 150 --incidence 0:45:5 \\
       --frequency 0.5,1,2 --against incidence --plot against.svg -o against.csv
+  fit predict --sheet prism-0.1 --distance 1000,3000 --incidence 0,20
   fit predict --c 0.15 --wavelength-nm 550 --mu 0.5 --table pair.h5 \\
       --distance 3000 --incidence 20 --azimuth 30
   fit predict result.json --table pair.h5 --distance 150 --incidence 20 \\
@@ -55,15 +56,15 @@ Words and formulas: fit/doc/model.md")]
 pub(crate) struct Arguments {
     /// Result that `fit estimate -o` wrote, as JSON.
     ///
-    /// Without a fit, give --c and its companions instead.
-    #[arg(required_unless_present = "c", conflicts_with = "c")]
+    /// Without a fit, give --sheet, or --c and its companions, instead.
+    #[arg(required_unless_present = "own_sheet", conflicts_with = "own_sheet")]
     pub result: Option<PathBuf>,
     /// Ray-shift table of the fitted cell, from `bake trace`.
     ///
     /// Give the table of the fit, or one of the same mesh and refractive index with more
-    /// directions.
-    #[arg(long, value_name = "TABLE.h5")]
-    pub table: PathBuf,
+    /// directions. A --sheet brings its own.
+    #[arg(long, value_name = "TABLE.h5", required_unless_present = "sheet")]
+    pub table: Option<PathBuf>,
     /// Floating distances R, mm.
     ///
     /// R is the length of the principal ray from the sheet to the image.
@@ -77,7 +78,7 @@ pub(crate) struct Arguments {
     /// Incidence angles in the air, degrees.
     #[arg(long, value_name = "LIST", value_parser = parse::incidences)]
     pub incidence: std::vec::Vec<f64>,
-    /// Azimuths of the light, degrees; that of the table if it holds one.
+    /// Azimuths of the light, degrees; that of the table if it holds one, 0 for a --sheet.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true, value_parser = terminal::list)]
     pub azimuth: Option<std::vec::Vec<f64>>,
     /// Numbers of a sheet without a fit.
@@ -179,19 +180,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             ),
         ));
     }
-    let inputs = arguments.result.iter().chain([&arguments.table]);
+    let inputs = arguments.result.iter().chain(&arguments.table);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
     let output = terminal::reserve(arguments.output.as_deref(), &mut outputs)?;
     #[cfg(feature = "report")]
     let picture = terminal::reserve_plot(arguments.plot.as_deref(), &mut outputs)?;
-    let table = tables::read(&arguments.table)?;
+    let numbers = &arguments.by_hand;
+    let table = numbers.table("fit predict", arguments.table.as_deref())?;
     let result = match &arguments.result {
         Some(file) => {
             let result = read_channel(file, arguments.channel.as_deref())?;
             check_model(file, &result, arguments.model)?;
             result
         }
-        None => arguments.by_hand.result("fit predict", 1.0, &table)?,
+        None => numbers.result("fit predict", 1.0, &table)?,
     };
     let found = predicted(arguments, &result, &table)?;
     terminal::warn(&found.warnings);
@@ -251,7 +253,7 @@ pub(super) fn predicted(
     let mut places = Places {
         floating_distance_mm: arguments.distance.clone(),
         incidence_deg: arguments.incidence.clone(),
-        azimuth_deg: parse::only_azimuth(table),
+        azimuth_deg: parse::usual_azimuth(table, result),
         frequency_per_mm: arguments.frequency.iter().map(|f| f.abs()).collect(),
     };
     let mut predictions = Vec::new();

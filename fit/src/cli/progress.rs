@@ -18,13 +18,17 @@ impl Progress {
     /// Shows a bar for this many campaigns, none of them done.
     #[cfg(feature = "report")]
     pub(crate) fn of(campaigns: u64) -> Progress {
-        Progress::with(campaigns, "{bar:40} {pos}/{len} campaigns, {eta} left")
+        Progress::with(
+            campaigns,
+            "{bar:40} {pos}/{len} campaigns, {per_sec}, {eta} left",
+        )
     }
 
-    /// Shows a bar for the steps of an estimate, see [`Progress::show`].
+    /// Shows a bar for the steps of an estimate or a render, see [`Progress::show`] and
+    /// [`Progress::part`].
     #[cfg(feature = "report")]
     pub(crate) fn of_steps() -> Progress {
-        Progress::with(0, "{bar:40} {pos}/{len} {msg}, {eta} left")
+        Progress::with(0, "{bar:40} {pos}/{len} {msg}, {per_sec}, {eta} left")
     }
 
     /// Shows how many grids of a page have been tried, and for how long.
@@ -60,9 +64,14 @@ impl Progress {
     /// Shows a step of an estimate that is done. Each kind of step has a bar of its own.
     #[cfg(feature = "report")]
     pub(crate) fn show(&self, step: Step) {
-        let Some((what, done, of)) = step.words() else {
-            return;
-        };
+        if let Some((what, done, of)) = step.words() {
+            self.part(what, done, of);
+        }
+    }
+
+    /// Shows that `done` pieces of a kind of work are done. Each kind has a bar of its own.
+    #[cfg(feature = "report")]
+    pub(crate) fn part(&self, what: &'static str, done: usize, of: usize) {
         if self.bar.message() != what {
             self.bar.set_message(what);
             self.bar.reset();
@@ -74,6 +83,10 @@ impl Progress {
     /// Shows nothing.
     #[cfg(not(feature = "report"))]
     pub(crate) fn show(&self, _: Step) {}
+
+    /// Shows nothing.
+    #[cfg(all(feature = "images", not(feature = "report")))]
+    pub(crate) fn part(&self, _: &'static str, _: usize, _: usize) {}
 
     /// Counts one campaign as done.
     pub(crate) fn step(&self) {

@@ -10,20 +10,20 @@ use tables::cli as terminal;
 use tables::{Outputs, Table};
 
 use crate::cli::by_hand::Numbers;
-use crate::cli::estimate::{check_model, read_result};
+use crate::cli::estimate::{check_model, read_channel};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::parse;
+use crate::cli::progress::Progress;
 use crate::cli::render::facts::{Contrast, Range, Report, Seconds, TileReport, automatic};
 use crate::cli::sampled::Samples;
 use crate::estimate::Forward;
-use crate::images::Scale;
-use crate::images::Viewpoint;
 use crate::images::render;
 use crate::images::render::psf::Psf;
 use crate::images::render::sampled;
 use crate::images::render::sampled::Spotted;
 use crate::images::render::view::CameraView;
+use crate::images::{Part, Scale, Viewpoint, Watch};
 use crate::names::Family;
 use crate::photographs::photo;
 use crate::photographs::photo::picture::{Picture, Writing};
@@ -50,10 +50,13 @@ Examples:
       --distance 300 --incidence 20 --azimuth 30 --forward render --samples 64 \\
       -o sampled.exr --json
 
-Without a fit, give the numbers of a sheet by hand. This sign is 3 m away:
+Without a fit, name a sheet, or give the numbers of a sheet by hand. These signs
+are 0.2 m wide, and 1 m and 3 m away:
+  fit render --source content.png --sheet prism-0.1 --width 200 --distance 1000 \\
+      --incidence 20 --auto-exposure --beside -o near.png
   fit render --source content.png --c 0.15 --wavelength-nm 550 --mu 0.5 \\
       --table pair.h5 --distance 3000 --incidence 20 --azimuth 30 \\
-      --pixel-pitch 0.5 --auto-exposure --beside -o far.png
+      --width 200 --auto-exposure --beside -o far.png
 
 With --view, a camera sees the sheet. Each pixel then has its own incidence,
 azimuth and distance, and with them its own blur and brightness. The table must
@@ -83,20 +86,27 @@ pub(crate) struct Arguments {
     pub source: PathBuf,
     /// Result that `fit estimate -o` wrote, as JSON.
     ///
-    /// Without a fit, give --c and its companions instead.
+    /// Without a fit, give --sheet, or --c and its companions, instead.
     #[arg(
         long,
         value_name = "RESULT.json",
-        required_unless_present = "c",
-        conflicts_with = "c"
+        required_unless_present = "own_sheet",
+        conflicts_with = "own_sheet"
     )]
     pub params: Option<PathBuf>,
+    /// Channel of a result of several channels: red, green or blue.
+    ///
+    /// `fit estimate --channel each` writes such results.
+    #[arg(long, value_name = "NAME", conflicts_with = "own_sheet")]
+    pub channel: Option<String>,
     /// Numbers of a sheet without a fit.
     #[command(flatten)]
     pub by_hand: Numbers,
     /// Ray-shift table of the fitted cell, from `bake trace`.
-    #[arg(long, value_name = "TABLE.h5")]
-    pub table: PathBuf,
+    ///
+    /// A --sheet brings its own.
+    #[arg(long, value_name = "TABLE.h5", required_unless_present = "sheet")]
+    pub table: Option<PathBuf>,
     /// Floating distance R, mm.
     ///
     /// R is the length of the principal ray from the sheet to the image.
@@ -126,7 +136,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "VIEW.toml",
         conflicts_with_all = [
-            "distance", "incidence", "azimuth", "pixel_pitch", "tangential_axis",
+            "distance", "incidence", "azimuth", "pixel_pitch", "width", "tangential_axis",
             "seen_in_mirror", "ambient"
         ],
         help_heading = "Place"
@@ -143,7 +153,7 @@ pub(crate) struct Arguments {
         help_heading = "Place"
     )]
     pub tolerance: f64,
-    /// Azimuth of the light, degrees; that of the table if it holds one.
+    /// Azimuth of the light, degrees; that of the table if it holds one, 0 for a --sheet.
     #[arg(
         long,
         value_name = "DEG",
@@ -157,6 +167,15 @@ pub(crate) struct Arguments {
     /// Without this option, it is that of the fitted photographs.
     #[arg(long, value_name = "MM", value_parser = parse::positive, help_heading = "Picture")]
     pub pixel_pitch: Option<f64>,
+    /// Width of the picture in the air, mm, in place of --pixel-pitch.
+    #[arg(
+        long,
+        value_name = "MM",
+        value_parser = parse::positive,
+        conflicts_with = "pixel_pitch",
+        help_heading = "Picture"
+    )]
+    pub width: Option<f64>,
     /// Direction of the plane of incidence, degrees.
     ///
     /// It is measured in the picture: 0 is right, 90 is down.
@@ -244,9 +263,9 @@ pub(crate) struct Arguments {
 /// Fails if the source, the result, the table or the view cannot be used, if the table lacks a
 /// direction, or if the output cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let inputs = [&arguments.source, &arguments.table];
+    let inputs = [&arguments.source].into_iter();
     let inputs = inputs
-        .into_iter()
+        .chain(&arguments.table)
         .chain(&arguments.params)
         .chain(&arguments.view);
     let mut outputs = Outputs::beside(inputs.map(PathBuf::as_path));
@@ -255,16 +274,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let writing = Writing::of(&arguments.output).ok_or_else(ending)?;
     let output = outputs.reserve(&arguments.output)?;
-    let table = tables::read(&arguments.table)?;
-    let result = arguments.result(&table)?;
-    let sheet = Fitted::new(&result, &table)?;
+    let table = (arguments.by_hand).table("fit render", arguments.table.as_deref())?;
     let pool = terminal::pool(arguments.threads)?;
 
     let started = Instant::now();
     let source = pool.install(|| photo::load_colour(&arguments.source, arguments.transfer))?;
+    let result = arguments.result(&table, source.width)?;
+    let sheet = Fitted::new(&result, &table)?;
     let read = started.elapsed().as_secs_f64();
 
-    let (image, mut report) = pool.install(|| rendered(arguments, &sheet, &source))?;
+    let progress = Progress::of_steps();
+    let show = |part: Part| progress.part(part.what, part.done, part.of);
+    let made = pool.install(|| rendered(arguments, &sheet, &source, &show));
+    progress.done();
+    let (image, mut report) = made?;
     let rendered = started.elapsed().as_secs_f64();
 
     report.warnings.extend(clipped(&image, writing));
@@ -284,24 +307,32 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// Returns the result of the file that is named, or the numbers that are given.
+    /// Returns the result of the file that is named, or the numbers that are given, for a picture
+    /// of so many columns.
     ///
     /// # Errors
     /// Fails if the file cannot be used, and returns [`Failure::Usage`] if the numbers say nothing
     /// of diffraction or nothing says how large a pixel is.
-    fn result(&self, table: &Table) -> Result<ResultFile, Failure> {
+    fn result(&self, table: &Table, columns: usize) -> Result<ResultFile, Failure> {
         let Some(file) = &self.params else {
-            let pitch = self.pixel_pitch.or(self.view.is_some().then_some(1.0));
+            let pitch = self.pitch_mm(columns);
+            let pitch = pitch.or(self.view.is_some().then_some(1.0));
             let pitch = pitch.ok_or_else(|| {
-                let message = "numbers of a sheet have no camera; give --pixel-pitch, the width of \
-                    the picture in mm divided by its width in pixels";
+                let message = "numbers of a sheet have no camera; give --width, the width of the \
+                    picture in the air, mm";
                 Failure::conflict("fit render", message)
             })?;
             return self.by_hand.result("fit render", pitch, table);
         };
-        let result = read_result(file)?;
+        let result = read_channel(file, self.channel.as_deref())?;
         check_model(file, &result, self.model)?;
         Ok(result)
+    }
+
+    /// Returns the side of a pixel that the options name, mm, for a picture of so many columns.
+    fn pitch_mm(&self, columns: usize) -> Option<f64> {
+        self.pixel_pitch
+            .or(self.width.map(|width_mm| width_mm / columns as f64))
     }
 }
 
@@ -314,19 +345,20 @@ pub(super) fn rendered(
     arguments: &Arguments,
     sheet: &Fitted<'_>,
     source: &Picture,
+    watch: Watch<'_>,
 ) -> Result<(Picture, Report), Failure> {
     let (result, table) = (sheet.result, sheet.table);
     let view = arguments.view.as_deref().map(CameraView::load).transpose();
     let view = view.map_err(render::Error::from)?;
-    let pitch = arguments.pixel_pitch;
+    let pitch = arguments.pitch_mm(source.width);
     let pitch = pitch.unwrap_or(result.camera.pixel_pitch_mm);
     let pitch_mm = view.as_ref().map_or(pitch, CameraView::pitch_mm);
     let ambient = view.as_ref().map_or(arguments.ambient, |view| view.ambient);
     let seen = match &view {
-        Some(view) => from_camera(source, sheet, view, arguments),
-        None => from_afar(source, sheet, pitch_mm, arguments),
+        Some(view) => from_camera(source, sheet, view, arguments, watch),
+        None => from_afar(source, sheet, pitch_mm, arguments, watch),
     }?;
-    let mut warnings = warnings(source, &seen);
+    let mut warnings = warnings(source, &seen, table);
     let places: Vec<Viewpoint> = seen.spots.iter().map(|spot| spot.place).collect();
     warnings.extend(remarks(result, table, &places)?);
     let mut image = seen.image;
@@ -437,10 +469,11 @@ fn from_afar(
     sheet: &Fitted<'_>,
     pitch_mm: f64,
     arguments: &Arguments,
+    watch: Watch<'_>,
 ) -> Result<Seen, render::Error> {
     let place = Viewpoint {
         incidence_deg: arguments.incidence.unwrap_or(0.0),
-        azimuth_deg: arguments.azimuth.or(parse::only_azimuth(sheet.table)),
+        azimuth_deg: (arguments.azimuth).or(parse::usual_azimuth(sheet.table, sheet.result)),
         r_mm: arguments.distance.unwrap_or(f64::NAN),
     };
     let scale = Scale {
@@ -451,11 +484,13 @@ fn from_afar(
     Ok(match arguments.forward {
         Forward::Spectral => {
             let psf = render::uniform_psf(sheet, &place, &scale)?;
-            Seen::by_transforms(render::uniform(source, &psf), vec![place], &[psf])
+            let image = render::uniform(source, &psf, watch);
+            Seen::by_transforms(image, vec![place], &[psf])
         }
         Forward::Render => {
             let sampling = arguments.samples.sampling();
-            Seen::by_samples(sampled::uniform(source, sheet, &place, &scale, sampling)?)
+            let found = sampled::uniform(source, sheet, &place, &scale, sampling, watch)?;
+            Seen::by_samples(found)
         }
     })
 }
@@ -466,12 +501,14 @@ fn from_camera(
     sheet: &Fitted<'_>,
     view: &CameraView,
     arguments: &Arguments,
+    watch: Watch<'_>,
 ) -> Result<Seen, render::Error> {
     let half_mirror = sheet.result.half_mirror;
     Ok(match arguments.forward {
         Forward::Spectral => {
             let tolerance = arguments.tolerance;
-            let (image, tiles) = render::viewed(source, sheet, view, half_mirror, tolerance)?;
+            let (image, tiles) =
+                render::viewed(source, sheet, view, half_mirror, tolerance, watch)?;
             let [width, height] = [source.width, source.height].map(|n| n as f64);
             let places = tiles.corner_places().map(|[x, y]| {
                 let seen = view.at([x - 0.5 * (width - 1.0), y - 0.5 * (height - 1.0)]);
@@ -488,7 +525,7 @@ fn from_camera(
         }
         Forward::Render => {
             let sampling = arguments.samples.sampling();
-            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling)?;
+            let sampled = sampled::viewed(source, sheet, view, half_mirror, sampling, watch)?;
             Seen::by_samples(sampled)
         }
     })
@@ -502,7 +539,7 @@ fn range<T>(all: &[T], value: impl Fn(&T) -> f64) -> Range {
     })
 }
 
-fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
+fn warnings(source: &Picture, seen: &Seen, table: &Table) -> Vec<String> {
     let mut warnings = source.warnings.clone();
     let spots = &seen.spots;
     let [low, high] = range(spots, |spot| spot.place.incidence_deg);
@@ -523,7 +560,8 @@ fn warnings(source: &Picture, seen: &Seen) -> Vec<String> {
             "nothing is returned at incidence {at}: the image is black"
         ));
     }
-    if low == high && spots.iter().any(|spot| spot.interpolated) {
+    let bounded = table.provenance.direction_tolerance.is_some();
+    if low == high && !bounded && spots.iter().any(|spot| spot.interpolated) {
         warnings.push(format!(
             "the blur at incidence {at} is interpolated between directions of the table, which \
             costs accuracy; bake this direction"

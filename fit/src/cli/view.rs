@@ -5,6 +5,7 @@ use std::path::Path;
 
 use tables::Table;
 
+use crate::images::UNWATCHED;
 use crate::images::render;
 use crate::images::render::view::CameraView;
 use crate::photographs::photo::picture::Picture;
@@ -39,7 +40,14 @@ pub fn render_view(
         transfer: Transfer::Linear,
         warnings: Vec::new(),
     };
-    let (mut image, _) = render::viewed(&white, &sheet, &view, result.half_mirror, TOLERANCE)?;
+    let (mut image, _) = render::viewed(
+        &white,
+        &sheet,
+        &view,
+        result.half_mirror,
+        TOLERANCE,
+        UNWATCHED,
+    )?;
     image.expose(view.ambient, 1.0);
     Ok(image)
 }

@@ -9,6 +9,7 @@ mod plane;
 pub(crate) mod render;
 mod sheet;
 mod spot;
+mod watch;
 
 pub(crate) use metrics::Shown;
 pub(crate) use render::Scale;
@@ -17,3 +18,4 @@ pub(crate) use render::viewed;
 #[cfg(test)]
 pub(crate) use spot::{Sampler, Spot};
 pub(crate) use spot::{Sheet, TAIL, Viewpoint};
+pub(crate) use watch::{Part, UNWATCHED, Watch};

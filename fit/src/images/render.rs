@@ -18,6 +18,7 @@ use crate::images::render::view::{CameraView, Seen};
 use rayon::prelude::*;
 
 use crate::images::spot::{Sheet, Viewpoint};
+use crate::images::watch::{Pieces, Watch};
 use crate::photographs::photo::picture::Picture;
 
 /// Reason why an image cannot be made.
@@ -106,7 +107,7 @@ pub(crate) fn uniform_psf(
 /// This is the far field: every pixel is seen at the same incidence and distance. The sum of each
 /// colour plane is the energy times that of the source, except for the light that is blurred past
 /// the frame.
-pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
+pub(crate) fn uniform(source: &Picture, psf: &Psf, watch: Watch<'_>) -> Picture {
     let energy = psf.energy.unwrap_or(1.0) as f32;
     let size = [source.width, source.height];
     let planes = if energy == 0.0 {
@@ -119,9 +120,14 @@ pub(crate) fn uniform(source: &Picture, psf: &Psf) -> Picture {
             .iter_mut()
             .for_each(|weight| *weight *= energy);
         let weights = convolver.weights(&scaled);
+        let pieces = Pieces::new(watch, "colours", source.planes.len());
         let planes = source.planes.iter();
         planes
-            .map(|plane| convolver.blur(plane, &weights))
+            .map(|plane| {
+                let blurred = convolver.blur(plane, &weights);
+                pieces.one();
+                blurred
+            })
             .collect()
     };
     Picture {
@@ -146,10 +152,11 @@ pub(crate) fn viewed(
     view: &CameraView,
     half_mirror: f64,
     tolerance: f64,
+    watch: Watch<'_>,
 ) -> Result<(Picture, Tiles), Error> {
     let size = [source.width, source.height];
     let seen = seen_by(view, source);
-    let tiles = Tiles::new(size, tolerance, |at| -> Result<Psf, Error> {
+    let tiles = Tiles::new(size, tolerance, watch, |at| -> Result<Psf, Error> {
         let Seen {
             place,
             pixels_from_mm,
@@ -162,7 +169,7 @@ pub(crate) fn viewed(
             fault: Box::new(fault),
         })
     })?;
-    let mut planes = tiles.render(&source.planes, size);
+    let mut planes = tiles.render(&source.planes, size, watch);
     coat(&mut planes, source, view, half_mirror)?;
     let image = Picture {
         planes,

@@ -54,8 +54,10 @@ impl Sheet for Fitted<'_> {
             shift,
             lobe,
             reach_mm: 0.0,
+            end_per_mm: f64::INFINITY,
         };
         spot.reach_mm = spot.reach()?;
+        spot.end_per_mm = spot.end();
         Ok(Box::new(spot))
     }
 }
@@ -80,6 +82,8 @@ struct FittedSpot<'a> {
     lobe: Option<(LobeShape, f64)>,
     /// Distance that contains all but [`TAIL`] of the light along each axis, mm.
     reach_mm: f64,
+    /// Frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.
+    end_per_mm: f64,
 }
 
 impl FittedSpot<'_> {
@@ -93,6 +97,23 @@ impl FittedSpot<'_> {
             normal,
             spectrum,
         )?)
+    }
+
+    /// Returns the frequency beyond which waves pass nothing, 1/mm; infinite for the other kernels.
+    fn end(&self) -> f64 {
+        let result = self.sheet.result;
+        match &result.wavelength_nm {
+            Some(spectrum) if result.kernel == Kernel::Wave => {
+                let lines = spectrum.lines().iter().map(|line| line.wavelength_nm);
+                let shortest_mm = lines.fold(f64::INFINITY, f64::min) * 1e-6;
+                WaveLine::highest_frequency(
+                    &self.direction,
+                    self.place.incidence_deg.to_radians(),
+                    [self.blur.c_mm, self.place.r_mm, shortest_mm],
+                )
+            }
+            _ => f64::INFINITY,
+        }
     }
 
     /// Returns the rough facets of a baseline along one direction; `None` for the other kernels.
@@ -142,6 +163,9 @@ impl Spot for FittedSpot<'_> {
             return Complex64::ZERO;
         }
         let modulus = frequency[0].hypot(frequency[1]);
+        if modulus > self.end_per_mm {
+            return Complex64::ZERO;
+        }
         let normal = if modulus > 0.0 {
             frequency.map(|f| f / modulus)
         } else {

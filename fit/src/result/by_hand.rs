@@ -8,6 +8,9 @@ use crate::result::table::TableResult;
 /// Reason why the solver of such a result stopped: it never began.
 const BY_HAND: &str = "given by hand";
 
+/// Reason why the solver of a result of a nominal sheet stopped.
+pub(super) const NOMINAL: &str = "taken from a nominal sheet";
+
 /// Cause that spreads the light besides the ray shift.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Spread {
@@ -104,6 +107,11 @@ impl ByHand {
 impl ResultFile {
     /// Returns whether the numbers were given by hand, so that no photograph stands behind them.
     pub fn is_by_hand(&self) -> bool {
-        self.stop == BY_HAND
+        self.stop == BY_HAND || self.is_nominal()
+    }
+
+    /// Returns whether the numbers are those of a nominal sheet.
+    pub(crate) fn is_nominal(&self) -> bool {
+        self.stop == NOMINAL
     }
 }

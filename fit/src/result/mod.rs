@@ -6,12 +6,14 @@
 
 mod by_hand;
 mod domain;
+mod nominal;
 mod quality;
 pub(crate) mod report;
 mod table;
 
 pub(crate) use by_hand::{ByHand, Spread};
 pub(crate) use domain::Domain;
+pub(crate) use nominal::Nominal;
 pub(crate) use quality::FitResult;
 pub use report::ResultFile;
 pub(crate) use report::sharing;

@@ -4,7 +4,7 @@
 use crate::images::render::sampled;
 use crate::images::render::view::CameraView;
 use crate::images::viewed;
-use crate::images::{Sheet, Spot, Viewpoint};
+use crate::images::{Sheet, Spot, UNWATCHED, Viewpoint};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::Error;
@@ -163,8 +163,9 @@ fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
             sequence: Sequence::Sobol,
         };
         let coated = view(scene, true);
-        let by_transforms = viewed(&source, &Dark, &coated, HALF_MIRROR, 0.01).expect("it is seen");
-        let by_samples = sampled::viewed(&source, &Dark, &coated, HALF_MIRROR, sampling);
+        let by_transforms =
+            viewed(&source, &Dark, &coated, HALF_MIRROR, 0.01, UNWATCHED).expect("it is seen");
+        let by_samples = sampled::viewed(&source, &Dark, &coated, HALF_MIRROR, sampling, UNWATCHED);
         for image in [by_transforms.0, by_samples.expect("it is seen").image] {
             let (mut sum, mut first) = (0.0, [0.0; 2]);
             for (pixel, &value) in image.planes[0].iter().enumerate() {
@@ -181,7 +182,15 @@ fn the_mirrored_picture_is_where_a_mirror_shows_it_and_as_bright() {
             cases += 1;
         }
         // Without a coating the face mirrors nothing.
-        let bare = viewed(&source, &Dark, &view(scene, false), HALF_MIRROR, 0.01).expect("seen");
+        let bare = viewed(
+            &source,
+            &Dark,
+            &view(scene, false),
+            HALF_MIRROR,
+            0.01,
+            UNWATCHED,
+        )
+        .expect("seen");
         assert!(bare.0.planes[0].iter().all(|&value| value == 0.0));
     }
     assert_eq!(cases, 10);

@@ -31,6 +31,7 @@ mod lamps;
 mod metrics;
 mod mirror;
 mod noise;
+mod nominal;
 mod photo_formats;
 mod photographs;
 mod pixels;

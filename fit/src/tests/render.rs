@@ -9,7 +9,7 @@ use crate::images::render;
 use crate::images::render::psf::{Fault, Psf};
 use crate::images::render::tiles::Tiles;
 use crate::images::render::transform::Convolver;
-use crate::images::{Sampler, Sheet, Spot, TAIL, Viewpoint};
+use crate::images::{Sampler, Sheet, Spot, TAIL, UNWATCHED, Viewpoint};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::photographs::photo::picture::{Picture, Writing};
@@ -278,7 +278,7 @@ fn energy_is_kept_by_every_kernel() {
         let total: f64 = psf.weights.iter().map(|&w| f64::from(w)).sum();
         // 1e5 weights, each rounded to 6e-8 of itself, and the rounding of the transform.
         assert!((total - 1.0).abs() < 1e-5, "{kernel}: {total}");
-        let image = render::uniform(&source, &psf);
+        let image = render::uniform(&source, &psf, UNWATCHED);
         for (plane, own) in image.planes.iter().zip(&source.planes) {
             let kept = sum(plane) / (energy * sum(own));
             // The tails of both axes may leave the frame. 60 pixels are 4.8 mm; 2 % of a separable
@@ -308,7 +308,7 @@ fn the_bytes_do_not_depend_on_the_threads() {
             .unwrap();
         pool.install(|| {
             let psf = Psf::new(&Squares, &place(5.0, 1.0), PIXELS).unwrap();
-            render::uniform(&source, &psf)
+            render::uniform(&source, &psf, UNWATCHED)
         })
     };
     let (one, three) = (render(1), render(3));
@@ -328,13 +328,13 @@ fn tiles_meet_every_pixels_own_weights() {
         Psf::new(&Squares, &place(3.0 + 0.05 * x, 0.01 * y), PIXELS)
     };
     let tolerance = 0.01;
-    let tiles = Tiles::new(size, tolerance, at).unwrap();
+    let tiles = Tiles::new(size, tolerance, UNWATCHED, at).unwrap();
     assert!(
         tiles.error <= tolerance && tiles.counts()[0] > 1,
         "{:?}",
         tiles.counts()
     );
-    let images = tiles.render(&source.planes, size);
+    let images = tiles.render(&source.planes, size, UNWATCHED);
     let (mut cases, mut worst) = (0, 0.0_f64);
     for y in 0..size[1] {
         for x in 0..size[0] {

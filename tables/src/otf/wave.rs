@@ -89,8 +89,6 @@ pub struct WaveLine {
     power: f64,
     /// Longest lag at which any cube overlaps itself, edge lengths.
     reach: f64,
-    /// Slope -dOTF/dlag at lag 0, per edge length.
-    kink: f64,
     /// Wavelengths, mm, and their shares, which sum to 1.
     lines: Vec<(f64, f64)>,
 }
@@ -140,16 +138,12 @@ impl WaveLine {
         let mut line = WaveLine {
             power: 1.0,
             reach: cubes.iter().map(|cube| extent(cube)).fold(0.0, f64::max),
-            kink: 0.0,
             lines: lines
                 .map(|(wavelength_nm, weight)| (wavelength_nm * 1e-6, weight / total))
                 .collect(),
             cubes,
         };
         line.power = line.overlap(0.0, 0.0)[0];
-        // The slope is taken next to lag 0, because it jumps at lag 0 itself where pieces of one
-        // cube touch.
-        line.kink = -line.overlap(1e-9 * line.reach, 0.0)[1];
         Ok(line)
     }
 
@@ -177,7 +171,39 @@ impl WaveLine {
     /// It falls as 1/c.
     pub fn kink(&self, c_mm: f64, r_mm: f64) -> f64 {
         let mean_mm: f64 = self.lines.iter().map(|(mm, share)| mm * share).sum();
-        self.kink * mean_mm * r_mm / c_mm
+        // The slope is taken next to lag 0, because it jumps at lag 0 itself where pieces of one
+        // cube touch.
+        let by_lag = self.overlap(1e-9 * self.reach, 0.0)[1];
+        -by_lag * mean_mm * r_mm / c_mm
+    }
+
+    /// Returns the frequency beyond which the OTF of a direction is 0 along every line, 1/mm.
+    ///
+    /// `c_mm` is the corner size, `r_mm` the floating distance and `wavelength_mm` the shortest
+    /// wavelength, all in mm. The longest lag is the distance of the two corners of a cube that are
+    /// farthest apart, seen from the image. A cube's pieces are those of one map. It is 0 if the
+    /// direction has no polygons.
+    pub fn highest_frequency(
+        direction: &Direction,
+        incidence_rad: f64,
+        [c_mm, r_mm, wavelength_mm]: [f64; 3],
+    ) -> f64 {
+        let paths = direction.paths.as_deref().unwrap_or_default();
+        let mut longest = 0.0_f64;
+        for (k, own) in paths.iter().enumerate() {
+            for other in &paths[k..] {
+                if (0..2).any(|i| (own.offset[i] - other.offset[i]).abs() >= SAME_MAP) {
+                    continue;
+                }
+                for a in &own.polygon {
+                    for b in &other.polygon {
+                        let along = (a[0] - b[0]) * incidence_rad.cos();
+                        longest = longest.max(along.hypot(a[1] - b[1]));
+                    }
+                }
+            }
+        }
+        longest * c_mm / (wavelength_mm * r_mm)
     }
 
     /// Returns the integral of cos(wave a) over the overlap of the apertures at +-lag/2 along the
@@ -329,9 +355,8 @@ mod tests {
     /// Source lines, (nm, weight).
     const LINES: [(f64, f64); 2] = [(450.0, 1.0), (650.0, 3.0)];
 
-    /// Makes the waves of one cube whose aperture is a rectangle of two halves with different
-    /// losses, seen along the tangential axis.
-    fn two_halves() -> WaveLine {
+    /// Makes one cube whose aperture is a rectangle of two halves with different losses.
+    fn cube() -> Direction {
         let (middle, low, high) = ([0.2, -0.1], -0.4, 0.3);
         let half = |from: f64, to: f64, weight: f64| {
             let at = |x: f64, y: f64| [middle[0] + x, middle[1] + y];
@@ -345,7 +370,7 @@ mod tests {
                 jones: None,
             }
         };
-        let direction = Direction {
+        Direction {
             incidence_deg: INCIDENCE_DEG,
             azimuth_deg: 0.0,
             retroreflected: 0.4,
@@ -358,9 +383,40 @@ mod tests {
                 half(-HALF, 0.0, WEIGHTS[0]),
                 half(0.0, HALF, WEIGHTS[1]),
             ]),
-        };
+        }
+    }
+
+    /// Returns the waves of the cube along a normal.
+    fn along(normal: [f64; 2]) -> WaveLine {
         let incidence_rad = INCIDENCE_DEG.to_radians();
-        WaveLine::new(&direction, incidence_rad, [1.0, 0.0], &LINES).expect("an ideal cube")
+        WaveLine::new(&cube(), incidence_rad, normal, &LINES).expect("an ideal cube")
+    }
+
+    /// Returns the waves of the cube along the tangential axis.
+    fn two_halves() -> WaveLine {
+        along([1.0, 0.0])
+    }
+
+    /// The rectangle, foreshortened, overlaps itself up to its diagonal, along the diagonal only.
+    /// Directions of 0.1 degrees miss the diagonal by 1 - cos(0.05 deg) = 4e-7 of the lag.
+    #[test]
+    fn no_line_passes_a_frequency_beyond_the_highest() {
+        let (c_mm, r_mm, shortest_mm) = (0.2, 150.0, 450e-6);
+        let incidence_rad = INCIDENCE_DEG.to_radians();
+        let end = WaveLine::highest_frequency(&cube(), incidence_rad, [c_mm, r_mm, shortest_mm]);
+        let diagonal = (2.0 * HALF * incidence_rad.cos()).hypot(0.7);
+        let expected = diagonal * c_mm / (shortest_mm * r_mm);
+        assert!((end / expected - 1.0).abs() < 1e-14, "{end} {expected}");
+        let mut longest = 0.0_f64;
+        for k in 0..1800 {
+            let (sin, cos) = (0.1 * f64::from(k)).to_radians().sin_cos();
+            let line = along([cos, sin]);
+            assert_eq!(line.otf(c_mm, r_mm, end * (1.0 + 1e-12)).0, 0.0, "{k}");
+            longest = longest.max(line.reach);
+        }
+        let short = 1.0 - longest / diagonal;
+        assert!((0.0..1e-6).contains(&(short + 1e-14)), "{short}");
+        println!("1800 lines");
     }
 
     /// Returns the integral of cos(wave a) times the amplitudes at a - lag/2 and a + lag/2, over

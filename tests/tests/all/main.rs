@@ -33,6 +33,7 @@ mod reader;
 mod report_page;
 mod rooms;
 mod rough;
+mod sheets;
 mod streams;
 mod together;
 mod wave;

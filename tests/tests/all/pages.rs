@@ -63,7 +63,7 @@ fn every_page_runs_as_printed() {
         std::os::unix::fs::symlink(project().join(name), here.join(name)).unwrap();
     }
     let mut ran = run_page("README.md", here);
-    assert_eq!(ran, 7, "README has seven commands");
+    assert_eq!(ran, 9, "README has nine commands");
     for page in PAGES {
         // A page overwrites only files that it wrote itself. So sheet.h5 and result.json of README
         // stay unchanged.

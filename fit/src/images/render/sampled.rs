@@ -13,6 +13,7 @@ use crate::images::render::view;
 use crate::images::render::view::CameraView;
 use crate::images::render::{Error, Scale, bilinear, coat, seen_by};
 use crate::images::spot::{Sheet, Spot, Viewpoint};
+use crate::images::watch::{Pieces, Watch};
 use crate::photographs::photo::picture::Picture;
 use crate::predict::Error as Unshown;
 use crate::samples::Points;
@@ -26,6 +27,9 @@ const RANDOMISATIONS: usize = 8;
 /// Samples that one randomisation draws for a picture under one blur; every pixel takes a block of
 /// them.
 const DRAWN: usize = 32_768;
+
+/// Pieces of the work, in words.
+const ROWS: &str = "rows of pixels";
 
 /// Image that was rendered by samples.
 #[derive(Debug)]
@@ -149,6 +153,13 @@ fn turned(matrix: &[[f64; 2]; 2], offset: [f64; 2]) -> [f64; 2] {
     matrix.map(|row| row[0] * offset[0] + row[1] * offset[1])
 }
 
+/// Counts the row of a pixel if the pixel is the first of it.
+fn tell(rows: &Pieces<'_>, source: &Picture, pixel: usize) {
+    if pixel.is_multiple_of(source.width) {
+        rows.one();
+    }
+}
+
 /// Renders a picture with one blur and one brightness for all pixels.
 ///
 /// All pixels share the samples, and each pixel uses a block of them.
@@ -162,6 +173,7 @@ pub(crate) fn uniform(
     place: &Viewpoint,
     scale: &Scale,
     sampling: Sampling,
+    watch: Watch<'_>,
 ) -> Result<Sampled, Error> {
     let plan = Plan::new(sampling);
     let spot = sheet.spot(place, 0.0).map_err(Fault::from)?;
@@ -180,13 +192,16 @@ pub(crate) fn uniform(
         plan.nets.iter().map(draw).collect()
     };
     let pixels = (0..source.width * source.height).into_par_iter();
+    let rows = Pieces::new(watch, ROWS, source.height);
     let gathered = pixels.map(|pixel| {
         // Neighbouring pixels use blocks that are far apart. Every randomisation uses other blocks.
         let own = nets.iter().enumerate().map(|(k, net)| {
             let block = (pixel.wrapping_mul(0x9e37_79b1) >> 7).wrapping_add(k * pixel) % blocks;
             net[block * plan.each..][..plan.each].iter().copied()
         });
-        gather(source, pixel, seen.brightness(), own)
+        let found = gather(source, pixel, seen.brightness(), own);
+        tell(&rows, source, pixel);
+        found
     });
     let (image, standard_error) = image(source, gathered.collect(), &plan);
     Ok(Sampled {
@@ -211,11 +226,14 @@ pub(crate) fn viewed(
     view: &CameraView,
     half_mirror: f64,
     sampling: Sampling,
+    watch: Watch<'_>,
 ) -> Result<Sampled, Error> {
     let plan = Plan::new(sampling);
     let seen = seen_by(view, source);
     let pixels = (0..source.width * source.height).into_par_iter();
+    let rows = Pieces::new(watch, ROWS, source.height);
     let one = |pixel: usize| -> Result<(Gathered, Spotted), Error> {
+        tell(&rows, source, pixel);
         let at = [pixel % source.width, pixel / source.width].map(|v| v as f64);
         let view::Seen {
             place,

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::images::render::psf::{Fault, Psf};
 use crate::images::render::transform::Convolver;
+use crate::images::watch::{Pieces, Watch};
 
 /// Greatest count of tiles along an axis.
 const MOST: usize = 64;
@@ -42,6 +43,7 @@ impl Tiles {
     pub(crate) fn new<E: From<Fault> + Send>(
         size: [usize; 2],
         tolerance: f64,
+        watch: Watch<'_>,
         at: impl Fn([f64; 2]) -> Result<Psf, E> + Sync,
     ) -> Result<Tiles, E> {
         let mut counts = [1, 1];
@@ -51,16 +53,22 @@ impl Tiles {
                 let place = |i: usize| i as f64 * step - 0.5;
                 (0..=counts[axis]).map(place).collect::<Vec<f64>>()
             });
+            let [columns, rows] = counts;
+            let count = (columns + 1) * (rows + 1);
+            let blurs = Pieces::new(
+                watch,
+                "blurs of corners and middles",
+                count + columns * rows,
+            );
             let scaled = |place: [f64; 2]| -> Result<Psf, E> {
                 let mut psf = at(place)?;
+                blurs.one();
                 let energy = psf.energy.unwrap_or(1.0) as f32;
                 psf.weights.iter_mut().for_each(|weight| *weight *= energy);
                 Ok(psf)
             };
-            let [columns, rows] = counts;
             let corner =
                 |i: usize| scaled([places[0][i % (columns + 1)], places[1][i / (columns + 1)]]);
-            let count = (columns + 1) * (rows + 1);
             let corners: Vec<Psf> = (0..count)
                 .into_par_iter()
                 .map(corner)
@@ -122,14 +130,24 @@ impl Tiles {
     }
 
     /// Renders the image of colour planes that all have `width` columns and `height` rows.
-    pub(crate) fn render(&self, planes: &[Vec<f32>], [width, height]: [usize; 2]) -> Vec<Vec<f32>> {
+    pub(crate) fn render(
+        &self,
+        planes: &[Vec<f32>],
+        [width, height]: [usize; 2],
+        watch: Watch<'_>,
+    ) -> Vec<Vec<f32>> {
         let mut images = vec![vec![0.0; width * height]; planes.len()];
         let [columns, rows] = self.counts();
+        let pieces = Pieces::new(watch, "tiles", columns * rows);
         // Each tile is made independently. The tiles are then copied into the image in order.
         for row in 0..rows {
             let tiles = (0..columns).into_par_iter();
             let made: Vec<_> = tiles
-                .map(|column| self.tile(planes, [width, height], [column, row]))
+                .map(|column| {
+                    let made = self.tile(planes, [width, height], [column, row]);
+                    pieces.one();
+                    made
+                })
                 .collect();
             for (from, size, parts) in made {
                 for (image, part) in images.iter_mut().zip(parts) {

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use crate::images::render;
-use crate::images::{Scale, Sheet, Spot, Viewpoint};
+use crate::images::{Scale, Sheet, Spot, UNWATCHED, Viewpoint};
 use crate::photographs::photo::picture::Picture;
 use crate::photographs::photo::transfer::Transfer;
 use crate::predict::{Error, Fitted};
@@ -127,11 +127,11 @@ fn pictures_are_those_of_the_tracer() {
             seen_in_mirror,
         };
         let psf = render::uniform_psf(&sheet, &place, &scale).unwrap();
-        render::uniform(&source, &psf)
+        render::uniform(&source, &psf, UNWATCHED)
     };
     let viewed = |seen_in_mirror| {
         let view = load(&view_file(seen_in_mirror)).unwrap();
-        render::viewed(&source, &sheet, &view, 0.25, 0.01)
+        render::viewed(&source, &sheet, &view, 0.25, 0.01, UNWATCHED)
             .unwrap()
             .0
     };

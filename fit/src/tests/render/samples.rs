@@ -4,7 +4,7 @@ use crate::images::Scale;
 use crate::images::render;
 use crate::images::render::sampled;
 use crate::images::render::sampled::Sampled;
-use crate::images::{Sampler, Sheet, Spot, Viewpoint};
+use crate::images::{Sampler, Sheet, Spot, UNWATCHED, Viewpoint};
 use crate::names::Kernel;
 use crate::names::LobeShape;
 use crate::photographs::photo::picture::Picture;
@@ -69,14 +69,21 @@ fn samples_meet_the_transforms_within_their_error() {
         let place = place(150.0, 20.0);
         let psf = render::uniform_psf(&sheet, &place, &scale).unwrap();
         for source in [&point, &picture(width, height, 8)] {
-            let spectral = render::uniform(source, &psf);
+            let spectral = render::uniform(source, &psf, UNWATCHED);
             for sequence in [Sequence::Sobol, Sequence::Independent] {
                 let Sampled {
                     image,
                     standard_error,
                     seen,
-                } = sampled::uniform(source, &sheet, &place, &scale, sampling(256, sequence))
-                    .unwrap();
+                } = sampled::uniform(
+                    source,
+                    &sheet,
+                    &place,
+                    &scale,
+                    sampling(256, sequence),
+                    UNWATCHED,
+                )
+                .unwrap();
                 let error = standard_error.unwrap();
                 let distance = distance(&image, &spectral);
                 // Number of pixels whose errors are independent. For a point these are the pixels
@@ -110,6 +117,7 @@ fn samples_meet_the_transforms_within_their_error() {
         &place(150.0, 20.0),
         &scale,
         sampling(8, Sequence::Sobol),
+        UNWATCHED,
     );
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("use --forward spectral"), "{message}");
@@ -120,13 +128,15 @@ fn samples_of_a_view_meet_its_tiles() {
     let source = picture(40, 30, 0);
     let view = load(&view(400.0, 20.0, false)).unwrap();
     let tolerance = 0.002;
-    let (tiled, _) = render::viewed(&source, &Millimetre, &view, 1.0, tolerance).unwrap();
+    let (tiled, _) =
+        render::viewed(&source, &Millimetre, &view, 1.0, tolerance, UNWATCHED).unwrap();
     let sampled = sampled::viewed(
         &source,
         &Millimetre,
         &view,
         1.0,
         sampling(512, Sequence::Sobol),
+        UNWATCHED,
     )
     .unwrap();
     let error = sampled.standard_error.unwrap();

@@ -1,0 +1,75 @@
+//! Nominal sheets: their tables, and what they predict.
+
+use crate::predict::{Places, predict};
+use crate::result::{Nominal, TableResult};
+
+/// Every sheet brings a table of its own cell, and its luminance at normal incidence is the product
+/// of its published or assumed numbers.
+#[test]
+fn every_nominal_sheet_predicts_from_its_own_table() {
+    // mu, and the share of light that ideal cubes return: two thirds of triangular ones, all of
+    // full ones. The reflectances are those of `Nominal`, by hand.
+    let metal = 0.91_f64.powi(3);
+    let front = (1.0 - 0.0387_f64).powi(2);
+    let expected = [
+        ("prism-0.1", front * metal, 2.0 / 3.0),
+        ("prism-0.2", front * metal, 2.0 / 3.0),
+        ("hollow-0.5", metal, 1.0),
+        ("published", 0.252, 2.0 / 3.0),
+    ];
+    assert_eq!(Nominal::all().len(), expected.len());
+    let mut compared = 0;
+    for (name, mu, share) in expected {
+        let sheet = Nominal::named(name).expect("a sheet");
+        let table = sheet.table().expect("a table");
+        let own = || TableResult::of(&table);
+        let places = |incidence_deg| Places {
+            floating_distance_mm: vec![300.0, 3000.0],
+            incidence_deg,
+            azimuth_deg: Some(0.0),
+            frequency_per_mm: vec![0.0, 0.1],
+        };
+        let result = sheet.result(own(), None, 0.25, 0.5);
+        assert!(result.is_by_hand() && result.warnings.iter().any(|text| text.contains(name)));
+        let found = predict(&result, &table, &places(vec![0.0])).expect("predictions");
+        for one in &found {
+            // A product of five rounded numbers; tables are rounded to 1e-14.
+            let luminance = one.luminance.expect("mu is known");
+            assert!(
+                (luminance / (0.25 * mu * share) - 1.0).abs() < 1e-12,
+                "{name}: {luminance}"
+            );
+            compared += 1;
+        }
+        // A farther image is blurred more by all of them.
+        assert!(found[0].mtf[1] > found[found.len() - 1].mtf[1], "{name}");
+        let halved = sheet.result(own(), Some(0.5 * mu), 0.25, 0.5);
+        let halved = predict(&halved, &table, &places(vec![0.0])).expect("predictions");
+        let ratio = halved[0].luminance.expect("mu is given") / found[0].luminance.expect("known");
+        assert!((ratio - 0.5).abs() < 1e-12, "{name}: {ratio}");
+        let steep = predict(&result, &table, &places(vec![12.5, 40.0])).expect("all around");
+        assert_eq!(steep.len(), 8);
+    }
+    assert_eq!(compared, 16);
+    assert!(Nominal::named("prism").is_none());
+}
+
+/// The published numbers are those of each incidence.
+#[test]
+fn the_published_sheet_has_its_numbers_at_each_incidence() {
+    let sheet = Nominal::named("published").expect("a sheet");
+    let table = sheet.table().expect("a table");
+    let result = sheet.result(TableResult::of(&table), None, 0.25, 0.5);
+    let a = result.a_times_r.expect("the kernel is angular");
+    let mu = result.mu.expect("mu is known");
+    let cases = [
+        (0.0, 735.0, 0.252),
+        (20.0, 509.0, 0.231),
+        (45.0, 191.0, 0.202),
+    ];
+    for (incidence_deg, expected_a, expected_mu) in cases {
+        assert_eq!(a.at(incidence_deg), Some(expected_a));
+        assert_eq!(mu.at(incidence_deg), Some(expected_mu));
+    }
+    println!("{} incidences", cases.len());
+}
