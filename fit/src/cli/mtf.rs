@@ -5,6 +5,7 @@ mod report;
 mod table;
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use tables::Outputs;
@@ -13,6 +14,7 @@ use tables::cli as terminal;
 use crate::cli::failure::Failure;
 use crate::cli::mtf::report::{Report, Request, measured};
 use crate::cli::mtf::table::{Entry, Photographs};
+use crate::cli::progress::Progress;
 use crate::cli::{output, parse};
 use crate::photographs::Roi;
 use crate::photographs::edge::accepted::Accepted;
@@ -232,10 +234,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Measures all photographs, in parallel, and prints the warnings and refusals in their order.
 fn all(images: &[PathBuf], request: &Request) -> Vec<Entry> {
-    let found: Vec<Result<Report, Failure>> = images
-        .par_iter()
-        .map(|image| measured(image, request))
-        .collect();
+    let (progress, done) = (Progress::of_steps(), AtomicUsize::new(0));
+    let one = |image: &PathBuf| {
+        let found = measured(image, request);
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        progress.part("photographs measured", done, images.len());
+        found
+    };
+    let found: Vec<Result<Report, Failure>> = images.par_iter().map(one).collect();
+    progress.done();
     let entries = images.iter().zip(found).map(|(image, found)| match found {
         Ok(report) => {
             warn(&report);
