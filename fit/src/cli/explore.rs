@@ -85,7 +85,7 @@ pub(crate) struct Arguments {
     pub transfer: Option<Transfer>,
     /// Shortest floating distance of the slider, mm; half the shortest that was photographed.
     ///
-    /// Without photographs it is 50 mm.
+    /// Without photographs it is 100 mm.
     #[arg(
         long,
         value_name = "MM",
@@ -113,7 +113,7 @@ pub(crate) struct Arguments {
 }
 
 /// Shortest distance of the slider without photographs, mm.
-const NEAREST_MM: f64 = 50.0;
+const NEAREST_MM: f64 = 100.0;
 
 /// Longest distance of the slider at least, mm: that of a large stage.
 const FARTHEST_MM: f64 = 3000.0;

@@ -31,15 +31,17 @@ pub(crate) enum Error {
     /// Light that is spread so far that its transform fits into no page.
     #[error(
         "the page would need {megabytes:.0} MB, because light leaves up to {reach:.0} edge lengths \
-        from its place; give a shorter --farthest than {farthest_mm} mm"
+        from its place; give a shorter range than {} to {} mm by --nearest and --farthest",
+        distance_mm[0],
+        distance_mm[1]
     )]
     Large {
         /// Size of the numbers in the page, MB.
         megabytes: f64,
         /// Farthest shift, edge lengths.
         reach: f64,
-        /// Farthest distance of the page, mm.
-        farthest_mm: f64,
+        /// Distances of the page, mm.
+        distance_mm: [f64; 2],
     },
 }
 
@@ -117,7 +119,7 @@ impl Grid {
         let large = |bytes: usize| Error::Large {
             megabytes: bytes as f64 / 1e6,
             reach: shape.reach,
-            farthest_mm: span.distance_mm[1],
+            distance_mm: span.distance_mm,
         };
         if bytes > MOST_BYTES {
             return Err(large(bytes / 4));

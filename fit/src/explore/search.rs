@@ -24,6 +24,9 @@ const FINER: f64 = 0.6;
 /// Factor that is tried where the numbers of a grid that is finer by [`FINER`] do not fit.
 const LITTLE_FINER: f64 = 0.8;
 
+/// Times that the first grid is made coarser if its numbers do not fit.
+const COARSER: usize = 3;
+
 /// Grids that are tried at most.
 const MOST_GRIDS: usize = 10;
 
@@ -65,13 +68,16 @@ pub(crate) fn grid(
         tried += 1;
         let grid = match Grid::new(sheet, span, &fineness) {
             Ok(grid) => grid,
-            Err(error @ Error::Large { .. }) => match coarser.take() {
-                Some(coarser) => {
-                    fineness = coarser;
-                    continue;
-                }
-                None => return best.ok_or(error),
-            },
+            Err(error @ Error::Large { .. }) => {
+                fineness = match coarser.take() {
+                    Some(coarser) => coarser,
+                    None if best.is_none() && tried <= COARSER => {
+                        AXES.iter().fold(fineness, |all, &axis| finer(all, axis, 1.0 / FINER))
+                    }
+                    None => return best.ok_or(error),
+                };
+                continue;
+            }
             Err(error) => return Err(error),
         };
         let error = |sheet: &Fitted<'_>, places: &[Viewpoint]| {

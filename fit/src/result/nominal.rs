@@ -98,12 +98,12 @@ const ALL: [Nominal; 4] = [
         },
     },
     Nominal {
-        name: "hollow-0.5",
-        about: "array of hollow full cubes with edges of 0.5 mm (US patent 3,684,348 names edges \
+        name: "hollow-0.2",
+        about: "array of hollow full cubes with edges of 0.2 mm (US patent 3,684,348 names edges \
             below 0.635 mm)",
         assumed: "ideal cubes of aluminium (0.91 a mirror), no front, light of 550 nm",
         cell: Cell::HollowCubes,
-        c_mm: 0.5,
+        c_mm: 0.2,
         blur: Blur::Waves {
             wavelength_nm: 550.0,
             mu: ALUMINIUM,

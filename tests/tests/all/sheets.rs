@@ -37,7 +37,7 @@ fn a_picture_needs_one_command() {
     let here = folder.path();
     let sign = argument(&project().join("doc/sign.png"));
     let help = fit(here, &["render", "--help"]).done();
-    let names = ["prism-0.1", "prism-0.2", "hollow-0.5", "published"];
+    let names = ["prism-0.1", "prism-0.2", "hollow-0.2", "published"];
     for name in names {
         assert!(help.contains(&format!("- {name}:")), "{name} in the help");
         let words = [

@@ -202,8 +202,7 @@ function say(own, place, { width, pitch, exposure, light, ambient, colour }) {
     const share = shown(100 * data.misfit[0]);
     remarks.push(`A pixel of this page can err by ${share} % of the brightest.`);
   }
-  if (data.by_hand) remarks.push("These numbers were given by hand. No photograph stands behind " +
-    "them.");
+  if (data.by_hand) remarks.push("No photograph stands behind these numbers.");
   list($("remarks"), remarks);
   $("aerial").setAttribute("aria-label", `Mid-air image, ${facts["fact-size"]}, ` +
     `${shown(own.distance)} mm from the sheet, incidence ${shown(own.incidence)} degrees`);
